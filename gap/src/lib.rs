@@ -1,0 +1,1 @@
+//! Where a simulation and a device differ, which effect causes it, how far the gap shrinks.

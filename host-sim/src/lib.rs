@@ -1,0 +1,1 @@
+//! Simulated haptic paddle: plant, effects, sensors and the closed loop around the control core.

@@ -1,0 +1,3 @@
+//! Command line of the haptic paddle: simulate, measure the gap, diagnose it.
+
+fn main() {}

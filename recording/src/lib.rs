@@ -1,0 +1,1 @@
+//! The recording format: folders of one TOML file and CSV runs.

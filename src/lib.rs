@@ -1,0 +1,2 @@
+//! Control core of a one-axis haptic paddle: measurement in, duty out.
+#![no_std]

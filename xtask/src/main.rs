@@ -1,0 +1,3 @@
+//! Chores of this repository: its tests and checks.
+
+fn main() {}

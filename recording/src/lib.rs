@@ -1,1 +1,96 @@
-//! The recording format: folders of one TOML file and CSV runs.
+//! The recording format: a folder of one `recording.toml` and one CSV file a run.
+//!
+//! A [`Recording`] is what a device was told and where it went, together with the [`Model`] whose gap to the device is
+//! asked about. A simulator fills one and writes it; a diagnosis reads one. Bad input is an [`Error`] of one line that
+//! names the file, the row and the mend; what is merely odd is collected in [`Recording::oddities`].
+//!
+//! ```
+//! use recording::{Drive, Model, Recording, Run, Sensor};
+//!
+//! let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
+//! let position = time.iter().map(|t| 0.1 * (6.0 * t).sin()).collect();
+//! let input = time.iter().map(|t| 0.01 * (6.0 * t).cos()).collect();
+//!
+//! let mut recording = Recording::new("A paddle", 0.25, Model::new(5.755e-4));
+//! recording.sensors.insert("position".into(), Sensor { noise: 1e-4, ..Sensor::default() });
+//! recording.runs.push(Run::new("sine.csv", Drive::OpenLoop, time, input, position));
+//!
+//! let folder = std::env::temp_dir().join(format!("recording-example-{}", std::process::id()));
+//! recording.write(&folder)?;
+//! assert_eq!(Recording::read(&folder)?.runs, recording.runs);
+//! # std::fs::remove_dir_all(&folder).unwrap();
+//! # Ok::<(), recording::Error>(())
+//! ```
+
+mod columns;
+mod error;
+mod keys;
+mod manifest;
+mod model;
+mod oddity;
+mod read;
+mod run;
+mod sensor;
+mod validate;
+mod write;
+
+pub use error::{Error, Fault};
+pub use manifest::Units;
+pub use model::{Model, Tolerance};
+pub use oddity::Oddity;
+pub use run::{Drive, Pid, Run};
+pub use sensor::Sensor;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// One recording: the nominal model, what is known of the sensors, and the runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// The folder that it was read from; empty for one that was made in memory.
+    pub folder: PathBuf,
+    /// A line for people.
+    pub title: String,
+    /// Length of a prediction window, s.
+    pub horizon: f64,
+    /// Half the width of the window to which a restart state is fitted, s.
+    pub restart_half_width: f64,
+    /// Units of position and input, for display only.
+    pub units: Units,
+    /// The nominal simulation.
+    pub model: Model,
+    /// How well the model's numbers are known.
+    pub tolerance: Tolerance,
+    /// Sensors by the name of their column; `position` is always there after reading.
+    pub sensors: BTreeMap<String, Sensor>,
+    /// The runs, in the order of the manifest.
+    pub runs: Vec<Run>,
+    /// What is odd about the recording and was worked around.
+    pub oddities: Vec<Oddity>,
+}
+
+impl Recording {
+    /// The contract's default of [`restart_half_width`](Self::restart_half_width), s.
+    pub const RESTART_HALF_WIDTH: f64 = 0.008;
+
+    /// A recording without runs, of `horizon` in s, with one ideal position sensor.
+    pub fn new(title: impl Into<String>, horizon: f64, model: Model) -> Self {
+        Self {
+            folder: PathBuf::new(),
+            title: title.into(),
+            horizon,
+            restart_half_width: Self::RESTART_HALF_WIDTH,
+            units: Units::default(),
+            model,
+            tolerance: Tolerance::default(),
+            sensors: BTreeMap::from([("position".to_owned(), Sensor::default())]),
+            runs: Vec::new(),
+            oddities: Vec::new(),
+        }
+    }
+
+    /// The sensor behind `column`; an ideal one if nothing is stated about it.
+    pub fn sensor(&self, column: &str) -> Sensor {
+        self.sensors.get(column).copied().unwrap_or_default()
+    }
+}

@@ -1,0 +1,165 @@
+//! `recording.toml` as it stands in the file.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Fault};
+use crate::keys::{self, Lines};
+use crate::{Drive, Model, Oddity, Pid, Recording, Run, Sensor, Tolerance};
+
+/// Name of the manifest inside the folder.
+pub(crate) const FILE: &str = "recording.toml";
+
+/// The one version of the format.
+pub(crate) const FORMAT: u32 = 1;
+
+/// Units of position and input, for display only.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Units {
+    /// Unit of position; `rad` if left out.
+    pub position: String,
+    /// Unit of input; `N m` if left out.
+    pub input: String,
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Self {
+            position: "rad".into(),
+            input: "N m".into(),
+        }
+    }
+}
+
+/// The whole manifest. `M` is the `[model]` table: without its tolerances on the way in, with them on the way out.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Manifest<M> {
+    pub format: u32,
+    #[serde(default)]
+    pub title: String,
+    pub horizon: f64,
+    #[serde(default = "restart_half_width")]
+    pub restart_half_width: f64,
+    #[serde(default)]
+    pub units: Units,
+    pub model: M,
+    #[serde(default)]
+    pub sensor: BTreeMap<String, Sensor>,
+    #[serde(default)]
+    pub runs: Vec<RunEntry>,
+}
+
+fn restart_half_width() -> f64 {
+    Recording::RESTART_HALF_WIDTH
+}
+
+/// One of `[[runs]]`.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct RunEntry {
+    pub file: String,
+    pub drive: Drive,
+    #[serde(default)]
+    pub input_time_std: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub controller: Option<Controller>,
+}
+
+/// `[runs.controller]`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub(crate) enum Controller {
+    Pid(Pid),
+}
+
+/// `[model]` with its tolerances.
+#[derive(Serialize)]
+struct ModelTable<'a> {
+    #[serde(flatten)]
+    model: &'a Model,
+    #[serde(skip_serializing_if = "Tolerance::is_empty")]
+    tolerance: &'a Tolerance,
+}
+
+/// A manifest that was read, with the lines on which its keys stand.
+pub(crate) struct Parsed {
+    pub manifest: Manifest<Model>,
+    pub tolerance: Tolerance,
+    pub lines: Lines,
+    pub oddities: Vec<Oddity>,
+}
+
+/// Reads the text of a manifest.
+///
+/// # Errors
+/// Whatever is not TOML or not of the contract's shape; numbers are not judged here.
+pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
+    let failed = |error: toml::de::Error| {
+        let message = error.message().lines().collect::<Vec<_>>().join(", ");
+        Error::new(Fault::Toml { message })
+            .at(error.span().map(|span| keys::line_at(text, span.start)))
+    };
+    let mut root = toml::de::DeTable::parse(text).map_err(failed)?;
+    let lines = Lines::of(text, root.get_ref());
+    let format = root
+        .get_ref()
+        .get("format")
+        .and_then(|value| value.get_ref().as_integer());
+    if let Some(found) = format
+        .map(|integer| integer.to_string())
+        .filter(|found| *found != FORMAT.to_string())
+    {
+        return Err(Error::new(Fault::Format { found }).at(lines.get("format")));
+    }
+    let oddities = keys::check(text, root.get_ref())?;
+
+    let model = root.get_mut().get_mut("model").map(toml::Spanned::get_mut);
+    let tolerance = match model {
+        Some(toml::de::DeValue::Table(model)) => model.remove("tolerance"),
+        _ => None,
+    };
+    let tolerance = match tolerance {
+        Some(table) => {
+            let span = table.span();
+            Tolerance::deserialize(toml::de::ValueDeserializer::from(table)).map_err(|error| {
+                let line = keys::line_at(text, error.span().unwrap_or(span).start);
+                Error::new(Fault::Toml {
+                    message: error.message().to_owned(),
+                })
+                .at(Some(line))
+            })?
+        }
+        None => Tolerance::default(),
+    };
+    let manifest = Manifest::deserialize(toml::Deserializer::from(root)).map_err(failed)?;
+    Ok(Parsed {
+        manifest,
+        tolerance,
+        lines,
+        oddities,
+    })
+}
+
+/// The text of the manifest of `recording`.
+pub(crate) fn text(recording: &Recording) -> Result<String, toml::ser::Error> {
+    let entry = |run: &Run| RunEntry {
+        file: run.file.clone(),
+        drive: run.drive,
+        input_time_std: run.input_time_std,
+        controller: run.controller.map(Controller::Pid),
+    };
+    toml::to_string(&Manifest {
+        format: FORMAT,
+        title: recording.title.clone(),
+        horizon: recording.horizon,
+        restart_half_width: recording.restart_half_width,
+        units: recording.units.clone(),
+        model: ModelTable {
+            model: &recording.model,
+            tolerance: &recording.tolerance,
+        },
+        sensor: recording.sensors.clone(),
+        runs: recording.runs.iter().map(entry).collect(),
+    })
+}

@@ -1,0 +1,118 @@
+//! From a folder to a [`Recording`].
+
+use std::fs::{self, File};
+use std::path::{Component, Path};
+
+use crate::columns;
+use crate::error::{Error, Fault};
+use crate::manifest::{self, Controller, Parsed, RunEntry};
+use crate::validate;
+use crate::{Oddity, Recording, Run};
+
+/// Bytes of a typical row, to reserve memory once.
+const TYPICAL_ROW_BYTES: u64 = 24;
+
+impl Recording {
+    /// Reads and validates the recording in `folder`.
+    ///
+    /// # Errors
+    /// The first fault that was found; see [`Fault`].
+    pub fn read(folder: impl AsRef<Path>) -> Result<Self, Error> {
+        let folder = folder.as_ref();
+        let path = folder.join(manifest::FILE);
+        let mend = "give a folder with a `recording.toml` in UTF-8";
+        let text = fs::read_to_string(&path).map_err(|source| {
+            Error::new(Fault::Io {
+                doing: "read",
+                source,
+                mend,
+            })
+            .in_file(&path)
+        })?;
+        let Parsed {
+            manifest,
+            tolerance,
+            lines,
+            oddities,
+        } = manifest::parse(&text).map_err(|error| error.in_file(&path))?;
+        validate::manifest(&manifest, &tolerance, &lines).map_err(|error| error.in_file(&path))?;
+
+        let mut recording = Self {
+            folder: folder.to_owned(),
+            title: manifest.title,
+            horizon: manifest.horizon,
+            restart_half_width: manifest.restart_half_width,
+            units: manifest.units,
+            model: manifest.model,
+            tolerance,
+            sensors: manifest.sensor,
+            runs: Vec::with_capacity(manifest.runs.len()),
+            oddities,
+        };
+        for entry in manifest.runs {
+            let run = read_run(folder, entry)?;
+            validate::run(&run, &recording)
+                .map_err(|error| error.in_file(&folder.join(&run.file)))?;
+            recording.runs.push(run);
+        }
+        validate::sensors(&recording, &lines).map_err(|error| error.in_file(&path))?;
+        recording.assume_sensors();
+        Ok(recording)
+    }
+
+    /// States an ideal sensor for every position column that has none.
+    fn assume_sensors(&mut self) {
+        let columns: Vec<String> = validate::position_columns(self)
+            .map(str::to_owned)
+            .collect();
+        for column in columns {
+            if !self.sensors.contains_key(&column) {
+                self.oddities.push(Oddity::SensorAssumed {
+                    column: column.clone(),
+                });
+                self.sensors.insert(column, crate::Sensor::default());
+            }
+        }
+    }
+}
+
+fn read_run(folder: &Path, entry: RunEntry) -> Result<Run, Error> {
+    let path = folder.join(&entry.file);
+    let mend = "put the CSV there or correct `file` in recording.toml";
+    let failed = |source| {
+        Error::new(Fault::Io {
+            doing: "read",
+            source,
+            mend,
+        })
+        .in_file(&path)
+    };
+    let file = File::open(&path).map_err(failed)?;
+    let bytes = file.metadata().map_err(failed)?.len();
+    let rows = usize::try_from(bytes / TYPICAL_ROW_BYTES).unwrap_or_default();
+    let columns = columns::read(file, rows).map_err(|error| error.in_file(&path))?;
+    Ok(Run {
+        file: entry.file,
+        drive: entry.drive,
+        input_time_std: entry.input_time_std,
+        controller: entry.controller.map(|Controller::Pid(pid)| pid),
+        time: columns.time,
+        input: columns.input,
+        position: columns.position,
+        setpoint: columns.setpoint,
+        positions: columns.positions,
+        current: columns.current,
+        supply: columns.supply,
+        temperature: columns.temperature,
+        ignored: columns.ignored,
+    })
+}
+
+/// Whether `file` names something inside the folder that it is joined to.
+pub(crate) fn is_inside(file: &str) -> bool {
+    let path = Path::new(file);
+    !file.is_empty()
+        && path
+            .components()
+            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
+}

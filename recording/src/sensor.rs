@@ -1,0 +1,17 @@
+//! What is known of a position sensor.
+
+use serde::{Deserialize, Serialize};
+
+/// A position sensor: low-pass, then noise, then quantising.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sensor {
+    /// Quantum, in units of position; 0 is continuous.
+    #[serde(default)]
+    pub resolution: f64,
+    /// Standard deviation of what is added before quantising, in units of position.
+    #[serde(default)]
+    pub noise: f64,
+    /// Corner of the first-order low-pass that is already in the logged column, Hz; `None` is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cutoff_hz: Option<f64>,
+}

@@ -1,0 +1,138 @@
+//! What no recording may have.
+
+use crate::error::{Error, Fault};
+use crate::keys::{self, Lines};
+use crate::manifest::{Controller, Manifest};
+use crate::read::is_inside;
+use crate::{Model, Recording, Run, Tolerance};
+
+const FINITE: &str = "a finite number";
+const POSITIVE: &str = "above 0";
+const NOT_NEGATIVE: &str = "0 or above";
+
+/// Numbers that no device has.
+pub(crate) fn manifest(
+    manifest: &Manifest<Model>,
+    tolerance: &Tolerance,
+    lines: &Lines,
+) -> Result<(), Error> {
+    let check = |key: &str, value: f64, holds: bool, wanted: &'static str| {
+        let wanted = if value.is_finite() { wanted } else { FINITE };
+        if holds && value.is_finite() {
+            return Ok(());
+        }
+        let fault = Fault::OutOfRange {
+            key: key.to_owned(),
+            value: value.to_string(),
+            wanted,
+        };
+        Err(Error::new(fault).at(lines.get(key)))
+    };
+    let positive = |key: &str, value: f64| check(key, value, value > 0.0, POSITIVE);
+    let not_negative = |key: &str, value: f64| check(key, value, value >= 0.0, NOT_NEGATIVE);
+
+    positive("horizon", manifest.horizon)?;
+    positive("restart_half_width", manifest.restart_half_width)?;
+
+    let model = &manifest.model;
+    for name in Model::NAMES {
+        let key = format!("model.{name}");
+        let Some(value) = model.get(name) else {
+            continue;
+        };
+        match name {
+            "inertia" | "input_limit" => positive(&key, value)?,
+            "ratio" => check(&key, value, value != 0.0, "other than 0")?,
+            "coulomb" | "delay" | "lag" | "stop_stiffness" | "stop_damping" => {
+                not_negative(&key, value)?
+            }
+            _ => check(&key, value, true, FINITE)?,
+        }
+    }
+    if let Some(travel @ [low, high]) = model.travel
+        && !(low < high && low.is_finite() && high.is_finite())
+    {
+        let wanted = "[lower, upper], the lower one first";
+        let fault = Fault::OutOfRange {
+            key: "model.travel".into(),
+            value: format!("{travel:?}"),
+            wanted,
+        };
+        return Err(Error::new(fault).at(lines.get("model.travel")));
+    }
+    for (name, relative) in tolerance.iter() {
+        not_negative(&format!("model.tolerance.{name}"), relative)?;
+    }
+    for (name, sensor) in &manifest.sensor {
+        not_negative(&format!("sensor.{name}.resolution"), sensor.resolution)?;
+        not_negative(&format!("sensor.{name}.noise"), sensor.noise)?;
+        if let Some(cutoff_hz) = sensor.cutoff_hz {
+            positive(&format!("sensor.{name}.cutoff_hz"), cutoff_hz)?;
+        }
+    }
+    if manifest.runs.is_empty() {
+        return Err(Error::new(Fault::NoRuns));
+    }
+    for (k, run) in manifest.runs.iter().enumerate() {
+        if !is_inside(&run.file) {
+            let line = lines.get(&format!("runs.{k}.file"));
+            return Err(Error::new(Fault::Outside {
+                file: run.file.clone(),
+            })
+            .at(line));
+        }
+        not_negative(&format!("runs.{k}.input_time_std"), run.input_time_std)?;
+        if let Some(Controller::Pid(pid)) = &run.controller {
+            let key = |name: &str| format!("runs.{k}.controller.{name}");
+            for (name, gain) in [("kp", pid.kp), ("ki", pid.ki), ("kd", pid.kd)] {
+                check(&key(name), gain, true, FINITE)?;
+            }
+            positive(&key("period"), pid.period)?;
+            if let Some(cutoff_hz) = pid.position_cutoff_hz {
+                positive(&key("position_cutoff_hz"), cutoff_hz)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Samples that say nothing.
+pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
+    let (duration_s, horizon) = (run.duration_s(), recording.horizon);
+    if duration_s < horizon {
+        return Err(Error::new(Fault::TooShort {
+            duration_s,
+            horizon,
+        }));
+    }
+    let first = run.position.first().copied().unwrap_or_default();
+    if run.position.iter().all(|value| *value == first) {
+        return Err(Error::new(Fault::Frozen { value: first }));
+    }
+    Ok(())
+}
+
+/// Sensor tables that belong to no column.
+pub(crate) fn sensors(recording: &Recording, lines: &Lines) -> Result<(), Error> {
+    for name in recording.sensors.keys() {
+        if !position_columns(recording).any(|column| column == name) {
+            let nearest = keys::nearest(name, position_columns(recording)).map(str::to_owned);
+            let fault = Fault::SensorWithoutColumn {
+                name: name.clone(),
+                nearest,
+            };
+            return Err(Error::new(fault).at(lines.get(&format!("sensor.{name}"))));
+        }
+    }
+    Ok(())
+}
+
+/// The position columns of all runs; a name may come more than once.
+pub(crate) fn position_columns(recording: &Recording) -> impl Iterator<Item = &str> {
+    let further = recording
+        .runs
+        .iter()
+        .flat_map(|run| run.positions.keys())
+        .map(String::as_str);
+    std::iter::once("position").chain(further)
+}

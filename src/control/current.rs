@@ -1,0 +1,94 @@
+//! Current regulator of the motor: PI with feed-forward.
+
+use core::f32::consts::TAU;
+
+use crate::settings::MotorSettings;
+use crate::units::limit;
+
+/// Largest duty: above it the bridge's bootstrap capacitors are not recharged.
+pub const MAX_DUTY: f32 = 0.98;
+
+/// Largest share of the error that a tick may correct: with one tick of delay 1/4 is critically damped.
+const MAX_CORRECTION_PER_TICK: f32 = 0.25;
+
+/// Gains per tick, from amperes to duty.
+#[derive(Clone, Copy, Debug)]
+pub struct CurrentGains {
+    proportional: f32,
+    integral_per_tick: f32,
+    resistance: f32,
+    back_emf_s_rad: f32,
+    amperes_per_nm: f32,
+}
+
+impl CurrentGains {
+    /// PI that cancels the pole of the winding, sampled with a hold: with a = exp(-R T / L) the winding is
+    /// (1 - a) / R / (z - a), and the regulator K (z - a) / (z - 1) leaves a pure integrator of gain g = 2 pi f T.
+    ///
+    /// `ratio` is the motor's turns per turn of the paddle.
+    pub fn new(settings: &MotorSettings, ratio: f32, tick_s: f32) -> Self {
+        let pole = libm::expf(-settings.resistance_ohm * tick_s / settings.inductance_h);
+        let correction =
+            (TAU * settings.current_bandwidth_hz * tick_s).min(MAX_CORRECTION_PER_TICK);
+        let gain = correction * settings.resistance_ohm / (1.0 - pole);
+        let per_volt = 1.0 / settings.supply_v;
+        Self {
+            proportional: gain * pole * per_volt,
+            integral_per_tick: gain * (1.0 - pole) * per_volt,
+            resistance: settings.resistance_ohm * per_volt,
+            back_emf_s_rad: settings.torque_constant_nm_per_a * ratio * per_volt,
+            amperes_per_nm: 1.0 / settings.torque_constant_nm_per_a,
+        }
+    }
+}
+
+/// The regulator with its integral.
+#[derive(Clone, Copy, Debug)]
+pub struct CurrentLoop {
+    gains: CurrentGains,
+    integral: f32,
+}
+
+impl CurrentLoop {
+    /// A regulator at rest.
+    pub fn new(gains: CurrentGains) -> Self {
+        Self {
+            gains,
+            integral: 0.0,
+        }
+    }
+
+    /// Takes over gains; the integral, a duty, stays.
+    pub fn retune(&mut self, gains: CurrentGains) {
+        self.gains = gains;
+    }
+
+    /// Forgets the past.
+    #[inline]
+    pub fn reset(&mut self) {
+        self.integral = 0.0;
+    }
+
+    /// One tick: duty within [`MAX_DUTY`], from the torque wanted at the motor (N m), the measured current (A) and
+    /// the velocity of the paddle (rad/s).
+    ///
+    /// The feed-forward is the resistance's voltage and the back-EMF. While the duty is at its limit, the integral
+    /// only takes what leads back from it.
+    #[inline]
+    pub fn update(&mut self, torque_nm: f32, current_a: f32, velocity_rad_s: f32) -> f32 {
+        let wanted_a = torque_nm * self.gains.amperes_per_nm;
+        let error_a = wanted_a - current_a;
+        let held = self.gains.resistance * wanted_a
+            + self.gains.back_emf_s_rad * velocity_rad_s
+            + self.gains.proportional * error_a
+            + self.integral;
+        let step = self.gains.integral_per_tick * error_a;
+        let duty = held + step;
+        if duty.abs() <= MAX_DUTY || duty * step < 0.0 {
+            self.integral += step;
+            limit(duty, MAX_DUTY)
+        } else {
+            limit(held, MAX_DUTY)
+        }
+    }
+}

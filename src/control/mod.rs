@@ -1,0 +1,5 @@
+//! From the estimate and the setpoint to a torque, and from the torque to a duty.
+
+pub mod compensation;
+pub mod current;
+pub mod position;

@@ -1,0 +1,5 @@
+//! From sampled positions to a filtered position and a velocity.
+
+pub mod biquad;
+pub mod low_pass;
+pub mod velocity;

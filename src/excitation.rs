@@ -1,0 +1,248 @@
+//! Test signals, generated on the device so that simulation and hardware run the same.
+
+use core::fmt;
+
+use crate::phase::{self, Phase};
+
+/// Harmonics of a multisine: 1 to this, all of the same amplitude.
+pub const MULTISINE_HARMONICS: u32 = 6;
+/// Peak of the sum of that many unit sines with Schroeder's phases.
+const MULTISINE_PEAK: f32 = 4.2;
+/// A ramp stops once the paddle has moved this far, rad (0.5 degrees).
+const BREAKAWAY_RAD: f32 = 0.008_726_6;
+
+/// Form of a test signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Constant from the first tick on.
+    Step,
+    /// Sine.
+    Sine,
+    /// Square wave.
+    Square,
+    /// Triangle wave.
+    Triangle,
+    /// Sine whose frequency goes linearly from `frequency_hz` to `end_frequency_hz` over the duration.
+    Chirp,
+    /// The first six harmonics of `frequency_hz`, flat, with Schroeder's phases for a low peak.
+    Multisine,
+    /// From 0 linearly to the amplitude over the duration, or until the paddle breaks away.
+    Ramp,
+}
+
+impl Shape {
+    /// All shapes with the names that the console uses.
+    pub const NAMED: [(&'static str, Self); 7] = [
+        ("step", Self::Step),
+        ("sine", Self::Sine),
+        ("square", Self::Square),
+        ("triangle", Self::Triangle),
+        ("chirp", Self::Chirp),
+        ("multisine", Self::Multisine),
+        ("ramp", Self::Ramp),
+    ];
+}
+
+/// A test signal. Amplitude and offset are in the unit of the mode: rad in position mode, N m at the motor in
+/// torque mode; they add to the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Excitation {
+    /// Form.
+    pub shape: Shape,
+    /// Largest deviation from the offset.
+    pub amplitude: f32,
+    /// Constant part.
+    pub offset: f32,
+    /// Frequency, Hz; of a chirp the first one, of a multisine the fundamental. No meaning for step and ramp.
+    pub frequency_hz: f32,
+    /// Last frequency of a chirp, Hz.
+    pub end_frequency_hz: f32,
+    /// How long, s; 0 = until stopped.
+    pub duration_s: f32,
+}
+
+impl Excitation {
+    /// A step of `amplitude` that lasts until stopped.
+    pub const fn step(amplitude: f32) -> Self {
+        Self {
+            shape: Shape::Step,
+            amplitude,
+            offset: 0.0,
+            frequency_hz: 0.0,
+            end_frequency_hz: 0.0,
+            duration_s: 0.0,
+        }
+    }
+
+    /// A sine that lasts until stopped.
+    pub const fn sine(amplitude: f32, frequency_hz: f32) -> Self {
+        Self {
+            shape: Shape::Sine,
+            frequency_hz,
+            ..Self::step(amplitude)
+        }
+    }
+}
+
+/// Why an excitation cannot start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExcitationError {
+    /// A number is negative where it must not be, or not finite.
+    BadNumber,
+    /// A chirp or a ramp without end has no slope.
+    NeedsDuration,
+    /// The frequency is above half the rate of the position loop, or 0 for a wave.
+    BadFrequency,
+    /// The controller is off.
+    Disarmed,
+}
+
+impl fmt::Display for ExcitationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::BadNumber => "excitation needs finite numbers, and a duration of 0 or more",
+            Self::NeedsDuration => "chirp and ramp need a duration above 0 s",
+            Self::BadFrequency => {
+                "frequency must be above 0 and below half the rate of the position loop"
+            }
+            Self::Disarmed => "arm before starting an excitation",
+        })
+    }
+}
+
+impl core::error::Error for ExcitationError {}
+
+/// Generates one [`Excitation`].
+#[derive(Clone, Copy, Debug)]
+pub struct Generator {
+    shape: Shape,
+    amplitude: f32,
+    offset: f32,
+    phase: u64,
+    increment: i64,
+    sweep: i64,
+    tick: u32,
+    ticks: u32,
+    per_tick: f32,
+    started_at_rad: Option<f32>,
+    breakaway: Option<f32>,
+}
+
+impl Generator {
+    /// A generator for ticks of `tick_s`.
+    ///
+    /// # Errors
+    /// [`ExcitationError`] for numbers that make no signal.
+    pub fn new(excitation: &Excitation, tick_s: f32) -> Result<Self, ExcitationError> {
+        let &Excitation {
+            shape,
+            amplitude,
+            offset,
+            frequency_hz,
+            end_frequency_hz,
+            duration_s,
+        } = excitation;
+        let finite = [
+            amplitude,
+            offset,
+            frequency_hz,
+            end_frequency_hz,
+            duration_s,
+        ]
+        .iter()
+        .all(|x| x.is_finite());
+        if !finite || duration_s < 0.0 {
+            return Err(ExcitationError::BadNumber);
+        }
+        let ticks = (duration_s / tick_s + 0.5) as u32;
+        if ticks == 0 && matches!(shape, Shape::Chirp | Shape::Ramp) {
+            return Err(ExcitationError::NeedsDuration);
+        }
+        let below_nyquist = |f_hz: f32| f_hz > 0.0 && f_hz * tick_s < 0.5;
+        let frequencies_fit = match shape {
+            Shape::Step | Shape::Ramp => true,
+            Shape::Chirp => below_nyquist(frequency_hz) && below_nyquist(end_frequency_hz),
+            Shape::Multisine => below_nyquist(frequency_hz * MULTISINE_HARMONICS as f32),
+            Shape::Sine | Shape::Square | Shape::Triangle => below_nyquist(frequency_hz),
+        };
+        if !frequencies_fit {
+            return Err(ExcitationError::BadFrequency);
+        }
+        let increment = phase::increment(frequency_hz, tick_s);
+        let sweep = match shape {
+            Shape::Chirp => {
+                (phase::increment(end_frequency_hz, tick_s) - increment) / i64::from(ticks)
+            }
+            _ => 0,
+        };
+        let per_tick = if shape == Shape::Ramp {
+            amplitude / ticks as f32
+        } else {
+            0.0
+        };
+        Ok(Self {
+            shape,
+            amplitude,
+            offset,
+            phase: 0,
+            increment,
+            sweep,
+            tick: 0,
+            ticks,
+            per_tick,
+            started_at_rad: None,
+            breakaway: None,
+        })
+    }
+
+    /// The value for this tick; `None` once it is over. The paddle stands at `position_rad`.
+    #[inline]
+    pub fn next(&mut self, position_rad: f32) -> Option<f32> {
+        if self.breakaway.is_some() || (self.ticks != 0 && self.tick >= self.ticks) {
+            return None;
+        }
+        let phase = Phase((self.phase >> 32) as u32);
+        let wave = match self.shape {
+            Shape::Step => self.amplitude,
+            Shape::Sine | Shape::Chirp => self.amplitude * phase.sin(),
+            Shape::Square => self.amplitude * phase.square(),
+            Shape::Triangle => self.amplitude * phase.triangle(),
+            Shape::Multisine => self.amplitude * multisine(phase),
+            Shape::Ramp => {
+                let wave = self.per_tick * self.tick as f32;
+                let started_at_rad = *self.started_at_rad.get_or_insert(position_rad);
+                if (position_rad - started_at_rad).abs() > BREAKAWAY_RAD {
+                    self.breakaway = Some(self.offset + wave);
+                    return None;
+                }
+                wave
+            }
+        };
+        self.phase = self.phase.wrapping_add_signed(self.increment);
+        self.increment = self.increment.wrapping_add(self.sweep);
+        if self.ticks != 0 {
+            self.tick += 1;
+        }
+        Some(self.offset + wave)
+    }
+
+    /// The value of a ramp at which the paddle broke away.
+    pub fn breakaway(&self) -> Option<f32> {
+        self.breakaway
+    }
+}
+
+/// Sum of the harmonics, at most 1. Schroeder's phases for a flat spectrum: -pi k (k - 1) / N
+/// (IEEE Transactions on Information Theory 16, 1970, p. 85).
+#[inline]
+fn multisine(phase: Phase) -> f32 {
+    const HALF_TURN_PER_N: u32 = (1 << 31) / MULTISINE_HARMONICS;
+    let mut sum = 0.0;
+    for k in 1..=MULTISINE_HARMONICS {
+        sum += phase
+            .times(k)
+            .advanced((k * (k - 1)).wrapping_mul(HALF_TURN_PER_N).wrapping_neg())
+            .sin();
+    }
+    sum / MULTISINE_PEAK
+}

@@ -1,0 +1,62 @@
+//! Binary angles: a turn is 2^32, so that wrapping integer addition is exact for ever.
+
+use core::f32::consts::TAU;
+
+const COUNTS_PER_TURN: f32 = 4_294_967_296.0;
+const UNITS_PER_FULL_SCALE: f32 = 1.0 / 2_147_483_648.0;
+
+/// An angle as a 32-bit fraction of a turn; it wraps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phase(pub u32);
+
+impl Phase {
+    /// From an angle in radians; whole turns are dropped. Good to the 24 bits of `f32`.
+    #[inline]
+    pub fn from_rad(angle_rad: f32) -> Self {
+        // Through i64, because a float that does not fit a u32 would saturate instead of wrapping.
+        Self((angle_rad * (COUNTS_PER_TURN / TAU)) as i64 as u32)
+    }
+
+    /// The phase `harmonic` times as far.
+    #[inline]
+    pub fn times(self, harmonic: u32) -> Self {
+        Self(self.0.wrapping_mul(harmonic))
+    }
+
+    /// This phase moved on by `counts` (2^32 a turn).
+    #[inline]
+    pub fn advanced(self, counts: u32) -> Self {
+        Self(self.0.wrapping_add(counts))
+    }
+
+    /// Sine, to 1e-5.
+    #[inline]
+    pub fn sin(self) -> f32 {
+        idsp::cossin(self.0 as i32).1 as f32 * UNITS_PER_FULL_SCALE
+    }
+
+    /// Square wave: 1 in the first half of the turn, then -1.
+    #[inline]
+    pub fn square(self) -> f32 {
+        if (self.0 as i32) < 0 { -1.0 } else { 1.0 }
+    }
+
+    /// Triangle wave in phase with the sine: 0, 1 at a quarter, -1 at three quarters.
+    #[inline]
+    pub fn triangle(self) -> f32 {
+        let from_trough = self.advanced(1 << 30).0;
+        let folded = if (from_trough as i32) < 0 {
+            !from_trough
+        } else {
+            from_trough
+        };
+        folded as f32 * (2.0 * UNITS_PER_FULL_SCALE) - 1.0
+    }
+}
+
+/// Increment per tick of `tick_s` for `frequency_hz`, as a fraction of a turn in 64 bits: a [`Phase`] and 32 more.
+///
+/// Exact but for the rounding of the product; frequencies above half the tick rate are lowered to it.
+pub fn increment(frequency_hz: f32, tick_s: f32) -> i64 {
+    (crate::units::limit(frequency_hz * tick_s, 0.5) * COUNTS_PER_TURN * COUNTS_PER_TURN) as i64
+}

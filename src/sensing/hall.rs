@@ -1,0 +1,78 @@
+//! Hall sensor opposite a magnet on the paddle: absolute, but curved, noisy and different on every paddle.
+
+use super::ADC_VOLTS_PER_COUNT;
+use crate::settings::HallSettings;
+use crate::units::RAD_PER_DEG;
+
+/// Highest reading of the converter.
+pub const ADC_FULL_SCALE: u16 = 4095;
+
+// The board's input stage: Hall volts = (2 V_adc - 2.5) / 1.1 + 2.5.
+const HALL_VOLTS_PER_COUNT: f32 = 2.0 * ADC_VOLTS_PER_COUNT / 1.1;
+const HALL_VOLTS_AT_COUNT_0: f32 = 2.5 - 2.5 / 1.1;
+
+/// Output of the Hall sensor in volts from the converter's count.
+#[inline]
+pub fn volts(adc: u16) -> f32 {
+    HALL_VOLTS_AT_COUNT_0 + f32::from(adc) * HALL_VOLTS_PER_COUNT
+}
+
+/// Calibration curve: a cubic in the voltage about its centre.
+#[derive(Clone, Copy, Debug)]
+pub struct HallCurve {
+    centre_v: f32,
+    linear: f32,
+    quadratic: f32,
+    cubic: f32,
+}
+
+impl HallCurve {
+    /// The curve of these settings, in radians.
+    pub fn new(settings: &HallSettings) -> Self {
+        Self {
+            centre_v: settings.centre_v,
+            linear: settings.slope_deg_per_v * RAD_PER_DEG,
+            quadratic: settings.quadratic_deg_per_v2 * RAD_PER_DEG,
+            cubic: settings.cubic_deg_per_v3 * RAD_PER_DEG,
+        }
+    }
+
+    /// Angle of the paddle, rad, from the converter's count.
+    #[inline]
+    pub fn position_rad(&self, adc: u16) -> f32 {
+        let v = volts(adc) - self.centre_v;
+        v * (self.linear + v * (self.quadratic + v * self.cubic))
+    }
+}
+
+/// Whether the converter is within its range, which a broken wire or a shorted sensor is not.
+#[inline]
+pub fn plausible(adc: u16) -> bool {
+    adc > 0 && adc < ADC_FULL_SCALE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_input_stage_is_the_boards() {
+        // V_adc = 1.25 V is the middle of both ranges.
+        assert!((volts(2048) - 2.5).abs() < 1e-6);
+        assert!((volts(2049) - volts(2048) - 1.11e-3).abs() < 1e-5);
+    }
+
+    #[test]
+    fn the_curve_passes_through_its_centre_with_its_slope() {
+        let curve = HallCurve::new(&HallSettings {
+            centre_v: 2.5,
+            slope_deg_per_v: 34.55,
+            quadratic_deg_per_v2: 0.0,
+            cubic_deg_per_v3: 2.0,
+        });
+        assert!(curve.position_rad(2048).abs() < 1e-6);
+        let v = volts(2500) - 2.5;
+        let expected_deg = 34.55 * v + 2.0 * v * v * v;
+        assert!((curve.position_rad(2500) - expected_deg * RAD_PER_DEG).abs() < 1e-6);
+    }
+}

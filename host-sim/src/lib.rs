@@ -1,1 +1,3 @@
 //! Simulated haptic paddle: plant, effects, sensors and the closed loop around the control core.
+
+pub mod plant;

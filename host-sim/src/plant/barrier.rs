@@ -1,0 +1,71 @@
+//! A one-sided spring and damper: a hard stop, or something outside that pushes back.
+
+/// Pushes back once the joint is past `at`; never pulls, and damps only while in contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Barrier {
+    /// Where it begins, rad.
+    pub at: f64,
+    /// +1 if it is in the way of positive motion, -1 of negative.
+    pub side: f64,
+    /// N m/rad.
+    pub stiffness: f64,
+    /// N m s/rad.
+    pub damping: f64,
+}
+
+/// How the joint stands to a barrier; within one of these the torque is smooth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touch {
+    /// Not reached.
+    Free,
+    /// In contact and pushing.
+    Pushing,
+    /// Past the edge, but receding faster than the spring follows.
+    Released,
+}
+
+impl Barrier {
+    #[inline]
+    fn depth(&self, position: f64) -> f64 {
+        self.side * (position - self.at)
+    }
+
+    #[inline]
+    fn push(&self, position: f64, velocity: f64) -> f64 {
+        self.stiffness * self.depth(position) + self.damping * self.side * velocity
+    }
+
+    /// How the joint stands to it at this position and velocity.
+    pub fn touch(&self, position: f64, velocity: f64) -> Touch {
+        let (depth, push) = (self.depth(position), self.push(position, velocity));
+        if depth < 0.0 || (depth == 0.0 && self.side * velocity <= 0.0) {
+            Touch::Free
+        } else if push > 0.0 {
+            Touch::Pushing
+        } else {
+            Touch::Released
+        }
+    }
+
+    /// Torque on the joint, N m.
+    #[inline]
+    pub fn torque(&self, touch: Touch, position: f64, velocity: f64) -> f64 {
+        match touch {
+            Touch::Pushing => -self.side * self.push(position, velocity),
+            Touch::Free | Touch::Released => 0.0,
+        }
+    }
+
+    /// Positive while `touch` lasts.
+    #[inline]
+    pub fn guard(&self, touch: Touch, position: f64, velocity: f64) -> f64 {
+        // Torques are made positions by the stiffness, so that both guards have one unit.
+        let depth = self.depth(position);
+        let push = self.push(position, velocity) / self.stiffness.max(f64::MIN_POSITIVE);
+        match touch {
+            Touch::Free => -depth,
+            Touch::Pushing => depth.min(push),
+            Touch::Released => depth.min(-push),
+        }
+    }
+}

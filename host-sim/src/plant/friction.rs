@@ -1,0 +1,98 @@
+//! Dry friction: the level that opposes sliding, and the one that holds at rest.
+
+/// Dry friction with stick and slip. The level in one direction is
+///
+/// `F(x, v, t, T) = s · p(x) · d(t) · [1 + (r − 1) e^−(v/v_s)²] + µ |T|`
+///
+/// with the level `s` of the direction of motion, the Stribeck term of Armstrong-Hélouvry,
+/// Dupont and Canudas de Wit (Automatica 30, 1994), and a share µ of the driving torque.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Friction {
+    /// Sliding level against positive and against negative motion, N m.
+    pub level_nm: [f64; 2],
+    /// Level at rest over the sliding level, 1 or more.
+    pub static_ratio: f64,
+    /// Speed over which the level falls from static to sliding, rad/s.
+    pub stribeck_velocity: f64,
+    /// Dependence on position: `p = max(0, 1 + slope (x − centre) + curve (x − centre)²)`.
+    pub position_slope: f64,
+    /// Likewise, 1/rad².
+    pub position_curve: f64,
+    /// Likewise, rad.
+    pub position_centre: f64,
+    /// Share of the driving torque that is added to the level.
+    pub load_share: f64,
+    /// Relative growth per second: `d = max(0, 1 + drift t)`.
+    pub drift_per_s: f64,
+}
+
+impl Friction {
+    /// The same level in both directions, at rest and sliding.
+    pub fn coulomb(level_nm: f64) -> Self {
+        Self {
+            level_nm: [level_nm; 2],
+            static_ratio: 1.0,
+            stribeck_velocity: 0.0,
+            position_slope: 0.0,
+            position_curve: 0.0,
+            position_centre: 0.0,
+            load_share: 0.0,
+            drift_per_s: 0.0,
+        }
+    }
+
+    /// True if there is none at all.
+    pub fn is_none(&self) -> bool {
+        self.level_nm == [0.0; 2] && self.load_share == 0.0
+    }
+
+    /// True if the level depends on the direction alone.
+    pub(super) fn is_plain(&self) -> bool {
+        self.static_ratio == 1.0
+            && self.position_slope == 0.0
+            && self.position_curve == 0.0
+            && self.load_share == 0.0
+            && self.drift_per_s == 0.0
+    }
+
+    /// Sliding level against motion in `direction` (±1), N m.
+    pub fn sliding(
+        &self,
+        direction: f64,
+        position: f64,
+        speed: f64,
+        t_s: f64,
+        drive_nm: f64,
+    ) -> f64 {
+        let stribeck = if self.static_ratio != 1.0 && self.stribeck_velocity > 0.0 {
+            let x = speed / self.stribeck_velocity;
+            1.0 + (self.static_ratio - 1.0) * (-x * x).exp()
+        } else {
+            1.0
+        };
+        self.scaled(direction, position, t_s) * stribeck + self.load_share * drive_nm.abs()
+    }
+
+    /// Level that holds against a push in `direction` (±1) at rest, N m.
+    pub fn holding(&self, direction: f64, position: f64, t_s: f64, drive_nm: f64) -> f64 {
+        self.scaled(direction, position, t_s) * self.static_ratio + self.load_share * drive_nm.abs()
+    }
+
+    /// The longest step of an inertia on the falling slope of the Stribeck curve, s.
+    pub(super) fn longest_step(&self, inertia: f64, velocity: f64, rate_step: f64) -> f64 {
+        // Beyond three Stribeck velocities the curve is flat to 1e-4.
+        if self.static_ratio == 1.0 || velocity.abs() > 3.0 * self.stribeck_velocity {
+            return f64::INFINITY;
+        }
+        let level = self.level_nm[0].max(self.level_nm[1]);
+        let slope = (self.static_ratio - 1.0).abs() * level / self.stribeck_velocity;
+        rate_step * inertia / slope
+    }
+
+    fn scaled(&self, direction: f64, position: f64, t_s: f64) -> f64 {
+        let x = position - self.position_centre;
+        let p = 1.0 + x * (self.position_slope + x * self.position_curve);
+        let d = 1.0 + self.drift_per_s * t_s;
+        self.level_nm[usize::from(direction < 0.0)] * p.max(0.0) * d.max(0.0)
+    }
+}

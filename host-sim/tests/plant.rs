@@ -1,0 +1,201 @@
+//! What the plant must do whatever its numbers: hold without creep, stop where mechanics says,
+//! converge at fourth order through its events, and never create energy.
+
+use host_sim::plant::{Barrier, Friction, Mechanics, Phase, Plant, Torque};
+use proptest::prelude::*;
+
+fn paddle() -> Mechanics {
+    Mechanics {
+        viscous: 1.78e-4,
+        gravity: 0.01464,
+        friction: Friction::coulomb(0.015),
+        ..Mechanics::inertia(5.755e-4)
+    }
+}
+
+fn run(
+    plant: &Plant,
+    start: [f64; 2],
+    tick_s: f64,
+    seconds: f64,
+    torque: impl Fn(f64) -> f64,
+) -> Vec<f64> {
+    let mut state = plant.state(0.0, start[0], start[1]);
+    let ticks = (seconds / tick_s).round() as usize;
+    (0..ticks)
+        .map(|i| {
+            plant.advance(&mut state, Torque::held(torque(i as f64 * tick_s)), tick_s);
+            state.position
+        })
+        .collect()
+}
+
+#[test]
+fn sticks_without_creep_below_the_level_and_breaks_away_above() {
+    let plant = Plant::new(paddle());
+    let mut state = plant.state(0.0, 0.0, 0.0);
+    for _ in 0..100_000 {
+        plant.advance(&mut state, Torque::held(0.0149), 1e-4);
+    }
+    assert_eq!(
+        (state.position, state.velocity, state.phase),
+        (0.0, 0.0, Phase::Stick)
+    );
+    plant.advance(&mut state, Torque::held(0.0151), 1e-4);
+    assert_eq!(state.phase, Phase::Forward);
+    assert!(state.position > 0.0);
+}
+
+#[test]
+fn the_static_level_is_settable_apart_from_the_sliding_one() {
+    let mut mechanics = paddle();
+    mechanics.friction.static_ratio = 1.4;
+    mechanics.friction.stribeck_velocity = 0.1;
+    let plant = Plant::new(mechanics);
+    let mut state = plant.state(0.0, 0.0, 0.0);
+    plant.advance(&mut state, Torque::held(0.0209), 0.01);
+    assert_eq!(state.phase, Phase::Stick);
+    plant.advance(&mut state, Torque::held(0.0211), 0.05);
+    let sliding = state.velocity / 0.05;
+    // Once it slides, the level has fallen, so that the jump in acceleration is more than 0.0001 N m.
+    assert!(sliding > 0.0001 / 5.755e-4, "{sliding}");
+}
+
+#[test]
+fn coasts_to_rest_where_mechanics_says() {
+    let mechanics = Mechanics {
+        friction: Friction::coulomb(0.015),
+        ..Mechanics::inertia(5.755e-4)
+    };
+    let v0 = 7.0;
+    let expected = v0 * v0 * 5.755e-4 / (2.0 * 0.015);
+    let path = run(&Plant::new(mechanics), [0.0, v0], 3.5e-4, 1.0, |_| 0.0);
+    assert!((path.last().unwrap() - expected).abs() < 1e-12);
+}
+
+#[test]
+fn a_lagged_drive_breaks_away_within_a_step_at_the_instant_of_equality() {
+    let mechanics = Mechanics {
+        friction: Friction::coulomb(0.015),
+        ..Mechanics::inertia(5.755e-4)
+    };
+    let torque = Torque {
+        start_nm: 0.0,
+        target_nm: 0.03,
+        lag_s: 0.01,
+    };
+    let end = |plant: Plant, parts: usize| {
+        let mut state = plant.state(0.0, 0.0, 0.0);
+        let mut torque = torque;
+        for _ in 0..parts {
+            let dt = 0.02 / parts as f64;
+            plant.advance(&mut state, torque, dt);
+            torque = torque.after(dt);
+        }
+        state.position
+    };
+    // Breakaway at lag ln 2; from there J x'' = 0.015 - 0.03 exp(-t/lag).
+    let (t, lag) = (0.02 - 0.01 * 2f64.ln(), 0.01);
+    let exact =
+        (0.015 * t * t / 2.0 - 0.015 * lag * (t - lag * (1.0 - (-t / lag).exp()))) / 5.755e-4;
+    assert!((end(Plant::new(mechanics.clone()), 256) - exact).abs() < 1e-10);
+    assert!((end(Plant::new(mechanics), 1) - exact).abs() < 1e-3 * exact);
+}
+
+#[test]
+fn converges_at_fourth_order_through_stick_slip_and_stops() {
+    let mut mechanics = paddle();
+    mechanics.stiffness = 0.4;
+    mechanics.barriers[0] = Some(Barrier {
+        at: 0.2,
+        side: 1.0,
+        stiffness: 0.5,
+        damping: 1e-3,
+    });
+    mechanics.barriers[1] = Some(Barrier {
+        at: -0.2,
+        side: -1.0,
+        stiffness: 0.5,
+        damping: 1e-3,
+    });
+    let torque = |t: f64| {
+        0.12 * if (t / 0.32).floor() as i64 % 2 == 0 {
+            1.0
+        } else {
+            -0.7
+        }
+    };
+    let path = |step_s: f64| {
+        run(
+            &Plant::with_longest_step(mechanics.clone(), step_s),
+            [0.0, 0.0],
+            0.004,
+            1.6,
+            torque,
+        )
+    };
+    let reference = path(0.004 / 256.0);
+    let error = |step_s: f64| {
+        let path = path(step_s);
+        let sum: f64 = path
+            .iter()
+            .zip(&reference)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum();
+        (sum / path.len() as f64).sqrt()
+    };
+    let errors = [error(0.002), error(0.001), error(0.0005)];
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!(order > 3.5, "order {order} from errors {errors:?}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn friction_and_stops_create_no_energy(
+        position in -0.5..0.5f64,
+        velocity in -20.0..20.0f64,
+        level in 0.0..0.05f64,
+        ratio in 1.0..2.5f64,
+        stop in 0.05..0.4f64,
+        stiffness in 1.0..200.0f64,
+        damping in 0.0..0.2f64,
+        step_s in 1e-4..5e-3f64,
+    ) {
+        let mut mechanics = paddle();
+        mechanics.friction.level_nm = [level, 0.7 * level];
+        mechanics.friction.static_ratio = ratio;
+        mechanics.friction.stribeck_velocity = 0.2;
+        mechanics.barriers[0] = Some(Barrier { at: stop, side: 1.0, stiffness, damping });
+        mechanics.barriers[1] = Some(Barrier { at: -stop, side: -1.0, stiffness, damping });
+        let energy = |x: f64, v: f64| {
+            let depth = (x.abs() - stop).max(0.0);
+            0.5 * mechanics.inertia * v * v + mechanics.gravity * (1.0 - x.cos()) + 0.5 * stiffness * depth * depth
+        };
+        let plant = Plant::new(mechanics.clone());
+        let mut state = plant.state(0.0, position, velocity);
+        let first = energy(position, velocity);
+        let mut before = first;
+        for _ in 0..400 {
+            plant.advance(&mut state, Torque::held(0.0), step_s);
+            let now = energy(state.position, state.velocity);
+            prop_assert!(now <= before + 1e-6 * first, "{before} -> {now} at {state:?}");
+            before = now;
+        }
+    }
+
+    #[test]
+    fn a_stop_never_pulls(velocity in 0.0..30.0f64, damping in 0.0..1.0f64) {
+        let mut mechanics = Mechanics::inertia(5.755e-4);
+        mechanics.barriers[0] = Some(Barrier { at: 0.1, side: 1.0, stiffness: 20.0, damping });
+        let plant = Plant::new(mechanics);
+        let mut state = plant.state(0.0, 0.0999, velocity);
+        let mut last = velocity;
+        for _ in 0..2000 {
+            plant.advance(&mut state, Torque::held(0.0), 1e-4);
+            prop_assert!(state.velocity <= last + 1e-12);
+            last = state.velocity;
+        }
+    }
+}

@@ -111,12 +111,14 @@ fn converges_at_fourth_order_through_stick_slip_and_stops() {
         side: 1.0,
         stiffness: 0.5,
         damping: 1e-3,
+        during_s: None,
     });
     mechanics.barriers[1] = Some(Barrier {
         at: -0.2,
         side: -1.0,
         stiffness: 0.5,
         damping: 1e-3,
+        during_s: None,
     });
     let torque = |t: f64| {
         0.12 * if (t / 0.32).floor() as i64 % 2 == 0 {
@@ -167,8 +169,8 @@ proptest! {
         mechanics.friction.level_nm = [level, 0.7 * level];
         mechanics.friction.static_ratio = ratio;
         mechanics.friction.stribeck_velocity = 0.2;
-        mechanics.barriers[0] = Some(Barrier { at: stop, side: 1.0, stiffness, damping });
-        mechanics.barriers[1] = Some(Barrier { at: -stop, side: -1.0, stiffness, damping });
+        mechanics.barriers[0] = Some(Barrier { at: stop, side: 1.0, stiffness, damping, during_s: None });
+        mechanics.barriers[1] = Some(Barrier { at: -stop, side: -1.0, stiffness, damping, during_s: None });
         let energy = |x: f64, v: f64| {
             let depth = (x.abs() - stop).max(0.0);
             0.5 * mechanics.inertia * v * v + mechanics.gravity * (1.0 - x.cos()) + 0.5 * stiffness * depth * depth
@@ -188,7 +190,7 @@ proptest! {
     #[test]
     fn a_stop_never_pulls(velocity in 0.0..30.0f64, damping in 0.0..1.0f64) {
         let mut mechanics = Mechanics::inertia(5.755e-4);
-        mechanics.barriers[0] = Some(Barrier { at: 0.1, side: 1.0, stiffness: 20.0, damping });
+        mechanics.barriers[0] = Some(Barrier { at: 0.1, side: 1.0, stiffness: 20.0, damping, during_s: None });
         let plant = Plant::new(mechanics);
         let mut state = plant.state(0.0, 0.0999, velocity);
         let mut last = velocity;

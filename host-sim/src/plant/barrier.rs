@@ -11,6 +11,8 @@ pub struct Barrier {
     pub stiffness: f64,
     /// N m s/rad.
     pub damping: f64,
+    /// Interval of the session during which it is there, s; `None` = always.
+    pub during_s: Option<[f64; 2]>,
 }
 
 /// How the joint stands to a barrier; within one of these the torque is smooth.
@@ -25,6 +27,23 @@ pub enum Touch {
 }
 
 impl Barrier {
+    /// True if it is there at `time_s` of the session.
+    #[inline]
+    pub fn is_there(&self, time_s: f64) -> bool {
+        self.during_s
+            .is_none_or(|[from, to]| time_s >= from && time_s < to)
+    }
+
+    /// The next instant after `time_s` at which it comes or goes.
+    #[inline]
+    pub(super) fn next_change(&self, time_s: f64) -> f64 {
+        match self.during_s {
+            Some([from, _]) if time_s < from => from,
+            Some([_, to]) if time_s < to => to,
+            _ => f64::INFINITY,
+        }
+    }
+
     #[inline]
     fn depth(&self, position: f64) -> f64 {
         self.side * (position - self.at)

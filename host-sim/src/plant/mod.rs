@@ -5,17 +5,26 @@
 //!         + A sin(n x + φ) + barriers − dry friction
 //! ```
 //!
+//! A transmission that is not rigid splits it into motor side and load side.
+//!
 //! Between events the right-hand side is smooth and is stepped at fourth order; stick, slip and
 //! contact begin and end at events that are located, not stepped over.
 
 mod barrier;
 mod friction;
-mod rigid;
+mod link;
+mod pendulum;
+mod presliding;
+mod regime;
 mod runge_kutta;
 mod torque;
 
+use pendulum::Pendulum;
+
 pub use barrier::{Barrier, Touch};
 pub use friction::Friction;
+pub use link::Link;
+pub use presliding::Presliding;
 pub use torque::Torque;
 
 /// Most barriers that a plant can have: two stops and something outside.
@@ -53,6 +62,10 @@ pub struct Mechanics {
     pub offset_nm: f64,
     /// Dry friction.
     pub friction: Friction,
+    /// Elastic part of the dry friction, if any: it then never sticks, it bends.
+    pub presliding: Option<Presliding>,
+    /// Transmission that is not rigid, if any.
+    pub link: Option<Link>,
     /// Torque ripple over position.
     pub cogging: Option<Cogging>,
     /// Hard stops and contacts.
@@ -72,16 +85,21 @@ impl Mechanics {
             stiffness_zero: 0.0,
             offset_nm: 0.0,
             friction: Friction::coulomb(0.0),
+            presliding: None,
+            link: None,
             cogging: None,
             barriers: [None; BARRIERS],
         }
     }
 
-    /// Of the smooth part, 1/s: natural frequency plus damping.
+    /// Of the smooth part, 1/s: natural frequencies plus dampings.
     fn fastest_rate(&self) -> f64 {
         let cogging = self.cogging.map_or(0.0, |c| c.amplitude_nm * c.wave_number);
         let stiffness = self.gravity.abs() + self.stiffness.abs() + cogging.abs();
-        (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia
+        let link = self
+            .link
+            .map_or(0.0, |link| link.fastest_rate(self.inertia));
+        (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia + link
     }
 }
 
@@ -90,6 +108,8 @@ impl Mechanics {
 pub enum Phase {
     /// Held at rest.
     Stick,
+    /// On bristles that bend.
+    Bristle,
     /// Sliding the positive way.
     Forward,
     /// Sliding the negative way.
@@ -101,13 +121,20 @@ pub enum Phase {
 pub struct State {
     /// Since the start of the session, s.
     pub time_s: f64,
-    /// rad.
+    /// Of the motor side (the whole joint, where the transmission is rigid), rad.
     pub position: f64,
-    /// rad/s.
+    /// Likewise, rad/s.
     pub velocity: f64,
+    /// Of the load side, where the transmission is not rigid, rad.
+    pub load_position: f64,
+    /// Likewise, rad/s.
+    pub load_velocity: f64,
+    /// Deflection of the bristles, rad.
+    pub deflection: f64,
     /// Of the dry friction.
     pub phase: Phase,
     touch: [Touch; BARRIERS],
+    pendulum: Pendulum,
 }
 
 /// A plant that is ready to be stepped.
@@ -116,6 +143,9 @@ pub struct Plant {
     mechanics: Mechanics,
     dry: bool,
     plain: bool,
+    walled: bool,
+    passing_barriers: bool,
+    inverse_inertia: [f64; 2],
     longest_step_s: f64,
 }
 
@@ -129,6 +159,19 @@ impl Plant {
         Self {
             dry: !mechanics.friction.is_none(),
             plain: mechanics.friction.is_plain(),
+            walled: mechanics.barriers.iter().any(Option::is_some),
+            passing_barriers: mechanics
+                .barriers
+                .iter()
+                .flatten()
+                .any(|b| b.during_s.is_some()),
+            inverse_inertia: match &mechanics.link {
+                Some(link) => [
+                    1.0 / (mechanics.inertia * (1.0 - link.load_share)),
+                    1.0 / (mechanics.inertia * link.load_share),
+                ],
+                None => [1.0 / mechanics.inertia; 2],
+            },
             longest_step_s: RATE_STEP / mechanics.fastest_rate(),
             mechanics,
         }
@@ -148,25 +191,74 @@ impl Plant {
         &self.mechanics
     }
 
-    /// The state at a position and velocity; friction takes it from there.
+    /// The state at a position and velocity of the position sensor, with everything relaxed that
+    /// the sensor does not see.
     pub fn state(&self, time_s: f64, position: f64, velocity: f64) -> State {
-        let touch = core::array::from_fn(|i| match &self.mechanics.barriers[i] {
-            Some(barrier) => barrier.touch(position, velocity),
-            None => Touch::Free,
-        });
-        let phase = if velocity > 0.0 {
-            Phase::Forward
-        } else if velocity < 0.0 {
-            Phase::Backward
-        } else {
-            Phase::Stick
-        };
-        State {
+        let mut state = State {
             time_s,
             position,
             velocity,
-            phase,
-            touch,
+            load_position: position,
+            load_velocity: velocity,
+            deflection: 0.0,
+            phase: Phase::Stick,
+            touch: [Touch::Free; BARRIERS],
+            pendulum: Pendulum::about(position - self.mechanics.gravity_zero),
+        };
+        self.enter(&mut state);
+        state
+    }
+
+    /// The state at a newly measured position and velocity, with what the sensor does not see carried
+    /// over from `before`: the twist of the transmission and the deflection of the bristles.
+    pub fn restart(&self, before: &State, time_s: f64, position: f64, velocity: f64) -> State {
+        let (seen, seen_rate) = self.seen(before);
+        let (shift, shift_rate) = (position - seen, velocity - seen_rate);
+        let mut state = State {
+            time_s,
+            position: before.position + shift,
+            velocity: before.velocity + shift_rate,
+            load_position: before.load_position + shift,
+            load_velocity: before.load_velocity + shift_rate,
+            ..*before
+        };
+        self.enter(&mut state);
+        state
+    }
+
+    /// Position and velocity where the position sensor sits, rad and rad/s.
+    #[inline]
+    pub fn seen(&self, state: &State) -> (f64, f64) {
+        match self.mechanics.link {
+            Some(link) if link.sensor_on_load => (state.load_position, state.load_velocity),
+            _ => (state.position, state.velocity),
+        }
+    }
+
+    /// Finds phase and contacts for positions and velocities that were set from outside.
+    fn enter(&self, state: &mut State) {
+        let slid = state.deflection * state.velocity.signum();
+        state.phase = match self.mechanics.presliding {
+            Some(bristles) if slid < bristles.distance => Phase::Bristle,
+            _ if state.velocity > 0.0 => Phase::Forward,
+            _ if state.velocity < 0.0 => Phase::Backward,
+            _ => Phase::Stick,
+        };
+        self.touch(state);
+    }
+
+    fn touch(&self, state: &mut State) {
+        let (position, velocity) = match self.mechanics.link {
+            Some(_) => (state.load_position, state.load_velocity),
+            None => (state.position, state.velocity),
+        };
+        for (touch, barrier) in state.touch.iter_mut().zip(&self.mechanics.barriers) {
+            *touch = match barrier {
+                Some(barrier) if barrier.is_there(state.time_s) => {
+                    barrier.touch(position, velocity)
+                }
+                _ => Touch::Free,
+            };
         }
     }
 }

@@ -55,31 +55,33 @@ const DIP_SAMPLES: usize = 8;
 ///
 /// An event is located by re-integrating to trial instants, so that it is as exact as the step
 /// itself; the state returned is the first one past it.
+///
+/// With `watch` false the step is taken whole, whatever the guard says.
 #[inline]
-pub(super) fn advance<const N: usize>(flow: &impl Flow<N>, x: &[f64; N], h: f64) -> Step<N> {
+pub(super) fn advance<const N: usize>(
+    flow: &impl Flow<N>,
+    x: &[f64; N],
+    h: f64,
+    watch: bool,
+) -> Step<N> {
     let k1 = flow.rate(0.0, x);
     let (end, k4) = rk4(flow, x, &k1, h);
-    if flow.guard(&end) >= 0.0 {
-        if !flow.may_dip(h, [x, &end], [&k1, &k4]) {
-            return Step {
-                taken: h,
-                x: end,
-                event: false,
-            };
-        }
+    if watch && flow.guard(&end) < 0.0 {
+        return locate(flow, x, &k1, h);
+    }
+    if watch && flow.may_dip(h, [x, &end], [&k1, &k4]) {
         for i in 1..DIP_SAMPLES {
             let t = h * i as f64 / DIP_SAMPLES as f64;
             if flow.guard(&rk4(flow, x, &k1, t).0) < 0.0 {
                 return locate(flow, x, &k1, t);
             }
         }
-        return Step {
-            taken: h,
-            x: end,
-            event: false,
-        };
     }
-    locate(flow, x, &k1, h)
+    Step {
+        taken: h,
+        x: end,
+        event: false,
+    }
 }
 
 /// The first instant in (0, `h`] past which the guard is negative, by the Illinois variant of

@@ -21,10 +21,16 @@ impl Torque {
         }
     }
 
+    /// True if it does not change.
+    #[inline]
+    pub fn is_held(&self) -> bool {
+        self.lag_s == 0.0 || self.start_nm == self.target_nm
+    }
+
     /// Torque `t_s` after the start of the step, N m.
     #[inline]
     pub fn at(&self, t_s: f64) -> f64 {
-        if self.lag_s > 0.0 {
+        if !self.is_held() {
             self.target_nm + (self.start_nm - self.target_nm) * (-t_s / self.lag_s).exp()
         } else {
             self.target_nm
@@ -43,7 +49,7 @@ impl Torque {
     /// The longest step that follows the relaxation, s: a fourth-order step over half a time
     /// constant misses 1e-5 of it.
     pub(super) fn longest_step(&self) -> f64 {
-        if self.lag_s > 0.0 {
+        if !self.is_held() {
             0.5 * self.lag_s
         } else {
             f64::INFINITY

@@ -1,0 +1,150 @@
+//! From the input that the actuator was told to the torque at the joint.
+
+use crate::plant::Torque;
+use std::collections::VecDeque;
+
+/// Limit, dead band, delay, first-order lag and gain, in this order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// Joint torque per unit of input.
+    pub ratio: f64,
+    /// |input| is clipped here; infinite for none.
+    pub limit: f64,
+    /// |input| up to which nothing happens; beyond, the torque starts from zero.
+    pub deadband: f64,
+    /// Pure delay, s.
+    pub delay_s: f64,
+    /// Time constant of the lag, s.
+    pub lag_s: f64,
+}
+
+impl Drive {
+    /// A gain and nothing else.
+    pub fn ideal(ratio: f64) -> Self {
+        Self {
+            ratio,
+            limit: f64::INFINITY,
+            deadband: 0.0,
+            delay_s: 0.0,
+            lag_s: 0.0,
+        }
+    }
+
+    /// Joint torque once delay and lag have passed, N m.
+    #[inline]
+    pub fn settled(&self, input: f64) -> f64 {
+        let magnitude = (input.abs().min(self.limit) - self.deadband).max(0.0);
+        self.ratio * magnitude.copysign(input)
+    }
+}
+
+/// The drive at work: what is still under way, and the lag's state.
+#[derive(Clone, Debug)]
+pub struct DriveLine {
+    delay_s: f64,
+    under_way: VecDeque<(f64, f64)>,
+    torque: Torque,
+}
+
+impl DriveLine {
+    /// At rest, with zero input for ever before.
+    pub fn at_rest(drive: &Drive) -> Self {
+        Self {
+            delay_s: drive.delay_s,
+            under_way: VecDeque::new(),
+            torque: Torque {
+                start_nm: 0.0,
+                target_nm: 0.0,
+                lag_s: drive.lag_s,
+            },
+        }
+    }
+
+    /// From `now_s` on the drive is told `input`; call with times that do not go back.
+    #[inline]
+    pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64) {
+        let target = drive.settled(input);
+        if self.delay_s > 0.0 {
+            self.under_way.push_back((now_s + self.delay_s, target));
+        } else {
+            self.torque.target_nm = target;
+        }
+    }
+
+    /// Torque from `now_s` on, and for how long of the next `dt_s` it is one smooth piece; call until
+    /// all of `dt_s` is used.
+    #[inline]
+    pub fn piece(&mut self, now_s: f64, dt_s: f64) -> (Torque, f64) {
+        while let Some(&(at, target)) = self.under_way.front() {
+            // Arrivals within rounding of now are now: pieces must not become empty.
+            if at - now_s > f64::EPSILON * now_s.abs().max(dt_s) {
+                break;
+            }
+            self.torque.target_nm = target;
+            self.under_way.pop_front();
+        }
+        let piece_s = match self.under_way.front() {
+            Some(&(at, _)) => dt_s.min(at - now_s),
+            None => dt_s,
+        };
+        let torque = self.torque;
+        self.torque = torque.after(piece_s);
+        (torque, piece_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(drive: &Drive, inputs: &[f64], tick_s: f64) -> Vec<(f64, Torque)> {
+        let mut line = DriveLine::at_rest(drive);
+        let mut pieces = Vec::new();
+        for (i, &input) in inputs.iter().enumerate() {
+            let mut now = i as f64 * tick_s;
+            let end = now + tick_s;
+            line.command(drive, now, input);
+            while end - now > 1e-12 {
+                let (torque, piece) = line.piece(now, end - now);
+                pieces.push((now, torque));
+                now += piece;
+            }
+        }
+        pieces
+    }
+
+    #[test]
+    fn limit_comes_before_dead_band_and_gain() {
+        let drive = Drive {
+            limit: 0.5,
+            deadband: 0.1,
+            ..Drive::ideal(10.0)
+        };
+        assert_eq!(drive.settled(0.05), 0.0);
+        assert!((drive.settled(-0.3) + 2.0).abs() < 1e-12);
+        assert!((drive.settled(7.0) - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_delay_of_one_and_a_half_ticks_cuts_a_tick_in_two() {
+        let drive = Drive {
+            delay_s: 1.5e-3,
+            ..Drive::ideal(1.0)
+        };
+        let pieces = line(&drive, &[1.0, 2.0, 3.0], 1e-3);
+        let seen: Vec<_> = pieces.iter().map(|(_, t)| t.target_nm).collect();
+        assert_eq!(seen, [0.0, 0.0, 1.0, 1.0, 2.0]);
+        assert!((pieces[2].0 - 1.5e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_lag_relaxes_through_pieces_as_through_one() {
+        let drive = Drive {
+            lag_s: 2e-3,
+            ..Drive::ideal(1.0)
+        };
+        let pieces = line(&drive, &[1.0; 5], 1e-3);
+        let end = pieces.last().unwrap().1.at(1e-3);
+        assert!((end - (1.0 - (-2.5f64).exp())).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,42 @@
+//! A transmission that is not rigid.
+
+/// Splits the inertia in two, with a spring, a damper and play between the halves. The drive, dry and
+/// viscous friction, cogging and the constant torque act on the motor side; gravity, springs and
+/// barriers on the load side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// Share of the inertia on the load side, between 0 and 1.
+    pub load_share: f64,
+    /// N m/rad.
+    pub stiffness: f64,
+    /// N m s/rad.
+    pub damping: f64,
+    /// Free travel between the two contacts, rad.
+    pub play: f64,
+    /// True if the position sensor sits on the load side.
+    pub sensor_on_load: bool,
+}
+
+impl Link {
+    /// Torque from the motor side on the load side at a relative position and velocity, N m.
+    #[inline]
+    pub(super) fn torque(&self, twist: f64, rate: f64) -> f64 {
+        if self.play == 0.0 {
+            return self.stiffness * twist + self.damping * rate;
+        }
+        // The flanks of a play push and never pull.
+        let side = twist.signum();
+        let depth = side * twist - 0.5 * self.play;
+        if depth <= 0.0 {
+            0.0
+        } else {
+            side * (self.stiffness * depth + self.damping * side * rate).max(0.0)
+        }
+    }
+
+    /// Fastest rate of the relative motion, 1/s.
+    pub(super) fn fastest_rate(&self, inertia: f64) -> f64 {
+        let reduced = inertia * self.load_share * (1.0 - self.load_share);
+        (self.stiffness / reduced).sqrt() + self.damping / reduced
+    }
+}

@@ -1,0 +1,47 @@
+//! Gravity on the joint.
+
+/// Up to this angle from its centre the expansion errs by less than 1e-12.
+const REACH_RAD: f64 = 0.05;
+
+/// Sine and cosine of an angle, expanded about a centre that follows the motion, so that a step needs
+/// no call of a sine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Pendulum {
+    centre: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl Pendulum {
+    /// Expanded about `angle`, rad.
+    #[inline]
+    pub(super) fn about(angle: f64) -> Self {
+        Self {
+            centre: angle,
+            sin: angle.sin(),
+            cos: angle.cos(),
+        }
+    }
+
+    /// Moves the centre to `angle` if that has come too far from it.
+    #[inline]
+    pub(super) fn follow(&mut self, angle: f64) {
+        // Half the reach is left to the step that follows.
+        if (angle - self.centre).abs() > 0.5 * REACH_RAD {
+            *self = Self::about(angle);
+        }
+    }
+
+    /// Sine of `angle`.
+    #[inline]
+    pub(super) fn sin(&self, angle: f64) -> f64 {
+        let d = angle - self.centre;
+        if d.abs() > REACH_RAD {
+            return angle.sin();
+        }
+        let d2 = d * d;
+        let sin = d * (1.0 - d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0)));
+        let cos = 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0 - d2 * (1.0 / 720.0)));
+        self.sin * cos + self.cos * sin
+    }
+}

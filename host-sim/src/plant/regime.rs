@@ -1,0 +1,424 @@
+//! Stick, slip and contact as regimes of a smooth flow, and the events between them.
+
+use super::pendulum::Pendulum;
+use super::runge_kutta::{self, Flow};
+use super::{BARRIERS, Mechanics, Phase, Plant, RATE_STEP, State, Torque, Touch};
+
+/// A step is never divided further than this, however stiff the plant.
+const MOST_DIVISIONS: f64 = 256.0;
+
+/// More events than this within one step are chatter of a degenerate plant (a static level below
+/// the sliding one, say): the rest of the step is then taken without looking for more.
+const MOST_EVENTS: usize = 64;
+
+/// Within one regime. The state is `[position, velocity]` of the motor side, then, for N of 4 and 5,
+/// those of the load side, then, for odd N, the deflection of the bristles.
+struct Regime<'a, const N: usize> {
+    plant: &'a Plant,
+    torque: &'a Torque,
+    pendulum: Pendulum,
+    time_s: f64,
+    /// Of sliding: ±1; 0 where dry friction has no kink here.
+    direction: f64,
+    held: bool,
+    constant_friction_nm: Option<f64>,
+    touch: &'a [Touch; BARRIERS],
+}
+
+const fn is_linked(n: usize) -> bool {
+    n >= 4
+}
+
+const fn has_bristles(n: usize) -> bool {
+    n % 2 == 1
+}
+
+impl Mechanics {
+    /// What acts where the motor is, dry friction apart, N m.
+    #[inline(always)]
+    fn motor_side(&self, drive_nm: f64, position: f64, velocity: f64) -> f64 {
+        let mut torque =
+            drive_nm + self.offset_nm - (self.viscous + self.drag * velocity.abs()) * velocity;
+        if let Some(cogging) = &self.cogging {
+            torque += cogging.amplitude_nm * (cogging.wave_number * position + cogging.phase).sin();
+        }
+        torque
+    }
+
+    /// What acts where the load is, N m.
+    #[inline(always)]
+    fn load_side(
+        &self,
+        pendulum: &Pendulum,
+        touch: &[Touch; BARRIERS],
+        position: f64,
+        velocity: f64,
+    ) -> f64 {
+        let mut torque = -self.gravity * pendulum.sin(position - self.gravity_zero)
+            - self.stiffness * (position - self.stiffness_zero);
+        for (barrier, touch) in self.barriers.iter().zip(touch) {
+            if let Some(barrier) = barrier {
+                torque += barrier.torque(*touch, position, velocity);
+            }
+        }
+        torque
+    }
+
+    /// On the motor side, all but dry friction, N m.
+    #[inline]
+    fn pull(&self, state: &State, drive_nm: f64) -> f64 {
+        let motor = self.motor_side(drive_nm, state.position, state.velocity);
+        motor
+            + match &self.link {
+                Some(link) => -link.torque(
+                    state.position - state.load_position,
+                    state.velocity - state.load_velocity,
+                ),
+                None => self.load_side(
+                    &state.pendulum,
+                    &state.touch,
+                    state.position,
+                    state.velocity,
+                ),
+            }
+    }
+}
+
+impl Plant {
+    /// The phase that follows on rest under this drive.
+    #[inline]
+    fn phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
+        let pull = self.mechanics.pull(state, drive_nm);
+        let friction = &self.mechanics.friction;
+        let holding = if self.plain {
+            friction.level_nm[usize::from(pull < 0.0)]
+        } else {
+            let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
+            friction.holding(direction, state.position, state.time_s, drive_nm)
+        };
+        if pull.abs() <= holding {
+            Phase::Stick
+        } else if pull > 0.0 {
+            Phase::Forward
+        } else {
+            Phase::Backward
+        }
+    }
+
+    /// Carries `state` over `dt_s` under `torque`.
+    #[inline]
+    pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
+        match (
+            self.mechanics.link.is_some(),
+            self.mechanics.presliding.is_some(),
+        ) {
+            (false, false) => self.advance_as::<2>(state, torque, dt_s),
+            (false, true) => self.advance_as::<3>(state, torque, dt_s),
+            (true, false) => self.advance_as::<4>(state, torque, dt_s),
+            (true, true) => self.advance_as::<5>(state, torque, dt_s),
+        }
+    }
+
+    #[inline(never)]
+    fn advance_as<const N: usize>(&self, state: &mut State, mut torque: Torque, dt_s: f64) {
+        let end_s = state.time_s + dt_s;
+        let shortest_s = dt_s / MOST_DIVISIONS;
+        let mut left = dt_s;
+        let mut events = 0;
+        while left > 0.0 {
+            let piece = self.until_barriers_change(state, left);
+            if state.velocity == 0.0 && self.dry && !has_bristles(N) {
+                state.phase = self.phase_at_rest(state, torque.at(0.0));
+            }
+            let taken = if state.phase == Phase::Stick && self.dry && !is_linked(N) {
+                self.hold(state, &torque, piece)
+            } else {
+                let longest = self.longest_step(state).min(torque.longest_step());
+                let h = piece.min(longest.max(shortest_s));
+                let (taken, event) = self.flow::<N>(state, &torque, h, events < MOST_EVENTS);
+                events += usize::from(event);
+                taken
+            };
+            left -= taken;
+            state.time_s += taken;
+            if left > 0.0 {
+                torque = torque.after(taken);
+            }
+        }
+        state.time_s = end_s;
+    }
+
+    /// Time to the next coming or going of a barrier, `left` at most; what has just come or gone is
+    /// taken in.
+    #[inline]
+    fn until_barriers_change(&self, state: &mut State, left: f64) -> f64 {
+        if !self.passing_barriers {
+            return left;
+        }
+        self.touch(state);
+        let next = self.mechanics.barriers.iter().flatten();
+        let next = next
+            .map(|b| b.next_change(state.time_s))
+            .fold(f64::INFINITY, f64::min);
+        // An instant that rounding cannot tell from now is stepped over.
+        left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
+    }
+
+    /// At rest: until the end of the step, or until a drive that grows within it breaks away.
+    fn hold(&self, state: &State, torque: &Torque, left: f64) -> f64 {
+        let breaks_at = |t: f64| {
+            let later = State {
+                time_s: state.time_s + t,
+                ..*state
+            };
+            self.phase_at_rest(&later, torque.at(t)) != Phase::Stick
+        };
+        let constant = torque.is_held() && self.mechanics.friction.drift_per_s == 0.0;
+        if constant || !breaks_at(left) {
+            return left;
+        }
+        // The drive is monotone within a step, so that it breaks away once at most.
+        let (mut held, mut broken) = (0.0, left);
+        loop {
+            let t = 0.5 * (held + broken);
+            if t <= held || t >= broken {
+                return broken;
+            }
+            if breaks_at(t) {
+                broken = t;
+            } else {
+                held = t;
+            }
+        }
+    }
+
+    /// In motion: until `h` or the first event; the time taken, and whether by an event.
+    #[inline]
+    fn flow<const N: usize>(
+        &self,
+        state: &mut State,
+        torque: &Torque,
+        h: f64,
+        watch: bool,
+    ) -> (f64, bool) {
+        let m = &self.mechanics;
+        let kinked = self.dry && state.phase != Phase::Bristle;
+        let direction = match state.phase {
+            Phase::Forward if self.dry => 1.0,
+            Phase::Backward if self.dry => -1.0,
+            _ => 0.0,
+        };
+        let load_position = if is_linked(N) {
+            state.load_position
+        } else {
+            state.position
+        };
+        let regime = Regime::<N> {
+            plant: self,
+            torque,
+            pendulum: state.pendulum,
+            time_s: state.time_s,
+            direction,
+            held: kinked && state.phase == Phase::Stick,
+            constant_friction_nm: (self.plain || direction == 0.0)
+                .then(|| direction * m.friction.level_nm[usize::from(direction < 0.0)]),
+            touch: &state.touch,
+        };
+        let step = runge_kutta::advance(&regime, &pack::<N>(state), h, watch);
+        unpack(&step.x, state);
+        let mut event = step.event;
+        if !watch {
+            state.time_s += step.taken;
+            self.enter(state);
+            state.time_s -= step.taken;
+            return (step.taken, false);
+        }
+        if event {
+            if direction != 0.0 && state.velocity * direction <= 0.0 {
+                state.velocity = 0.0;
+                state.phase = Phase::Stick;
+                if let Some(bristles) = &m.presliding {
+                    state.phase = Phase::Bristle;
+                    state.deflection = direction * bristles.distance;
+                }
+            }
+            state.time_s += step.taken;
+            self.touch(state);
+            state.time_s -= step.taken;
+        }
+        if let (Phase::Bristle, Some(bristles)) = (state.phase, &m.presliding)
+            && bristles.has_slid(state.velocity, state.deflection, h)
+        {
+            event = true;
+            state.phase = if state.velocity > 0.0 {
+                Phase::Forward
+            } else {
+                Phase::Backward
+            };
+        }
+        (step.taken, event)
+    }
+
+    /// The longest step that the stiffest part in action allows, s.
+    #[inline]
+    fn longest_step(&self, state: &State) -> f64 {
+        let m = &self.mechanics;
+        let mut longest = self.longest_step_s;
+        let load_inertia = m.link.map_or(1.0, |link| link.load_share) * m.inertia;
+        for (touch, barrier) in state.touch.iter().zip(&m.barriers) {
+            if let (Touch::Pushing, Some(barrier)) = (touch, barrier) {
+                let natural = (barrier.stiffness / load_inertia).sqrt();
+                let damped = barrier.damping / load_inertia;
+                longest = longest.min(RATE_STEP / (natural + damped));
+            }
+        }
+        if !self.plain {
+            longest = longest.min(
+                m.friction
+                    .longest_step(m.inertia, state.velocity, RATE_STEP),
+            );
+        }
+        if let (Phase::Bristle, Some(bristles)) = (state.phase, &m.presliding) {
+            let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
+            let motor_inertia = m.link.map_or(1.0, |link| 1.0 - link.load_share) * m.inertia;
+            // The bristles' own relaxation is slower than a step, or they count as sliding.
+            let rate = bristles.fastest_rate(motor_inertia, level * m.friction.static_ratio);
+            longest = longest.min(2.0 * RATE_STEP / rate);
+        }
+        longest
+    }
+}
+
+#[inline]
+fn pack<const N: usize>(state: &State) -> [f64; N] {
+    core::array::from_fn(|i| match i {
+        0 => state.position,
+        1 => state.velocity,
+        2 if is_linked(N) => state.load_position,
+        3 => state.load_velocity,
+        _ => state.deflection,
+    })
+}
+
+#[inline]
+fn unpack<const N: usize>(x: &[f64; N], state: &mut State) {
+    state.position = x[0];
+    state.velocity = x[1];
+    if is_linked(N) {
+        state.load_position = x[2];
+        state.load_velocity = x[3];
+    }
+    if has_bristles(N) {
+        state.deflection = x[N - 1];
+    }
+}
+
+impl<const N: usize> Regime<'_, N> {
+    /// Dry friction while sliding or on bristles, N m; and the rate of the bristles.
+    #[inline(always)]
+    fn friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> (f64, f64) {
+        let m = &self.plant.mechanics;
+        let (position, velocity) = (x[0], x[1]);
+        let sliding = |direction: f64| {
+            let time_s = self.time_s + t;
+            m.friction
+                .sliding(direction, position, velocity.abs(), time_s, drive_nm)
+        };
+        match &m.presliding {
+            Some(bristles) if has_bristles(N) && self.direction == 0.0 && self.plant.dry => {
+                let deflection = x[N - 1];
+                let rate = bristles.rate(velocity, deflection);
+                let level = sliding(if deflection >= 0.0 { 1.0 } else { -1.0 });
+                let friction = level * deflection / bristles.distance + bristles.damping * rate;
+                (friction, rate)
+            }
+            _ => match self.constant_friction_nm {
+                Some(friction) => (friction, 0.0),
+                None => (self.direction * sliding(self.direction), 0.0),
+            },
+        }
+    }
+
+    /// Position and velocity of what carries the barriers.
+    #[inline]
+    fn load(x: &[f64; N]) -> (f64, f64) {
+        if is_linked(N) {
+            (x[2], x[3])
+        } else {
+            (x[0], x[1])
+        }
+    }
+}
+
+impl<const N: usize> Flow<N> for Regime<'_, N> {
+    #[inline(always)]
+    fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
+        let m = &self.plant.mechanics;
+        let drive_nm = self.torque.at(t);
+        let (load_position, load_velocity) = Self::load(x);
+        let mut motor = m.motor_side(drive_nm, x[0], x[1]);
+        let load = m.load_side(&self.pendulum, self.touch, load_position, load_velocity);
+        let mut rate = [0.0; N];
+        if is_linked(N) {
+            let through = m
+                .link
+                .map_or(0.0, |link| link.torque(x[0] - x[2], x[1] - x[3]));
+            motor -= through;
+            rate[2] = load_velocity;
+            rate[3] = (load + through) * self.plant.inverse_inertia[1];
+        } else {
+            motor += load;
+        }
+        let (friction, bristle_rate) = self.friction(t, drive_nm, x);
+        rate[0] = x[1];
+        rate[1] = if self.held {
+            0.0
+        } else {
+            (motor - friction) * self.plant.inverse_inertia[0]
+        };
+        if has_bristles(N) {
+            rate[N - 1] = bristle_rate;
+        }
+        rate
+    }
+
+    #[inline(always)]
+    fn guard(&self, x: &[f64; N]) -> f64 {
+        let m = &self.plant.mechanics;
+        let mut guard = if self.direction == 0.0 {
+            f64::INFINITY
+        } else {
+            self.direction * x[1]
+        };
+        let (position, velocity) = Self::load(x);
+        for (barrier, touch) in m.barriers.iter().zip(self.touch) {
+            if let Some(barrier) = barrier
+                && barrier.is_there(self.time_s)
+            {
+                guard = guard.min(barrier.guard(*touch, position, velocity));
+            }
+        }
+        if is_linked(N) && self.held {
+            let mut state = self.plant.state(self.time_s, 0.0, 0.0);
+            unpack(x, &mut state);
+            let drive_nm = self.torque.target_nm;
+            let pull = m.pull(&state, drive_nm);
+            let holding = m
+                .friction
+                .holding(pull.signum(), x[0], self.time_s, drive_nm);
+            guard = guard.min(holding - pull.abs());
+        }
+        guard
+    }
+
+    #[inline]
+    fn may_dip(&self, h: f64, x: [&[f64; N]; 2], rate: [&[f64; N]; 2]) -> bool {
+        // The velocity can touch zero within a step only if it falls at first and rises at last; a
+        // barrier can be touched and left only if the velocity turns.
+        let falls = |i: usize| self.direction * rate[i][1] < 0.0;
+        let slowest = x[0][1].abs().min(x[1][1].abs());
+        let dips = falls(0) && !falls(1) && slowest < h * rate[0][1].abs();
+        let (from, to) = (Self::load(x[0]).1, Self::load(x[1]).1);
+        dips || (from * to < 0.0 && self.plant.mechanics.barriers.iter().any(Option::is_some))
+    }
+}

@@ -143,7 +143,6 @@ pub struct Plant {
     mechanics: Mechanics,
     dry: bool,
     plain: bool,
-    walled: bool,
     passing_barriers: bool,
     inverse_inertia: [f64; 2],
     longest_step_s: f64,
@@ -159,7 +158,6 @@ impl Plant {
         Self {
             dry: !mechanics.friction.is_none(),
             plain: mechanics.friction.is_plain(),
-            walled: mechanics.barriers.iter().any(Option::is_some),
             passing_barriers: mechanics
                 .barriers
                 .iter()

@@ -213,6 +213,7 @@ impl Plant {
         } else {
             state.position
         };
+        state.pendulum.follow(load_position - m.gravity_zero);
         let regime = Regime::<N> {
             plant: self,
             torque,

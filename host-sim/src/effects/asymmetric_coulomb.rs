@@ -1,0 +1,30 @@
+//! Dry friction that depends on the direction.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `F = F₊ for v > 0, −F₋ for v < 0`.
+pub const KIND: Kind = Kind {
+    name: "asymmetric_coulomb",
+    channel: Channel::Friction,
+    about: "Dry friction that depends on the direction",
+    equation: "F = F₊ for v > 0, −F₋ for v < 0",
+    parameters: &[
+        Parameter {
+            name: "positive",
+            quantity: Quantity::Torque,
+            default: 0.025,
+            typical: [0.0, 0.05],
+            about: "level against positive motion",
+        },
+        Parameter {
+            name: "negative",
+            quantity: Quantity::Torque,
+            default: 0.015,
+            typical: [0.0, 0.05],
+            about: "level against negative motion",
+        },
+    ],
+    install: |device, p| {
+        device.mechanics.friction.level_nm = [p[0].max(0.0), p[1].max(0.0)];
+    },
+};

@@ -1,0 +1,52 @@
+//! Play between motor and load.
+
+use super::LEAST_SHARE;
+use super::{Channel, Kind, Parameter, Quantity};
+use crate::plant::Link;
+
+/// `T = 0 within the play, K d beyond`.
+pub const KIND: Kind = Kind {
+    name: "backlash",
+    channel: Channel::Mechanics,
+    about: "Play between motor and load",
+    equation: "T = 0 within the play, K d beyond",
+    parameters: &[
+        Parameter {
+            name: "play",
+            quantity: Quantity::Position,
+            default: 0.02,
+            typical: [0.002, 0.1],
+            about: "free travel between the flanks",
+        },
+        Parameter {
+            name: "load_share",
+            quantity: Quantity::Ratio,
+            default: 0.4,
+            typical: [0.1, 0.9],
+            about: "of the inertia behind the play",
+        },
+        Parameter {
+            name: "stiffness",
+            quantity: Quantity::Stiffness,
+            default: 50.0,
+            typical: [5.0, 500.0],
+            about: "of the flanks",
+        },
+        Parameter {
+            name: "damping",
+            quantity: Quantity::Damping,
+            default: 0.01,
+            typical: [0.0, 0.1],
+            about: "of the flanks, in contact",
+        },
+    ],
+    install: |device, p| {
+        device.mechanics.link = Some(Link {
+            load_share: p[1].clamp(LEAST_SHARE, 1.0 - LEAST_SHARE),
+            stiffness: p[2].abs(),
+            damping: p[3].max(0.0),
+            play: p[0].abs(),
+            sensor_on_load: device.sensor_on_load,
+        });
+    },
+};

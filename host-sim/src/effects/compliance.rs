@@ -1,0 +1,45 @@
+//! A transmission that twists between motor and load.
+
+use super::LEAST_SHARE;
+use super::{Channel, Kind, Parameter, Quantity};
+use crate::plant::Link;
+
+/// `T = K d + D d'`.
+pub const KIND: Kind = Kind {
+    name: "compliance",
+    channel: Channel::Mechanics,
+    about: "A transmission that twists between motor and load",
+    equation: "T = K d + D d'",
+    parameters: &[
+        Parameter {
+            name: "stiffness",
+            quantity: Quantity::Stiffness,
+            default: 5.0,
+            typical: [0.5, 100.0],
+            about: "of the transmission",
+        },
+        Parameter {
+            name: "damping",
+            quantity: Quantity::Damping,
+            default: 1e-3,
+            typical: [0.0, 1e-2],
+            about: "of the twist",
+        },
+        Parameter {
+            name: "load_share",
+            quantity: Quantity::Ratio,
+            default: 0.4,
+            typical: [0.1, 0.9],
+            about: "of the inertia behind the twist",
+        },
+    ],
+    install: |device, p| {
+        device.mechanics.link = Some(Link {
+            load_share: p[2].clamp(LEAST_SHARE, 1.0 - LEAST_SHARE),
+            stiffness: p[0].abs(),
+            damping: p[1].max(0.0),
+            play: 0.0,
+            sensor_on_load: device.sensor_on_load,
+        });
+    },
+};

@@ -1,0 +1,66 @@
+//! Something outside pushes back for a while.
+
+use super::{Channel, Kind, Parameter, Quantity};
+use crate::device::CONTACT;
+use crate::plant::Barrier;
+
+/// `T = −max(0, K d + D d') while it is there`.
+pub const KIND: Kind = Kind {
+    name: "contact",
+    channel: Channel::Surroundings,
+    about: "Something outside pushes back for a while",
+    equation: "T = −max(0, K d + D d') while it is there",
+    parameters: &[
+        Parameter {
+            name: "position",
+            quantity: Quantity::Position,
+            default: 0.1,
+            typical: [-0.6, 0.6],
+            about: "where it begins",
+        },
+        Parameter {
+            name: "side",
+            quantity: Quantity::Ratio,
+            default: 1.0,
+            typical: [-1.0, 1.0],
+            about: "+1 against positive motion, -1 against negative",
+        },
+        Parameter {
+            name: "stiffness",
+            quantity: Quantity::Stiffness,
+            default: 2.0,
+            typical: [0.05, 50.0],
+            about: "of what pushes",
+        },
+        Parameter {
+            name: "damping",
+            quantity: Quantity::Damping,
+            default: 0.01,
+            typical: [0.0, 0.1],
+            about: "of what pushes",
+        },
+        Parameter {
+            name: "from",
+            quantity: Quantity::Time,
+            default: 0.2,
+            typical: [0.0, 1000.0],
+            about: "of the session",
+        },
+        Parameter {
+            name: "to",
+            quantity: Quantity::Time,
+            default: 0.8,
+            typical: [0.0, 1000.0],
+            about: "of the session",
+        },
+    ],
+    install: |device, p| {
+        device.mechanics.barriers[CONTACT] = Some(Barrier {
+            at: p[0],
+            side: 1f64.copysign(p[1]),
+            stiffness: p[2].abs(),
+            damping: p[3].max(0.0),
+            during_s: Some([p[4], p[5]]),
+        });
+    },
+};

@@ -1,0 +1,21 @@
+//! Dry friction at another level.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `F = F_c sign(v)`.
+pub const KIND: Kind = Kind {
+    name: "coulomb",
+    channel: Channel::Friction,
+    about: "Dry friction at another level",
+    equation: "F = F_c sign(v)",
+    parameters: &[Parameter {
+        name: "level",
+        quantity: Quantity::Torque,
+        default: 0.02,
+        typical: [0.0, 0.05],
+        about: "sliding and static, both directions",
+    }],
+    install: |device, p| {
+        device.mechanics.friction.level_nm = [p[0].max(0.0); 2];
+    },
+};

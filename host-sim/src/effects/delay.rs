@@ -1,0 +1,21 @@
+//! The torque follows the input late.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `T(t) = ratio · u(t − d)`.
+pub const KIND: Kind = Kind {
+    name: "delay",
+    channel: Channel::Actuation,
+    about: "The torque follows the input late",
+    equation: "T(t) = ratio · u(t − d)",
+    parameters: &[Parameter {
+        name: "time",
+        quantity: Quantity::Time,
+        default: 0.003,
+        typical: [0.0005, 0.02],
+        about: "delay on top of the model's",
+    }],
+    install: |device, p| {
+        device.drive.delay_s += p[0].max(0.0);
+    },
+};

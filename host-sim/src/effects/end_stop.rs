@@ -1,0 +1,44 @@
+//! A hard stop within the travel.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `T = −max(0, K d + D d') beyond the stop`.
+pub const KIND: Kind = Kind {
+    name: "end_stop",
+    channel: Channel::Mechanics,
+    about: "A hard stop within the travel",
+    equation: "T = −max(0, K d + D d') beyond the stop",
+    parameters: &[
+        Parameter {
+            name: "lower",
+            quantity: Quantity::Position,
+            default: -0.4,
+            typical: [-0.6, -0.1],
+            about: "of the lower stop",
+        },
+        Parameter {
+            name: "upper",
+            quantity: Quantity::Position,
+            default: 0.4,
+            typical: [0.1, 0.6],
+            about: "of the upper stop",
+        },
+        Parameter {
+            name: "stiffness",
+            quantity: Quantity::Stiffness,
+            default: 20.0,
+            typical: [1.0, 100.0],
+            about: "of both",
+        },
+        Parameter {
+            name: "damping",
+            quantity: Quantity::Damping,
+            default: 0.02,
+            typical: [0.0, 0.1],
+            about: "of both, in contact",
+        },
+    ],
+    install: |device, p| {
+        device.set_stops([p[0], p[1]], p[2], p[3]);
+    },
+};

@@ -1,0 +1,31 @@
+//! Another weight, or another angle at which it hangs.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `T = −G sin(x − x_G)`.
+pub const KIND: Kind = Kind {
+    name: "gravity",
+    channel: Channel::Mechanics,
+    about: "Another weight, or another angle at which it hangs",
+    equation: "T = −G sin(x − x_G)",
+    parameters: &[
+        Parameter {
+            name: "weight",
+            quantity: Quantity::Torque,
+            default: 0.03,
+            typical: [0.0, 0.1],
+            about: "weight times lever",
+        },
+        Parameter {
+            name: "zero",
+            quantity: Quantity::Position,
+            default: 0.0,
+            typical: [-0.3, 0.3],
+            about: "where it hangs at rest",
+        },
+    ],
+    install: |device, p| {
+        device.mechanics.gravity = p[0];
+        device.mechanics.gravity_zero = p[1];
+    },
+};

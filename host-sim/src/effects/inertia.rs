@@ -1,0 +1,21 @@
+//! Another inertia.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `J x'' = T`.
+pub const KIND: Kind = Kind {
+    name: "inertia",
+    channel: Channel::Mechanics,
+    about: "Another inertia",
+    equation: "J x'' = T",
+    parameters: &[Parameter {
+        name: "inertia",
+        quantity: Quantity::Inertia,
+        default: 7e-4,
+        typical: [3e-4, 1.2e-3],
+        about: "in place of the model's",
+    }],
+    install: |device, p| {
+        device.mechanics.inertia = p[0].abs().max(f64::MIN_POSITIVE);
+    },
+};

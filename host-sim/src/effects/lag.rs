@@ -1,0 +1,21 @@
+//! The torque follows the input through a first-order lag.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `τ T' + T = ratio · u`.
+pub const KIND: Kind = Kind {
+    name: "lag",
+    channel: Channel::Actuation,
+    about: "The torque follows the input through a first-order lag",
+    equation: "τ T' + T = ratio · u",
+    parameters: &[Parameter {
+        name: "time",
+        quantity: Quantity::Time,
+        default: 0.003,
+        typical: [0.0005, 0.02],
+        about: "time constant on top of the model's",
+    }],
+    install: |device, p| {
+        device.drive.lag_s += p[0].max(0.0);
+    },
+};

@@ -1,0 +1,34 @@
+//! The sensor jumps and stays off.
+
+use super::{Channel, Kind, Parameter, Quantity};
+use crate::sensing::Jump;
+
+/// `y = x + Δ from t on`.
+pub const KIND: Kind = Kind {
+    name: "lost_counts",
+    channel: Channel::Sensing,
+    about: "The sensor jumps and stays off",
+    equation: "y = x + Δ from t on",
+    parameters: &[
+        Parameter {
+            name: "time",
+            quantity: Quantity::Time,
+            default: 0.5,
+            typical: [0.0, 1000.0],
+            about: "of the session at which it jumps",
+        },
+        Parameter {
+            name: "jump",
+            quantity: Quantity::Position,
+            default: 0.05,
+            typical: [-0.3, 0.3],
+            about: "height of the jump",
+        },
+    ],
+    install: |device, p| {
+        device.sensing.jumps.push(Jump {
+            at_s: p[0],
+            height: p[1],
+        });
+    },
+};

@@ -1,0 +1,266 @@
+//! The effects that can be switched into a simulated device, one file each: equation, parameters,
+//! typical range.
+
+mod asymmetric_coulomb;
+mod backlash;
+mod cogging;
+mod compliance;
+mod contact;
+mod coulomb;
+mod deadband;
+mod delay;
+mod end_stop;
+mod friction_drift;
+mod gravity;
+mod inertia;
+mod lag;
+mod load_dependent_friction;
+mod lost_counts;
+mod position_dependent_coulomb;
+mod presliding;
+mod quadratic_drag;
+mod saturation;
+mod sensor_gain;
+mod sensor_hysteresis;
+mod sensor_lag;
+mod sensor_nonlinearity;
+mod spring;
+mod stribeck;
+mod torque_gain;
+mod torque_offset;
+mod viscous;
+
+use crate::device::Device;
+
+/// Part of a device that an effect sits in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Channel {
+    /// From the input to the torque.
+    Actuation,
+    /// What resists motion.
+    Friction,
+    /// Inertia, elasticity, stops.
+    Mechanics,
+    /// From the position to its reading.
+    Sensing,
+    /// Outside the device.
+    Surroundings,
+}
+
+impl Channel {
+    /// The name in the recording contract.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Actuation => "actuation",
+            Self::Friction => "friction",
+            Self::Mechanics => "mechanics",
+            Self::Sensing => "sensing",
+            Self::Surroundings => "surroundings",
+        }
+    }
+}
+
+/// What a parameter measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A pure number.
+    Ratio,
+    /// A phase.
+    Angle,
+    /// s.
+    Time,
+    /// 1/s.
+    Frequency,
+    /// Unit of the input.
+    Input,
+    /// Unit of position.
+    Position,
+    /// 1/position.
+    PerPosition,
+    /// 1/position².
+    PerPositionSquared,
+    /// Position/s.
+    Velocity,
+    /// Joint torque.
+    Torque,
+    /// Torque/position.
+    Stiffness,
+    /// Torque s/position.
+    Damping,
+    /// Torque s²/position².
+    Drag,
+    /// Torque s²/position.
+    Inertia,
+}
+
+impl Quantity {
+    /// The unit for an axis whose position and input have these units.
+    pub fn unit(self, position: &str, input: &str) -> String {
+        let torque = if position == "m" || position == "mm" {
+            "N"
+        } else {
+            "N m"
+        };
+        match self {
+            Self::Ratio => "1".into(),
+            Self::Angle => "rad".into(),
+            Self::Time => "s".into(),
+            Self::Frequency => "1/s".into(),
+            Self::Input => input.into(),
+            Self::Position => position.into(),
+            Self::PerPosition => format!("1/{position}"),
+            Self::PerPositionSquared => format!("1/{position}²"),
+            Self::Velocity => format!("{position}/s"),
+            Self::Torque => torque.into(),
+            Self::Stiffness => format!("{torque}/{position}"),
+            Self::Damping => format!("{torque} s/{position}"),
+            Self::Drag => format!("{torque} s²/{position}²"),
+            Self::Inertia => format!("{torque} s²/{position}"),
+        }
+    }
+}
+
+/// One number of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// As a user writes it.
+    pub name: &'static str,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// What it is where a user does not say, for the paddle.
+    pub default: f64,
+    /// Typical range, for the paddle.
+    pub typical: [f64; 2],
+    /// What it means.
+    pub about: &'static str,
+}
+
+/// A kind of effect.
+#[derive(Debug)]
+pub struct Kind {
+    /// The name in the recording contract.
+    pub name: &'static str,
+    /// Where it sits.
+    pub channel: Channel,
+    /// In one sentence.
+    pub about: &'static str,
+    /// Its equation.
+    pub equation: &'static str,
+    /// Its numbers, in the order in which `install` takes them.
+    pub parameters: &'static [Parameter],
+    /// Puts it into a device.
+    pub install: fn(&mut Device, &[f64]),
+}
+
+/// Least share of the inertia on either side of a transmission.
+const LEAST_SHARE: f64 = 0.01;
+
+/// All kinds, in the order of the contract's vocabulary.
+pub const KINDS: &[&Kind] = &[
+    &torque_gain::KIND,
+    &torque_offset::KIND,
+    &deadband::KIND,
+    &saturation::KIND,
+    &lag::KIND,
+    &delay::KIND,
+    &cogging::KIND,
+    &coulomb::KIND,
+    &asymmetric_coulomb::KIND,
+    &position_dependent_coulomb::KIND,
+    &stribeck::KIND,
+    &viscous::KIND,
+    &quadratic_drag::KIND,
+    &presliding::KIND,
+    &load_dependent_friction::KIND,
+    &friction_drift::KIND,
+    &inertia::KIND,
+    &gravity::KIND,
+    &spring::KIND,
+    &end_stop::KIND,
+    &backlash::KIND,
+    &compliance::KIND,
+    &sensor_gain::KIND,
+    &sensor_nonlinearity::KIND,
+    &sensor_hysteresis::KIND,
+    &sensor_lag::KIND,
+    &lost_counts::KIND,
+    &contact::KIND,
+];
+
+/// The kind called `name`.
+pub fn kind(name: &str) -> Option<&'static Kind> {
+    KINDS.iter().copied().find(|kind| kind.name == name)
+}
+
+/// An effect as a user asks for it.
+#[derive(Clone, Debug)]
+pub struct Effect {
+    /// Its kind.
+    pub kind: &'static Kind,
+    /// Its numbers, in the order of the kind's parameters.
+    pub values: Vec<f64>,
+}
+
+impl Effect {
+    /// Puts it into `device`.
+    pub fn install(&self, device: &mut Device) {
+        (self.kind.install)(device, &self.values);
+    }
+}
+
+/// What is wrong with an effect as written.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum EffectError {
+    /// No such kind.
+    #[error("no effect is called '{0}'; `paddle effects` lists them")]
+    Kind(String),
+    /// No such parameter.
+    #[error("effect '{kind}' has no parameter '{name}'; it has {known}")]
+    Parameter {
+        /// The kind.
+        kind: &'static str,
+        /// As written.
+        name: String,
+        /// Those it has.
+        known: String,
+    },
+    /// Not a finite number.
+    #[error("'{0}' is no number; write an effect as name:parameter=value,parameter=value")]
+    Value(String),
+}
+
+impl core::str::FromStr for Effect {
+    type Err = EffectError;
+
+    /// Reads `name` or `name:parameter=value,parameter=value`; what is left out takes its default.
+    fn from_str(text: &str) -> Result<Self, EffectError> {
+        let (name, settings) = text.split_once(':').unwrap_or((text, ""));
+        let kind = kind(name).ok_or_else(|| EffectError::Kind(name.into()))?;
+        let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+        for setting in settings.split(',').filter(|s| !s.is_empty()) {
+            let (name, value) = setting
+                .split_once('=')
+                .ok_or_else(|| EffectError::Value(setting.into()))?;
+            let at = kind
+                .parameters
+                .iter()
+                .position(|p| p.name == name)
+                .ok_or_else(|| EffectError::Parameter {
+                    kind: kind.name,
+                    name: name.into(),
+                    known: kind
+                        .parameters
+                        .iter()
+                        .map(|p| p.name)
+                        .collect::<Vec<_>>()
+                        .join(", "),
+                })?;
+            values[at] = value
+                .parse()
+                .ok()
+                .filter(|v: &f64| v.is_finite())
+                .ok_or_else(|| EffectError::Value(value.into()))?;
+        }
+        Ok(Self { kind, values })
+    }
+}

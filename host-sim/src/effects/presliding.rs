@@ -1,0 +1,34 @@
+//! Dry friction that bends before it slides.
+
+use super::{Channel, Kind, Parameter, Quantity};
+use crate::plant::Presliding;
+
+/// `z' = v − |v| z / z_s, F = F_c z / z_s + σ z'`.
+pub const KIND: Kind = Kind {
+    name: "presliding",
+    channel: Channel::Friction,
+    about: "Dry friction that bends before it slides",
+    equation: "z' = v − |v| z / z_s, F = F_c z / z_s + σ z'",
+    parameters: &[
+        Parameter {
+            name: "distance",
+            quantity: Quantity::Position,
+            default: 0.005,
+            typical: [0.0005, 0.03],
+            about: "deflection at which it slides",
+        },
+        Parameter {
+            name: "damping",
+            quantity: Quantity::Damping,
+            default: 1e-3,
+            typical: [0.0, 2e-2],
+            about: "of the deflection",
+        },
+    ],
+    install: |device, p| {
+        device.mechanics.presliding = Some(Presliding {
+            distance: p[0].abs().max(f64::MIN_POSITIVE),
+            damping: p[1].max(0.0),
+        });
+    },
+};

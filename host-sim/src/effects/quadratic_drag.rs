@@ -1,0 +1,21 @@
+//! Friction that grows with the square of the speed.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `F = Q v |v|`.
+pub const KIND: Kind = Kind {
+    name: "quadratic_drag",
+    channel: Channel::Friction,
+    about: "Friction that grows with the square of the speed",
+    equation: "F = Q v |v|",
+    parameters: &[Parameter {
+        name: "coefficient",
+        quantity: Quantity::Drag,
+        default: 1e-3,
+        typical: [1e-5, 1e-2],
+        about: "at the joint",
+    }],
+    install: |device, p| {
+        device.mechanics.drag = p[0].max(0.0);
+    },
+};

@@ -1,0 +1,21 @@
+//! The sensor follows with play.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `y = x held within ± w/2`.
+pub const KIND: Kind = Kind {
+    name: "sensor_hysteresis",
+    channel: Channel::Sensing,
+    about: "The sensor follows with play",
+    equation: "y = x held within ± w/2",
+    parameters: &[Parameter {
+        name: "width",
+        quantity: Quantity::Position,
+        default: 0.005,
+        typical: [0.0005, 0.03],
+        about: "of the play",
+    }],
+    install: |device, p| {
+        device.sensing.hysteresis = p[0].max(0.0);
+    },
+};

@@ -1,0 +1,31 @@
+//! A spring towards some position.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `T = −K (x − x_K)`.
+pub const KIND: Kind = Kind {
+    name: "spring",
+    channel: Channel::Mechanics,
+    about: "A spring towards some position",
+    equation: "T = −K (x − x_K)",
+    parameters: &[
+        Parameter {
+            name: "stiffness",
+            quantity: Quantity::Stiffness,
+            default: 0.05,
+            typical: [0.005, 0.5],
+            about: "of the spring",
+        },
+        Parameter {
+            name: "zero",
+            quantity: Quantity::Position,
+            default: 0.0,
+            typical: [-0.3, 0.3],
+            about: "where it is relaxed",
+        },
+    ],
+    install: |device, p| {
+        device.mechanics.stiffness = p[0];
+        device.mechanics.stiffness_zero = p[1];
+    },
+};

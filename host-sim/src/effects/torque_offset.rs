@@ -1,0 +1,21 @@
+//! A constant torque that nobody asked for.
+
+use super::{Channel, Kind, Parameter, Quantity};
+
+/// `T = ratio · u + T₀`.
+pub const KIND: Kind = Kind {
+    name: "torque_offset",
+    channel: Channel::Actuation,
+    about: "A constant torque that nobody asked for",
+    equation: "T = ratio · u + T₀",
+    parameters: &[Parameter {
+        name: "torque",
+        quantity: Quantity::Torque,
+        default: 0.005,
+        typical: [-0.02, 0.02],
+        about: "at the joint",
+    }],
+    install: |device, p| {
+        device.mechanics.offset_nm += p[0];
+    },
+};

@@ -1,0 +1,183 @@
+//! From the position to its reading, before noise and quantising.
+
+/// A reading that jumps and stays off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump {
+    /// Of the session, s.
+    pub at_s: f64,
+    /// In units of position.
+    pub height: f64,
+}
+
+/// `y = jumps(t) + lag(play(g x + a x² + b x³))`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensing {
+    /// g.
+    pub gain: f64,
+    /// a, 1/position.
+    pub quadratic: f64,
+    /// b, 1/position².
+    pub cubic: f64,
+    /// Width of the play, in units of position.
+    pub hysteresis: f64,
+    /// Time constant of the lag, s.
+    pub lag_s: f64,
+    /// In the order of time.
+    pub jumps: Vec<Jump>,
+}
+
+impl Sensing {
+    /// Reads the position as it is.
+    pub fn ideal() -> Self {
+        Self {
+            gain: 1.0,
+            quadratic: 0.0,
+            cubic: 0.0,
+            hysteresis: 0.0,
+            lag_s: 0.0,
+            jumps: Vec::new(),
+        }
+    }
+
+    /// True if it reads the position as it is.
+    pub fn is_ideal(&self) -> bool {
+        *self == Self::ideal()
+    }
+
+    /// Reading of a resting position, jumps apart.
+    #[inline]
+    pub fn curve(&self, x: f64) -> f64 {
+        x * (self.gain + x * (self.quadratic + x * self.cubic))
+    }
+
+    /// Slope of the curve.
+    #[inline]
+    pub fn slope(&self, x: f64) -> f64 {
+        self.gain + x * (2.0 * self.quadratic + x * 3.0 * self.cubic)
+    }
+
+    /// The position whose curve reads `y`: Newton's method from the linear part, which suffices as
+    /// long as the curve is monotone between the two.
+    pub fn inverse(&self, y: f64) -> f64 {
+        let mut x = y / self.gain;
+        if self.quadratic == 0.0 && self.cubic == 0.0 {
+            return x;
+        }
+        for _ in 0..INVERSE_ITERATIONS {
+            let slope = self.slope(x);
+            let flattest = FLATTEST * self.gain.abs();
+            x -= (self.curve(x) - y)
+                / if slope.abs() < flattest {
+                    flattest
+                } else {
+                    slope
+                };
+        }
+        x
+    }
+
+    /// Sum of the jumps up to `time_s`.
+    #[inline]
+    pub fn jumped(&self, time_s: f64) -> f64 {
+        self.jumps
+            .iter()
+            .filter(|jump| jump.at_s <= time_s)
+            .map(|jump| jump.height)
+            .sum()
+    }
+}
+
+const INVERSE_ITERATIONS: usize = 6;
+/// Share of the gain below which a slope is taken as flat.
+const FLATTEST: f64 = 0.1;
+
+/// The sensor at work: where the play stands, and the lag.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Middle of the play, in units of the reading.
+    pub middle: f64,
+    /// Behind the lag.
+    pub lagged: f64,
+    before: f64,
+}
+
+impl Reading {
+    /// At rest at the position `x`.
+    pub fn at_rest(sensing: &Sensing, x: f64) -> Self {
+        let y = sensing.curve(x);
+        Self {
+            middle: y,
+            lagged: y,
+            before: y,
+        }
+    }
+
+    /// Follows the position to `x`, `dt_s` after the last call; the reading, jumps apart.
+    #[inline]
+    pub fn follow(&mut self, sensing: &Sensing, x: f64, dt_s: f64) -> f64 {
+        let y = sensing.curve(x);
+        let half = 0.5 * sensing.hysteresis;
+        self.middle = self.middle.clamp(y - half, y + half);
+        let y = self.middle;
+        if sensing.lag_s > 0.0 {
+            // Exact for a reading that runs straight between the two calls.
+            let slope = if dt_s > 0.0 {
+                (y - self.before) / dt_s
+            } else {
+                0.0
+            };
+            let decay = (-dt_s / sensing.lag_s).exp();
+            let behind = self.lagged - self.before + slope * sensing.lag_s;
+            self.lagged = y - slope * sensing.lag_s + behind * decay;
+        } else {
+            self.lagged = y;
+        }
+        self.before = y;
+        self.lagged
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_inverse_undoes_the_curve() {
+        let sensing = Sensing {
+            gain: 1.1,
+            quadratic: 0.2,
+            cubic: -0.3,
+            ..Sensing::ideal()
+        };
+        for x in [-0.5, -0.1, 0.0, 0.2, 0.6] {
+            assert!((sensing.inverse(sensing.curve(x)) - x).abs() < 1e-9, "{x}");
+        }
+    }
+
+    #[test]
+    fn the_lag_of_a_ramp_is_its_time_constant() {
+        let sensing = Sensing {
+            lag_s: 5e-3,
+            ..Sensing::ideal()
+        };
+        let mut reading = Reading::at_rest(&sensing, 0.0);
+        let mut y = 0.0;
+        for i in 1..=100 {
+            y = reading.follow(&sensing, 2.0 * f64::from(i) * 1e-3, 1e-3);
+        }
+        assert!((y - (0.2 - 2.0 * 5e-3)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_play_holds_on_reversal() {
+        let sensing = Sensing {
+            hysteresis: 0.02,
+            ..Sensing::ideal()
+        };
+        let mut reading = Reading::at_rest(&sensing, 0.0);
+        let up = reading.follow(&sensing, 0.1, 1e-3);
+        let back = reading.follow(&sensing, 0.085, 1e-3);
+        assert!((up - 0.09).abs() < 1e-12 && up == back);
+        assert!((reading.follow(&sensing, 0.05, 1e-3) - 0.06).abs() < 1e-12);
+    }
+}

@@ -1,3 +1,107 @@
-//! Chores of this repository: its tests and checks.
+//! Chores of this repository: `cargo xtask test` is the one gate in front of every change.
 
-fn main() {}
+mod target;
+mod test;
+
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+const HELP: &str = "\
+Chores of this repository.
+
+Usage: cargo xtask <COMMAND>
+
+Commands:
+  test    Formatting, clippy with warnings denied, and every test of every crate
+  target  Make the firmware's target available to the active toolchain
+
+Options:
+  -h, --help  Print this help
+";
+
+/// Exit status of a command line that is not understood.
+const USAGE_ERROR: u8 = 2;
+
+fn main() -> ExitCode {
+    let arguments: Vec<_> = std::env::args().skip(1).collect();
+    let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
+    let outcome = match arguments.as_slice() {
+        ["test"] => test::run(),
+        ["target"] => target::ensure().map_err(Failure::from),
+        ["-h" | "--help" | "help"] | [_, "-h" | "--help"] => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        other => {
+            if let Some(word) = other.first() {
+                eprintln!("xtask: unknown command line from `{word}` on\n");
+            }
+            eprint!("{HELP}");
+            return ExitCode::from(USAGE_ERROR);
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("xtask: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Why a chore did not succeed.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    #[error("`{0}` failed; its own message stands above")]
+    Step(String),
+    #[error("cannot run `{command}`: {source}")]
+    Spawn {
+        command: String,
+        source: std::io::Error,
+    },
+    #[error(
+        "these tests were skipped and may not be (the list of those that may is in \
+         xtask/src/test.rs): {}",
+        .0.join(", ")
+    )]
+    Skipped(Vec<String>),
+    #[error(transparent)]
+    Target(#[from] target::TargetError),
+}
+
+/// A call of the cargo that runs this program, at the repository's root.
+fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).current_dir(root());
+    command
+}
+
+/// The repository's root folder.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .unwrap_or(Path::new("."))
+}
+
+/// Runs a command to its end with its output shown.
+fn run(command: &mut Command) -> Result<(), Failure> {
+    let status = command.status().map_err(|source| Failure::Spawn {
+        command: shown(command),
+        source,
+    })?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(Failure::Step(shown(command)))
+    }
+}
+
+/// A command as a person would type it.
+fn shown(command: &Command) -> String {
+    let program = Path::new(command.get_program());
+    std::iter::once(program.file_name().unwrap_or(program.as_os_str()))
+        .chain(command.get_args())
+        .map(|word| word.to_string_lossy())
+        .collect::<Vec<_>>()
+        .join(" ")
+}

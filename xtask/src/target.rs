@@ -40,11 +40,12 @@ pub fn ensure() -> Result<(), TargetError> {
         return Ok(());
     }
     println!("adding the target {THUMB}");
-    if output(Command::new("rustup").args(["target", "add", THUMB])).is_ok() && holds_core(&library)
-    {
-        return Ok(());
+    match output(Command::new("rustup").args(["target", "add", THUMB])) {
+        Ok(_) if holds_core(&library) => return Ok(()),
+        Ok(_) => println!("rustup serves another toolchain"),
+        Err(error) => println!("{error}"),
     }
-    println!("rustup cannot provide it; building core from the distribution's source");
+    println!("building core from the distribution's source instead");
     let scratch = crate::root().join("target/thumb-core");
     clear(&scratch)?;
     let source = standard_library_source(&scratch)?;
@@ -118,7 +119,7 @@ impl Archive {
             .map(str::to_owned)
             .ok_or_else(|| TargetError::NoWay {
                 version: version.into(),
-                lacking: "the distribution has no rust-src of the same version".into(),
+                lacking: "the package mirror shows no rust-src of the same version".into(),
             })
     }
 

@@ -1,7 +1,8 @@
 //! The columns of one CSV file, parsed straight into vectors.
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::io::{BufReader, Read, Seek};
+use std::str::FromStr;
 
 use csv::{ByteRecord, Position, ReaderBuilder};
 
@@ -23,89 +24,165 @@ pub(crate) struct Columns {
     pub supply: Option<Vec<f32>>,
     pub temperature: Option<Vec<f32>>,
     pub ignored: Vec<String>,
+    /// Those of the ignored whose cells never change.
+    pub frozen: Vec<String>,
 }
 
-/// Where a cell of a row goes.
+/// Where the cells of a column go.
 enum Sink {
     Wide(Vec<f64>),
     Narrow(Vec<f32>),
-    Nowhere,
+    /// Only watched for whether it ever changes.
+    Watched {
+        first: Option<Vec<u8>>,
+        changes: bool,
+    },
 }
 
-/// Reads a whole CSV; `rows` is a guess of the number of rows.
+impl Sink {
+    fn of(column: &str) -> Self {
+        match column {
+            "time" | "input" | "position" | "setpoint" => Self::Wide(Vec::new()),
+            "current" | "supply" | "temperature" => Self::Narrow(Vec::new()),
+            further if further.starts_with("position_") => Self::Wide(Vec::new()),
+            _ => Self::Watched {
+                first: None,
+                changes: false,
+            },
+        }
+    }
+
+    /// Takes a cell and gives its value; `None` if it is not a finite number and somebody needs it to be one.
+    fn push(&mut self, cell: &[u8]) -> Option<f64> {
+        match self {
+            Self::Wide(column) => {
+                let value: f64 = number(cell)?;
+                value.is_finite().then(|| column.push(value))?;
+                Some(value)
+            }
+            Self::Narrow(column) => {
+                let value: f32 = number(cell)?;
+                value.is_finite().then(|| column.push(value))?;
+                Some(value.into())
+            }
+            Self::Watched { first, changes } => {
+                if !*changes {
+                    *changes = first.get_or_insert_with(|| cell.to_vec()) != cell;
+                }
+                Some(0.0)
+            }
+        }
+    }
+}
+
+/// A fault and the byte at which its row starts.
+struct Found {
+    fault: Fault,
+    byte: Option<u64>,
+}
+
+impl From<Fault> for Found {
+    fn from(fault: Fault) -> Self {
+        Self { fault, byte: None }
+    }
+}
+
+impl From<csv::Error> for Found {
+    fn from(source: csv::Error) -> Self {
+        Self {
+            byte: source.position().map(Position::byte),
+            fault: Fault::Csv { source },
+        }
+    }
+}
+
+/// Reads a whole CSV.
 ///
 /// # Errors
 /// The first fault, with the line on which it stands.
-pub(crate) fn read(source: impl Read, rows: usize) -> Result<Columns, Error> {
+pub(crate) fn read(mut source: impl Read + Seek) -> Result<Columns, Error> {
+    parse(&mut source).map_err(|Found { fault, byte }| {
+        Error::new(fault).at(byte.and_then(|byte| line_of_row(&mut source, byte).ok()))
+    })
+}
+
+/// The line, from 1, of the row that starts at `byte` or after the blank lines that follow it.
+///
+/// The CSV reader skips blank lines without a word, so its own count would name the wrong line.
+fn line_of_row(source: &mut (impl Read + Seek), byte: u64) -> std::io::Result<usize> {
+    source.rewind()?;
+    let mut line = 1;
+    for (at, next) in (0..).zip(BufReader::new(source).bytes()) {
+        match next? {
+            b'\n' => line += 1,
+            b'\r' => {}
+            _ if at >= byte => break,
+            _ => {}
+        }
+    }
+    Ok(line)
+}
+
+fn parse(source: impl Read) -> Result<Columns, Found> {
     let mut reader = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .from_reader(source);
     let mut record = ByteRecord::new();
-    let mut lines = LineCount::default();
+    let found = |fault: Fault, record: &ByteRecord| Found {
+        fault,
+        byte: record.position().map(Position::byte),
+    };
 
-    if !lines.next(&mut reader, &mut record)? {
-        return Err(Error::new(Fault::Empty));
+    if !reader.read_byte_record(&mut record)? {
+        return Err(Fault::Empty.into());
     }
-    let names = header(&record).map_err(|fault| Error::new(fault).at(Some(lines.row)))?;
-    let mut sinks: Vec<Sink> = names
-        .iter()
-        .map(|name| match name.as_str() {
-            "time" | "input" | "position" | "setpoint" => Sink::Wide(Vec::with_capacity(rows)),
-            "current" | "supply" | "temperature" => Sink::Narrow(Vec::with_capacity(rows)),
-            name if name.starts_with("position_") => Sink::Wide(Vec::with_capacity(rows)),
-            _ => Sink::Nowhere,
-        })
-        .collect();
+    let names = header(&record).map_err(|fault| found(fault, &record))?;
+    let mut sinks: Vec<Sink> = names.iter().map(|name| Sink::of(name)).collect();
     let time_column = names
         .iter()
         .position(|name| name == "time")
         .unwrap_or_default();
 
     let mut before = f64::NEG_INFINITY;
-    while lines.next(&mut reader, &mut record)? {
-        let fail = |fault| Error::new(fault).at(Some(lines.row));
+    while reader.read_byte_record(&mut record)? {
         if record.len() != names.len() {
-            return Err(fail(Fault::Ragged {
+            let fault = Fault::Ragged {
                 found: record.len(),
                 expected: names.len(),
-            }));
+            };
+            return Err(found(fault, &record));
         }
         for (k, (sink, cell)) in sinks.iter_mut().zip(&record).enumerate() {
-            if let Sink::Nowhere = sink {
-                continue;
-            }
-            let value = number(cell).ok_or_else(|| {
-                fail(Fault::Cell {
-                    column: names[k].clone(),
-                    cell: String::from_utf8_lossy(cell)
-                        .chars()
-                        .take(QUOTED_CHARS)
-                        .collect(),
-                })
-            })?;
+            let Some(value) = sink.push(cell) else {
+                let cell = String::from_utf8_lossy(cell)
+                    .chars()
+                    .take(QUOTED_CHARS)
+                    .collect();
+                return Err(found(
+                    Fault::Cell {
+                        column: names[k].clone(),
+                        cell,
+                    },
+                    &record,
+                ));
+            };
             if k == time_column {
                 if value <= before {
-                    return Err(fail(Fault::TimeNotIncreasing {
-                        before,
-                        after: value,
-                    }));
+                    return Err(found(
+                        Fault::TimeNotIncreasing {
+                            before,
+                            after: value,
+                        },
+                        &record,
+                    ));
                 }
                 before = value;
-            }
-            match sink {
-                Sink::Wide(column) => column.push(value),
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "single precision is enough for these columns"
-                )]
-                Sink::Narrow(column) => column.push(value as f32),
-                Sink::Nowhere => {}
             }
         }
     }
     if before == f64::NEG_INFINITY {
-        return Err(Error::new(Fault::Empty));
+        return Err(Fault::Empty.into());
     }
 
     let mut columns = Columns::default();
@@ -121,7 +198,12 @@ pub(crate) fn read(source: impl Read, rows: usize) -> Result<Columns, Error> {
             (_, Sink::Wide(column)) => {
                 columns.positions.insert(name, column);
             }
-            _ => columns.ignored.push(name),
+            (_, sink) => {
+                if matches!(sink, Sink::Watched { changes: false, .. }) {
+                    columns.frozen.push(name.clone());
+                }
+                columns.ignored.push(name);
+            }
         }
     }
     Ok(columns)
@@ -171,33 +253,6 @@ fn header(record: &ByteRecord) -> Result<Vec<String>, Fault> {
     Ok(names)
 }
 
-/// A finite number.
-fn number(cell: &[u8]) -> Option<f64> {
-    let text = std::str::from_utf8(cell.trim_ascii()).ok()?;
-    text.parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// Counts the lines of the rows: the reader skips blank lines without saying on which line a row then stands.
-#[derive(Default)]
-struct LineCount {
-    row: usize,
-}
-
-impl LineCount {
-    /// Reads the next row and notes its line; `false` at the end of the file.
-    fn next<R: Read>(
-        &mut self,
-        reader: &mut csv::Reader<R>,
-        record: &mut ByteRecord,
-    ) -> Result<bool, Error> {
-        let more = reader.read_byte_record(record).map_err(|source| {
-            let line = source
-                .position()
-                .map(|at| usize::try_from(at.line()).unwrap_or(usize::MAX));
-            Error::new(Fault::Csv { source }).at(line)
-        })?;
-        self.row =
-            usize::try_from(record.position().map_or(1, Position::line)).unwrap_or(usize::MAX);
-        Ok(more)
-    }
+fn number<T: FromStr>(cell: &[u8]) -> Option<T> {
+    std::str::from_utf8(cell.trim_ascii()).ok()?.parse().ok()
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::digits::short;
+
 /// What is wrong with a recording, where, and how to mend it, in one line.
 #[derive(Debug, thiserror::Error)]
 pub struct Error {
@@ -150,9 +152,7 @@ pub enum Fault {
         cell: String,
     },
     /// Time goes back or repeats.
-    #[error(
-        "time goes from {before} s to {after} s; it must increase with every row: sort the rows, remove repeated ones, or split the run here"
-    )]
+    #[error("time goes from {before} s to {after} s; it must increase with every row: sort the rows, remove repeated ones, or split the run here", before = short(*before), after = short(*after))]
     TimeNotIncreasing {
         /// Time of the row before, s.
         before: f64,
@@ -166,9 +166,7 @@ pub enum Fault {
         source: csv::Error,
     },
     /// The run is shorter than one prediction window.
-    #[error(
-        "the run lasts {duration_s} s, less than one horizon of {horizon} s; record longer, shorten `horizon`, or give time in s"
-    )]
+    #[error("the run lasts {duration_s} s, less than one horizon of {horizon} s; record longer, shorten `horizon`, or give time in s", duration_s = short(*duration_s), horizon = short(*horizon))]
     TooShort {
         /// First to last sample, s.
         duration_s: f64,
@@ -176,12 +174,40 @@ pub enum Fault {
         horizon: f64,
     },
     /// The position never changes.
-    #[error(
-        "`position` is {value} in every row; name the live column `position`, or leave the run out"
-    )]
+    #[error("`position` is {value} in every row; name the live column `position`, or leave the run out", value = short(*value))]
     Frozen {
         /// The only value.
         value: f64,
+    },
+    /// A prediction window holds hardly a sample.
+    #[error("the median sample period is {period_s} s, too long for a horizon of {horizon} s; give `time` in s", period_s = short(*period_s), horizon = short(*horizon))]
+    TimeUnit {
+        /// Median time between rows, s.
+        period_s: f64,
+        /// The manifest's horizon, s.
+        horizon: f64,
+    },
+    /// The position moves as no device of this model could.
+    #[error("`position` does not fit [model]: {why}; give both in the same units, angles in rad")]
+    PositionUnit {
+        /// The statistic that decided.
+        why: String,
+    },
+    /// The input lies far beyond the limit that is stated for it.
+    #[error("`input` is typically {typical} where `input_limit` is {limit}; give both in the same unit", typical = short(*typical))]
+    InputUnit {
+        /// Median size of the input where it is not 0.
+        typical: f64,
+        /// The manifest's limit.
+        limit: f64,
+    },
+    /// The model moves as no device would.
+    #[error(
+        "in one horizon [model] would move {spans:.0} times as far as `position` ever does; give `input`, `ratio` and `inertia` in matching units"
+    )]
+    ModelUnit {
+        /// Distance over the span of the position.
+        spans: f64,
     },
     /// A sensor table that belongs to no column.
     #[error("[sensor.{name}] belongs to no column of any run; {}", match nearest { Some(column) => format!("write [sensor.{column}]"), None => "remove it or add the column".to_owned() })]

@@ -23,14 +23,18 @@
 //! ```
 
 mod columns;
+mod digits;
 mod error;
+mod inspect;
 mod keys;
 mod manifest;
 mod model;
 mod oddity;
+mod plausible;
 mod read;
 mod run;
 mod sensor;
+mod statistics;
 mod validate;
 mod write;
 

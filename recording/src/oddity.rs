@@ -1,5 +1,7 @@
 //! What is odd about a recording without spoiling it.
 
+use crate::digits::short;
+
 /// Something odd that was found and worked around, as one line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -21,5 +23,87 @@ pub enum Oddity {
     SensorAssumed {
         /// The column.
         column: String,
+    },
+    /// The sample period varies.
+    #[error("{file}: the sample period varies from {p05_s} to {p95_s} s (5 % to 95 %) around {median_s} s", p05_s = short(*p05_s), p95_s = short(*p95_s), median_s = short(*median_s))]
+    Jitter {
+        /// The run.
+        file: String,
+        /// 5 % quantile of the period, s.
+        p05_s: f64,
+        /// Median of the period, s.
+        median_s: f64,
+        /// 95 % quantile of the period, s.
+        p95_s: f64,
+    },
+    /// Samples are missing.
+    #[error("{file}: {count} gaps in time, the longest {longest_s} s at {at_s} s, where the sample period is {median_s} s", median_s = short(*median_s), longest_s = short(*longest_s), at_s = short(*at_s))]
+    Gaps {
+        /// The run.
+        file: String,
+        /// How many.
+        count: usize,
+        /// The longest, s.
+        longest_s: f64,
+        /// Time at which the longest starts, s.
+        at_s: f64,
+        /// Median of the period, s.
+        median_s: f64,
+    },
+    /// The input never changes, so it excites nothing.
+    #[error("{file}: `input` is {value} in every row; it tells nothing about actuation", value = short(*value))]
+    ConstantInput {
+        /// The run.
+        file: String,
+        /// The only value.
+        value: f64,
+    },
+    /// A column that repeats one value, as if it were not live.
+    #[error("{file}: column `{column}` never changes and is not used")]
+    FrozenColumn {
+        /// The run.
+        file: String,
+        /// The column.
+        column: String,
+    },
+    /// The position runs into its extreme and stays there.
+    #[error("{file}: `position` runs into {value} and stays for {stay_s} s from {from_s} s on while the input changes: the sensor saturates, or a stop holds", value = short(*value), stay_s = short(*stay_s), from_s = short(*from_s))]
+    Saturated {
+        /// The run.
+        file: String,
+        /// The extreme.
+        value: f64,
+        /// Start of the longest stay, s.
+        from_s: f64,
+        /// Its length, s.
+        stay_s: f64,
+    },
+    /// Two runs claim the same stretch of session time.
+    #[error("{first} and {second} overlap in time; they are taken as separate runs")]
+    Overlap {
+        /// The run that starts first.
+        first: String,
+        /// The run that starts before that has ended.
+        second: String,
+    },
+    /// The data have another quantum than is stated.
+    #[error("{file}: `position` has steps of {seen}, but [sensor.position] says a resolution of {stated}", seen = short(*seen), stated = short(*stated))]
+    Resolution {
+        /// The run.
+        file: String,
+        /// Median distance of neighbouring values.
+        seen: f64,
+        /// What the manifest says.
+        stated: f64,
+    },
+    /// The supply is read so coarsely that its steps are not events.
+    #[error("{file}: `supply` is read in steps of {step}, {} % of it; a change of one step is no event", short(*percent), step = short(*step))]
+    CoarseSupply {
+        /// The run.
+        file: String,
+        /// The quantum.
+        step: f64,
+        /// The quantum relative to the median reading, %.
+        percent: f64,
     },
 }

@@ -5,12 +5,10 @@ use std::path::{Component, Path};
 
 use crate::columns;
 use crate::error::{Error, Fault};
+use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
 use crate::validate;
 use crate::{Oddity, Recording, Run};
-
-/// Bytes of a typical row, to reserve memory once.
-const TYPICAL_ROW_BYTES: u64 = 24;
 
 impl Recording {
     /// Reads and validates the recording in `folder`.
@@ -50,12 +48,17 @@ impl Recording {
             oddities,
         };
         for entry in manifest.runs {
-            let run = read_run(folder, entry)?;
+            let (run, frozen) = read_run(folder, entry)?;
             validate::run(&run, &recording)
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
+            let stated = recording.sensor("position").resolution;
+            recording
+                .oddities
+                .extend(inspect::run(&run, stated, &frozen));
             recording.runs.push(run);
         }
         validate::sensors(&recording, &lines).map_err(|error| error.in_file(&path))?;
+        recording.oddities.extend(inspect::session(&recording.runs));
         recording.assume_sensors();
         Ok(recording)
     }
@@ -76,22 +79,19 @@ impl Recording {
     }
 }
 
-fn read_run(folder: &Path, entry: RunEntry) -> Result<Run, Error> {
+fn read_run(folder: &Path, entry: RunEntry) -> Result<(Run, Vec<String>), Error> {
     let path = folder.join(&entry.file);
     let mend = "put the CSV there or correct `file` in recording.toml";
-    let failed = |source| {
+    let file = File::open(&path).map_err(|source| {
         Error::new(Fault::Io {
             doing: "read",
             source,
             mend,
         })
         .in_file(&path)
-    };
-    let file = File::open(&path).map_err(failed)?;
-    let bytes = file.metadata().map_err(failed)?.len();
-    let rows = usize::try_from(bytes / TYPICAL_ROW_BYTES).unwrap_or_default();
-    let columns = columns::read(file, rows).map_err(|error| error.in_file(&path))?;
-    Ok(Run {
+    })?;
+    let columns = columns::read(file).map_err(|error| error.in_file(&path))?;
+    let run = Run {
         file: entry.file,
         drive: entry.drive,
         input_time_std: entry.input_time_std,
@@ -105,7 +105,8 @@ fn read_run(folder: &Path, entry: RunEntry) -> Result<Run, Error> {
         supply: columns.supply,
         temperature: columns.temperature,
         ignored: columns.ignored,
-    })
+    };
+    Ok((run, columns.frozen))
 }
 
 /// Whether `file` names something inside the folder that it is joined to.

@@ -3,6 +3,7 @@
 use crate::error::{Error, Fault};
 use crate::keys::{self, Lines};
 use crate::manifest::{Controller, Manifest};
+use crate::plausible;
 use crate::read::is_inside;
 use crate::{Model, Recording, Run, Tolerance};
 
@@ -109,14 +110,16 @@ pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
     if run.position.iter().all(|value| *value == first) {
         return Err(Error::new(Fault::Frozen { value: first }));
     }
-    Ok(())
+    plausible::run(run, recording)
 }
 
 /// Sensor tables that belong to no column.
 pub(crate) fn sensors(recording: &Recording, lines: &Lines) -> Result<(), Error> {
     for name in recording.sensors.keys() {
         if !position_columns(recording).any(|column| column == name) {
-            let nearest = keys::nearest(name, position_columns(recording)).map(str::to_owned);
+            let free = position_columns(recording)
+                .filter(|column| !recording.sensors.contains_key(*column));
+            let nearest = keys::nearest(name, free).map(str::to_owned);
             let fault = Fault::SensorWithoutColumn {
                 name: name.clone(),
                 nearest,

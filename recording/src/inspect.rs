@@ -1,0 +1,232 @@
+//! Looks for what is merely odd.
+
+use crate::statistics::{extremes, is_constant, median, quantile};
+use crate::{Oddity, Run};
+
+/// Jitter: the middle 90 % of the periods spread over more than this share of their median.
+const JITTER: f64 = 0.1;
+/// A gap: a period of this many medians, and of [`GAP_TAILS`] times the 99 % quantile, so that jitter is none.
+const GAP_MEDIANS: f64 = 5.0;
+/// See [`GAP_MEDIANS`].
+const GAP_TAILS: f64 = 2.0;
+/// Saturation: the longest stay on an extreme has this share of the run's samples.
+const STAY: f64 = 0.02;
+/// During the stay the input spans this share of its whole span.
+const STAY_INPUT: f64 = 0.25;
+/// The stay begins at this share of the median step while moving: a sensor clips abruptly, a rest is eased into.
+const STAY_ENTRY: f64 = 0.5;
+/// Quantised: each value comes this many times on average.
+const REPEATS: usize = 4;
+/// The quantum seen and the one stated differ by this factor.
+const QUANTUM: f64 = 1.5;
+/// The quantum seen: this quantile of the distances between neighbouring values.
+const QUANTUM_QUANTILE: f64 = 0.1;
+/// A value is on the grid if it is off by less than this share of the quantum, and the grid is real if
+/// [`ON_GRID_SHARE`] of the distances are on it.
+const ON_GRID: f64 = 0.1;
+/// See [`ON_GRID`].
+const ON_GRID_SHARE: f64 = 0.9;
+/// Distances between neighbouring values below this share of their span are rounding of the printed digits.
+const PRINTED: f64 = 1e-6;
+/// A supply that is read in steps of this share of it.
+const SUPPLY: f64 = 0.005;
+
+/// What is odd about one run; `stated` is the resolution of its position, `frozen` are the ignored columns that never
+/// change.
+pub(crate) fn run(run: &Run, stated: f64, frozen: &[String]) -> Vec<Oddity> {
+    let mut found = Vec::new();
+    found.extend(jitter(run));
+    found.extend(gaps(run));
+    if is_constant(&run.input) {
+        found.push(Oddity::ConstantInput {
+            file: run.file.clone(),
+            value: run.input[0],
+        });
+    }
+    found.extend(frozen_columns(run, frozen));
+    found.extend(saturated(run));
+    found.extend(resolution(run, stated));
+    found.extend(coarse_supply(run));
+    found
+}
+
+/// Runs that overlap although they do not all start anew.
+pub(crate) fn session(runs: &[Run]) -> Vec<Oddity> {
+    let mut spans: Vec<(f64, f64, &str)> = runs
+        .iter()
+        .filter_map(|run| Some((*run.time.first()?, *run.time.last()?, run.file.as_str())))
+        .collect();
+    spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (Some(first), Some(last)) = (spans.first(), spans.last()) else {
+        return Vec::new();
+    };
+    let shortest = spans
+        .iter()
+        .map(|(start, end, _)| end - start)
+        .fold(f64::INFINITY, f64::min);
+    // Trimmed runs that start anew begin a little apart.
+    if last.0 - first.0 < shortest / 2.0 {
+        return Vec::new();
+    }
+    let overlapping = spans.windows(2).filter(|pair| pair[1].0 <= pair[0].1);
+    overlapping
+        .map(|pair| Oddity::Overlap {
+            first: pair[0].2.to_owned(),
+            second: pair[1].2.to_owned(),
+        })
+        .collect()
+}
+
+fn periods(run: &Run) -> Vec<f64> {
+    run.time.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+fn jitter(run: &Run) -> Option<Oddity> {
+    let periods = periods(run);
+    let [p05_s, median_s, p95_s] = [0.05, 0.5, 0.95].map(|part| quantile(periods.clone(), part));
+    (p95_s - p05_s > JITTER * median_s).then(|| Oddity::Jitter {
+        file: run.file.clone(),
+        p05_s,
+        median_s,
+        p95_s,
+    })
+}
+
+fn gaps(run: &Run) -> Option<Oddity> {
+    let periods = periods(run);
+    let median_s = median(periods.clone());
+    let least_s = (GAP_MEDIANS * median_s).max(GAP_TAILS * quantile(periods.clone(), 0.99));
+    let gaps = || {
+        periods
+            .iter()
+            .enumerate()
+            .filter(|(_, period)| **period > least_s)
+    };
+    let (at, longest_s) = gaps().max_by(|a, b| a.1.total_cmp(b.1))?;
+    let (file, count, at_s) = (run.file.clone(), gaps().count(), run.time[at]);
+    Some(Oddity::Gaps {
+        file,
+        count,
+        longest_s: *longest_s,
+        at_s,
+        median_s,
+    })
+}
+
+fn frozen_columns(run: &Run, ignored: &[String]) -> Vec<Oddity> {
+    let narrow = [
+        ("current", &run.current),
+        ("supply", &run.supply),
+        ("temperature", &run.temperature),
+    ];
+    let narrow = narrow
+        .into_iter()
+        .filter(|(_, column)| column.as_deref().is_some_and(is_constant));
+    let further = run
+        .positions
+        .iter()
+        .filter(|(_, column)| is_constant(column));
+    let names = narrow
+        .map(|(name, _)| name)
+        .chain(further.map(|(name, _)| name.as_str()));
+    let names = names.chain(ignored.iter().map(String::as_str));
+    names
+        .map(|column| Oddity::FrozenColumn {
+            file: run.file.clone(),
+            column: column.to_owned(),
+        })
+        .collect()
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+fn saturated(run: &Run) -> Option<Oddity> {
+    let (low, high) = extremes(&run.position);
+    let (least_input, most_input) = extremes(&run.input);
+    let steps = || {
+        run.position
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs())
+            .filter(|step| *step > 0.0)
+    };
+    let typical_step = median(steps().collect());
+    [low, high].into_iter().find_map(|value| {
+        let (from, to) = longest_stay(&run.position, value)?;
+        let (least, most) = extremes(&run.input[from..to]);
+        let entry = (run.position.get(from.checked_sub(2)?)? - run.position.get(from - 1)?).abs();
+        let clipped = (to - from) as f64 >= STAY * run.len() as f64
+            && most - least >= STAY_INPUT * (most_input - least_input)
+            && most > least
+            && entry >= STAY_ENTRY * typical_step;
+        let stay_s = run.time[to - 1] - run.time[from];
+        clipped.then(|| Oddity::Saturated {
+            file: run.file.clone(),
+            value,
+            from_s: run.time[from],
+            stay_s,
+        })
+    })
+}
+
+/// First and one past the last index of the longest stretch of `value`.
+fn longest_stay(column: &[f64], value: f64) -> Option<(usize, usize)> {
+    let mut end = 0;
+    let stays = column.chunk_by(|a, b| a == b).map(|stay| {
+        end += stay.len();
+        (end - stay.len(), end)
+    });
+    stays
+        .filter(|(from, _)| column[*from] == value)
+        .max_by_key(|(from, to)| to - from)
+}
+
+fn resolution(run: &Run, stated: f64) -> Option<Oddity> {
+    let Quantum {
+        step: seen,
+        quantised,
+    } = quantum(&run.position)?;
+    let coarser = quantised && seen > QUANTUM * stated;
+    let finer = stated > 0.0 && seen * QUANTUM < stated;
+    (coarser || finer).then(|| Oddity::Resolution {
+        file: run.file.clone(),
+        seen,
+        stated,
+    })
+}
+
+struct Quantum {
+    /// A typical small distance of neighbouring distinct values.
+    step: f64,
+    /// Whether the values repeat and lie on a grid of that step.
+    quantised: bool,
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts of samples")]
+fn quantum(column: &[f64]) -> Option<Quantum> {
+    let mut values = column.to_vec();
+    values.sort_unstable_by(f64::total_cmp);
+    let span = values.last()? - values.first()?;
+    values.dedup_by(|b, a| *b - *a <= PRINTED * span);
+    let distances: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = quantile(distances.clone(), QUANTUM_QUANTILE);
+    let on_grid = |distance: &&f64| (*distance / step - (*distance / step).round()).abs() < ON_GRID;
+    let on_grid = distances.iter().filter(on_grid).count() as f64;
+    let quantised =
+        values.len() * REPEATS <= column.len() && on_grid >= ON_GRID_SHARE * distances.len() as f64;
+    (!distances.is_empty()).then_some(Quantum { step, quantised })
+}
+
+fn coarse_supply(run: &Run) -> Option<Oddity> {
+    let supply: Vec<f64> = run
+        .supply
+        .as_ref()?
+        .iter()
+        .map(|volts| f64::from(*volts))
+        .collect();
+    let Quantum { step, quantised } = quantum(&supply)?;
+    let share = step / median(supply).abs();
+    (quantised && share >= SUPPLY).then(|| Oddity::CoarseSupply {
+        file: run.file.clone(),
+        step,
+        percent: 100.0 * share,
+    })
+}

@@ -1,0 +1,34 @@
+//! Order statistics of columns.
+
+/// Least and largest value.
+pub(crate) fn extremes(column: &[f64]) -> (f64, f64) {
+    column
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        })
+}
+
+/// Whether all values are the same.
+pub(crate) fn is_constant<T: PartialEq>(column: &[T]) -> bool {
+    column.windows(2).all(|pair| pair[0] == pair[1])
+}
+
+/// The value below which the share `part` of `values` lies; 0 of nothing.
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss
+)]
+pub(crate) fn quantile(mut values: Vec<f64>, part: f64) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let rank = ((values.len() - 1) as f64 * part).round() as usize;
+    *values.select_nth_unstable_by(rank, f64::total_cmp).1
+}
+
+/// The middle value; 0 of nothing.
+pub(crate) fn median(values: Vec<f64>) -> f64 {
+    quantile(values, 0.5)
+}

@@ -1,0 +1,7 @@
+//! The format as a user meets it: folders on disk.
+
+mod bad_input;
+mod folder;
+mod oddities;
+mod round_trip;
+mod shared_data;

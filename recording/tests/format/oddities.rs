@@ -1,0 +1,256 @@
+//! What is odd is said, and what is not is not.
+
+use crate::folder::Folder;
+use recording::{Drive, Model, Oddity, Recording, Run, Sensor};
+
+const RESOLUTION: f64 = 2e-3;
+
+/// Two seconds at 1 kHz of a quantised swing.
+fn run(file: &str) -> Run {
+    let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
+    let input = time.iter().map(|t| 0.1 * (6.0 * t).cos()).collect();
+    let position = time
+        .iter()
+        .map(|t| (0.3 * (6.0 * t).sin() / RESOLUTION).round() * RESOLUTION)
+        .collect();
+    Run::new(file, Drive::OpenLoop, time, input, position)
+}
+
+fn recording(runs: Vec<Run>) -> Recording {
+    let mut recording = Recording::new(
+        "test",
+        0.25,
+        Model {
+            coulomb: 0.01,
+            ..Model::new(5e-3)
+        },
+    );
+    recording.sensors.insert(
+        "position".into(),
+        Sensor {
+            resolution: RESOLUTION,
+            ..Sensor::default()
+        },
+    );
+    recording.runs = runs;
+    recording
+}
+
+fn oddities_of(recording: &Recording) -> Vec<Oddity> {
+    let folder = Folder::empty();
+    recording.write(folder.path()).unwrap();
+    folder.read().unwrap().oddities
+}
+
+/// The only oddity of a run that was changed by `edit`.
+#[track_caller]
+fn oddity(edit: impl Fn(&mut Run)) -> Oddity {
+    let mut run = run("a.csv");
+    edit(&mut run);
+    let mut found = oddities_of(&recording(vec![run]));
+    assert_eq!(found.len(), 1, "{found:?}");
+    found.remove(0)
+}
+
+#[test]
+fn an_ordinary_recording_has_none() {
+    assert_eq!(
+        oddities_of(&recording(vec![run("a.csv"), run("b.csv")])),
+        []
+    );
+}
+
+#[test]
+fn jitter() {
+    let found = oddity(|run| {
+        run.time
+            .iter_mut()
+            .step_by(2)
+            .for_each(|time| *time += 2e-4)
+    });
+    let Oddity::Jitter { p05_s, p95_s, .. } = found else {
+        panic!("{found}")
+    };
+    assert!(
+        (p05_s - 8e-4).abs() < 1e-9 && (p95_s - 1.2e-3).abs() < 1e-9,
+        "{p05_s} {p95_s}"
+    );
+}
+
+#[test]
+fn gaps() {
+    let found = oddity(|run| run.time[700..].iter_mut().for_each(|time| *time += 0.02));
+    let Oddity::Gaps {
+        count,
+        longest_s,
+        at_s,
+        ..
+    } = found
+    else {
+        panic!("{found}")
+    };
+    assert_eq!(count, 1);
+    assert!(
+        (longest_s - 0.021).abs() < 1e-9 && (at_s - 0.699).abs() < 1e-9,
+        "{longest_s} {at_s}"
+    );
+}
+
+#[test]
+fn constant_input() {
+    assert_eq!(
+        oddity(|run| run.input.fill(0.0)),
+        Oddity::ConstantInput {
+            file: "a.csv".into(),
+            value: 0.0
+        }
+    );
+}
+
+#[test]
+fn frozen_columns() {
+    let frozen = |column: &str| Oddity::FrozenColumn {
+        file: "a.csv".into(),
+        column: column.into(),
+    };
+    assert_eq!(
+        oddity(|run| run.current = Some(vec![0.5; run.len()])),
+        frozen("current")
+    );
+
+    let folder = Folder::empty();
+    recording(vec![run("a.csv")]).write(folder.path()).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let mut rows = text.lines();
+    let mut wider = format!("{},still,note\n", rows.next().unwrap());
+    for (k, row) in rows.enumerate() {
+        wider += &format!("{row},7,\"n {k}\"\n");
+    }
+    let read = folder.with("a.csv", wider).read().unwrap();
+    assert_eq!(read.oddities, [frozen("still")]);
+    assert_eq!(read.runs[0].ignored, ["still", "note"]);
+}
+
+#[test]
+fn saturation() {
+    let found = oddity(|run| {
+        run.position
+            .iter_mut()
+            .for_each(|position| *position = position.min(0.2))
+    });
+    let Oddity::Saturated { value, stay_s, .. } = found else {
+        panic!("{found}")
+    };
+    // 0.3 sin(6 t) stays above 0.2 from t = 0.122 to 0.402 s.
+    assert!(
+        (value - 0.2).abs() < 1e-9 && (stay_s - 0.28).abs() < 0.01,
+        "{value} {stay_s}"
+    );
+}
+
+#[test]
+fn sticking_until_breakaway_is_no_saturation() {
+    let mut ramp = run("a.csv");
+    for (k, (input, position)) in ramp.input.iter_mut().zip(&mut ramp.position).enumerate() {
+        let t = k as f64 * 1e-3;
+        *input = 0.01 * t;
+        *position = ((0.2 * (t - 1.0).max(0.0).powi(2)) / RESOLUTION).round() * RESOLUTION;
+    }
+    assert_eq!(oddities_of(&recording(vec![ramp])), []);
+}
+
+#[test]
+fn a_resolution_other_than_stated() {
+    for (stated, odd) in [
+        (RESOLUTION, false),
+        (RESOLUTION / 4.0, true),
+        (RESOLUTION * 4.0, true),
+        (0.0, true),
+    ] {
+        let mut recording = recording(vec![run("a.csv")]);
+        recording.sensors.insert(
+            "position".into(),
+            Sensor {
+                resolution: stated,
+                ..Sensor::default()
+            },
+        );
+        let found = oddities_of(&recording);
+        assert_eq!(found.len(), usize::from(odd), "{stated}: {found:?}");
+        for oddity in found {
+            let Oddity::Resolution { seen, .. } = oddity else {
+                panic!("{oddity}")
+            };
+            assert!((seen - RESOLUTION).abs() < 1e-9, "{seen}");
+        }
+    }
+}
+
+#[test]
+fn a_supply_that_is_read_coarsely() {
+    let found = oddity(|run| {
+        run.supply = Some(
+            run.input
+                .iter()
+                .map(|input| if *input > 0.0 { 7.4 } else { 7.5 })
+                .collect(),
+        );
+    });
+    let Oddity::CoarseSupply { step, .. } = found else {
+        panic!("{found}")
+    };
+    assert!((step - 0.1).abs() < 1e-6, "{step}");
+}
+
+#[test]
+fn runs_that_overlap_in_session_time() {
+    let shifted = |file: &str, by: f64| {
+        let mut run = run(file);
+        run.time.iter_mut().for_each(|time| *time += by);
+        run
+    };
+    let apart = recording(vec![shifted("b.csv", 5.0), shifted("a.csv", 0.0)]);
+    assert_eq!(oddities_of(&apart), []);
+    let overlapping = recording(vec![shifted("b.csv", 1.5), shifted("a.csv", 0.0)]);
+    assert_eq!(
+        oddities_of(&overlapping),
+        [Oddity::Overlap {
+            first: "a.csv".into(),
+            second: "b.csv".into()
+        }]
+    );
+}
+
+#[test]
+fn a_column_without_a_sensor_and_a_key_that_nobody_reads() {
+    let mut hall = recording(vec![run("a.csv")]);
+    let position = hall.runs[0].position.clone();
+    hall.runs[0]
+        .positions
+        .insert("position_hall".into(), position);
+    assert_eq!(
+        oddities_of(&hall),
+        [Oddity::SensorAssumed {
+            column: "position_hall".into()
+        }]
+    );
+
+    let folder = Folder::empty();
+    recording(vec![run("a.csv")]).write(folder.path()).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("recording.toml")).unwrap();
+    let read = folder
+        .with(
+            "recording.toml",
+            format!("restart_half_widht = 0.01\n{text}"),
+        )
+        .read()
+        .unwrap();
+    let [oddity] = read.oddities.as_slice() else {
+        panic!("{:?}", read.oddities)
+    };
+    let said = oddity.to_string();
+    assert!(
+        said.contains("line 1") && said.contains("was `restart_half_width` meant?"),
+        "{said}"
+    );
+}

@@ -7,6 +7,9 @@ use crate::plausible;
 use crate::read::is_inside;
 use crate::{Model, Recording, Run, Tolerance};
 
+/// Relative error of times that were printed and summed.
+const ROUNDING: f64 = 1e-6;
+
 const FINITE: &str = "a finite number";
 const POSITIVE: &str = "above 0";
 const NOT_NEGATIVE: &str = "0 or above";
@@ -100,7 +103,9 @@ pub(crate) fn manifest(
 /// Samples that say nothing.
 pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
     let (duration_s, horizon) = (run.duration_s(), recording.horizon);
-    if duration_s < horizon {
+    // The last sample holds for one period too, so 500 samples at 1 kHz do make up 0.5 s.
+    let samples = run.len() as f64;
+    if samples < 2.0 || duration_s * samples / (samples - 1.0) < horizon * (1.0 - ROUNDING) {
         return Err(Error::new(Fault::TooShort {
             duration_s,
             horizon,

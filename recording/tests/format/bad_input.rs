@@ -405,6 +405,30 @@ fn samples_that_say_nothing() {
 }
 
 #[test]
+fn as_many_samples_as_one_horizon_are_enough() {
+    let first = |rows: usize| -> String {
+        csv(|_| {})
+            .lines()
+            .take(1 + rows)
+            .flat_map(|line| [line, "\n"])
+            .collect()
+    };
+    let read = |rows: usize| {
+        let folder = Folder::empty();
+        folder
+            .with("recording.toml", MANIFEST)
+            .with("a.csv", first(rows))
+            .read()
+    };
+    assert!(read(100).is_ok());
+    assert_says(
+        &read(99).unwrap_err().to_string(),
+        &["less than one horizon"],
+    );
+    assert_says(&read(1).unwrap_err().to_string(), &["the run lasts 0 s"]);
+}
+
+#[test]
 fn unit_mistakes() {
     let degrees = |row: &mut [f64; 3]| row[2] = row[2].to_degrees();
     assert_says(

@@ -112,6 +112,15 @@ impl Reading {
         }
     }
 
+    /// Where play and lag are known to stand, in units of the reading.
+    pub fn resumed(middle: f64, lagged: f64) -> Self {
+        Self {
+            middle,
+            lagged,
+            before: middle,
+        }
+    }
+
     /// Follows the position to `x`, `dt_s` after the last call; the reading, jumps apart.
     #[inline]
     pub fn follow(&mut self, sensing: &Sensing, x: f64, dt_s: f64) -> f64 {

@@ -1,0 +1,169 @@
+//! Windowed prediction: what a device would have done with the recorded input.
+
+use crate::series::{Series, Window};
+use host_sim::device::Device;
+use host_sim::drive::DriveLine;
+use host_sim::plant::{Plant, State};
+use host_sim::sensing::Reading;
+use recording::{Recording, Sensor};
+
+/// A device and the low-pass already in the logged column.
+#[derive(Clone, Debug)]
+pub struct Predictor {
+    device: Device,
+    plant: Plant,
+    sensor: Sensor,
+}
+
+/// Displacement of every restart state, in standard deviations of the fit of value and slope.
+pub type Shift = [f64; 2];
+
+struct Running {
+    line: DriveLine,
+    state: State,
+    reading: Reading,
+    filtered: f64,
+    now_s: f64,
+    next_input: usize,
+}
+
+impl Predictor {
+    /// Predicts with `device` what the recording's `position` column shows.
+    pub fn new(device: Device, recording: &Recording) -> Self {
+        Self {
+            plant: Plant::new(device.mechanics.clone()),
+            device,
+            sensor: recording.sensor("position"),
+        }
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// One predicted position a sample.
+    pub fn predict(&self, series: &Series) -> Vec<f64> {
+        self.predict_shifted(series, [0.0, 0.0])
+    }
+
+    /// The same from displaced restarts.
+    pub fn predict_shifted(&self, series: &Series, shift: Shift) -> Vec<f64> {
+        let mut predicted = vec![0.0; series.time.len()];
+        let Some(first) = series.windows.first() else {
+            return predicted;
+        };
+        let start_s = first.restart.time_s;
+        let x = self.device.sensing.inverse(first.restart.value);
+        let mut running = Running {
+            line: DriveLine::at_rest(&self.device.drive),
+            state: self.plant.state(start_s + series.session_offset_s, x, 0.0),
+            reading: Reading::at_rest(&self.device.sensing, x),
+            filtered: first.restart.value,
+            now_s: start_s,
+            next_input: 0,
+        };
+        for window in &series.windows {
+            self.follow_to(&mut running, series, window.restart.time_s);
+            self.restart(&mut running, series, window, shift);
+            for i in window.samples.clone() {
+                let before_s = running.now_s;
+                self.follow_to(&mut running, series, series.time[i]);
+                let dt_s = series.time[i] - before_s;
+                predicted[i] = self.read(&mut running, dt_s, i > window.samples.start);
+            }
+        }
+        predicted
+    }
+
+    /// Carries the device to `to_s` of the run under the recorded input.
+    #[inline]
+    fn follow_to(&self, running: &mut Running, series: &Series, to_s: f64) {
+        loop {
+            while let Some(&at) = series.time.get(running.next_input)
+                && at <= running.now_s
+            {
+                let input = series.input[running.next_input];
+                running.line.command(&self.device.drive, at, input);
+                running.next_input += 1;
+            }
+            let next = series.time.get(running.next_input);
+            let until = next.map_or(to_s, |&at| at.min(to_s));
+            while running.now_s < until {
+                let (torque, dt_s) = running.line.piece(running.now_s, until - running.now_s);
+                self.plant.advance(&mut running.state, torque, dt_s);
+                // The last piece ends on the instant itself, not beside it.
+                let now = running.now_s + dt_s;
+                running.now_s = if now < until { now } else { until };
+            }
+            if running.now_s >= to_s {
+                return;
+            }
+        }
+    }
+
+    /// Time constant that the logged column's own low-pass amounts to at this sampling period, s.
+    fn logged_lag_s(&self, period_s: f64) -> f64 {
+        let a = self.logged_gain(period_s);
+        period_s * (1.0 - a) / a
+    }
+
+    fn logged_gain(&self, period_s: f64) -> f64 {
+        match self.sensor.cutoff_hz {
+            Some(cutoff) => (core::f64::consts::TAU * cutoff * period_s).min(1.0),
+            None => 1.0,
+        }
+    }
+
+    /// Puts the device where the sensor shows it; what the sensor does not show goes on as it was.
+    fn restart(&self, running: &mut Running, series: &Series, window: &Window, shift: Shift) {
+        let fit = &window.restart;
+        let sd = |i: usize| window.restart.covariance[i][i].sqrt() * window.restart_noise;
+        let value = fit.value + shift[0] * sd(0);
+        let slope = fit.slope + shift[1] * sd(1);
+        let sensing = &self.device.sensing;
+        let session_s = fit.time_s + series.session_offset_s;
+        let first = window.samples.start;
+        let period_s = match series.time.get(first + 1) {
+            Some(next) => next - series.time[first],
+            None => 0.0,
+        };
+        let logged_s = self.logged_lag_s(period_s.max(f64::MIN_POSITIVE));
+        // Undo the two first-order lags, the column's own and the sensor's.
+        let (sum, product) = (logged_s + sensing.lag_s, logged_s * sensing.lag_s);
+        let behind = value + sum * slope + product * fit.curvature - sensing.jumped(session_s);
+        let rate = slope + sum * fit.curvature;
+        running.filtered = value;
+
+        let half = 0.5 * sensing.hysteresis;
+        let (seen, seen_rate) = self.plant.seen(&running.state);
+        // Where in the play the position stands cannot be seen.
+        let inside = (sensing.curve(seen) - running.reading.middle).clamp(-half, half);
+        let x = sensing.inverse(behind + inside);
+        let v = if half > 0.0 && inside.abs() < half {
+            seen_rate
+        } else {
+            rate / sensing.slope(x)
+        };
+        let lagged = value + logged_s * slope - sensing.jumped(session_s);
+        running.reading = Reading::resumed(behind, lagged);
+        running.state = self.plant.restart(&running.state, session_s, x, v);
+    }
+
+    /// What the sensor shows now.
+    #[inline]
+    fn read(&self, running: &mut Running, dt_s: f64, filters: bool) -> f64 {
+        let (x, _) = self.plant.seen(&running.state);
+        if self.device.sensing.is_ideal() && self.sensor.cutoff_hz.is_none() {
+            return x;
+        }
+        let sensing = &self.device.sensing;
+        let y = running.reading.follow(sensing, x, dt_s) + sensing.jumped(running.state.time_s);
+        if filters && self.sensor.cutoff_hz.is_some() {
+            running.filtered += self.logged_gain(dt_s) * (y - running.filtered);
+        } else if self.sensor.cutoff_hz.is_none() {
+            running.filtered = y;
+        }
+        running.filtered
+    }
+}

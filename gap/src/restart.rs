@@ -1,0 +1,156 @@
+//! The measured state at an instant: value and slope of a cubic through the samples around it.
+
+use nalgebra::{Matrix4, Vector4};
+
+/// Fewest samples of a fit.
+const FEWEST: usize = 9;
+/// Unknowns of a cubic.
+const CUBIC: usize = 4;
+
+/// A cubic fitted by least squares around an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restart {
+    /// The instant, in the run's time, s.
+    pub time_s: f64,
+    /// Value there, in units of position.
+    pub value: f64,
+    /// Slope there, per s.
+    pub slope: f64,
+    /// Second derivative there, per s².
+    pub curvature: f64,
+    /// Covariance of value and slope for white noise of unit variance.
+    pub covariance: [[f64; 2]; 2],
+    /// Sum of squared residuals.
+    pub residual: f64,
+    /// Samples in the fit: first, and one past the last.
+    pub samples: [usize; 2],
+    /// Inverse normal matrix and time scale, for [`influence`](Self::influence).
+    inverse: Matrix4<f64>,
+    scale_s: f64,
+}
+
+impl Restart {
+    /// Fits the samples within ± `half_width_s` of `time_s`, or the nearest nine if those are fewer.
+    /// `None` if the run has fewer than four samples.
+    pub fn fit(time: &[f64], position: &[f64], time_s: f64, half_width_s: f64) -> Option<Self> {
+        let [first, last] = around(time, time_s, half_width_s);
+        if last - first < CUBIC {
+            return None;
+        }
+        let scale_s = (time[last - 1] - time_s)
+            .abs()
+            .max((time_s - time[first]).abs());
+        // Values relative to one of them, so that a large offset costs no digits.
+        let base = position[first];
+        let mut normal = Matrix4::zeros();
+        let mut right = Vector4::zeros();
+        for i in first..last {
+            let row = powers((time[i] - time_s) / scale_s);
+            normal += row * row.transpose();
+            right += row * (position[i] - base);
+        }
+        let inverse = normal.try_inverse()?;
+        let c = inverse * right;
+        let residual = (first..last)
+            .map(|i| {
+                let fitted = powers((time[i] - time_s) / scale_s).dot(&c);
+                (position[i] - base - fitted).powi(2)
+            })
+            .sum();
+        let off = inverse[(0, 1)] / scale_s;
+        Some(Self {
+            time_s,
+            value: base + c[0],
+            slope: c[1] / scale_s,
+            curvature: 2.0 * c[2] / (scale_s * scale_s),
+            covariance: [
+                [inverse[(0, 0)], off],
+                [off, inverse[(1, 1)] / (scale_s * scale_s)],
+            ],
+            residual,
+            samples: [first, last],
+            inverse,
+            scale_s,
+        })
+    }
+
+    /// Degrees of freedom of the residual.
+    pub fn freedom(&self) -> usize {
+        self.samples[1] - self.samples[0] - CUBIC
+    }
+
+    /// How much value and slope move with the sample at `time_s`, one of those in the fit.
+    pub fn influence(&self, time_s: f64) -> [f64; 2] {
+        let weights = self.inverse * powers((time_s - self.time_s) / self.scale_s);
+        [weights[0], weights[1] / self.scale_s]
+    }
+}
+
+fn powers(x: f64) -> Vector4<f64> {
+    Vector4::new(1.0, x, x * x, x * x * x)
+}
+
+/// Samples within ± `half_width_s` of `time_s`, extended to the nearest [`FEWEST`].
+fn around(time: &[f64], time_s: f64, half_width_s: f64) -> [usize; 2] {
+    // A sample on the edge is inside, whatever rounding makes of it.
+    let half = half_width_s * (1.0 + 1e-9) + 4.0 * f64::EPSILON * time_s.abs();
+    let mut first = time.partition_point(|&t| t < time_s - half);
+    let mut last = time.partition_point(|&t| t <= time_s + half);
+    while last - first < FEWEST.min(time.len()) {
+        let before = first.checked_sub(1).map(|i| time_s - time[i]);
+        let after = time.get(last).map(|&t| t - time_s);
+        match (before, after) {
+            (Some(b), Some(a)) if b <= a => first -= 1,
+            (Some(_), None) => first -= 1,
+            (_, Some(_)) => last += 1,
+            (None, None) => break,
+        }
+    }
+    [first, last]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(n: usize) -> Vec<f64> {
+        (0..n).map(|i| 100.0 + i as f64 * 1e-3).collect()
+    }
+
+    #[test]
+    fn a_cubic_is_found_exactly() {
+        let time = times(100);
+        let at = |t: f64| 5.0 + 2.0 * (t - 100.05) - 30.0 * (t - 100.05).powi(2);
+        let position: Vec<f64> = time.iter().map(|&t| at(t)).collect();
+        let fit = Restart::fit(&time, &position, 100.05, 0.008).unwrap();
+        assert_eq!(fit.samples[1] - fit.samples[0], 17);
+        assert!((fit.value - 5.0).abs() < 1e-9);
+        assert!((fit.slope - 2.0).abs() < 1e-6);
+        assert!((fit.curvature + 60.0).abs() < 1e-2);
+    }
+
+    #[test]
+    fn nine_samples_at_the_ends_of_a_run() {
+        let time = times(100);
+        let position = vec![1.0; 100];
+        let start = Restart::fit(&time, &position, 100.0, 0.001).unwrap();
+        assert_eq!(start.samples, [0, 9]);
+        let end = Restart::fit(&time, &position, 100.099, 0.001).unwrap();
+        assert_eq!(end.samples, [91, 100]);
+    }
+
+    #[test]
+    fn influence_reproduces_the_covariance() {
+        let time = times(100);
+        let position: Vec<f64> = time.iter().map(|t| (7.0 * t).sin()).collect();
+        let fit = Restart::fit(&time, &position, 100.05, 0.008).unwrap();
+        let mut sum = [0.0; 3];
+        for &t in &time[fit.samples[0]..fit.samples[1]] {
+            let [a, b] = fit.influence(t);
+            sum = [sum[0] + a * a, sum[1] + a * b, sum[2] + b * b];
+        }
+        assert!((sum[0] - fit.covariance[0][0]).abs() < 1e-9);
+        assert!((sum[1] - fit.covariance[0][1]).abs() < 1e-6);
+        assert!((sum[2] / fit.covariance[1][1] - 1.0).abs() < 1e-9);
+    }
+}

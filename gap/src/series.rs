@@ -1,0 +1,178 @@
+//! A run cut into prediction windows, each with its restart.
+
+use crate::restart::Restart;
+use recording::{Recording, Run};
+use std::ops::Range;
+
+/// One prediction window.
+#[derive(Clone, Debug)]
+pub struct Window {
+    /// Samples that are predicted.
+    pub samples: Range<usize>,
+    /// State from which they are.
+    pub restart: Restart,
+    /// Standard deviation of a sample here, in units of position.
+    pub noise: f64,
+    /// That of the samples that the restart is fitted to.
+    pub restart_noise: f64,
+}
+
+/// A run as the prediction sees it.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Index of the run in the recording.
+    pub run: usize,
+    /// s, in the run's own time.
+    pub time: Vec<f64>,
+    /// Held from each sample to the next.
+    pub input: Vec<f64>,
+    /// Measured.
+    pub position: Vec<f64>,
+    /// What to add to the run's time for that of the session, s.
+    pub session_offset_s: f64,
+    /// In the order of time, without gaps between them.
+    pub windows: Vec<Window>,
+}
+
+/// Median sampling period above which samples are not put together, s.
+const FINE_PERIOD_S: f64 = 1e-3;
+
+impl Series {
+    /// All samples of `run`, restarted every `horizon_s`.
+    fn new(recording: &Recording, index: usize, horizon_s: f64, session_offset_s: f64) -> Self {
+        let run = &recording.runs[index];
+        let windows = windows(recording, run, horizon_s);
+        Self {
+            run: index,
+            time: run.time.clone(),
+            input: run.input.clone(),
+            position: run.position.clone(),
+            session_offset_s,
+            windows,
+        }
+    }
+
+    /// Puts samples together to about [`FINE_PERIOD_S`], input and position averaged; the restarts stay
+    /// as they are. What moves faster than that carries no torque that a device of inertia shows.
+    fn coarsened(self) -> Self {
+        let period = median_period(&self.time);
+        let group = (FINE_PERIOD_S * (1.0 + 1e-6) / period).floor() as usize;
+        if group < 2 {
+            return self;
+        }
+        let mut coarse = Self {
+            time: Vec::new(),
+            input: Vec::new(),
+            position: Vec::new(),
+            windows: Vec::new(),
+            ..self
+        };
+        for window in &self.windows {
+            let start = coarse.time.len();
+            for first in window.samples.clone().step_by(group) {
+                let rows = first..(first + group).min(window.samples.end);
+                let n = rows.len() as f64;
+                let mean = |column: &[f64]| column[rows.clone()].iter().sum::<f64>() / n;
+                coarse.time.push(mean(&self.time));
+                coarse.position.push(mean(&self.position));
+                // Held between the means: half a group later than the rows it stands for.
+                let late = rows.start + rows.len() / 2..rows.end + rows.len() / 2;
+                coarse.input.push(held_mean(&self.time, &self.input, late));
+            }
+            coarse.windows.push(Window {
+                samples: start..coarse.time.len(),
+                noise: window.noise / (group as f64).sqrt(),
+                ..window.clone()
+            });
+        }
+        coarse
+    }
+}
+
+fn held_mean(time: &[f64], input: &[f64], rows: Range<usize>) -> f64 {
+    let rows = rows.start.min(input.len() - 1)..rows.end.min(input.len());
+    if rows.len() < 2 {
+        return input[rows.start];
+    }
+    let width = |i: usize| match time.get(i + 1) {
+        Some(next) => next - time[i],
+        None => time[i] - time[i - 1],
+    };
+    let total: f64 = rows.clone().map(width).sum();
+    rows.map(|i| input[i] * width(i)).sum::<f64>() / total
+}
+
+/// Median difference of consecutive times, s.
+pub fn median_period(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = steps.len() / 2;
+    if steps.is_empty() {
+        return FINE_PERIOD_S;
+    }
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+fn windows(recording: &Recording, run: &Run, horizon_s: f64) -> Vec<Window> {
+    let (Some(&start), Some(&end)) = (run.time.first(), run.time.last()) else {
+        return Vec::new();
+    };
+    let hair = 1e-6 * median_period(&run.time);
+    let count = ((end - start + 2.0 * hair) / horizon_s).floor() as usize + 1;
+    let mut from = 0;
+    let mut windows = Vec::with_capacity(count);
+    for k in 0..count {
+        let restart_s = start + k as f64 * horizon_s;
+        let to = run
+            .time
+            .partition_point(|&t| t < restart_s + horizon_s - hair);
+        if to > from {
+            let half_width = recording.restart_half_width;
+            if let Some(restart) = Restart::fit(&run.time, &run.position, restart_s, half_width) {
+                windows.push(Window {
+                    samples: from..to,
+                    restart,
+                    noise: 0.0,
+                    restart_noise: 0.0,
+                });
+            }
+        }
+        from = to;
+    }
+    crate::noise::assign(recording, run, &mut windows);
+    windows
+}
+
+/// All runs at full rate, restarted every `horizon_s`.
+pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
+    let offsets = session_offsets(recording);
+    (0..recording.runs.len())
+        .map(|index| Series::new(recording, index, horizon_s, offsets[index]))
+        .collect()
+}
+
+/// All runs at about a millisecond, restarted every `horizon_s`.
+pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
+    let full = full(recording, horizon_s);
+    full.into_iter().map(Series::coarsened).collect()
+}
+
+/// What to add to each run's time for one clock of the session, s: nothing if the runs' times do not
+/// overlap, else the runs follow on one another in the order of the list.
+fn session_offsets(recording: &Recording) -> Vec<f64> {
+    let mut spans: Vec<(f64, f64)> = recording
+        .runs
+        .iter()
+        .filter_map(|run| Some((*run.time.first()?, *run.time.last()?)))
+        .collect();
+    spans.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if spans.windows(2).all(|pair| pair[0].1 <= pair[1].0) {
+        return vec![0.0; recording.runs.len()];
+    }
+    let mut clock = 0.0;
+    let offsets = recording.runs.iter().map(|run| {
+        let offset = clock - run.time.first().copied().unwrap_or(0.0);
+        clock += run.duration_s();
+        offset
+    });
+    offsets.collect()
+}

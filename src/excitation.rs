@@ -7,7 +7,7 @@ use crate::phase::{self, Phase};
 /// Harmonics of a multisine: 1 to this, all of the same amplitude.
 pub const MULTISINE_HARMONICS: u32 = 6;
 /// Peak of the sum of that many unit sines with Schroeder's phases.
-const MULTISINE_PEAK: f32 = 4.2;
+const MULTISINE_PEAK: f32 = 3.3155;
 /// A ramp stops once the paddle has moved this far, rad (0.5 degrees).
 const BREAKAWAY_RAD: f32 = 0.008_726_6;
 
@@ -93,6 +93,8 @@ pub enum ExcitationError {
     NeedsDuration,
     /// The frequency is above half the rate of the position loop, or 0 for a wave.
     BadFrequency,
+    /// With the reference it goes beyond the travel or the torque limit.
+    OutOfRange,
     /// The controller is off.
     Disarmed,
 }
@@ -104,6 +106,9 @@ impl fmt::Display for ExcitationError {
             Self::NeedsDuration => "chirp and ramp need a duration above 0 s",
             Self::BadFrequency => {
                 "frequency must be above 0 and below half the rate of the position loop"
+            }
+            Self::OutOfRange => {
+                "reference, offset and amplitude together are beyond limit.travel or motor.torque_limit"
             }
             Self::Disarmed => "arm before starting an excitation",
         })

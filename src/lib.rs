@@ -31,6 +31,7 @@
 //! ```
 #![no_std]
 
+pub mod console;
 pub mod control;
 pub mod controller;
 pub mod estimate;

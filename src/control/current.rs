@@ -14,6 +14,7 @@ const MAX_CORRECTION_PER_TICK: f32 = 0.25;
 /// Gains per tick, from amperes to duty.
 #[derive(Clone, Copy, Debug)]
 pub struct CurrentGains {
+    pole: f32,
     proportional: f32,
     integral_per_tick: f32,
     resistance: f32,
@@ -33,6 +34,7 @@ impl CurrentGains {
         let gain = correction * settings.resistance_ohm / (1.0 - pole);
         let per_volt = 1.0 / settings.supply_v;
         Self {
+            pole,
             proportional: gain * pole * per_volt,
             integral_per_tick: gain * (1.0 - pole) * per_volt,
             resistance: settings.resistance_ohm * per_volt,
@@ -42,11 +44,18 @@ impl CurrentGains {
     }
 }
 
-/// The regulator with its integral.
+/// The regulator with two degrees of freedom: the feed-forward makes the current, the PI corrects what differs from
+/// the current that the feed-forward should have made by now.
+///
+/// Were the PI to see the plain error, it would integrate while the winding still follows the feed-forward, and
+/// overshoot.
 #[derive(Clone, Copy, Debug)]
 pub struct CurrentLoop {
     gains: CurrentGains,
     integral: f32,
+    acting_a: f32,
+    pending_a: f32,
+    expected_a: f32,
 }
 
 impl CurrentLoop {
@@ -55,6 +64,9 @@ impl CurrentLoop {
         Self {
             gains,
             integral: 0.0,
+            acting_a: 0.0,
+            pending_a: 0.0,
+            expected_a: 0.0,
         }
     }
 
@@ -63,21 +75,27 @@ impl CurrentLoop {
         self.gains = gains;
     }
 
-    /// Forgets the past.
+    /// Forgets the past; the winding carries no current.
     #[inline]
     pub fn reset(&mut self) {
-        self.integral = 0.0;
+        *self = Self::new(self.gains);
     }
 
-    /// One tick: duty within [`MAX_DUTY`], from the torque wanted at the motor (N m), the measured current (A) and
-    /// the velocity of the paddle (rad/s).
+    /// One tick: duty within [`MAX_DUTY`], from the torque wanted at the motor (N m), the measured current (A, mean
+    /// over the last period) and the velocity of the paddle (rad/s).
     ///
     /// The feed-forward is the resistance's voltage and the back-EMF. While the duty is at its limit, the integral
     /// only takes what leads back from it.
     #[inline]
     pub fn update(&mut self, torque_nm: f32, current_a: f32, velocity_rad_s: f32) -> f32 {
         let wanted_a = torque_nm * self.gains.amperes_per_nm;
-        let error_a = wanted_a - current_a;
+        // A duty acts for the whole period after the next update: its mean is measured two ticks from now.
+        let before_a = self.expected_a;
+        self.expected_a = self.acting_a + (before_a - self.acting_a) * self.gains.pole;
+        self.acting_a = self.pending_a;
+        self.pending_a = wanted_a;
+        let error_a = 0.5 * (before_a + self.expected_a) - current_a;
+
         let held = self.gains.resistance * wanted_a
             + self.gains.back_emf_s_rad * velocity_rad_s
             + self.gains.proportional * error_a

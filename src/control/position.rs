@@ -81,14 +81,29 @@ impl Pid {
     /// The jump that the new gains would make is put into the integral term. Without integral action (ki = 0) it
     /// would stay there for ever, so then it, and what the integral held, decays with a time constant of 0.1 s.
     pub fn retune(&mut self, gains: PidGains) {
-        let old = self.proportional_derivative();
+        let before_nm = self.proportional_derivative();
         self.gains = gains;
         self.rate.retune(gains.rate_filter);
-        let held = self.integral_nm + self.bump_nm + (old - self.proportional_derivative());
-        (self.integral_nm, self.bump_nm) = if gains.integral_per_tick == 0.0 {
-            (0.0, held)
+        self.absorb(before_nm);
+    }
+
+    /// The measured position jumps to `position_rad` although the paddle did not move, as when the sensor changes:
+    /// neither does the torque jump.
+    pub fn rebase(&mut self, position_rad: f32) {
+        let before_nm = self.proportional_derivative();
+        self.weighted_error_rad += self.previous_rad - position_rad;
+        self.previous_rad = position_rad;
+        self.absorb(before_nm);
+    }
+
+    /// Makes up for a jump of the proportional and derivative terms from `before_nm`.
+    fn absorb(&mut self, before_nm: f32) {
+        let held_nm =
+            self.integral_nm + self.bump_nm + (before_nm - self.proportional_derivative());
+        (self.integral_nm, self.bump_nm) = if self.gains.integral_per_tick == 0.0 {
+            (0.0, held_nm)
         } else {
-            (held, 0.0)
+            (held_nm, 0.0)
         };
     }
 

@@ -50,12 +50,6 @@ impl SecondOrder {
         }
     }
 
-    /// Takes over a section and rests at `value`.
-    pub fn retune(&mut self, section: Biquad<f32>, value: f32) {
-        self.section = section;
-        self.reset(value);
-    }
-
     /// Puts the section at rest at `value`.
     pub fn reset(&mut self, value: f32) {
         let [b0, _, b2, _, a2] = self.section.ba;

@@ -2,4 +2,5 @@
 
 pub mod biquad;
 pub mod low_pass;
+pub mod position_filter;
 pub mod velocity;

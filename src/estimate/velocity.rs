@@ -1,4 +1,4 @@
-//! Velocity by a tracking observer.
+//! Velocity by a tracking observer that knows the torque.
 
 use core::f32::consts::TAU;
 
@@ -25,11 +25,13 @@ impl TrackerGains {
     }
 }
 
-/// Alpha-beta filter: a model of constant velocity, corrected by each sample.
+/// Alpha-beta filter with a known input: the torque moves a model of the paddle, each sample corrects it.
 ///
-/// It is the steady-state Kalman filter of a position that is driven by white acceleration and read with white
-/// noise. A filtered difference lets the quantum of the encoder through at full gain up to half the sampling
-/// rate; the observer rolls it off with the second order, so that for the same lag it is several times quieter.
+/// It is the steady-state Kalman filter of an inertia that is driven by a known torque and white acceleration, and
+/// read with white noise. Two things make it better than a filtered difference: the lag is only that of what the
+/// torque does not explain (friction), and the noise of the samples falls off with the second order instead of
+/// passing at full gain up to half the rate. The quantum of the encoder, whose derivative is a train of pulses and
+/// no white noise, gains from the first only.
 #[derive(Clone, Copy, Debug)]
 pub struct VelocityTracker {
     gains: TrackerGains,
@@ -58,10 +60,12 @@ impl VelocityTracker {
         self.velocity_rad_s = 0.0;
     }
 
-    /// Takes a measured position, rad, and gives the velocity, rad/s.
+    /// Takes a measured position, rad, and the acceleration since the sample before that the torque should have
+    /// made, rad/s^2; gives the velocity, rad/s.
     #[inline]
-    pub fn update(&mut self, measured_rad: f32) -> f32 {
+    pub fn update(&mut self, measured_rad: f32, acceleration_rad_s2: f32) -> f32 {
         let predicted = self.position_rad + self.velocity_rad_s * self.gains.tick_s;
+        self.velocity_rad_s += acceleration_rad_s2 * self.gains.tick_s;
         let innovation = measured_rad - predicted;
         self.position_rad = predicted + self.gains.position * innovation;
         self.velocity_rad_s += self.gains.velocity_per_s * innovation;

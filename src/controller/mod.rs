@@ -1,21 +1,24 @@
 //! The whole way of the data in one `step`: measurement in, duty out.
 
-use core::fmt;
+mod refusal;
+mod tuning;
+
+pub use refusal::{ArmError, ReferenceError, ZeroError};
+pub use tuning::{TickRate, Tuning};
 
 use crate::control::compensation::Compensation;
-use crate::control::current::{CurrentGains, CurrentLoop};
-use crate::control::position::{Pid, PidGains};
-use crate::estimate::biquad::{self, SecondOrder};
-use crate::estimate::low_pass::{self, LowPass};
-use crate::estimate::velocity::{TrackerGains, VelocityTracker};
+use crate::control::current::CurrentLoop;
+use crate::control::position::Pid;
+use crate::estimate::position_filter::PositionFilter;
+use crate::estimate::velocity::VelocityTracker;
 use crate::excitation::{Excitation, ExcitationError, Generator, Shape};
 use crate::metrics::{StepMetrics, StepReport};
 use crate::safety::{Fault, Limits};
 use crate::sensing::current::{CurrentSensor, OffsetError};
-use crate::sensing::encoder::{self, Encoder};
+use crate::sensing::encoder::Encoder;
 use crate::sensing::hall::{self, HallCurve};
-use crate::settings::{FilterOrder, Sensor, Settings};
-use crate::units::{RAD_PER_DEG, limit};
+use crate::settings::{Sensor, Settings};
+use crate::units::limit;
 
 /// What the board reads in one control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,74 +52,31 @@ pub enum Mode {
     Position,
 }
 
-/// How often [`Controller::step`] is called, and how often of these the position loop runs.
+/// The state of the controller at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TickRate {
-    tick_hz: f32,
-    divider: u16,
-}
-
-impl TickRate {
-    /// `tick_hz` calls of `step` a second, the position loop at every `divider`-th (0 counts as 1).
-    pub const fn new(tick_hz: f32, divider: u16) -> Self {
-        Self {
-            tick_hz,
-            divider: if divider == 0 { 1 } else { divider },
-        }
-    }
-
-    /// Period of the current loop, s.
-    pub fn tick_s(&self) -> f32 {
-        1.0 / self.tick_hz
-    }
-
-    /// Period of the position loop, s.
-    pub fn position_tick_s(&self) -> f32 {
-        f32::from(self.divider) / self.tick_hz
-    }
-}
-
-/// Settings made ready for one rate: all divisions and exponentials are done here, outside the control interrupt.
-#[derive(Clone, Debug)]
-pub struct Tuning {
-    rad_per_count: f32,
-    hall: HallCurve,
-    sensor: Sensor,
-    low_pass: f32,
-    second_order: Option<idsp::iir::Biquad<f32>>,
-    velocity: TrackerGains,
-    pid: PidGains,
-    compensation: Compensation,
-    current: CurrentGains,
-    limits: Limits,
-    torque_limit_nm: f32,
-    band_rad: f32,
-}
-
-impl Tuning {
-    /// The tuning of these settings at this rate.
-    pub fn new(settings: &Settings, rate: TickRate) -> Self {
-        let tick_s = rate.position_tick_s();
-        let ratio = settings.mechanism.ratio;
-        let estimate = &settings.estimate;
-        Self {
-            rad_per_count: encoder::rad_per_count(settings.mechanism.counts_per_turn, ratio),
-            hall: HallCurve::new(&settings.hall),
-            sensor: estimate.sensor,
-            low_pass: low_pass::gain(estimate.cutoff_hz, tick_s),
-            second_order: match estimate.order {
-                FilterOrder::First => None,
-                FilterOrder::Second => Some(biquad::butterworth(estimate.cutoff_hz, tick_s)),
-            },
-            velocity: TrackerGains::new(estimate.velocity_bandwidth_hz, tick_s),
-            pid: PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s),
-            compensation: Compensation::new(&settings.compensation, ratio),
-            current: CurrentGains::new(&settings.motor, ratio, rate.tick_s()),
-            limits: Limits::new(&settings.limit, tick_s),
-            torque_limit_nm: settings.motor.torque_limit_nm,
-            band_rad: settings.metrics.band_deg * RAD_PER_DEG,
-        }
-    }
+pub struct Status {
+    /// What it does.
+    pub mode: Mode,
+    /// The latched fault.
+    pub fault: Option<Fault>,
+    /// Whether the encoder has a zero.
+    pub zeroed: bool,
+    /// Position that the regulator sees, filtered, rad.
+    pub position_rad: f32,
+    /// Position by the Hall sensor, unfiltered, rad.
+    pub hall_rad: f32,
+    /// Velocity of the paddle, rad/s.
+    pub velocity_rad_s: f32,
+    /// Setpoint in position mode, rad.
+    pub setpoint_rad: f32,
+    /// Torque wanted, N m at the motor.
+    pub torque_nm: f32,
+    /// Motor current, A.
+    pub current_a: f32,
+    /// Figures of the last step.
+    pub metrics: Option<StepReport>,
+    /// Value of the last ramp at breakaway, in the unit of its mode.
+    pub breakaway: Option<f32>,
 }
 
 /// The control core.
@@ -131,9 +91,9 @@ pub struct Controller {
     encoder: Encoder,
     hall: HallCurve,
     current_sensor: CurrentSensor,
-    low_pass: LowPass,
-    second_order: Option<SecondOrder>,
+    filter: PositionFilter,
     velocity: VelocityTracker,
+    acceleration_per_nm: f32,
     compensation: Compensation,
     pid: Pid,
     current_loop: CurrentLoop,
@@ -174,9 +134,9 @@ impl Controller {
             encoder: Encoder::new(settings.mechanism.counts_per_turn, settings.mechanism.ratio),
             hall: tuning.hall,
             current_sensor: CurrentSensor::default(),
-            low_pass: LowPass::new(tuning.low_pass),
-            second_order: tuning.second_order.map(SecondOrder::new),
+            filter: PositionFilter::at_rest(tuning.filter, 0.0),
             velocity: VelocityTracker::new(tuning.velocity),
+            acceleration_per_nm: tuning.acceleration_per_nm,
             compensation: tuning.compensation,
             pid: Pid::new(tuning.pid),
             current_loop: CurrentLoop::new(tuning.current),
@@ -249,11 +209,10 @@ impl Controller {
         if !self.primed {
             self.prime(measured_rad);
         }
-        self.position_rad = match &mut self.second_order {
-            None => self.low_pass.update(measured_rad),
-            Some(filter) => filter.update(measured_rad),
-        };
-        let velocity_rad_s = self.velocity.update(measured_rad);
+        self.position_rad = self.filter.update(measured_rad);
+        let velocity_rad_s = self
+            .velocity
+            .update(measured_rad, self.torque_nm * self.acceleration_per_nm);
 
         if self.mode == Mode::Off {
             return;
@@ -337,16 +296,13 @@ impl Controller {
         }
     }
 
-    /// Puts the estimators at rest at the measured angle.
+    /// Puts the estimators at rest at the measured angle, as at the start, after a zero or a change of sensor.
     fn prime(&mut self, measured_rad: f32) {
         self.primed = true;
-        self.low_pass.reset(measured_rad);
-        if let Some(filter) = &mut self.second_order {
-            filter.reset(measured_rad);
-        }
+        self.filter.reset(measured_rad);
         self.velocity.reset(measured_rad);
         self.position_rad = measured_rad;
-        self.pid.reset(measured_rad);
+        self.pid.rebase(measured_rad);
     }
 
     /// Starts to control. In position mode the reference is where the paddle stands, in torque mode 0.
@@ -443,11 +399,7 @@ impl Controller {
     /// # Errors
     /// [`ReferenceError`] while disarmed, or for a value that is not finite or beyond the limit of the mode.
     pub fn set_reference(&mut self, reference: f32) -> Result<(), ReferenceError> {
-        let bound = match self.mode {
-            Mode::Off => return Err(ReferenceError::Disarmed),
-            Mode::Torque => self.torque_limit_nm,
-            Mode::Position => self.limits.travel_rad(),
-        };
+        let bound = self.reference_bound().ok_or(ReferenceError::Disarmed)?;
         if reference.is_nan() || reference.abs() > bound {
             return Err(ReferenceError::OutOfRange);
         }
@@ -456,16 +408,27 @@ impl Controller {
         Ok(())
     }
 
+    /// Largest reference of the mode, in its unit; `None` while disarmed.
+    fn reference_bound(&self) -> Option<f32> {
+        match self.mode {
+            Mode::Off => None,
+            Mode::Torque => Some(self.torque_limit_nm),
+            Mode::Position => Some(self.limits.travel_rad()),
+        }
+    }
+
     /// Starts an excitation on top of the reference, at the next position tick. A step in position mode also starts
     /// the step metrics.
     ///
     /// # Errors
-    /// [`ExcitationError`] while disarmed, or for numbers that make no signal.
+    /// [`ExcitationError`] while disarmed, for numbers that make no signal, or for one beyond the limit of the mode.
     pub fn start(&mut self, excitation: &Excitation) -> Result<(), ExcitationError> {
-        if self.mode == Mode::Off {
-            return Err(ExcitationError::Disarmed);
+        let bound = self.reference_bound().ok_or(ExcitationError::Disarmed)?;
+        let generator = Generator::new(excitation, self.position_tick_s)?;
+        if (self.reference + excitation.offset).abs() + excitation.amplitude.abs() > bound {
+            return Err(ExcitationError::OutOfRange);
         }
-        self.generator = Some(Generator::new(excitation, self.position_tick_s)?);
+        self.generator = Some(generator);
         self.breakaway = None;
         if excitation.shape == Shape::Step && self.mode == Mode::Position {
             let target_rad = self.reference + excitation.offset + excitation.amplitude;
@@ -497,22 +460,15 @@ impl Controller {
         }
         self.encoder.retune(tuning.rad_per_count);
         self.hall = tuning.hall;
-        self.low_pass.retune(tuning.low_pass);
-        let position_rad = self.position_rad;
-        self.second_order = tuning.second_order.map(|section| {
-            let mut filter = SecondOrder::new(section);
-            filter.reset(position_rad);
-            filter
-        });
-        if self.second_order.is_none() {
-            self.low_pass.reset(position_rad);
-        }
+        self.filter = PositionFilter::at_rest(tuning.filter, self.position_rad);
         self.velocity.retune(tuning.velocity);
+        self.acceleration_per_nm = tuning.acceleration_per_nm;
         self.pid.retune(tuning.pid);
         self.compensation = tuning.compensation;
         self.current_loop.retune(tuning.current);
         self.limits = tuning.limits;
         self.torque_limit_nm = tuning.torque_limit_nm;
+        self.torque_nm = limit(self.torque_nm, self.torque_limit_nm);
         self.band_rad = tuning.band_rad;
     }
 
@@ -522,6 +478,23 @@ impl Controller {
     /// [`OffsetError`] if that cannot be an idle bridge.
     pub fn calibrate_current_offset(&mut self, idle_counts: f32) -> Result<(), OffsetError> {
         self.current_sensor.calibrate(idle_counts)
+    }
+
+    /// Everything below at once, for display and logging.
+    pub fn status(&self) -> Status {
+        Status {
+            mode: self.mode,
+            fault: self.fault,
+            zeroed: self.zeroed,
+            position_rad: self.position_rad,
+            hall_rad: self.hall_rad,
+            velocity_rad_s: self.velocity_rad_s(),
+            setpoint_rad: self.setpoint_rad(),
+            torque_nm: self.torque_nm,
+            current_a: self.current_a,
+            metrics: self.metrics(),
+            breakaway: self.breakaway,
+        }
     }
 
     /// What the controller does.
@@ -593,79 +566,3 @@ impl Controller {
         self.breakaway
     }
 }
-
-/// Why arming is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ArmError {
-    /// This fault is latched.
-    Faulted(Fault),
-    /// Armed already.
-    AlreadyArmed,
-    /// No measurement has arrived.
-    NothingMeasured,
-    /// The encoder has no zero.
-    NotZeroed,
-}
-
-impl fmt::Display for ArmError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Faulted(fault) => write!(f, "fault latched, mend and clear it: {fault}"),
-            Self::AlreadyArmed => f.write_str("armed already: disarm first"),
-            Self::NothingMeasured => {
-                f.write_str("nothing measured yet: is the control loop running?")
-            }
-            Self::NotZeroed => f.write_str("the encoder has no zero: use zero, or zero hall"),
-        }
-    }
-}
-
-impl core::error::Error for ArmError {}
-
-/// Why a zero is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ZeroError {
-    /// The controller is armed.
-    Armed,
-    /// No measurement has arrived.
-    NothingMeasured,
-    /// The angle is not within the travel.
-    OutsideTravel,
-    /// The Hall sensor's converter is at an end of its range.
-    HallSignal,
-}
-
-impl fmt::Display for ZeroError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Armed => "disarm before zeroing",
-            Self::NothingMeasured => "nothing measured yet: is the control loop running?",
-            Self::OutsideTravel => "the angle is outside limit.travel",
-            Self::HallSignal => {
-                "Hall signal at the end of its range: check its wire, or zero by hand"
-            }
-        })
-    }
-}
-
-impl core::error::Error for ZeroError {}
-
-/// Why a reference is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReferenceError {
-    /// The controller is off.
-    Disarmed,
-    /// Beyond the travel or the torque limit, or not a number.
-    OutOfRange,
-}
-
-impl fmt::Display for ReferenceError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Disarmed => "arm before setting a reference",
-            Self::OutOfRange => "the reference is beyond limit.travel or motor.torque_limit",
-        })
-    }
-}
-
-impl core::error::Error for ReferenceError {}

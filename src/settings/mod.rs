@@ -1,6 +1,10 @@
 //! What a user can set. Numbers are in the unit that the user sees, which each name carries; the defaults are
 //! the lab's paddle.
 
+pub mod field;
+
+pub use field::{FIELDS, Field, Kind, SettingError, Shown};
+
 /// Sensor that feeds the regulator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sensor {
@@ -78,7 +82,7 @@ impl Default for EstimateSettings {
             sensor: Sensor::Encoder,
             cutoff_hz: 100.0,
             order: FilterOrder::First,
-            velocity_bandwidth_hz: 100.0,
+            velocity_bandwidth_hz: 50.0,
         }
     }
 }
@@ -155,13 +159,15 @@ impl Default for MotorSettings {
     }
 }
 
-/// The transmission and the encoder.
+/// The transmission, the encoder and what they move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MechanismSettings {
     /// Turns of the motor per turn of the paddle.
     pub ratio: f32,
     /// Encoder counts per turn of the motor.
     pub counts_per_turn: f32,
+    /// Inertia at the paddle, motor included, kg m^2; the velocity observer uses it.
+    pub inertia_kg_m2: f32,
 }
 
 impl Default for MechanismSettings {
@@ -169,6 +175,7 @@ impl Default for MechanismSettings {
         Self {
             ratio: 15.0,
             counts_per_turn: 2000.0,
+            inertia_kg_m2: 5.755e-4,
         }
     }
 }

@@ -1,0 +1,156 @@
+//! From an answer to text.
+
+use core::fmt;
+
+use super::command::{COMMANDS, ParseError};
+use crate::controller::{ArmError, Mode, ReferenceError, Status, ZeroError};
+use crate::excitation::ExcitationError;
+use crate::metrics::StepReport;
+use crate::settings::{FIELDS, SettingError, Settings, Shown};
+use crate::units::DEG_PER_RAD;
+
+/// What the console says; its `Display` is one or more lines without the last line end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// The list of commands.
+    Help,
+    /// One setting.
+    Setting(Shown),
+    /// All settings.
+    Settings(Settings),
+    /// The state of the controller.
+    Status(Status),
+}
+
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Help => lines(f, &COMMANDS, |f, usage| {
+                write!(f, "{} {}: {}", usage.name, usage.arguments, usage.purpose)
+            }),
+            Self::Setting(shown) => shown.fmt(f),
+            Self::Settings(settings) => lines(f, FIELDS, |f, field| field.shown(settings).fmt(f)),
+            Self::Status(status) => status.fmt(f),
+        }
+    }
+}
+
+fn lines<T>(
+    f: &mut fmt::Formatter<'_>,
+    items: &'static [T],
+    mut line: impl FnMut(&mut fmt::Formatter<'_>, &'static T) -> fmt::Result,
+) -> fmt::Result {
+    for (index, item) in items.iter().enumerate() {
+        if index > 0 {
+            f.write_str("\r\n")?;
+        }
+        line(f, item)?;
+    }
+    Ok(())
+}
+
+impl fmt::Display for Mode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Off => "off",
+            Self::Torque => "torque",
+            Self::Position => "position",
+        })
+    }
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "mode {}, {}, position {:.3} deg, hall {:.2} deg, velocity {:.1} deg/s, torque {:.3} mN m, current {:.3} A",
+            self.mode,
+            if self.zeroed { "zeroed" } else { "no zero" },
+            self.position_rad * DEG_PER_RAD,
+            self.hall_rad * DEG_PER_RAD,
+            self.velocity_rad_s * DEG_PER_RAD,
+            self.torque_nm * 1e3,
+            self.current_a,
+        )?;
+        if self.mode == Mode::Position {
+            write!(f, ", setpoint {:.3} deg", self.setpoint_rad * DEG_PER_RAD)?;
+        }
+        if let Some(fault) = self.fault {
+            write!(f, "\r\nfault: {fault}")?;
+        }
+        if let Some(metrics) = self.metrics {
+            write!(f, "\r\n{metrics}")?;
+        }
+        if let Some(breakaway) = self.breakaway {
+            write!(f, "\r\nbreakaway at {breakaway:.6}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for StepReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "overshoot {:.2} deg", self.overshoot_rad * DEG_PER_RAD)?;
+        match self.rise_s {
+            Some(rise_s) => write!(f, ", rise {:.2} ms", rise_s * 1e3)?,
+            None => f.write_str(", rise never")?,
+        }
+        match self.settling_s {
+            Some(settling_s) => write!(f, ", settled {:.2} ms", settling_s * 1e3)?,
+            None => f.write_str(", not settled")?,
+        }
+        write!(
+            f,
+            ", error {:.3} deg after {:.0} ms",
+            self.steady_state_error_rad * DEG_PER_RAD,
+            self.elapsed_s * 1e3
+        )
+    }
+}
+
+/// Why the console does not do what it is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refusal {
+    /// The line is no command.
+    Parse(ParseError),
+    /// The setting.
+    Setting(SettingError),
+    /// Arming.
+    Arm(ArmError),
+    /// The zero.
+    Zero(ZeroError),
+    /// The reference.
+    Reference(ReferenceError),
+    /// The excitation.
+    Excitation(ExcitationError),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Parse(error) => error.fmt(f),
+            Self::Setting(error) => error.fmt(f),
+            Self::Arm(error) => error.fmt(f),
+            Self::Zero(error) => error.fmt(f),
+            Self::Reference(error) => error.fmt(f),
+            Self::Excitation(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for Refusal {}
+
+macro_rules! refusal_from {
+    ($($error:ident => $variant:ident),+) => {
+        $(impl From<$error> for Refusal {
+            fn from(error: $error) -> Self {
+                Self::$variant(error)
+            }
+        })+
+    };
+}
+
+refusal_from!(
+    ParseError => Parse, SettingError => Setting, ArmError => Arm, ZeroError => Zero, ReferenceError => Reference,
+    ExcitationError => Excitation
+);

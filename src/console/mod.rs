@@ -1,0 +1,81 @@
+//! The console: a line in, an answer out. Pure, so that it runs the same on the device, in the simulator and in a
+//! test; characters and line editing belong to the board.
+//!
+//! [`parse`] needs no access to the controller, and neither does writing an [`Answer`]: only [`execute`] does, for
+//! moments, so that a slow terminal never holds the control loop up.
+
+mod answer;
+mod command;
+
+pub use answer::{Answer, Refusal};
+pub use command::{COMMANDS, Command, MAX_LINE_BYTES, ParseError, Usage, Zero, parse};
+
+use crate::controller::{Controller, Mode, TickRate, Tuning};
+use crate::excitation::Excitation;
+use crate::settings::Settings;
+use crate::units::RAD_PER_DEG;
+
+/// Somebody who lends the controller out: the controller itself, or the lock that guards it.
+pub trait Lender {
+    /// Runs `work` with the controller.
+    fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R;
+}
+
+impl Lender for Controller {
+    fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+        work(self)
+    }
+}
+
+/// Does what a command says.
+///
+/// # Errors
+/// [`Refusal`], with nothing changed.
+pub fn execute(
+    command: &Command,
+    settings: &mut Settings,
+    rate: TickRate,
+    controller: &mut impl Lender,
+) -> Result<Answer, Refusal> {
+    match *command {
+        Command::Help => return Ok(Answer::Help),
+        Command::Get(Some(field)) => return Ok(Answer::Setting(field.shown(settings))),
+        Command::Get(None) => return Ok(Answer::Settings(*settings)),
+        Command::Set(field, value) => {
+            field.write(settings, value)?;
+            let tuning = Tuning::new(settings, rate);
+            controller.with(|c| c.retune(tuning));
+            return Ok(Answer::Setting(field.shown(settings)));
+        }
+        Command::Arm(mode) => controller.with(|c| c.arm(mode))?,
+        Command::Disarm => controller.with(Controller::disarm),
+        Command::Clear => controller.with(Controller::clear_fault),
+        Command::Zero(Zero::Hall) => controller.with(Controller::zero_from_hall)?,
+        Command::Zero(Zero::At { angle_deg }) => {
+            controller.with(|c| c.zero_at(angle_deg * RAD_PER_DEG))?
+        }
+        Command::Reference(value) => {
+            controller.with(|c| c.set_reference(value * per_shown_unit(c.mode())))?
+        }
+        Command::Start(excitation) => controller.with(|c| {
+            let unit = per_shown_unit(c.mode());
+            c.start(&Excitation {
+                amplitude: excitation.amplitude * unit,
+                offset: excitation.offset * unit,
+                ..excitation
+            })
+        })?,
+        Command::Stop => controller.with(Controller::stop),
+        Command::Status => {}
+    }
+    Ok(Answer::Status(controller.with(|c| c.status())))
+}
+
+/// The controller's unit in one unit that people type: degrees in position mode, N m at the motor in torque mode.
+fn per_shown_unit(mode: Mode) -> f32 {
+    if mode == Mode::Torque {
+        1.0
+    } else {
+        RAD_PER_DEG
+    }
+}

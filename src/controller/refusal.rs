@@ -1,0 +1,81 @@
+//! Why the controller refuses what it is asked for.
+
+use core::fmt;
+
+use crate::safety::Fault;
+
+/// Why arming is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArmError {
+    /// This fault is latched.
+    Faulted(Fault),
+    /// Armed already.
+    AlreadyArmed,
+    /// No measurement has arrived.
+    NothingMeasured,
+    /// The encoder has no zero.
+    NotZeroed,
+}
+
+impl fmt::Display for ArmError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Faulted(fault) => write!(f, "fault latched, mend and clear it: {fault}"),
+            Self::AlreadyArmed => f.write_str("armed already: disarm first"),
+            Self::NothingMeasured => {
+                f.write_str("nothing measured yet: is the control loop running?")
+            }
+            Self::NotZeroed => f.write_str("the encoder has no zero: use zero, or zero hall"),
+        }
+    }
+}
+
+impl core::error::Error for ArmError {}
+
+/// Why a zero is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZeroError {
+    /// The controller is armed.
+    Armed,
+    /// No measurement has arrived.
+    NothingMeasured,
+    /// The angle is not within the travel.
+    OutsideTravel,
+    /// The Hall sensor's converter is at an end of its range.
+    HallSignal,
+}
+
+impl fmt::Display for ZeroError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Armed => "disarm before zeroing",
+            Self::NothingMeasured => "nothing measured yet: is the control loop running?",
+            Self::OutsideTravel => "the angle is outside limit.travel",
+            Self::HallSignal => {
+                "Hall signal at the end of its range: check its wire, or zero by hand"
+            }
+        })
+    }
+}
+
+impl core::error::Error for ZeroError {}
+
+/// Why a reference is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReferenceError {
+    /// The controller is off.
+    Disarmed,
+    /// Beyond the travel or the torque limit, or not a number.
+    OutOfRange,
+}
+
+impl fmt::Display for ReferenceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Disarmed => "arm before setting a reference",
+            Self::OutOfRange => "the reference is beyond limit.travel or motor.torque_limit",
+        })
+    }
+}
+
+impl core::error::Error for ReferenceError {}

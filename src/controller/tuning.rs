@@ -1,0 +1,79 @@
+//! Settings made ready for one rate.
+
+use crate::control::compensation::Compensation;
+use crate::control::current::CurrentGains;
+use crate::control::position::PidGains;
+use crate::estimate::position_filter::PositionFilterTuning;
+use crate::estimate::velocity::TrackerGains;
+use crate::safety::Limits;
+use crate::sensing::encoder;
+use crate::sensing::hall::HallCurve;
+use crate::settings::{Sensor, Settings};
+use crate::units::RAD_PER_DEG;
+
+/// How often [`Controller::step`](super::Controller::step) is called, and how often of these the position loop runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TickRate {
+    tick_hz: f32,
+    pub(super) divider: u16,
+}
+
+impl TickRate {
+    /// `tick_hz` calls of `step` a second, the position loop at every `divider`-th (0 counts as 1).
+    pub const fn new(tick_hz: f32, divider: u16) -> Self {
+        Self {
+            tick_hz,
+            divider: if divider == 0 { 1 } else { divider },
+        }
+    }
+
+    /// Period of the current loop, s.
+    pub fn tick_s(&self) -> f32 {
+        1.0 / self.tick_hz
+    }
+
+    /// Period of the position loop, s.
+    pub fn position_tick_s(&self) -> f32 {
+        f32::from(self.divider) / self.tick_hz
+    }
+}
+
+/// Settings made ready for one rate: all divisions and exponentials are done here, outside the control interrupt.
+#[derive(Clone, Debug)]
+pub struct Tuning {
+    pub(super) rad_per_count: f32,
+    pub(super) hall: HallCurve,
+    pub(super) sensor: Sensor,
+    pub(super) filter: PositionFilterTuning,
+    pub(super) velocity: TrackerGains,
+    pub(super) acceleration_per_nm: f32,
+    pub(super) pid: PidGains,
+    pub(super) compensation: Compensation,
+    pub(super) current: CurrentGains,
+    pub(super) limits: Limits,
+    pub(super) torque_limit_nm: f32,
+    pub(super) band_rad: f32,
+}
+
+impl Tuning {
+    /// The tuning of these settings at this rate.
+    pub fn new(settings: &Settings, rate: TickRate) -> Self {
+        let tick_s = rate.position_tick_s();
+        let ratio = settings.mechanism.ratio;
+        let estimate = &settings.estimate;
+        Self {
+            rad_per_count: encoder::rad_per_count(settings.mechanism.counts_per_turn, ratio),
+            hall: HallCurve::new(&settings.hall),
+            sensor: estimate.sensor,
+            filter: PositionFilterTuning::new(estimate, tick_s),
+            velocity: TrackerGains::new(estimate.velocity_bandwidth_hz, tick_s),
+            acceleration_per_nm: ratio / settings.mechanism.inertia_kg_m2,
+            pid: PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s),
+            compensation: Compensation::new(&settings.compensation, ratio),
+            current: CurrentGains::new(&settings.motor, ratio, rate.tick_s()),
+            limits: Limits::new(&settings.limit, tick_s),
+            torque_limit_nm: settings.motor.torque_limit_nm,
+            band_rad: settings.metrics.band_deg * RAD_PER_DEG,
+        }
+    }
+}

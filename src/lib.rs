@@ -39,6 +39,7 @@ pub mod excitation;
 pub mod metrics;
 pub mod phase;
 pub mod safety;
+pub mod scalar;
 pub mod sensing;
 pub mod settings;
 pub mod units;

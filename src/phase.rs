@@ -58,5 +58,5 @@ impl Phase {
 ///
 /// Exact but for the rounding of the product; frequencies above half the tick rate are lowered to it.
 pub fn increment(frequency_hz: f32, tick_s: f32) -> i64 {
-    (crate::units::limit(frequency_hz * tick_s, 0.5) * COUNTS_PER_TURN * COUNTS_PER_TURN) as i64
+    (crate::scalar::limit(frequency_hz * tick_s, 0.5) * COUNTS_PER_TURN * COUNTS_PER_TURN) as i64
 }

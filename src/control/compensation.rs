@@ -1,8 +1,9 @@
 //! Torques that cancel what the paddle itself opposes: dry friction, viscous friction, gravity.
 
 use crate::phase::Phase;
+use crate::scalar::limit;
 use crate::settings::{CompensationSettings, VelocitySource};
-use crate::units::{RAD_PER_DEG, limit};
+use crate::units::RAD_PER_DEG;
 
 /// The compensations for one mechanism; what is switched off has the level 0. Torques at the motor.
 #[derive(Clone, Copy, Debug)]

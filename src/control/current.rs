@@ -2,8 +2,8 @@
 
 use core::f32::consts::TAU;
 
+use crate::scalar::{flushed, limit};
 use crate::settings::MotorSettings;
-use crate::units::limit;
 
 /// Largest duty: above it the bridge's bootstrap capacitors are not recharged.
 pub const MAX_DUTY: f32 = 0.98;
@@ -91,7 +91,7 @@ impl CurrentLoop {
         let wanted_a = torque_nm * self.gains.amperes_per_nm;
         // A duty acts for the whole period after the next update: its mean is measured two ticks from now.
         let before_a = self.expected_a;
-        self.expected_a = self.acting_a + (before_a - self.acting_a) * self.gains.pole;
+        self.expected_a = flushed(self.acting_a + (before_a - self.acting_a) * self.gains.pole);
         self.acting_a = self.pending_a;
         self.pending_a = wanted_a;
         let error_a = 0.5 * (before_a + self.expected_a) - current_a;

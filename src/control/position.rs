@@ -1,8 +1,9 @@
 //! Position regulator: PID.
 
 use crate::estimate::low_pass::{self, LowPass};
+use crate::scalar::limit;
 use crate::settings::PidSettings;
-use crate::units::{DEG_PER_RAD, limit};
+use crate::units::DEG_PER_RAD;
 
 /// Time constant with which a jump absorbed by a change of gains decays where no integral action holds it.
 const BUMP_DECAY_S: f32 = 0.1;

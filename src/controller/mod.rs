@@ -10,15 +10,15 @@ use crate::control::compensation::Compensation;
 use crate::control::current::CurrentLoop;
 use crate::control::position::Pid;
 use crate::estimate::position_filter::PositionFilter;
-use crate::estimate::velocity::VelocityTracker;
+use crate::estimate::velocity::VelocityObserver;
 use crate::excitation::{Excitation, ExcitationError, Generator, Shape};
 use crate::metrics::{StepMetrics, StepReport};
 use crate::safety::{Fault, Limits};
+use crate::scalar::limit;
 use crate::sensing::current::{CurrentSensor, OffsetError};
 use crate::sensing::encoder::Encoder;
 use crate::sensing::hall::{self, HallCurve};
 use crate::settings::{Sensor, Settings};
-use crate::units::limit;
 
 /// What the board reads in one control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub struct Controller {
     hall: HallCurve,
     current_sensor: CurrentSensor,
     filter: PositionFilter,
-    velocity: VelocityTracker,
+    velocity: VelocityObserver,
     acceleration_per_nm: f32,
     compensation: Compensation,
     pid: Pid,
@@ -135,7 +135,7 @@ impl Controller {
             hall: tuning.hall,
             current_sensor: CurrentSensor::default(),
             filter: PositionFilter::at_rest(tuning.filter, 0.0),
-            velocity: VelocityTracker::new(tuning.velocity),
+            velocity: VelocityObserver::new(tuning.velocity),
             acceleration_per_nm: tuning.acceleration_per_nm,
             compensation: tuning.compensation,
             pid: Pid::new(tuning.pid),

@@ -4,7 +4,7 @@ use crate::control::compensation::Compensation;
 use crate::control::current::CurrentGains;
 use crate::control::position::PidGains;
 use crate::estimate::position_filter::PositionFilterTuning;
-use crate::estimate::velocity::TrackerGains;
+use crate::estimate::velocity::ObserverGains;
 use crate::safety::Limits;
 use crate::sensing::encoder;
 use crate::sensing::hall::HallCurve;
@@ -45,7 +45,7 @@ pub struct Tuning {
     pub(super) hall: HallCurve,
     pub(super) sensor: Sensor,
     pub(super) filter: PositionFilterTuning,
-    pub(super) velocity: TrackerGains,
+    pub(super) velocity: ObserverGains,
     pub(super) acceleration_per_nm: f32,
     pub(super) pid: PidGains,
     pub(super) compensation: Compensation,
@@ -66,7 +66,7 @@ impl Tuning {
             hall: HallCurve::new(&settings.hall),
             sensor: estimate.sensor,
             filter: PositionFilterTuning::new(estimate, tick_s),
-            velocity: TrackerGains::new(estimate.velocity_bandwidth_hz, tick_s),
+            velocity: ObserverGains::new(estimate.velocity_bandwidth_hz, tick_s),
             acceleration_per_nm: ratio / settings.mechanism.inertia_kg_m2,
             pid: PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s),
             compensation: Compensation::new(&settings.compensation, ratio),

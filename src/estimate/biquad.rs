@@ -5,6 +5,8 @@ use core::f32::consts::{PI, SQRT_2};
 use dsp_process::SplitProcess;
 use idsp::iir::{Biquad, DirectForm2Transposed};
 
+use crate::scalar::flushed;
+
 /// A cutoff above this share of the sampling rate is lowered to it.
 const MAX_CUTOFF_RATIO: f32 = 0.45;
 
@@ -59,6 +61,8 @@ impl SecondOrder {
     /// Takes one sample and gives the filtered one.
     #[inline]
     pub fn update(&mut self, input: f32) -> f32 {
-        self.section.process(&mut self.state, input)
+        let output = self.section.process(&mut self.state, input);
+        self.state.x = self.state.x.map(flushed);
+        output
     }
 }

@@ -2,6 +2,8 @@
 
 use core::f32::consts::TAU;
 
+use crate::scalar::flushed;
+
 /// `y += a (x - y)`, the filter of the lab report (forward Euler of a first-order lag).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LowPass {
@@ -37,7 +39,7 @@ impl LowPass {
     /// Takes one sample and gives the filtered one.
     #[inline]
     pub fn update(&mut self, input: f32) -> f32 {
-        self.output += self.gain * (input - self.output);
+        self.output = flushed(self.output + self.gain * (input - self.output));
         self.output
     }
 

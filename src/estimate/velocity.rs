@@ -1,74 +1,86 @@
-//! Velocity by a tracking observer that knows the torque.
+//! Velocity by an observer that knows the torque and estimates what else pushes.
 
 use core::f32::consts::TAU;
 
+use crate::scalar::flushed;
+
 /// Gains of the observer for one tick.
 #[derive(Clone, Copy, Debug)]
-pub struct TrackerGains {
+pub struct ObserverGains {
     tick_s: f32,
     position: f32,
     velocity_per_s: f32,
+    acceleration_per_s2: f32,
 }
 
-impl TrackerGains {
-    /// Both poles at `bandwidth_hz`: critically damped.
+impl ObserverGains {
+    /// All three poles at `bandwidth_hz`: critically damped.
     ///
-    /// With p = exp(-2 pi f T): alpha = 1 - p^2, beta = (1 - p)^2
-    /// (Brookner, Tracking and Kalman Filtering Made Easy, section 1.2.6: the fading-memory g-h filter).
+    /// With p = exp(-2 pi f T): g = 1 - p^3, h = 1.5 (1 - p)^2 (1 + p), k = (1 - p)^3 / 2
+    /// (Brookner, Tracking and Kalman Filtering Made Easy, section 1.3: the fading-memory g-h-k filter).
     pub fn new(bandwidth_hz: f32, tick_s: f32) -> Self {
         let pole = libm::expf(-TAU * bandwidth_hz * tick_s);
+        let open = 1.0 - pole;
         Self {
             tick_s,
-            position: 1.0 - pole * pole,
-            velocity_per_s: (1.0 - pole) * (1.0 - pole) / tick_s,
+            position: 1.0 - pole * pole * pole,
+            velocity_per_s: 1.5 * open * open * (1.0 + pole) / tick_s,
+            acceleration_per_s2: open * open * open / (tick_s * tick_s),
         }
     }
 }
 
-/// Alpha-beta filter with a known input: the torque moves a model of the paddle, each sample corrects it.
+/// Extended-state observer: a g-h-k filter with a known input.
 ///
-/// It is the steady-state Kalman filter of an inertia that is driven by a known torque and white acceleration, and
-/// read with white noise. Two things make it better than a filtered difference: the lag is only that of what the
-/// torque does not explain (friction), and the noise of the samples falls off with the second order instead of
-/// passing at full gain up to half the rate. The quantum of the encoder, whose derivative is a train of pulses and
-/// no white noise, gains from the first only.
+/// It is the steady-state Kalman filter of an inertia that is driven by a known torque and by an unknown, slowly
+/// varying one, and read with white noise. What makes it better than a filtered difference: the torque of the motor
+/// is followed without lag; a hand, gravity or friction make no lasting error, since the third state learns them;
+/// and the noise of the samples falls off with the second order instead of passing at full gain up to half the
+/// rate.
 #[derive(Clone, Copy, Debug)]
-pub struct VelocityTracker {
-    gains: TrackerGains,
+pub struct VelocityObserver {
+    gains: ObserverGains,
     position_rad: f32,
     velocity_rad_s: f32,
+    disturbance_rad_s2: f32,
 }
 
-impl VelocityTracker {
+impl VelocityObserver {
     /// An observer at rest at 0.
-    pub fn new(gains: TrackerGains) -> Self {
+    pub fn new(gains: ObserverGains) -> Self {
         Self {
             gains,
             position_rad: 0.0,
             velocity_rad_s: 0.0,
+            disturbance_rad_s2: 0.0,
         }
     }
 
     /// Takes over gains; the estimate stays.
-    pub fn retune(&mut self, gains: TrackerGains) {
+    pub fn retune(&mut self, gains: ObserverGains) {
         self.gains = gains;
     }
 
     /// At rest at `position_rad`.
     pub fn reset(&mut self, position_rad: f32) {
+        *self = Self::new(self.gains);
         self.position_rad = position_rad;
-        self.velocity_rad_s = 0.0;
     }
 
     /// Takes a measured position, rad, and the acceleration since the sample before that the torque should have
     /// made, rad/s^2; gives the velocity, rad/s.
     #[inline]
     pub fn update(&mut self, measured_rad: f32, acceleration_rad_s2: f32) -> f32 {
-        let predicted = self.position_rad + self.velocity_rad_s * self.gains.tick_s;
-        self.velocity_rad_s += acceleration_rad_s2 * self.gains.tick_s;
-        let innovation = measured_rad - predicted;
-        self.position_rad = predicted + self.gains.position * innovation;
-        self.velocity_rad_s += self.gains.velocity_per_s * innovation;
+        let gained_rad_s = (acceleration_rad_s2 + self.disturbance_rad_s2) * self.gains.tick_s;
+        let predicted_rad =
+            self.position_rad + (self.velocity_rad_s + 0.5 * gained_rad_s) * self.gains.tick_s;
+        let innovation_rad = measured_rad - predicted_rad;
+        let gains = &self.gains;
+        self.position_rad = flushed(predicted_rad + gains.position * innovation_rad);
+        self.velocity_rad_s =
+            flushed(self.velocity_rad_s + gained_rad_s + gains.velocity_per_s * innovation_rad);
+        self.disturbance_rad_s2 =
+            flushed(self.disturbance_rad_s2 + gains.acceleration_per_s2 * innovation_rad);
         self.velocity_rad_s
     }
 

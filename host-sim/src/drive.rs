@@ -42,7 +42,8 @@ impl Drive {
 #[derive(Clone, Debug)]
 pub struct DriveLine {
     delay_s: f64,
-    under_way: VecDeque<(f64, f64)>,
+    lag_s: f64,
+    under_way: VecDeque<(f64, Torque)>,
     torque: Torque,
 }
 
@@ -51,24 +52,47 @@ impl DriveLine {
     pub fn at_rest(drive: &Drive) -> Self {
         Self {
             delay_s: drive.delay_s,
+            lag_s: drive.lag_s,
             under_way: VecDeque::new(),
-            torque: Torque {
-                start_nm: 0.0,
-                target_nm: 0.0,
-                lag_s: drive.lag_s,
-            },
+            torque: Torque::held(0.0),
         }
     }
 
     /// From `now_s` on the drive is told `input`; call with times that do not go back.
     #[inline]
     pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64) {
-        let target = drive.settled(input);
+        self.command_relaxing(drive, now_s, Torque::held(input));
+    }
+
+    /// As [`Self::command`], for an input that relaxes itself, such as the torque of a winding.
+    ///
+    /// A limit or a dead band is applied to both ends of the relaxation; a lag behind it is taken as one lag of the
+    /// two time constants together.
+    #[inline]
+    pub fn command_relaxing(&mut self, drive: &Drive, now_s: f64, input: Torque) {
+        let settled = Torque {
+            start_nm: drive.settled(input.start_nm),
+            target_nm: drive.settled(input.target_nm),
+            lag_s: input.lag_s,
+        };
         if self.delay_s > 0.0 {
-            self.under_way.push_back((now_s + self.delay_s, target));
+            self.under_way.push_back((now_s + self.delay_s, settled));
         } else {
-            self.torque.target_nm = target;
+            self.take(settled);
         }
+    }
+
+    #[inline]
+    fn take(&mut self, settled: Torque) {
+        self.torque = if self.lag_s > 0.0 {
+            Torque {
+                start_nm: self.torque.start_nm,
+                target_nm: settled.target_nm,
+                lag_s: self.lag_s + settled.lag_s,
+            }
+        } else {
+            settled
+        };
     }
 
     /// Torque from `now_s` on, and for how long of the next `dt_s` it is one smooth piece; call until
@@ -80,7 +104,7 @@ impl DriveLine {
             if at - now_s > f64::EPSILON * now_s.abs().max(dt_s) {
                 break;
             }
-            self.torque.target_nm = target;
+            self.take(target);
             self.under_way.pop_front();
         }
         let piece_s = match self.under_way.front() {

@@ -1,7 +1,13 @@
 //! Simulated haptic paddle: plant, effects, sensors and the closed loop around the control core.
 
+pub mod closed_loop;
 pub mod device;
 pub mod drive;
 pub mod effects;
+pub mod experiment;
+pub mod motor;
+pub mod paddle;
 pub mod plant;
+pub mod presets;
 pub mod sensing;
+pub mod sensors;

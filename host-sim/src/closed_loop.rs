@@ -1,0 +1,181 @@
+//! The real control core around a simulated paddle, tick by tick.
+
+use crate::device::Device;
+use crate::motor::Motor;
+use crate::paddle::{Actuator, Command, Paddle, PaddleSetup};
+use haptic_paddle::controller::{ArmError, Controller, Mode, TickRate, ZeroError};
+use haptic_paddle::settings::Settings;
+
+/// How often the core runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Period of the core's `step`, s.
+    pub tick_s: f64,
+    /// Ticks in a period of the position loop.
+    pub divider: u16,
+}
+
+impl Rates {
+    /// The firmware's: current loop at 20 kHz, position loop at 10 kHz.
+    pub const FIRMWARE: Self = Self {
+        tick_s: 50e-6,
+        divider: 2,
+    };
+
+    /// The lab's position loop: 350 µs.
+    pub const LAB: Self = Self {
+        tick_s: 350e-6,
+        divider: 1,
+    };
+
+    /// Period of the position loop, s.
+    pub fn position_tick_s(&self) -> f64 {
+        self.tick_s * f64::from(self.divider.max(1))
+    }
+}
+
+/// How a closed loop is made.
+#[derive(Clone, Debug)]
+pub struct LoopSetup {
+    /// Of the core.
+    pub settings: Settings,
+    /// Of the core.
+    pub rates: Rates,
+    /// What the core is connected to.
+    pub paddle: PaddleSetup,
+}
+
+impl LoopSetup {
+    /// `device` driven by exactly the torque that the core asks for, at the lab's rate.
+    pub fn ideal(device: Device, settings: Settings) -> Self {
+        Self {
+            paddle: PaddleSetup::new(device, &settings),
+            settings,
+            rates: Rates::LAB,
+        }
+    }
+
+    /// `device` behind bridge and winding, at the firmware's rates.
+    pub fn firmware(device: Device, settings: Settings, motor: Motor) -> Self {
+        let mut setup = Self::ideal(device, settings);
+        setup.rates = Rates::FIRMWARE;
+        setup.paddle.actuator = Actuator::Bridge(motor);
+        setup
+    }
+}
+
+/// What was there at the start of a tick, and what acts during it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Since the start of the session, s.
+    pub time_s: f64,
+    /// True position, rad.
+    pub position_rad: f64,
+    /// What acts from now until the next tick.
+    pub acting: Command,
+}
+
+/// A controller around a paddle.
+///
+/// What the core computes from the sample at one tick acts from the next tick on, as on the board, where the converter,
+/// the core and the preloaded compare register take up the period between.
+#[derive(Clone, Debug)]
+pub struct ClosedLoop {
+    controller: Controller,
+    paddle: Paddle,
+    rates: Rates,
+    start_s: f64,
+    ticks: u64,
+    acting: Command,
+}
+
+impl ClosedLoop {
+    /// A disarmed controller on a paddle at rest, zeroed where the paddle truly stands.
+    ///
+    /// # Errors
+    /// [`ZeroError`] if it stands outside the controller's travel.
+    pub fn new(setup: &LoopSetup) -> Result<Self, ZeroError> {
+        let rates = setup.rates;
+        let rate = TickRate::new((1.0 / rates.tick_s) as f32, rates.divider);
+        let mut controller = Controller::new(&setup.settings, rate);
+        let mut paddle = Paddle::new(&setup.paddle, &setup.settings, rates.tick_s);
+        // One period of the position loop, so that the next tick begins one.
+        for _ in 0..rates.divider.max(1) {
+            controller.step(&paddle.measure());
+        }
+        controller.zero_at(setup.paddle.start_rad as f32)?;
+        Ok(Self {
+            controller,
+            paddle,
+            rates,
+            start_s: setup.paddle.start_s,
+            ticks: 0,
+            acting: Command::default(),
+        })
+    }
+
+    /// As [`Self::new`], and armed.
+    ///
+    /// # Errors
+    /// [`LoopError`] if the controller refuses.
+    pub fn armed(setup: &LoopSetup, mode: Mode) -> Result<Self, LoopError> {
+        let mut closed_loop = Self::new(setup)?;
+        closed_loop.controller.arm(mode)?;
+        Ok(closed_loop)
+    }
+
+    /// One tick: measures, runs the core, and carries the paddle to the next tick.
+    #[inline]
+    pub fn tick(&mut self) -> Tick {
+        let measurement = self.paddle.measure();
+        let duty = self.controller.step(&measurement);
+        let tick = Tick {
+            time_s: self.time_s(),
+            position_rad: self.paddle.position_rad(),
+            acting: self.acting,
+        };
+        self.paddle.advance(self.acting);
+        self.ticks += 1;
+        self.acting = Command {
+            duty,
+            torque_nm: self.controller.torque_command_nm(),
+        };
+        tick
+    }
+
+    /// Of the next tick, since the start of the session, s.
+    pub fn time_s(&self) -> f64 {
+        self.start_s + self.ticks as f64 * self.rates.tick_s
+    }
+
+    /// The core.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The core, to command it.
+    pub fn controller_mut(&mut self) -> &mut Controller {
+        &mut self.controller
+    }
+
+    /// The paddle.
+    pub fn paddle(&self) -> &Paddle {
+        &self.paddle
+    }
+
+    /// How often the core runs.
+    pub fn rates(&self) -> Rates {
+        self.rates
+    }
+}
+
+/// Why a loop cannot start.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum LoopError {
+    /// The encoder cannot be zeroed.
+    #[error("start angle: {0}")]
+    Zero(#[from] ZeroError),
+    /// The controller refuses.
+    #[error("{0}")]
+    Arm(#[from] ArmError),
+}

@@ -176,7 +176,8 @@ impl Generator {
         let increment = phase::increment(frequency_hz, tick_s);
         let sweep = match shape {
             Shape::Chirp => {
-                (phase::increment(end_frequency_hz, tick_s) - increment) / i64::from(ticks)
+                let rise = phase::increment(end_frequency_hz, tick_s) - increment;
+                rise.checked_div(i64::from(ticks)).unwrap_or(0)
             }
             _ => 0,
         };

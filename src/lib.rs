@@ -34,6 +34,7 @@
 pub mod console;
 pub mod control;
 pub mod controller;
+pub mod decimal;
 pub mod estimate;
 pub mod excitation;
 pub mod metrics;

@@ -4,6 +4,7 @@ use core::fmt;
 
 use super::command::{COMMANDS, ParseError};
 use crate::controller::{ArmError, Mode, ReferenceError, Status, ZeroError};
+use crate::decimal::{Decimal, Fixed};
 use crate::excitation::ExcitationError;
 use crate::metrics::StepReport;
 use crate::settings::{FIELDS, SettingError, Settings, Shown};
@@ -63,17 +64,29 @@ impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "mode {}, {}, position {:.3} deg, hall {:.2} deg, velocity {:.1} deg/s, torque {:.3} mN m, current {:.3} A",
+            "mode {}, {}",
             self.mode,
-            if self.zeroed { "zeroed" } else { "no zero" },
-            self.position_rad * DEG_PER_RAD,
-            self.hall_rad * DEG_PER_RAD,
-            self.velocity_rad_s * DEG_PER_RAD,
-            self.torque_nm * 1e3,
-            self.current_a,
+            if self.zeroed { "zeroed" } else { "no zero" }
         )?;
+        write!(
+            f,
+            ", position {} deg",
+            Fixed(self.position_rad * DEG_PER_RAD, 3)
+        )?;
+        write!(f, ", hall {} deg", Fixed(self.hall_rad * DEG_PER_RAD, 2))?;
+        write!(
+            f,
+            ", velocity {} deg/s",
+            Fixed(self.velocity_rad_s * DEG_PER_RAD, 1)
+        )?;
+        write!(f, ", torque {} mN m", Fixed(self.torque_nm * 1e3, 3))?;
+        write!(f, ", current {} A", Fixed(self.current_a, 3))?;
         if self.mode == Mode::Position {
-            write!(f, ", setpoint {:.3} deg", self.setpoint_rad * DEG_PER_RAD)?;
+            write!(
+                f,
+                ", setpoint {} deg",
+                Fixed(self.setpoint_rad * DEG_PER_RAD, 3)
+            )?;
         }
         if let Some(fault) = self.fault {
             write!(f, "\r\nfault: {fault}")?;
@@ -82,7 +95,7 @@ impl fmt::Display for Status {
             write!(f, "\r\n{metrics}")?;
         }
         if let Some(breakaway) = self.breakaway {
-            write!(f, "\r\nbreakaway at {breakaway:.6}")?;
+            write!(f, "\r\nbreakaway at {}", Decimal(breakaway))?;
         }
         Ok(())
     }
@@ -90,21 +103,25 @@ impl fmt::Display for Status {
 
 impl fmt::Display for StepReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "overshoot {:.2} deg", self.overshoot_rad * DEG_PER_RAD)?;
+        write!(
+            f,
+            "overshoot {} deg",
+            Fixed(self.overshoot_rad * DEG_PER_RAD, 2)
+        )?;
         match self.rise_s {
-            Some(rise_s) => write!(f, ", rise {:.2} ms", rise_s * 1e3)?,
+            Some(rise_s) => write!(f, ", rise {} ms", Fixed(rise_s * 1e3, 2))?,
             None => f.write_str(", rise never")?,
         }
         match self.settling_s {
-            Some(settling_s) => write!(f, ", settled {:.2} ms", settling_s * 1e3)?,
+            Some(settling_s) => write!(f, ", settled {} ms", Fixed(settling_s * 1e3, 2))?,
             None => f.write_str(", not settled")?,
         }
         write!(
             f,
-            ", error {:.3} deg after {:.0} ms",
-            self.steady_state_error_rad * DEG_PER_RAD,
-            self.elapsed_s * 1e3
-        )
+            ", error {} deg",
+            Fixed(self.steady_state_error_rad * DEG_PER_RAD, 3)
+        )?;
+        write!(f, " after {} ms", Fixed(self.elapsed_s * 1e3, 0))
     }
 }
 

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use crate::controller::Mode;
+use crate::decimal;
 use crate::excitation::{Excitation, Shape};
 use crate::settings::{Field, SettingError};
 
@@ -229,8 +230,7 @@ impl<'a> Arguments<'a> {
     }
 
     fn finite(&self, word: &str) -> Result<f32, ParseError> {
-        word.parse()
-            .ok()
+        decimal::parse(word)
             .filter(|number: &f32| number.is_finite())
             .ok_or(self.misused())
     }

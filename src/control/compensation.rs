@@ -8,6 +8,7 @@ use crate::units::RAD_PER_DEG;
 /// The compensations for one mechanism; what is switched off has the level 0. Torques at the motor.
 #[derive(Clone, Copy, Debug)]
 pub struct Compensation {
+    any: bool,
     dry_forward_nm: f32,
     dry_backward_nm: f32,
     per_dry_band_s_rad: f32,
@@ -22,6 +23,7 @@ impl Compensation {
     pub fn new(settings: &CompensationSettings, ratio: f32) -> Self {
         let when = |on: bool, level: f32| if on { level } else { 0.0 };
         Self {
+            any: settings.dry || settings.viscous || settings.gravity,
             dry_forward_nm: when(settings.dry, settings.dry_forward_nm),
             dry_backward_nm: when(settings.dry, settings.dry_backward_nm),
             per_dry_band_s_rad: 1.0 / (settings.dry_band_deg_s * RAD_PER_DEG),
@@ -43,6 +45,9 @@ impl Compensation {
         velocity_rad_s: f32,
         setpoint_velocity_rad_s: f32,
     ) -> f32 {
+        if !self.any {
+            return 0.0;
+        }
         let dry_velocity = match self.dry_source {
             VelocitySource::Measured => velocity_rad_s,
             VelocitySource::Setpoint => setpoint_velocity_rad_s,

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::ADC_VOLTS_PER_COUNT;
+use crate::decimal::Fixed;
 
 const SHUNT_OHM: f32 = 0.025;
 const AMPLIFIER_GAIN: f32 = 30.0;
@@ -62,9 +63,11 @@ impl fmt::Display for OffsetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "current amplifier reads {:.0} counts at rest, not {NOMINAL_OFFSET_COUNTS:.0} +- {OFFSET_TOLERANCE_COUNTS:.0}: \
+            "current amplifier reads {} counts at rest, not {} +- {}: \
              is current flowing, or the shunt amplifier broken?",
-            self.idle_counts
+            Fixed(self.idle_counts, 0),
+            Fixed(NOMINAL_OFFSET_COUNTS, 0),
+            Fixed(OFFSET_TOLERANCE_COUNTS, 0),
         )
     }
 }

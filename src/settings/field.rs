@@ -4,6 +4,7 @@
 use core::fmt;
 
 use super::{FilterOrder, Sensor, Settings, VelocitySource};
+use crate::decimal::{self, Decimal};
 
 /// What a setting may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,7 @@ impl Field {
         };
         let value = match named {
             Some(index) => index,
-            None => text.parse().map_err(|_| self.refusal())?,
+            None => decimal::parse(text).ok_or_else(|| self.refusal())?,
         };
         self.check(value)?;
         Ok(value)
@@ -129,8 +130,8 @@ impl fmt::Display for Shown {
         write!(f, "{} = ", field.name)?;
         match field.kind {
             Kind::Choice(names) => f.write_str(names.get(value as usize).copied().unwrap_or("?")),
-            Kind::Number { .. } if field.unit.is_empty() => write!(f, "{value}"),
-            Kind::Number { .. } => write!(f, "{value} {}", field.unit),
+            Kind::Number { .. } if field.unit.is_empty() => Decimal(value).fmt(f),
+            Kind::Number { .. } => write!(f, "{} {}", Decimal(value), field.unit),
         }
     }
 }
@@ -154,8 +155,11 @@ impl fmt::Display for SettingError {
                 Kind::Number { min, max } => {
                     write!(
                         f,
-                        "{} must be a number from {min} to {max} {}",
-                        field.name, field.unit
+                        "{} must be a number from {} to {} {}",
+                        field.name,
+                        Decimal(min),
+                        Decimal(max),
+                        field.unit
                     )
                 }
                 Kind::Choice(_) => f.write_str(field.name),

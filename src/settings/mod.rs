@@ -197,7 +197,7 @@ impl Default for HallSettings {
     /// Lab 3: 33 V - 81.9 degrees.
     fn default() -> Self {
         Self {
-            centre_v: 81.9 / 33.0,
+            centre_v: 2.4818,
             slope_deg_per_v: 33.0,
             quadratic_deg_per_v2: 0.0,
             cubic_deg_per_v3: 0.0,

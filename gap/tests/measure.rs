@@ -31,11 +31,11 @@ fn paddle() -> Model {
 }
 
 /// What a device that is exactly `model` leaves in a recording whose nominal model is `nominal`.
-fn recording(model: &Model, nominal: Model, noise: f64, resolution: f64) -> Recording {
+fn recording(model: &Model, nominal: Model, noise: f64, resolution: f64, seed: u64) -> Recording {
     let device = Device::nominal(model);
     let plant = Plant::new(device.mechanics.clone());
     let mut state = plant.state(0.0, 0.05, 0.0);
-    let mut random = Noise(7);
+    let mut random = Noise(seed);
     let (mut time, mut input, mut position) = (vec![], vec![], vec![]);
     for i in 0..12_000 {
         let t = f64::from(i) * 5e-4;
@@ -68,11 +68,15 @@ fn recording(model: &Model, nominal: Model, noise: f64, resolution: f64) -> Reco
 #[test]
 fn a_perfect_model_is_at_the_floor() {
     for (noise, resolution) in [(1e-4, 0.0), (1e-3, 0.0), (1e-4, 2.09e-4), (0.0, 2.09e-4)] {
-        let recording = recording(&paddle(), paddle(), noise, resolution);
-        let (gap, _) = gap::measure(&recording, &Device::nominal(&paddle()));
-        let ratio = gap.before / gap.floor;
+        // The velocity error of a few restarts decides a gap, so that single ones scatter.
+        let ratios = (0..8).map(|seed| {
+            let recording = recording(&paddle(), paddle(), noise, resolution, seed);
+            let (gap, _) = gap::measure(&recording, &Device::nominal(&paddle()));
+            (gap.before / gap.floor).powi(2)
+        });
+        let ratio = (ratios.sum::<f64>() / 8.0).sqrt();
         assert!(
-            (0.7..1.3).contains(&ratio),
+            (0.6..1.25).contains(&ratio),
             "noise {noise}, quantum {resolution}: {ratio}"
         );
     }
@@ -84,7 +88,7 @@ fn a_wrong_model_is_above_it_and_the_predictions_say_where() {
         coulomb: 0.012,
         ..paddle()
     };
-    let recording = recording(&paddle(), nominal, 1e-4, 0.0);
+    let recording = recording(&paddle(), nominal, 1e-4, 0.0, 7);
     let (gap, runs) = gap::measure(&recording, &Device::nominal(&nominal));
     assert!(gap.before > 10.0 * gap.floor, "{gap:?}");
     let squares = runs[0]

@@ -85,9 +85,10 @@ pub(crate) fn restart_sensitivity(
     predictor: &Predictor,
     series: &Series,
     predicted: &[f64],
+    wanted: impl Fn(usize) -> bool,
 ) -> Vec<[f64; 2]> {
-    let value = predictor.predict_shifted(series, [SENSITIVITY_SHIFT, 0.0]);
-    let slope = predictor.predict_shifted(series, [0.0, SENSITIVITY_SHIFT]);
+    let value = predictor.predict_shifted(series, [SENSITIVITY_SHIFT, 0.0], &wanted);
+    let slope = predictor.predict_shifted(series, [0.0, SENSITIVITY_SHIFT], &wanted);
     let shifted = value.iter().zip(&slope).zip(predicted);
     shifted
         .map(|((v, s), p)| [(v - p) / SENSITIVITY_SHIFT, (s - p) / SENSITIVITY_SHIFT])
@@ -96,8 +97,12 @@ pub(crate) fn restart_sensitivity(
 
 /// Variance of prediction minus measurement, sample by sample, if the model were perfect: the sensor's
 /// noise, and that of the restart grown over the window, which near the restart are the same noise.
-fn perfect_variance(predictor: &Predictor, series: &Series, predicted: &[f64]) -> Vec<f64> {
-    let sensitivity = restart_sensitivity(predictor, series, predicted);
+pub(crate) fn perfect_variance(
+    predictor: &Predictor,
+    series: &Series,
+    predicted: &[f64],
+) -> Vec<f64> {
+    let sensitivity = restart_sensitivity(predictor, series, predicted, |_| true);
     let mut variance = Vec::with_capacity(predicted.len());
     for window in &series.windows {
         let fit = &window.restart;

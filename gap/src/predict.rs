@@ -44,11 +44,18 @@ impl Predictor {
 
     /// One predicted position a sample.
     pub fn predict(&self, series: &Series) -> Vec<f64> {
-        self.predict_shifted(series, [0.0, 0.0])
+        self.predict_shifted(series, [0.0, 0.0], |_| true)
     }
 
-    /// The same from displaced restarts.
-    pub fn predict_shifted(&self, series: &Series, shift: Shift) -> Vec<f64> {
+    /// The same from displaced restarts, for the windows (by index) that are wanted; elsewhere it
+    /// stays zero.
+    pub fn predict_shifted(
+        &self,
+        series: &Series,
+        shift: Shift,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Vec<f64> {
+        let remembers = self.remembers();
         let mut predicted = vec![0.0; series.time.len()];
         let Some(first) = series.windows.first() else {
             return predicted;
@@ -63,8 +70,15 @@ impl Predictor {
             now_s: start_s,
             next_input: 0,
         };
-        for window in &series.windows {
-            self.follow_to(&mut running, series, window.restart.time_s);
+        for (index, window) in series.windows.iter().enumerate() {
+            if !remembers && !wanted(index) {
+                continue;
+            }
+            if remembers {
+                self.follow_to(&mut running, series, window.restart.time_s);
+            } else {
+                self.skip_to(&mut running, series, window.restart.time_s);
+            }
             self.restart(&mut running, series, window, shift);
             for i in window.samples.clone() {
                 let before_s = running.now_s;
@@ -74,6 +88,35 @@ impl Predictor {
             }
         }
         predicted
+    }
+
+    /// True if anything but the drive is carried from window to window.
+    fn remembers(&self) -> bool {
+        let mechanics = &self.device.mechanics;
+        mechanics.link.is_some()
+            || mechanics.presliding.is_some()
+            || self.device.sensing.hysteresis > 0.0
+    }
+
+    /// Lets the drive alone run on to `to_s` of the run: the device is restarted there.
+    fn skip_to(&self, running: &mut Running, series: &Series, to_s: f64) {
+        loop {
+            let next = series.time.get(running.next_input);
+            let until = next.map_or(to_s, |&at| at.min(to_s));
+            while running.now_s < until {
+                let (_, dt_s) = running.line.piece(running.now_s, until - running.now_s);
+                let now = running.now_s + dt_s;
+                running.now_s = if now < until { now } else { until };
+            }
+            match next {
+                Some(&at) if at <= to_s => {
+                    let input = series.input[running.next_input];
+                    running.line.command(&self.device.drive, at, input);
+                    running.next_input += 1;
+                }
+                _ => return,
+            }
+        }
     }
 
     /// Carries the device to `to_s` of the run under the recorded input.

@@ -52,6 +52,11 @@ impl Series {
         }
     }
 
+    /// Time of sample `i` on the session's clock, s.
+    pub fn session(&self, i: usize) -> f64 {
+        self.time[i] + self.session_offset_s
+    }
+
     /// Puts samples together to about [`FINE_PERIOD_S`], input and position averaged; the restarts stay
     /// as they are. What moves faster than that carries no torque that a device of inertia shows.
     fn coarsened(self) -> Self {

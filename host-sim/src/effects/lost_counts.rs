@@ -26,9 +26,11 @@ pub const KIND: Kind = Kind {
         },
     ],
     install: |device, p| {
-        device.sensing.jumps.push(Jump {
-            at_s: p[0],
-            height: p[1],
+        // A counter that jumps more than once repeats the pair.
+        let jumps = p.chunks_exact(2).map(|pair| Jump {
+            at_s: pair[0],
+            height: pair[1],
         });
+        device.sensing.jumps.extend(jumps);
     },
 };

@@ -1,0 +1,95 @@
+//! Something outside that pushes back for a while: a stretch of time in which the nominal model fails.
+
+use super::{Evidence, linear, log, term};
+use crate::hypothesis::Term;
+use crate::motion::{quantile, rms};
+use host_sim::effects::Kind;
+
+/// A window counts as hit from this much robust cost above the quiet ones.
+const HIT_MARGIN: f64 = 0.7;
+/// Quantile of the window costs that stands for the quiet ones.
+const QUIET: f64 = 0.4;
+/// A stretch longer than this share of the recording is no passing contact.
+const LONGEST_SHARE: f64 = 0.5;
+
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let Some((series, windows)) = stretch(e) else {
+        return Vec::new();
+    };
+    let data = &e.series[series];
+    let rows = data.windows[windows.start].samples.start..data.windows[windows.end - 1].samples.end;
+    let motion = &e.motions[series];
+    let missing: Vec<f64> = rows.clone().map(|i| motion.missing_nm[i]).collect();
+    let known: Vec<f64> = missing.iter().copied().filter(|m| m.is_finite()).collect();
+    let quiet = rms(&motion
+        .missing_nm
+        .iter()
+        .copied()
+        .filter(|m| m.is_finite())
+        .collect::<Vec<_>>());
+    // The torque is missing while it is there: from the first to the last sample that shows it.
+    let strong = |m: f64| m.abs() > 1.5 * quiet;
+    let from = missing.iter().position(|m| strong(*m)).unwrap_or(0);
+    let to = missing
+        .iter()
+        .rposition(|m| strong(*m))
+        .unwrap_or(missing.len() - 1);
+    let edges = [
+        [
+            data.session(rows.start + from),
+            data.session((rows.start + to + 1).min(rows.end - 1)),
+        ],
+        [data.session(rows.start), data.session(rows.end - 1)],
+    ];
+    let positions: Vec<f64> = rows.clone().map(|i| motion.position[i]).collect();
+    let strength = rms(&known).max(0.2 * e.scales.torque);
+    let span = (quantile(&positions, 1.0) - quantile(&positions, 0.0)).max(0.02 * e.scales.span());
+    let mut all = Vec::new();
+    for [from, to] in edges {
+        for side in [1.0, -1.0] {
+            for share in [0.15, 0.5, 0.85] {
+                let k = 3.0 * strength / span;
+                let damping = 0.3 * (k * e.device.mechanics.inertia).sqrt();
+                let free = vec![
+                    linear(0, quantile(&positions, share), 0.1 * span),
+                    log(2, k),
+                    log(3, damping),
+                    linear(4, from, 0.1 * (to - from)),
+                    linear(5, to, 0.1 * (to - from)),
+                ];
+                all.push(term(kind, free, &[(1, side)]));
+            }
+        }
+    }
+    all
+}
+
+/// The run of windows with the largest sum of cost above the quiet level (Kadane's algorithm), if it is
+/// short and stands out.
+fn stretch(e: &Evidence<'_>) -> Option<(usize, core::ops::Range<usize>)> {
+    let finite: Vec<f64> = e
+        .window_costs
+        .iter()
+        .copied()
+        .filter(|c| c.is_finite())
+        .collect();
+    let quiet = quantile(&finite, QUIET);
+    let mut best: Option<(f64, usize, core::ops::Range<usize>)> = None;
+    let mut base = 0;
+    for (index, series) in e.series.iter().enumerate() {
+        let (mut sum, mut start) = (0.0, 0);
+        for w in 0..series.windows.len() {
+            let cost = e.window_costs[base + w];
+            sum += if cost.is_finite() { cost } else { quiet } - quiet - HIT_MARGIN;
+            if sum <= 0.0 {
+                (sum, start) = (0.0, w + 1);
+            } else if best.as_ref().is_none_or(|(most, ..)| sum > *most) {
+                best = Some((sum, index, start..w + 1));
+            }
+        }
+        base += series.windows.len();
+    }
+    let (_, index, windows) = best?;
+    let share = windows.len() as f64 / e.window_costs.len() as f64;
+    (share <= LONGEST_SHARE).then_some((index, windows))
+}

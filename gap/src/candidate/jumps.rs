@@ -1,0 +1,57 @@
+//! Jumps of a counter: steps between two samples that no motion makes.
+
+use super::{Evidence, linear};
+use crate::hypothesis::Term;
+use crate::motion::quantile;
+use host_sim::effects::Kind;
+
+/// A step counts from this many times the spread of the steps of the motion itself, and of the noise.
+const STEP_RATIO: f64 = 12.0;
+/// 0.75 quantile of |N(0, 1)| over its standard deviation is 1.15.
+const UPPER_QUARTILE: f64 = 1.15;
+/// More jumps than this are noise of another kind.
+const MOST_JUMPS: usize = 12;
+
+/// The jumps found, as one term with time and height of each; none if there are none.
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let mut jumps = Vec::new();
+    for series in e.series {
+        let x = &series.position;
+        // What a sample differs from the line through its neighbours on either side.
+        let breaks: Vec<f64> = (0..x.len())
+            .map(|i| {
+                if i < 2 || i + 1 >= x.len() {
+                    return 0.0;
+                }
+                let slope = |a: usize, b: usize| (x[b] - x[a]) / (series.time[b] - series.time[a]);
+                let dt = series.time[i] - series.time[i - 1];
+                let before = slope(i - 2, i - 1);
+                let after = slope(i, i + 1);
+                (x[i] - x[i - 1]) - 0.5 * (before + after) * dt
+            })
+            .collect();
+        let sizes: Vec<f64> = breaks.iter().map(|b| b.abs()).collect();
+        let spread = (quantile(&sizes, 0.75) / UPPER_QUARTILE).max(e.scales.noise);
+        for (i, height) in breaks.iter().enumerate() {
+            if height.abs() > STEP_RATIO * spread {
+                jumps.push((series.session(i - 1), series.session(i), *height));
+            }
+        }
+    }
+    if jumps.is_empty() || jumps.len() > MOST_JUMPS {
+        return Vec::new();
+    }
+    let mut values = Vec::new();
+    let mut free = Vec::new();
+    for (before, after, height) in jumps {
+        values.push(0.5 * (before + after));
+        free.push(linear(values.len(), height, 0.1 * height.abs()));
+        values.push(height);
+    }
+    vec![Term {
+        kind,
+        values,
+        free,
+        sensor_on_load: false,
+    }]
+}

@@ -1,0 +1,250 @@
+//! Where the fit of each effect starts, and in which coordinates.
+
+mod cogging;
+mod contact;
+mod jumps;
+
+use crate::hypothesis::{Coordinate, Scale, Term};
+use crate::motion::{Motion, Scales, quantile};
+use crate::series::Series;
+use core::f64::consts::TAU;
+use host_sim::device::Device;
+use host_sim::effects::{KINDS, Kind};
+
+/// What starting values are made from.
+pub(crate) struct Evidence<'a> {
+    pub series: &'a [Series],
+    pub motions: &'a [Motion],
+    pub scales: &'a Scales,
+    /// The device without the effect that is looked for.
+    pub device: &'a Device,
+    /// Robust cost of each window without the effect, by running index.
+    pub window_costs: &'a [f64],
+}
+
+/// One effect with the points from which it is fitted.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    pub kind: &'static Kind,
+    pub starts: Vec<Term>,
+}
+
+/// Every effect that the recording could show, in the order of the vocabulary.
+pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
+    let all = KINDS.iter().map(|&kind| Candidate {
+        kind,
+        starts: starts(kind, evidence),
+    });
+    all.filter(|candidate| !candidate.starts.is_empty())
+        .collect()
+}
+
+const fn linear(parameter: usize, start: f64, scale: f64) -> Coordinate {
+    Coordinate {
+        parameter,
+        start,
+        scale: Scale::Linear(scale),
+    }
+}
+
+const fn log(parameter: usize, start: f64) -> Coordinate {
+    Coordinate {
+        parameter,
+        start,
+        scale: Scale::Log,
+    }
+}
+
+/// A term whose free coordinates are all its parameters but those given as fixed.
+fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, f64)]) -> Term {
+    let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+    for coordinate in &free {
+        values[coordinate.parameter] = coordinate.start;
+    }
+    for &(parameter, value) in fixed {
+        values[parameter] = value;
+    }
+    Term {
+        kind,
+        values,
+        free,
+        sensor_on_load: false,
+    }
+}
+
+/// Relative damping of the springs that stand in for contacts whose damping is not looked for.
+const CONTACT_DAMPING: f64 = 0.1;
+/// Natural frequency of the flanks of a play, over the coarse sampling rate.
+const FLANK_FREQUENCY: f64 = 0.15;
+
+fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let m = &e.device.mechanics;
+    let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
+    let stiffness = s.torque / s.span();
+    let one = |free: Vec<Coordinate>| vec![term(kind, free, &[])];
+    let each = |starts: &[f64], f: &dyn Fn(f64) -> Vec<Coordinate>| -> Vec<Term> {
+        starts
+            .iter()
+            .map(|&start| term(kind, f(start), &[]))
+            .collect()
+    };
+    let damped = |k: f64, inertia: f64| 2.0 * CONTACT_DAMPING * (k * inertia).sqrt();
+    match kind.name {
+        "torque_gain" | "sensor_gain" => one(vec![log(0, 1.0)]),
+        "torque_offset" => one(vec![linear(0, 0.0, 0.2 * s.torque)]),
+        "deadband" => each(&[0.03, 0.15, 0.5], &|f| vec![log(0, f * s.input)]),
+        "saturation" => each(&[0.9, 0.7, 0.4], &|f| vec![log(0, f * s.largest_input)]),
+        "lag" | "delay" | "sensor_lag" => each(&[1.0, 8.0], &|f| {
+            vec![log(
+                0,
+                f * s.period_s.min(0.01 * s.horizon_s).max(0.002 * s.horizon_s),
+            )]
+        }),
+        "cogging" => cogging::starts(kind, e),
+        "coulomb" => each(&[0.6, 1.4], &|f| vec![log(0, f * s.friction)]),
+        "asymmetric_coulomb" => [(0.7, 1.3), (1.3, 0.7)]
+            .iter()
+            .map(|(p, n)| {
+                term(
+                    kind,
+                    vec![log(0, p * s.friction), log(1, n * s.friction)],
+                    &[],
+                )
+            })
+            .collect(),
+        "position_dependent_coulomb" if level > 0.0 => {
+            let reach = s.position[0].abs().max(s.position[1].abs());
+            let bends = [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.8)].iter();
+            bends
+                .map(|(slope, curve)| {
+                    let free = vec![
+                        linear(0, slope / reach, 0.5 / reach),
+                        linear(1, curve / (reach * reach), 0.5 / (reach * reach)),
+                    ];
+                    term(kind, free, &[])
+                })
+                .collect()
+        }
+        "stribeck" if level > 0.0 => [(0.4, 0.03), (0.4, 0.15), (1.0, 0.4)]
+            .iter()
+            .map(|(rise, v)| {
+                let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * s.velocity)];
+                term(kind, free, &[])
+            })
+            .collect(),
+        "viscous" => one(vec![linear(0, m.viscous, 0.1 * s.torque / s.velocity)]),
+        "quadratic_drag" => one(vec![linear(0, 0.0, 0.1 * s.torque / s.velocity.powi(2))]),
+        "presliding" if level > 0.0 => [0.003, 0.015, 0.06]
+            .iter()
+            .map(|f| {
+                let distance = f * s.span();
+                let damping = damped(level / distance, m.inertia) * 3.0;
+                term(kind, vec![log(0, distance), log(1, damping)], &[])
+            })
+            .collect(),
+        "load_dependent_friction" => each(&[0.05, 0.2], &|f| vec![log(0, f)]),
+        "friction_drift" if level > 0.0 => each(&[0.3, -0.3], &|f| {
+            vec![linear(0, f / s.duration_s, 0.5 / s.duration_s)]
+        }),
+        "inertia" => one(vec![log(0, m.inertia)]),
+        "gravity" => one(vec![
+            linear(0, m.gravity, 0.1 * s.torque),
+            linear(1, m.gravity_zero, 0.1 * s.span().min(1.0)),
+        ]),
+        "spring" => {
+            let middle = 0.5 * (s.position[0] + s.position[1]);
+            one(vec![
+                linear(0, m.stiffness + 0.05 * stiffness, 0.1 * stiffness),
+                linear(
+                    1,
+                    if m.stiffness == 0.0 {
+                        middle
+                    } else {
+                        m.stiffness_zero
+                    },
+                    0.2 * s.span(),
+                ),
+            ])
+        }
+        "end_stop" => {
+            let positions: Vec<f64> = e
+                .motions
+                .iter()
+                .flat_map(|m| m.position.iter().copied())
+                .collect();
+            let beyond = s.span();
+            // One stop at a time, the other out of reach, then both.
+            let mut all = Vec::new();
+            for share in [0.02, 0.08] {
+                let (low, high) = (
+                    quantile(&positions, share),
+                    quantile(&positions, 1.0 - share),
+                );
+                let far = (s.position[0] - beyond, s.position[1] + beyond);
+                for (lower, upper) in [(far.0, high), (low, far.1), (low, high)] {
+                    let k = 20.0 * stiffness;
+                    let mut free = vec![log(2, k), log(3, damped(k, m.inertia))];
+                    if lower > far.0 {
+                        free.push(linear(0, lower, 0.05 * beyond));
+                    }
+                    if upper < far.1 {
+                        free.push(linear(1, upper, 0.05 * beyond));
+                    }
+                    all.push(term(kind, free, &[(0, lower), (1, upper)]));
+                }
+            }
+            all
+        }
+        "backlash" => {
+            let rate = TAU * FLANK_FREQUENCY / s.period_s.max(1e-3);
+            let mut all = Vec::new();
+            for f in [0.004, 0.02, 0.08] {
+                for sensor_on_load in [false, true] {
+                    let share = 0.5;
+                    let k = rate * rate * m.inertia * share * (1.0 - share);
+                    let fixed = [(2, k), (3, damped(k, m.inertia) * 2.0)];
+                    let play = f * s.span();
+                    let free = vec![log(0, play), linear(1, share, 0.15)];
+                    all.push(Term {
+                        sensor_on_load,
+                        ..term(kind, free, &fixed)
+                    });
+                }
+            }
+            all
+        }
+        "compliance" => {
+            let mut all = Vec::new();
+            for hertz in [6.0, 18.0, 55.0] {
+                for sensor_on_load in [false, true] {
+                    let share = 0.5;
+                    let k = (TAU * hertz).powi(2) * m.inertia * share * (1.0 - share);
+                    let free = vec![
+                        log(0, k),
+                        log(1, damped(k, m.inertia) * 0.5),
+                        linear(2, share, 0.15),
+                    ];
+                    all.push(Term {
+                        sensor_on_load,
+                        ..term(kind, free, &[])
+                    });
+                }
+            }
+            all
+        }
+        "sensor_nonlinearity" => {
+            let reach = s.position[0].abs().max(s.position[1].abs());
+            one(vec![
+                linear(0, 0.0, 0.1 / reach),
+                linear(1, 0.0, 0.1 / (reach * reach)),
+            ])
+        }
+        "sensor_hysteresis" => each(&[3.0 * s.noise / s.span(), 0.02, 0.06], &|f| {
+            vec![log(0, f * s.span())]
+        }),
+        "lost_counts" => jumps::starts(kind, e),
+        "contact" => contact::starts(kind, e),
+        _ => Vec::new(),
+    }
+}

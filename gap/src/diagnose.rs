@@ -1,0 +1,333 @@
+//! The diagnosis: how large the gap is, where it lies, which effects cause it, how far it shrinks.
+
+use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
+use crate::fit::{Fit, Part, Problem};
+use crate::hypothesis::{Hypothesis, nudges};
+use crate::measure::measure;
+use crate::select::{self, PERFECT, Round, Selection};
+use crate::series;
+use crate::{experiment, locate};
+use host_sim::device::Device;
+use rayon::prelude::*;
+use recording::Recording;
+use std::time::Instant;
+
+/// What to leave out.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Names of effects that are not tried.
+    pub without: Vec<String>,
+}
+
+/// A diagnosis with the model that it arrived at.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What is said.
+    pub diagnosis: Diagnosis,
+    /// The corrected model.
+    pub model: CorrectedModel,
+}
+
+/// The nominal model with its numbers moved and effects on top.
+#[derive(Clone, Debug)]
+pub struct CorrectedModel {
+    /// The numbers.
+    pub model: recording::Model,
+    /// The effects, with all their parameters, in the order in which they are installed.
+    pub effects: Vec<CorrectedEffect>,
+}
+
+/// An effect of a corrected model.
+#[derive(Clone, Debug)]
+pub struct CorrectedEffect {
+    /// Kind and numbers.
+    pub effect: host_sim::effects::Effect,
+    /// Side of the transmission on which the position sensor sits.
+    pub sensor_on_load: bool,
+}
+
+impl CorrectedModel {
+    /// The device that it describes.
+    pub fn device(&self) -> Device {
+        let mut device = Device::nominal(&self.model);
+        for corrected in &self.effects {
+            device.sensor_on_load = corrected.sensor_on_load;
+            corrected.effect.install(&mut device);
+        }
+        device
+    }
+}
+
+/// Largest share of the excess that may be left for a gap to count as explained.
+const EXPLAINED: f64 = 0.15;
+/// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
+const MOST_LEFT: f64 = 0.7;
+/// Robust excess per window up to which nothing is missing: the noise is known to some 15 %.
+const QUIET_EXCESS: f64 = 0.15;
+/// Standard errors of gain beyond which the number of windows no longer limits the confidence.
+const SURE: f64 = 6.0;
+/// Resamplings of the windows for an interval.
+const RESAMPLINGS: usize = 400;
+
+/// Diagnoses a recording.
+pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
+    let started = Instant::now();
+    let problem = Problem {
+        recording,
+        series: series::coarse(recording, recording.horizon),
+        nudges: nudges(recording),
+        quarter: series::coarse(recording, 0.25 * recording.horizon),
+    };
+    let excluded: Vec<&str> = options.without.iter().map(String::as_str).collect();
+    let mut selection = select::select(&problem, &excluded);
+
+    let null_level = selection.null.costs.mean_log();
+    let left = |fit: &Fit| (fit.costs.mean_log() - PERFECT) / (null_level - PERFECT);
+    if !selection.rounds.is_empty() && left(selection.fit()) > MOST_LEFT {
+        selection.last = Some(selection.rounds.remove(0));
+        selection.rounds.clear();
+    }
+
+    let model = corrected(&problem, selection.fit());
+    let nominal = Device::nominal(&recording.model);
+    let (before, _) = measure(recording, &nominal);
+    let (after, _) = measure(recording, &model.device());
+    let floor = after.floor.min(before.before);
+    let steps = closings(&problem, &selection);
+    let total = steps.last().map_or([0.0; 3], |step| step.total);
+    let closing = Closing {
+        before: before.before,
+        floor,
+        after: before.before - total[0] * (before.before - floor),
+        shrink: total[0],
+        shrink_interval: [total[1], total[2]],
+        unit: recording.units.position.clone(),
+    };
+
+    let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
+    let verdict = if selection.rounds.is_empty() {
+        if null_level - PERFECT > QUIET_EXCESS {
+            Verdict::Unexplained
+        } else {
+            Verdict::NoGap
+        }
+    } else if excess(closing.after) <= EXPLAINED * excess(closing.before) {
+        Verdict::Explained
+    } else {
+        Verdict::PartlyExplained
+    };
+
+    let effects = findings(&problem, &selection, &steps);
+    let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
+    let next_experiment = experiment::separating(&problem, &selection);
+    let diagnosis = Diagnosis {
+        format: 1,
+        verdict,
+        regions: locate::regions(&problem, &selection.null),
+        candidates: tried(&problem, &selection, &names),
+        gap: closing,
+        effects,
+        next_experiment,
+        warnings: recording.oddities.iter().map(ToString::to_string).collect(),
+        elapsed_s: started.elapsed().as_secs_f64(),
+    };
+    Outcome { diagnosis, model }
+}
+
+fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
+    let mut rest = &fit.x[problem.nudges.len()..];
+    let effects = fit.hypothesis.terms.iter().map(|term| {
+        let (mine, others) = rest.split_at(term.free.len());
+        rest = others;
+        CorrectedEffect {
+            effect: host_sim::effects::Effect {
+                kind: term.kind,
+                values: term.at(mine),
+            },
+            sensor_on_load: term.sensor_on_load,
+        }
+    });
+    let effects = effects.collect();
+    CorrectedModel {
+        model: Hypothesis::nudged(&problem.recording.model, &problem.nudges, &fit.x),
+        effects,
+    }
+}
+
+/// Shrink of one effect and of all up to it: value and 95 % interval.
+struct Step {
+    own: [f64; 3],
+    total: [f64; 3],
+}
+
+/// The shrinks of the effects in their order, on windows that the fits have not seen.
+fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
+    let bare = Fit {
+        x: vec![0.0; problem.nudges.len()],
+        ..selection.null.clone()
+    };
+    let nominal = problem.window_squares(&bare, Part::All);
+    let floor = problem.floor_squares(selection.fit());
+    let mut before = nominal.clone();
+    let fits = selection.rounds.iter().map(|round| &round.rivals[0]);
+    let steps = fits.map(|rival| {
+        let after = if select::is_event(rival.name) {
+            problem.window_squares(&rival.fit, Part::All)
+        } else {
+            unseen_squares(problem, &rival.fit)
+        };
+        let step = Step {
+            own: shrink(&before, &after, &floor, &nominal),
+            total: shrink(&nominal, &after, &floor, &nominal),
+        };
+        before = after;
+        step
+    });
+    steps.collect()
+}
+
+/// Squared residuals and samples of each window under a fit to the half that it is not in.
+fn unseen_squares(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
+    let halves: Vec<Vec<f64>> = [true, false]
+        .into_par_iter()
+        .map(|half| {
+            let fold = select::fold(problem, fit, half);
+            problem.window_squares(&fold, Part::Half(!half))
+        })
+        .collect();
+    let pairs = halves[0].iter().zip(&halves[1]);
+    pairs
+        .map(|(a, b)| if a.is_nan() { *b } else { *a })
+        .collect()
+}
+
+/// `(rms before − rms after) / (rms reference − rms floor)` with its 95 % interval by resampling the
+/// windows (Efron, Annals of Statistics 7, 1979).
+fn shrink(before: &[f64], after: &[f64], floor: &[f64], reference: &[f64]) -> [f64; 3] {
+    let n = before.len();
+    let value = |pick: &mut dyn FnMut(usize) -> usize| {
+        let mut sums = [0.0; 4];
+        for i in 0..n {
+            let w = pick(i);
+            for (sum, squares) in sums.iter_mut().zip([before, after, floor, reference]) {
+                *sum += squares[w];
+            }
+        }
+        let [b, a, f, r] = sums.map(f64::sqrt);
+        let f = f.min(0.999 * r);
+        ((b - a) / (r - f)).min(1.0)
+    };
+    let whole = value(&mut |i| i);
+    // A fixed multiplicative generator: the interval of a recording is always the same.
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut draw = |_: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) as usize) % n
+    };
+    let mut values: Vec<f64> = (0..RESAMPLINGS).map(|_| value(&mut draw)).collect();
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values[((RESAMPLINGS - 1) as f64 * share).round() as usize];
+    [whole, at(0.025), at(0.975)]
+}
+
+fn findings(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Vec<Finding> {
+    let fit = selection.fit();
+    let units = &problem.recording.units;
+    let mut known = &selection.null;
+    let mut at = problem.nudges.len();
+    let mut all = Vec::new();
+    for ((round, step), term) in selection
+        .rounds
+        .iter()
+        .zip(steps)
+        .zip(&fit.hypothesis.terms)
+    {
+        let coordinates = at..at + term.free.len();
+        let values = term.at(&fit.x[coordinates.clone()]);
+        let mut parameters = std::collections::BTreeMap::new();
+        let kind_len = term.kind.parameters.len();
+        for (i, value) in values.iter().enumerate() {
+            let parameter = &term.kind.parameters[i % kind_len];
+            let free = term.free.iter().position(|c| c.parameter == i);
+            let std = free.map_or(0.0, |k| {
+                let place = at + k;
+                term.free[k].spread(fit.x[place], fit.std[place])
+            });
+            let name = if values.len() > kind_len {
+                format!("{}_{}", parameter.name, i / kind_len + 1)
+            } else {
+                parameter.name.to_owned()
+            };
+            let unit = parameter.quantity.unit(&units.position, &units.input);
+            parameters.insert(
+                name,
+                Estimate {
+                    value: *value,
+                    std,
+                    unit,
+                },
+            );
+        }
+        at = coordinates.end;
+        all.push(Finding {
+            name: term.kind.name,
+            channel: term.kind.channel.name(),
+            confidence: confidence(round, known),
+            not_separable_from: select::ties(round, known),
+            basis: "prediction",
+            parameters,
+            shrink: step.own[0],
+            shrink_interval: [step.own[1], step.own[2]],
+        });
+        known = &round.rivals[0].fit;
+    }
+    all.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
+    all
+}
+
+/// Probability that the winner of a round is right: from how much better it is than the next that is
+/// not tied with it, and how little it leaves.
+fn confidence(round: &Round, known: &Fit) -> f64 {
+    let winner = &round.rivals[0];
+    let gain = known.costs.mean_log() - winner.fit.costs.mean_log();
+    let next = round
+        .rivals
+        .get(1)
+        .map_or(known.costs.mean_log(), |r| r.fit.costs.mean_log());
+    let margin = ((next - winner.fit.costs.mean_log()) / gain.max(1e-9)).clamp(0.0, 1.0);
+    let left = ((winner.fit.costs.mean_log() - PERFECT) / (known.costs.mean_log() - PERFECT))
+        .clamp(0.0, 1.0);
+    let sure = (round.significance / SURE).min(1.0);
+    (0.55 + 0.8 * sure * margin.sqrt() * (1.0 - 0.6 * left)).clamp(0.3, 0.99)
+}
+
+fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tried> {
+    let mut known = &selection.null;
+    let mut all: Vec<Tried> = Vec::new();
+    for round in selection.rounds.iter().chain(&selection.last) {
+        let winner = &round.rivals[0];
+        for rival in &round.rivals {
+            if named.contains(&rival.name) || all.iter().any(|t| t.name == rival.name) {
+                continue;
+            }
+            let gain = known.costs.mean_log() - rival.fit.costs.mean_log();
+            let why_not = if gain <= 0.0 {
+                "no gain".to_owned()
+            } else if rival.name == winner.name {
+                "no gain on held-out data".to_owned()
+            } else {
+                format!("gains less than {}", winner.name)
+            };
+            all.push(Tried {
+                name: rival.name,
+                after: problem.plain_gap(&problem.series, &rival.fit),
+                why_not,
+            });
+        }
+        known = &winner.fit;
+    }
+    all.sort_by(|a, b| a.after.total_cmp(&b.after));
+    all
+}

@@ -1,0 +1,135 @@
+//! What a diagnosis says, in the form of the recording format.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Whether there is a gap, and whether it is understood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Nothing beyond noise and the stated tolerances.
+    NoGap,
+    /// The named effects leave at most 15 % of the excess.
+    Explained,
+    /// The named effects are real, something more is left.
+    PartlyExplained,
+    /// A gap, and no effect earns its place.
+    Unexplained,
+}
+
+/// Gap before and after, on data that the fit has not seen.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Closing {
+    /// Of the nominal model, in units of position.
+    pub before: f64,
+    /// What no model can undercut, in units of position.
+    pub floor: f64,
+    /// Of the corrected model, in units of position.
+    pub after: f64,
+    /// `(before − after) / (before − floor)`.
+    pub shrink: f64,
+    /// 95 %.
+    pub shrink_interval: [f64; 2],
+    /// Of position.
+    pub unit: String,
+}
+
+/// A fitted number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Estimate {
+    /// In `unit`.
+    pub value: f64,
+    /// Standard deviation, in `unit`.
+    pub std: f64,
+    /// As a text.
+    pub unit: String,
+}
+
+/// An effect that earned its place.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// In the vocabulary.
+    pub name: &'static str,
+    /// In the vocabulary.
+    pub channel: &'static str,
+    /// Probability that it is the true one.
+    pub confidence: f64,
+    /// Names that this excitation cannot tell from it.
+    pub not_separable_from: Vec<&'static str>,
+    /// What its shrink rests on: `prediction` or `sensor_comparison`.
+    pub basis: &'static str,
+    /// By name.
+    pub parameters: BTreeMap<String, Estimate>,
+    /// Of this effect alone, on top of those before it.
+    pub shrink: f64,
+    /// 95 %.
+    pub shrink_interval: [f64; 2],
+}
+
+/// A part of the data that carries more of the gap than its share of the samples.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Region {
+    /// `velocity`, `position`, `time`, `input`, `acceleration`, `frequency`, `channel` or `run`.
+    pub axis: &'static str,
+    /// In the recording's units.
+    pub from: Option<f64>,
+    /// In the recording's units.
+    pub to: Option<f64>,
+    /// Of a channel or run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Index of the run, where it lies in one.
+    pub run: Option<usize>,
+    /// Of the squared residual.
+    pub share_of_gap: f64,
+    /// Of the samples.
+    pub share_of_samples: f64,
+}
+
+/// An effect that was tried.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Tried {
+    /// In the vocabulary.
+    pub name: &'static str,
+    /// Gap that it leaves, in units of position.
+    pub after: f64,
+    /// Why it was not named.
+    pub why_not: String,
+}
+
+/// The excitation that would tell rivals apart best.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NextExperiment {
+    /// An excitation of the firmware.
+    pub kind: &'static str,
+    /// The names it would separate.
+    pub separates: Vec<&'static str>,
+    /// Its numbers.
+    pub settings: BTreeMap<&'static str, f64>,
+    /// Predicted difference of the rivals, rms, over the sensor's noise.
+    pub difference_over_noise: f64,
+}
+
+/// The whole diagnosis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Diagnosis {
+    /// Of this format: 1.
+    pub format: u32,
+    /// In short.
+    pub verdict: Verdict,
+    /// How far.
+    pub gap: Closing,
+    /// Which, in the order of what each contributes.
+    pub effects: Vec<Finding>,
+    /// Where, the most telling first.
+    #[serde(rename = "where")]
+    pub regions: Vec<Region>,
+    /// What else was tried.
+    pub candidates: Vec<Tried>,
+    /// What to record next, if names are left that cannot be told apart.
+    pub next_experiment: Option<NextExperiment>,
+    /// What was odd and worked around, and what not to rely on.
+    pub warnings: Vec<String>,
+    /// s.
+    pub elapsed_s: f64,
+}

@@ -1,0 +1,369 @@
+//! Robust nonlinear least squares on whitened window residuals.
+
+use crate::hypothesis::{Hypothesis, Nudge};
+use crate::measure::perfect_variance;
+use crate::predict::Predictor;
+use crate::series::Series;
+use crate::whitening::{Whitening, whitenings};
+use nalgebra::{DMatrix, DVector};
+use recording::Recording;
+
+/// What every fit shares.
+pub(crate) struct Problem<'a> {
+    pub recording: &'a Recording,
+    pub series: Vec<Series>,
+    pub nudges: Vec<Nudge>,
+    /// The same data restarted four times as often.
+    pub quarter: Vec<Series>,
+}
+
+/// Which windows take part, by running index over all series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    All,
+    /// One of two halves, by a sequence that no period fits.
+    Half(bool),
+    /// A fourth, likewise.
+    Quarter,
+}
+
+impl Part {
+    pub(crate) fn has(self, window: usize) -> bool {
+        // The golden ratio's multiples are the sequence worst matched by any period.
+        let turn = (window as f64 + 0.5) * 0.618_033_988_749_895 % 1.0;
+        match self {
+            Self::All => true,
+            Self::Half(first) => (turn < 0.5) == first,
+            Self::Quarter => turn < 0.25,
+        }
+    }
+}
+
+/// Costs of the windows of a part at one point.
+#[derive(Clone, Debug)]
+pub(crate) struct Costs {
+    /// Whitened squared residual per sample, by running index; NaN for windows that take no part.
+    pub per_sample: Vec<f64>,
+}
+
+impl Costs {
+    /// Robust cost of one window: `ln(1 + c/n)`, from ln 2 for a perfect model.
+    pub(crate) fn log(&self, window: usize) -> f64 {
+        self.per_sample[window].ln_1p()
+    }
+
+    /// Mean robust cost over the windows that took part.
+    pub(crate) fn mean_log(&self) -> f64 {
+        let taken = self.per_sample.iter().filter(|c| !c.is_nan());
+        let (sum, count) = taken.fold((0.0, 0), |(s, n), c| (s + c.ln_1p(), n + 1));
+        sum / f64::from(count.max(1))
+    }
+}
+
+/// A fitted hypothesis.
+#[derive(Clone, Debug)]
+pub(crate) struct Fit {
+    pub hypothesis: Hypothesis,
+    pub x: Vec<f64>,
+    /// Standard deviation of each coordinate.
+    pub std: Vec<f64>,
+    pub costs: Costs,
+}
+
+/// Weight of a squared standard deviation of tolerance against the robust cost of a window.
+const PRIOR_WEIGHT: f64 = 0.25;
+/// Finite difference of a coordinate; coordinates are scaled to be of order one.
+const DIFFERENCE: f64 = 0.02;
+/// Longest move of a coordinate in one iteration.
+const LONGEST_MOVE: f64 = 1.5;
+const FIRST_DAMPING: f64 = 1e-2;
+const MOST_DAMPING: f64 = 1e4;
+/// An iteration that gains less than this share of the cost is the last.
+const LEAST_GAIN: f64 = 5e-4;
+
+impl Problem<'_> {
+    pub(crate) fn window_count(&self) -> usize {
+        self.series.iter().map(|s| s.windows.len()).sum()
+    }
+
+    fn predictor(&self, hypothesis: &Hypothesis, x: &[f64]) -> Predictor {
+        let device = hypothesis.device(&self.recording.model, &self.nudges, x);
+        Predictor::new(device, self.recording)
+    }
+
+    /// Root mean square of measured minus predicted position on some data.
+    pub(crate) fn plain_gap(&self, series: &[Series], fit: &Fit) -> f64 {
+        let predictor = self.predictor(&fit.hypothesis, &fit.x);
+        let mut sum = 0.0;
+        let mut count = 0;
+        for series in series {
+            for (p, m) in predictor.predict(series).iter().zip(&series.position) {
+                sum += (p - m).powi(2);
+                count += 1;
+            }
+        }
+        (sum / f64::from(count.max(1))).sqrt()
+    }
+
+    /// Squared residuals of each window of a part, by running index; NaN for the others.
+    pub(crate) fn window_squares(&self, fit: &Fit, part: Part) -> Vec<f64> {
+        let predictor = self.predictor(&fit.hypothesis, &fit.x);
+        let residuals = self.residuals(&predictor, part);
+        let pairs = self.series.iter().zip(&residuals).zip(self.bases());
+        pairs
+            .flat_map(|((series, residual), base)| {
+                series.windows.iter().enumerate().map(move |(w, window)| {
+                    if part.has(base + w) {
+                        let r = &residual[window.samples.clone()];
+                        dot(r, r)
+                    } else {
+                        f64::NAN
+                    }
+                })
+            })
+            .collect()
+    }
+
+    /// Squares that noise and restarts alone would leave in each window with this fit.
+    pub(crate) fn floor_squares(&self, fit: &Fit) -> Vec<f64> {
+        let predictor = self.predictor(&fit.hypothesis, &fit.x);
+        let series = self.series.iter();
+        series
+            .flat_map(|series| {
+                let predicted = predictor.predict(series);
+                let variance = perfect_variance(&predictor, series, &predicted);
+                let windows = series.windows.iter();
+                let sums = windows.map(|w| variance[w.samples.clone()].iter().sum::<f64>());
+                sums.collect::<Vec<_>>()
+            })
+            .collect()
+    }
+
+    /// Running index of the first window of each series.
+    fn bases(&self) -> Vec<usize> {
+        let counts = self.series.iter().scan(0, |next, s| {
+            let base = *next;
+            *next += s.windows.len();
+            Some(base)
+        });
+        counts.collect()
+    }
+
+    /// Measured minus predicted, per series.
+    fn residuals(&self, predictor: &Predictor, part: Part) -> Vec<Vec<f64>> {
+        let pairs = self.series.iter().zip(self.bases());
+        pairs
+            .map(|(series, base)| {
+                let wanted = |w: usize| part.has(base + w);
+                let mut out = predictor.predict_shifted(series, [0.0, 0.0], wanted);
+                for (p, m) in out.iter_mut().zip(&series.position) {
+                    *p = m - *p;
+                }
+                out
+            })
+            .collect()
+    }
+
+    fn whitenings(
+        &self,
+        predictor: &Predictor,
+        residuals: &[Vec<f64>],
+        part: Part,
+    ) -> Vec<Option<Whitening>> {
+        let mut all = Vec::new();
+        for ((series, residual), base) in self.series.iter().zip(residuals).zip(self.bases()) {
+            let predicted: Vec<f64> = series
+                .position
+                .iter()
+                .zip(residual)
+                .map(|(m, r)| m - r)
+                .collect();
+            all.extend(whitenings(predictor, series, &predicted, |w| {
+                part.has(base + w)
+            }));
+        }
+        all
+    }
+
+    /// Whitened copies of the residuals of the windows that take part, by running index.
+    fn whitened(&self, residuals: &[Vec<f64>], whitenings: &[Option<Whitening>]) -> Vec<Vec<f64>> {
+        let windows = self
+            .series
+            .iter()
+            .zip(residuals)
+            .flat_map(|(s, r)| s.windows.iter().map(move |w| &r[w.samples.clone()]));
+        windows
+            .zip(whitenings)
+            .map(|(residual, whitening)| match whitening {
+                Some(whitening) => {
+                    let mut residual = residual.to_vec();
+                    whitening.apply(&mut residual);
+                    residual
+                }
+                None => Vec::new(),
+            })
+            .collect()
+    }
+
+    fn prior(&self, x: &[f64]) -> f64 {
+        let z = &x[..self.nudges.len()];
+        PRIOR_WEIGHT * z.iter().map(|z| z * z).sum::<f64>()
+    }
+
+    /// Costs of a hypothesis at a point, with the whitening of that point.
+    pub(crate) fn costs(&self, hypothesis: &Hypothesis, x: &[f64], part: Part) -> Costs {
+        let predictor = self.predictor(hypothesis, x);
+        let residuals = self.residuals(&predictor, part);
+        let whitenings = self.whitenings(&predictor, &residuals, part);
+        costs(&self.whitened(&residuals, &whitenings))
+    }
+
+    /// Fits `hypothesis` from `x` on a part of the windows by Levenberg's and Marquardt's method with
+    /// iteratively re-weighted windows, `iterations` at most.
+    pub(crate) fn fit(
+        &self,
+        hypothesis: &Hypothesis,
+        mut x: Vec<f64>,
+        part: Part,
+        iterations: usize,
+    ) -> Fit {
+        let n = x.len();
+        let mut damping = FIRST_DAMPING;
+        let mut predictor = self.predictor(hypothesis, &x);
+        let mut residuals = self.residuals(&predictor, part);
+        let mut whitenings = self.whitenings(&predictor, &residuals, part);
+        let mut whitened = self.whitened(&residuals, &whitenings);
+        let mut now = costs(&whitened);
+        let mut total = sum_log(&now) + self.prior(&x);
+        let mut normal = DMatrix::zeros(n, n);
+        let mut scatter = DMatrix::zeros(n, n);
+        for _ in 0..iterations {
+            if n == 0 {
+                break;
+            }
+            let columns: Vec<Vec<Vec<f64>>> = (0..n)
+                .map(|i| {
+                    let mut moved = x.clone();
+                    moved[i] += DIFFERENCE;
+                    let moved = self.residuals(&self.predictor(hypothesis, &moved), part);
+                    self.whitened(&moved, &whitenings)
+                })
+                .collect();
+            let mut gradient = DVector::zeros(n);
+            normal = DMatrix::zeros(n, n);
+            scatter = DMatrix::zeros(n, n);
+            for (w, base) in whitened.iter().enumerate().filter(|(_, r)| !r.is_empty()) {
+                let samples = base.len() as f64;
+                let weight = 1.0 / (samples * (1.0 + now.per_sample[w]));
+                let slopes: Vec<Vec<f64>> = columns
+                    .iter()
+                    .map(|c| {
+                        c[w].iter()
+                            .zip(base)
+                            .map(|(m, r)| (m - r) / DIFFERENCE)
+                            .collect()
+                    })
+                    .collect();
+                let pull = DVector::from_iterator(n, slopes.iter().map(|s| weight * dot(s, base)));
+                for i in 0..n {
+                    for j in 0..=i {
+                        normal[(i, j)] += weight * dot(&slopes[i], &slopes[j]);
+                    }
+                }
+                scatter += &pull * pull.transpose();
+                gradient += pull;
+            }
+            for i in 0..n {
+                for j in 0..i {
+                    normal[(j, i)] = normal[(i, j)];
+                }
+                if i < self.nudges.len() {
+                    normal[(i, i)] += PRIOR_WEIGHT;
+                    gradient[i] += PRIOR_WEIGHT * x[i];
+                }
+            }
+            let mut improved = None;
+            while damping < MOST_DAMPING {
+                let mut damped = normal.clone();
+                for i in 0..n {
+                    damped[(i, i)] += damping * normal[(i, i)] + 1e-9;
+                }
+                let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else {
+                    damping *= 10.0;
+                    continue;
+                };
+                let trial: Vec<f64> = x
+                    .iter()
+                    .zip(&step)
+                    .map(|(x, dx)| x - dx.clamp(-LONGEST_MOVE, LONGEST_MOVE))
+                    .collect();
+                let at = self.predictor(hypothesis, &trial);
+                let r = self.residuals(&at, part);
+                let w = self.whitened(&r, &whitenings);
+                let trial_total = sum_log(&costs(&w)) + self.prior(&trial);
+                if trial_total < total {
+                    damping = (0.2 * damping).max(1e-6);
+                    improved = Some((trial, at, r, trial_total));
+                    break;
+                }
+                damping *= 8.0;
+            }
+            let Some((trial, at, r, trial_total)) = improved else {
+                break;
+            };
+            let small = total - trial_total < LEAST_GAIN * total;
+            (x, predictor, residuals) = (trial, at, r);
+            whitenings = self.whitenings(&predictor, &residuals, part);
+            whitened = self.whitened(&residuals, &whitenings);
+            now = costs(&whitened);
+            total = sum_log(&now) + self.prior(&x);
+            if small {
+                break;
+            }
+        }
+        let std = deviations(&normal, &scatter);
+        Fit {
+            hypothesis: hypothesis.clone(),
+            x,
+            std,
+            costs: now,
+        }
+    }
+}
+
+/// Standard deviations by the sandwich of Huber (Berkeley Symposium 5, 1967), windows as clusters: what
+/// is left inside a window is anything but independent.
+fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
+    let n = normal.nrows();
+    match (normal + DMatrix::identity(n, n) * 1e-9).try_inverse() {
+        Some(inverse) => {
+            let covariance = &inverse * scatter * &inverse;
+            (0..n).map(|i| covariance[(i, i)].max(0.0).sqrt()).collect()
+        }
+        None => vec![f64::INFINITY; n],
+    }
+}
+
+fn costs(whitened: &[Vec<f64>]) -> Costs {
+    let per_sample = whitened.iter().map(|r| {
+        if r.is_empty() {
+            f64::NAN
+        } else {
+            let c = dot(r, r) / r.len() as f64;
+            // A model that runs away is bad, not undefined.
+            if c.is_finite() { c } else { f64::MAX }
+        }
+    });
+    Costs {
+        per_sample: per_sample.collect(),
+    }
+}
+
+fn sum_log(costs: &Costs) -> f64 {
+    let taken = costs.per_sample.iter().filter(|c| !c.is_nan());
+    taken.map(|c| c.ln_1p()).sum()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

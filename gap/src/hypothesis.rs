@@ -1,0 +1,127 @@
+//! A rival model: the nominal one with effects switched in, as a point in a space of few dimensions.
+
+use host_sim::device::Device;
+use host_sim::effects::Kind;
+use recording::{Model, Recording};
+
+/// How a dimensionless coordinate becomes a parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Scale {
+    /// `start + scale · x`.
+    Linear(f64),
+    /// `start · e^x`.
+    Log,
+}
+
+/// One free parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Coordinate {
+    /// Place among the parameters of its effect.
+    pub parameter: usize,
+    pub start: f64,
+    pub scale: Scale,
+}
+
+impl Coordinate {
+    pub(crate) fn value(&self, x: f64) -> f64 {
+        match self.scale {
+            Scale::Linear(scale) => self.start + scale * x,
+            Scale::Log => self.start * x.exp(),
+        }
+    }
+
+    /// Standard deviation of the parameter for one of the coordinate.
+    pub(crate) fn spread(&self, x: f64, std: f64) -> f64 {
+        match self.scale {
+            Scale::Linear(scale) => scale.abs() * std,
+            Scale::Log => self.value(x).abs() * std,
+        }
+    }
+}
+
+/// An effect of which some parameters are free.
+#[derive(Clone, Debug)]
+pub(crate) struct Term {
+    pub kind: &'static Kind,
+    /// All parameters; the free ones are overwritten.
+    pub values: Vec<f64>,
+    pub free: Vec<Coordinate>,
+    /// Side of the transmission that the position sensor is taken to sit on.
+    pub sensor_on_load: bool,
+}
+
+impl Term {
+    /// The parameters at the coordinates `x` of this term.
+    pub(crate) fn at(&self, x: &[f64]) -> Vec<f64> {
+        let mut values = self.values.clone();
+        for (coordinate, x) in self.free.iter().zip(x) {
+            values[coordinate.parameter] = coordinate.value(*x);
+        }
+        values
+    }
+}
+
+/// A number of the nominal model that is known only within a tolerance.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Nudge {
+    pub name: String,
+    pub value: f64,
+    pub std: f64,
+}
+
+/// The stated tolerances that leave room: of numbers that are there and not zero.
+pub(crate) fn nudges(recording: &Recording) -> Vec<Nudge> {
+    let stated = recording.tolerance.iter();
+    stated
+        .filter_map(|(name, relative)| {
+            let value = recording.model.get(name)?;
+            let std = relative * value.abs();
+            (std > 0.0).then(|| Nudge {
+                name: name.to_owned(),
+                value,
+                std,
+            })
+        })
+        .collect()
+}
+
+/// Terms on top of a nominal model whose numbers may move within their tolerances. Its coordinates are
+/// those of the nudges, in standard deviations, then those of the terms.
+#[derive(Clone, Debug)]
+pub(crate) struct Hypothesis {
+    pub terms: Vec<Term>,
+}
+
+impl Hypothesis {
+    pub(crate) fn dimensions(&self, nudges: &[Nudge]) -> usize {
+        nudges.len() + self.terms.iter().map(|t| t.free.len()).sum::<usize>()
+    }
+
+    /// The model's numbers with the nudges of `x`.
+    pub(crate) fn nudged(model: &Model, nudges: &[Nudge], x: &[f64]) -> Model {
+        let mut model = *model;
+        for (nudge, z) in nudges.iter().zip(x) {
+            let value = nudge.value + nudge.std * z;
+            // A tolerance never turns a sign.
+            let value = if value * nudge.value > 0.0 {
+                value
+            } else {
+                0.01 * nudge.value
+            };
+            let _ = model.set(&nudge.name, value);
+        }
+        model
+    }
+
+    pub(crate) fn device(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Device {
+        let mut device = Device::nominal(&Self::nudged(model, nudges, x));
+        let mut rest = &x[nudges.len()..];
+        for term in &self.terms {
+            let (mine, others) = rest.split_at(term.free.len());
+            device.sensor_on_load = term.sensor_on_load;
+            (term.kind.install)(&mut device, &term.at(mine));
+            rest = others;
+        }
+        device
+    }
+}

@@ -1,0 +1,154 @@
+//! What the measured motion was, and the torque that the nominal model misses in it.
+
+use crate::restart::Restart;
+use crate::series::Series;
+use host_sim::device::Device;
+use host_sim::drive::DriveLine;
+
+/// Smoothed motion at each coarse sample of a series.
+#[derive(Clone, Debug)]
+pub(crate) struct Motion {
+    pub position: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    /// Joint torque that the drive gave, N m.
+    pub drive_nm: Vec<f64>,
+    /// Torque on top of the device's that the motion needed, dry friction apart from sliding; NaN at
+    /// rest, where any torque up to the friction level does.
+    pub missing_nm: Vec<f64>,
+}
+
+/// Speed below which the direction of sliding is not known, in standard deviations of the slope.
+const KNOWN_DIRECTION: f64 = 4.0;
+
+impl Motion {
+    pub(crate) fn of(series: &Series, device: &Device, half_width_s: f64) -> Self {
+        let n = series.time.len();
+        let mut motion = Self {
+            position: Vec::with_capacity(n),
+            velocity: Vec::with_capacity(n),
+            acceleration: Vec::with_capacity(n),
+            drive_nm: Vec::with_capacity(n),
+            missing_nm: Vec::with_capacity(n),
+        };
+        let mut line = DriveLine::at_rest(&device.drive);
+        let m = &device.mechanics;
+        let noises = series
+            .windows
+            .iter()
+            .flat_map(|w| w.samples.clone().map(|_| w.noise));
+        for (i, noise) in (0..n).zip(noises) {
+            let now = series.time[i];
+            line.command(&device.drive, now, series.input[i]);
+            let dt = series.time.get(i + 1).map_or(0.0, |next| next - now);
+            let (torque, _) = line.piece(now, dt);
+            motion.drive_nm.push(torque.at(0.5 * dt));
+            let Some(fit) = Restart::fit(&series.time, &series.position, now, half_width_s) else {
+                continue;
+            };
+            let (x, v, a) = (fit.value, fit.slope, fit.curvature);
+            motion.position.push(x);
+            motion.velocity.push(v);
+            motion.acceleration.push(a);
+            let known = v.abs() > KNOWN_DIRECTION * noise * fit.covariance[1][1].sqrt();
+            motion.missing_nm.push(if known {
+                let level = m.friction.level_nm[usize::from(v < 0.0)];
+                m.inertia * a
+                    + (m.viscous + m.drag * v.abs()) * v
+                    + level.copysign(v)
+                    + m.gravity * (x - m.gravity_zero).sin()
+                    + m.stiffness * (x - m.stiffness_zero)
+                    - m.offset_nm
+                    - motion.drive_nm[i]
+            } else {
+                f64::NAN
+            });
+        }
+        motion
+    }
+}
+
+/// The sizes of things in a recording, from which starting values are made.
+#[derive(Clone, Debug)]
+pub(crate) struct Scales {
+    pub position: [f64; 2],
+    pub velocity: f64,
+    pub input: f64,
+    pub largest_input: f64,
+    pub torque: f64,
+    pub friction: f64,
+    pub period_s: f64,
+    pub duration_s: f64,
+    pub horizon_s: f64,
+    pub noise: f64,
+}
+
+/// Share of the driving torque that stands in for dry friction where the model has none.
+const FRICTION_SHARE: f64 = 0.05;
+
+impl Scales {
+    pub(crate) fn of(
+        series: &[Series],
+        motions: &[Motion],
+        device: &Device,
+        horizon_s: f64,
+    ) -> Self {
+        let all = |f: fn(&Motion) -> &Vec<f64>| -> Vec<f64> {
+            motions
+                .iter()
+                .flat_map(|m| f(m).iter().copied())
+                .filter(|v| v.is_finite())
+                .collect()
+        };
+        let inputs: Vec<f64> = series
+            .iter()
+            .flat_map(|s| s.input.iter().copied())
+            .collect();
+        let positions = all(|m| &m.position);
+        let torque = rms(&all(|m| &m.drive_nm)).max(f64::MIN_POSITIVE);
+        let levels = device.mechanics.friction.level_nm;
+        let clock = series
+            .iter()
+            .map(|s| (s.session(0), s.session(s.time.len() - 1)));
+        let (from, to) = clock.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (c, d)| {
+            (a.min(c), b.max(d))
+        });
+        let noise: Vec<f64> = series
+            .iter()
+            .flat_map(|s| s.windows.iter().map(|w| w.noise))
+            .collect();
+        Self {
+            position: [quantile(&positions, 0.005), quantile(&positions, 0.995)],
+            velocity: rms(&all(|m| &m.velocity)).max(f64::MIN_POSITIVE),
+            input: rms(&inputs).max(f64::MIN_POSITIVE),
+            largest_input: inputs
+                .iter()
+                .fold(0.0f64, |m, u| m.max(u.abs()))
+                .max(f64::MIN_POSITIVE),
+            torque,
+            friction: levels[0].max(levels[1]).max(FRICTION_SHARE * torque),
+            period_s: crate::series::median_period(&series[0].time),
+            duration_s: (to - from).max(horizon_s),
+            horizon_s,
+            noise: rms(&noise),
+        }
+    }
+
+    pub(crate) fn span(&self) -> f64 {
+        (self.position[1] - self.position[0]).max(f64::MIN_POSITIVE)
+    }
+}
+
+pub(crate) fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// The value below which a share of `values` lies; 0 for none.
+pub(crate) fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    let at = ((sorted.len() - 1) as f64 * share).round() as usize;
+    *sorted.select_nth_unstable_by(at, f64::total_cmp).1
+}

@@ -1,0 +1,287 @@
+//! Which effects earn their place.
+
+use crate::candidate::{Candidate, Evidence, candidates};
+use crate::fit::{Costs, Fit, Part, Problem};
+use crate::hypothesis::{Hypothesis, Term};
+use crate::motion::{Motion, Scales};
+use rayon::prelude::*;
+
+/// Robust cost of a window whose residual is all noise: ln(1 + 1).
+pub(crate) const PERFECT: f64 = core::f64::consts::LN_2;
+const SCREENING_ITERATIONS: usize = 4;
+const FITTING_ITERATIONS: usize = 14;
+const FOLD_ITERATIONS: usize = 5;
+/// Effects that are fitted on all windows after screening.
+const FINALISTS: usize = 9;
+/// Effects that are found at most.
+const MOST_EFFECTS: usize = 3;
+/// A gain on windows that the fit has not seen must be this many standard errors from zero. With some
+/// thirty rivals that is a chance of about 1 % for the luckiest of them.
+const LEAST_SIGNIFICANCE: f64 = 3.3;
+/// And must be this share of the excess over the perfect level.
+const LEAST_SHARE: f64 = 0.1;
+/// Least gain per window in robust cost: below, it is not seen beside the uncertainty of the noise.
+const LEAST_GAIN: f64 = 0.015;
+/// Within this share of the gain, fewer parameters win.
+const PARSIMONY: f64 = 0.04;
+/// A name is not separable from the winner within this share of the winner's gain.
+const TIE_SHARE: f64 = 0.04;
+
+/// A hypothesis that was tried in addition to what was known.
+#[derive(Clone, Debug)]
+pub(crate) struct Rival {
+    pub name: &'static str,
+    pub fit: Fit,
+}
+
+impl Rival {
+    pub(crate) fn parameters(&self) -> usize {
+        self.fit.hypothesis.terms.last().map_or(0, |t| t.free.len())
+    }
+}
+
+/// One effect that was accepted, with what stood beside it.
+#[derive(Clone, Debug)]
+pub(crate) struct Round {
+    /// All finalists, the winner first, the others by what they leave.
+    pub rivals: Vec<Rival>,
+    /// Gain over its standard error.
+    pub significance: f64,
+}
+
+/// The outcome: the null, and a round for each effect.
+#[derive(Clone, Debug)]
+pub(crate) struct Selection {
+    pub null: Fit,
+    pub rounds: Vec<Round>,
+    /// The round that found nothing more.
+    pub last: Option<Round>,
+}
+
+impl Selection {
+    /// The fit with all effects.
+    pub(crate) fn fit(&self) -> &Fit {
+        self.rounds
+            .last()
+            .map_or(&self.null, |round| &round.rivals[0].fit)
+    }
+}
+
+/// Finds effects one after the other, each fitted jointly with those before it.
+pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str]) -> Selection {
+    let bare = Hypothesis { terms: Vec::new() };
+    let x = vec![0.0; bare.dimensions(&problem.nudges)];
+    let null = problem.fit(&bare, x, Part::All, FITTING_ITERATIONS);
+    let mut selection = Selection {
+        null,
+        rounds: Vec::new(),
+        last: None,
+    };
+    while selection.rounds.len() < MOST_EFFECTS {
+        match round(problem, selection.fit(), excluded) {
+            Some((round, true)) => selection.rounds.push(round),
+            Some((round, false)) => {
+                selection.last = Some(round);
+                break;
+            }
+            None => break,
+        }
+    }
+    selection
+}
+
+/// Tries every effect on top of `known`; true if the best of them earns its place.
+fn round(problem: &Problem<'_>, known: &Fit, excluded: &[&str]) -> Option<(Round, bool)> {
+    let device = known
+        .hypothesis
+        .device(&problem.recording.model, &problem.nudges, &known.x);
+    let motions: Vec<Motion> = problem
+        .series
+        .iter()
+        .map(|s| Motion::of(s, &device, problem.recording.restart_half_width))
+        .collect();
+    let scales = Scales::of(
+        &problem.series,
+        &motions,
+        &device,
+        problem.recording.horizon,
+    );
+    let window_costs: Vec<f64> = (0..problem.window_count())
+        .map(|w| known.costs.log(w))
+        .collect();
+    let evidence = Evidence {
+        series: &problem.series,
+        motions: &motions,
+        scales: &scales,
+        device: &device,
+        window_costs: &window_costs,
+    };
+    let taken = |name: &str| known.hypothesis.terms.iter().any(|t| t.kind.name == name);
+    let tried: Vec<Candidate> = candidates(&evidence)
+        .into_iter()
+        .filter(|c| !taken(c.kind.name) && !excluded.contains(&c.kind.name))
+        .collect();
+    let screening = if problem.window_count() >= 16 {
+        Part::Quarter
+    } else {
+        Part::All
+    };
+    let mut screened: Vec<Rival> = tried
+        .par_iter()
+        .filter_map(|candidate| {
+            // What is bound to a moment may lie outside any part.
+            let part = if is_event(candidate.kind.name) {
+                Part::All
+            } else {
+                screening
+            };
+            let fits = candidate.starts.par_iter().map(|start| {
+                let (hypothesis, x) = extended(known, start);
+                problem.fit(&hypothesis, x, part, SCREENING_ITERATIONS)
+            });
+            let fit = fits.min_by(|a, b| a.costs.mean_log().total_cmp(&b.costs.mean_log()))?;
+            Some(Rival {
+                name: candidate.kind.name,
+                fit,
+            })
+        })
+        .collect();
+    screened.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+    let finalists: Vec<Rival> = screened
+        .into_par_iter()
+        .enumerate()
+        .filter(|(rank, rival)| *rank < FINALISTS || is_event(rival.name))
+        .map(|(_, rival)| Rival {
+            fit: problem.fit(
+                &rival.fit.hypothesis,
+                rival.fit.x.clone(),
+                Part::All,
+                FITTING_ITERATIONS,
+            ),
+            ..rival
+        })
+        .collect();
+    let rivals = ranked(finalists, known)?;
+    let winner = &rivals[0];
+    let held_out = [held_out(problem, known), held_out(problem, &winner.fit)];
+    let gains: Vec<f64> = (0..problem.window_count())
+        .map(|w| held_out[0].log(w) - held_out[1].log(w))
+        .collect();
+    let (gain, error) = mean_and_error(&gains);
+    let significance = gain / error.max(f64::MIN_POSITIVE);
+    let excess = (held_out[0].mean_log() - PERFECT).max(0.0);
+    let significant = if is_event(winner.name) {
+        // A moment cannot be held out: what is searched over many places and instants must gain much.
+        let total: f64 = (0..problem.window_count())
+            .map(|w| known.costs.log(w) - winner.fit.costs.log(w))
+            .sum();
+        total > EVENT_GAIN
+    } else {
+        significance > LEAST_SIGNIFICANCE
+    };
+    let earned = significant
+        && gain
+            > LEAST_GAIN.max(if is_event(winner.name) {
+                0.0
+            } else {
+                LEAST_SHARE * excess
+            })
+        && no_worse_at_a_quarter(problem, known, &winner.fit);
+    let round = Round {
+        rivals,
+        significance,
+    };
+    Some((round, earned))
+}
+
+/// Sum of robust costs that an effect bound to a moment must gain: the logarithm of the number of places,
+/// instants and sizes searched, with a margin.
+const EVENT_GAIN: f64 = 4.0;
+
+/// True for effects that are bound to a moment of one recording.
+pub(crate) fn is_event(name: &str) -> bool {
+    matches!(name, "contact" | "lost_counts")
+}
+
+fn level(fit: &Fit) -> f64 {
+    fit.costs.mean_log()
+}
+
+/// `known` with one more term, at the point where both stand.
+fn extended(known: &Fit, term: &Term) -> (Hypothesis, Vec<f64>) {
+    let mut hypothesis = known.hypothesis.clone();
+    hypothesis.terms.push(term.clone());
+    let mut x = known.x.clone();
+    x.extend(term.free.iter().map(|_| 0.0));
+    (hypothesis, x)
+}
+
+/// Best first; among those that gain nearly as much as the best, fewer parameters first.
+fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
+    rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+    let best = level(&rivals.first()?.fit);
+    let close = best + PARSIMONY * (level(known) - best).max(0.0);
+    let winner = (0..rivals.len())
+        .filter(|&i| level(&rivals[i].fit) <= close)
+        .min_by_key(|&i| (rivals[i].parameters(), i))?;
+    let winner = rivals.remove(winner);
+    rivals.insert(0, winner);
+    Some(rivals)
+}
+
+/// Names in a round that this recording cannot tell from the winner.
+pub(crate) fn ties(round: &Round, known: &Fit) -> Vec<&'static str> {
+    let winner = &round.rivals[0];
+    let gain = (level(known) - level(&winner.fit)).max(0.0);
+    let close = level(&winner.fit) + TIE_SHARE * gain;
+    let rivals = round.rivals[1..].iter();
+    rivals
+        .filter(|rival| level(&rival.fit) <= close && rival.parameters() <= winner.parameters())
+        .map(|rival| rival.name)
+        .collect()
+}
+
+/// Costs of every window under a fit to the half that it is not in.
+pub(crate) fn held_out(problem: &Problem<'_>, fit: &Fit) -> Costs {
+    let halves: Vec<Costs> = [true, false]
+        .into_par_iter()
+        .map(|half| {
+            let fold = fold(problem, fit, half);
+            problem.costs(&fold.hypothesis, &fold.x, Part::Half(!half))
+        })
+        .collect();
+    let pairs = halves[0].per_sample.iter().zip(&halves[1].per_sample);
+    Costs {
+        per_sample: pairs
+            .map(|(a, b)| if a.is_nan() { *b } else { *a })
+            .collect(),
+    }
+}
+
+/// The hypothesis of `fit`, fitted to one half.
+pub(crate) fn fold(problem: &Problem<'_>, fit: &Fit, half: bool) -> Fit {
+    problem.fit(
+        &fit.hypothesis,
+        fit.x.clone(),
+        Part::Half(half),
+        FOLD_ITERATIONS,
+    )
+}
+
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let finite: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
+    let n = finite.len().max(2) as f64;
+    let mean = finite.iter().sum::<f64>() / n;
+    let variance = finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// A model in which nothing moves can look good on slow motion: with restarts four times as often it
+/// must not be worse.
+fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool {
+    let gap = |fit: &Fit| problem.plain_gap(&problem.quarter, fit);
+    gap(fit) <= QUARTER_MARGIN * gap(known)
+}
+
+/// What counts as no worse, given that most of such a short window is the restart's own noise.
+const QUARTER_MARGIN: f64 = 1.02;

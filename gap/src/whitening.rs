@@ -1,0 +1,92 @@
+//! Residuals of a window with the uncertainty of its restart taken out.
+
+use crate::measure::restart_sensitivity;
+use crate::predict::Predictor;
+use crate::series::{Series, Window};
+use nalgebra::{Matrix2, SymmetricEigen};
+
+/// Standard deviations of the restart are taken this much wider than white noise makes them: a cubic
+/// does not follow what happens within it.
+const RESTART_INFLATION: f64 = 1.5;
+
+/// Turns the residual of one window into one of unit covariance: with restart sensitivity G, noise σ
+/// and residual r, `(I + G Gᵀ/σ²)^−½ r/σ`. Its square is the cost with the restart state marginalised.
+#[derive(Clone, Debug)]
+pub(crate) struct Whitening {
+    /// G/σ, one row a sample, its columns turned onto the axes on which `GᵀG` is diagonal.
+    sensitivity: Vec<[f64; 2]>,
+    /// `((1 + m)^−½ − 1)/m` for the two eigenvalues m of `GᵀG/σ²`.
+    factors: [f64; 2],
+    noise: f64,
+}
+
+impl Whitening {
+    fn new(window: &Window, sensitivity: &[[f64; 2]]) -> Self {
+        let fit = &window.restart;
+        let sd = [0, 1].map(|i| fit.covariance[i][i].sqrt());
+        let correlation = (fit.covariance[0][1] / (sd[0] * sd[1])).clamp(-1.0, 1.0);
+        let rest = (1.0 - correlation * correlation).sqrt();
+        let scale = RESTART_INFLATION / window.noise;
+        let mut rows: Vec<[f64; 2]> = sensitivity
+            .iter()
+            .map(|[a, b]| [scale * (a + correlation * b), scale * rest * b])
+            .collect();
+        let mut m = Matrix2::zeros();
+        for [a, b] in &rows {
+            m += Matrix2::new(a * a, a * b, a * b, b * b);
+        }
+        let eigen = SymmetricEigen::new(m);
+        let v = eigen.eigenvectors;
+        for row in &mut rows {
+            let [a, b] = *row;
+            *row = [a * v[(0, 0)] + b * v[(1, 0)], a * v[(0, 1)] + b * v[(1, 1)]];
+        }
+        let factors = [0, 1].map(|i| {
+            let m = eigen.eigenvalues[i].max(0.0);
+            // The limit of the formula for a window that does not feel its restart.
+            if m < 1e-9 {
+                -0.5
+            } else {
+                ((1.0 + m).sqrt().recip() - 1.0) / m
+            }
+        });
+        Self {
+            sensitivity: rows,
+            factors,
+            noise: window.noise,
+        }
+    }
+
+    /// Whitens `residual` in place.
+    pub(crate) fn apply(&self, residual: &mut [f64]) {
+        let mut projected = [0.0; 2];
+        for (r, [a, b]) in residual.iter().zip(&self.sensitivity) {
+            projected[0] += a * r;
+            projected[1] += b * r;
+        }
+        let [p, q] = [
+            projected[0] * self.factors[0],
+            projected[1] * self.factors[1],
+        ];
+        for (r, [a, b]) in residual.iter_mut().zip(&self.sensitivity) {
+            *r = (*r + a * p + b * q) / self.noise;
+        }
+    }
+}
+
+/// The whitenings of all wanted windows of a series, for the restarts' effect in this predictor;
+/// `None` for the others.
+pub(crate) fn whitenings(
+    predictor: &Predictor,
+    series: &Series,
+    predicted: &[f64],
+    wanted: impl Fn(usize) -> bool + Copy,
+) -> Vec<Option<Whitening>> {
+    let sensitivity = restart_sensitivity(predictor, series, predicted, wanted);
+    let windows = series.windows.iter().enumerate();
+    windows
+        .map(|(index, window)| {
+            wanted(index).then(|| Whitening::new(window, &sensitivity[window.samples.clone()]))
+        })
+        .collect()
+}

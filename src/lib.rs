@@ -44,3 +44,4 @@ pub mod scalar;
 pub mod sensing;
 pub mod settings;
 pub mod units;
+pub mod wiring;

@@ -1,14 +1,18 @@
 //! The console: a line in, an answer out. Pure, so that it runs the same on the device, in the simulator and in a
-//! test; characters and line editing belong to the board.
+//! test. A [`Session`] is all of it together, byte by byte.
 //!
 //! [`parse`] needs no access to the controller, and neither does writing an [`Answer`]: only [`execute`] does, for
 //! moments, so that a slow terminal never holds the control loop up.
 
 mod answer;
 mod command;
+mod line;
+mod session;
 
 pub use answer::{Answer, Refusal};
 pub use command::{COMMANDS, Command, MAX_LINE_BYTES, ParseError, Usage, Zero, parse};
+pub use line::{LineEditor, Typed};
+pub use session::Session;
 
 use crate::controller::{Controller, Mode, TickRate, Tuning};
 use crate::excitation::Excitation;

@@ -1,0 +1,147 @@
+//! The H-bridge on TIM8: two outputs of opposite polarity, so that half duty is no voltage. Its update is the
+//! beginning of a control period.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use haptic_paddle::controller::Duty;
+use stm32f4xx_hal::pac::{EXTI, TIM8};
+use stm32f4xx_hal::rcc::{Enable, Rcc};
+
+use super::FaultPin;
+
+/// Clock of TIM8: twice that of its bus.
+pub const TIMER_HZ: u32 = 2 * super::PCLK2_HZ;
+/// Up to here and down again makes one PWM period, of 40 kHz.
+const TOP: u16 = 2100;
+/// Every fourth turning point, that is every second PWM period, updates.
+const REPETITIONS: u8 = 3;
+/// Timer clocks of one control period.
+pub const CLOCKS_PER_PERIOD: u32 = TOP as u32 * (REPETITIONS as u32 + 1);
+
+/// Set when nFAULT fell, until the control loop has seen it.
+static TRIPPED: AtomicBool = AtomicBool::new(false);
+
+/// The bridge; the control loop owns it.
+pub struct Bridge {
+    timer: TIM8,
+    fault_pin: FaultPin,
+}
+
+impl Bridge {
+    /// A bridge that is off, at no voltage, with its timer set up and standing still.
+    pub fn new(timer: TIM8, fault_pin: FaultPin, rcc: &mut Rcc) -> Self {
+        TIM8::enable(rcc);
+        timer.psc().write(|w| w.psc().set(0));
+        timer.arr().write(|w| w.arr().set(TOP));
+        timer.rcr().write(|w| w.rep().set(REPETITIONS));
+        timer.ccmr1_output().write(|w| {
+            w.oc1m().pwm_mode1();
+            w.oc1pe().enabled();
+            w.oc2m().pwm_mode1();
+            w.oc2pe().enabled()
+        });
+        timer.ccer().write(|w| {
+            w.cc1e().set_bit();
+            w.cc2e().set_bit();
+            w.cc2p().set_bit()
+        });
+        timer.cr2().write(|w| w.mms().update());
+        timer.cr1().write(|w| {
+            w.cms().center_aligned1();
+            w.arpe().set_bit()
+        });
+        let bridge = Self { timer, fault_pin };
+        bridge.release();
+        bridge.timer.egr().write(|w| w.ug().set_bit());
+        // Outputs on by hand only: automatic enable would undo a stop by itself.
+        bridge.timer.bdtr().write(|w| w.moe().set_bit());
+        bridge
+    }
+
+    /// Lets the timer run: from now on there are control periods.
+    pub fn start(&self) {
+        self.begin_period();
+        self.timer.cr1().modify(|_, w| w.cen().set_bit());
+    }
+
+    /// Lets every period interrupt.
+    pub fn start_interrupt(&self) {
+        self.begin_period();
+        self.timer.dier().write(|w| w.uie().set_bit());
+    }
+
+    /// Waits for the next period without the interrupt.
+    pub fn wait_for_period(&self) {
+        while !self.period_is_over() {}
+        self.begin_period();
+    }
+
+    /// Takes notice of the period that began.
+    #[inline]
+    pub fn begin_period(&self) {
+        // All flags are cleared by a zero; only that of the update is in use.
+        self.timer.sr().write(|w| w.uif().clear_bit());
+    }
+
+    /// Whether the next period has begun.
+    #[inline]
+    pub fn period_is_over(&self) -> bool {
+        self.timer.sr().read().uif().bit()
+    }
+
+    /// Voltage on the motor, from the next update on.
+    #[inline]
+    pub fn drive(&self, duty: Duty) {
+        self.set(duty);
+        super::bridge_on();
+        // nFAULT may have fallen, and its interrupt turned the bridge off, in the middle of this.
+        if TRIPPED.load(Ordering::Relaxed) {
+            super::bridge_off();
+        }
+    }
+
+    /// Bridge off.
+    #[inline]
+    pub fn release(&self) {
+        super::bridge_off();
+        self.set(Duty::ZERO);
+    }
+
+    /// Whether the bridge reports a fault, or did since the last question.
+    #[inline]
+    pub fn tripped(&self) -> bool {
+        let tripped = TRIPPED.load(Ordering::Relaxed);
+        if tripped {
+            TRIPPED.store(false, Ordering::Relaxed);
+        }
+        tripped || self.fault_pin.is_low()
+    }
+
+    #[inline]
+    fn set(&self, duty: Duty) {
+        const HALF: f32 = TOP as f32 / 2.0;
+        const ROUND: f32 = 0.5;
+        let compare = (HALF + HALF * duty.0 + ROUND) as u16;
+        self.timer.ccr1().write(|w| w.ccr().set(compare));
+        self.timer.ccr2().write(|w| w.ccr().set(compare));
+    }
+}
+
+/// The line by which the bridge reports a fault; the interrupt on its fall owns it.
+pub struct FaultLine {
+    exti: EXTI,
+    line: u8,
+}
+
+impl FaultLine {
+    /// The interrupt line of this number, already set up.
+    pub fn new(exti: EXTI, line: u8) -> Self {
+        Self { exti, line }
+    }
+
+    /// Takes notice of a fall, and tells the control loop.
+    pub fn trip(&self) {
+        TRIPPED.store(true, Ordering::Relaxed);
+        self.exti.pr().write(|w| w.pr(self.line).clear());
+    }
+}

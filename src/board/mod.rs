@@ -1,0 +1,173 @@
+//! The board: what the app needs of it, and how each board provides that.
+//!
+//! A board is one file: its pins, the converter channels among them, and its oscillator. What stands behind the pins
+//! is the same on every STM32F4 with TIM8 and three converters, and has a file for each thing.
+
+mod bridge;
+mod converters;
+mod encoder;
+
+#[cfg(feature = "nucleo-f446")]
+mod nucleo_f446;
+#[cfg(feature = "paddle-f407")]
+mod paddle_f407;
+
+#[cfg(feature = "nucleo-f446")]
+pub use nucleo_f446::*;
+#[cfg(feature = "paddle-f407")]
+pub use paddle_f407::*;
+
+#[cfg(not(any(feature = "nucleo-f446", feature = "paddle-f407")))]
+compile_error!("choose a board: --features paddle-f407 or --features nucleo-f446");
+#[cfg(all(feature = "nucleo-f446", feature = "paddle-f407"))]
+compile_error!("one board only: add --no-default-features");
+
+use core::ops::Range;
+
+use haptic_paddle::controller::Measurement;
+use stm32f4xx_hal::gpio::{Edge, PinExt};
+use stm32f4xx_hal::pac::{self, USART2};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::serial::{Rx, Tx};
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+pub use bridge::{Bridge, FaultLine};
+use converters::Converters;
+use encoder::Encoder;
+
+/// Control periods a second.
+pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
+
+/// Main RAM, as `memory.x` has it.
+pub const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
+
+const HSE_HZ: u32 = 8_000_000;
+const SYSCLK_HZ: u32 = 168_000_000;
+const PCLK1_HZ: u32 = SYSCLK_HZ / 4;
+const PCLK2_HZ: u32 = SYSCLK_HZ / 2;
+/// Within 0.2 % of what the clock can divide to, and known to every terminal program.
+const BAUD: u32 = 460_800;
+
+pub type SerialTx = Tx<USART2>;
+pub type SerialRx = Rx<USART2>;
+
+/// Ports that boards have their pins on.
+struct Ports {
+    a: pac::GPIOA,
+    b: pac::GPIOB,
+    c: pac::GPIOC,
+    d: pac::GPIOD,
+}
+
+/// A board that is set up: sensors converting, timer running, bridge off.
+pub struct Board {
+    pub bridge: Bridge,
+    pub sensors: Sensors,
+    pub fault_line: FaultLine,
+    pub serial: (SerialTx, SerialRx),
+    pub watchdog: IndependentWatchdog,
+}
+
+impl Board {
+    /// Sets the board up.
+    pub fn new(chip: pac::Peripherals) -> Self {
+        let mut rcc = start_clocks(chip.RCC);
+        let mut pins = Pins::new(
+            Ports {
+                a: chip.GPIOA,
+                b: chip.GPIOB,
+                c: chip.GPIOC,
+                d: chip.GPIOD,
+            },
+            &mut rcc,
+        );
+        let mut exti = chip.EXTI;
+        pins.fault
+            .make_interrupt_source(&mut chip.SYSCFG.constrain(&mut rcc));
+        pins.fault.trigger_on_edge(&mut exti, Edge::Falling);
+        pins.fault.enable_interrupt(&mut exti);
+        let fault_line = FaultLine::new(exti, pins.fault.pin_id());
+
+        let bridge = Bridge::new(chip.TIM8, pins.fault, &mut rcc);
+        let sensors = Sensors {
+            encoder: Encoder::new(chip.TIM5, &mut rcc),
+            converters: Converters::new(
+                chip.ADC1,
+                chip.ADC3,
+                &chip.ADC_COMMON,
+                &chip.DMA2,
+                &mut rcc,
+            ),
+        };
+        bridge.start();
+
+        let port = match chip.USART2.serial(pins.serial, BAUD.bps(), &mut rcc) {
+            Ok(port) => port,
+            Err(_) => unreachable!("the bus clock divides to this rate"),
+        };
+        let watchdog = IndependentWatchdog::new(chip.IWDG);
+        stop_with_the_debugger(&chip.DBGMCU, &watchdog);
+        Self {
+            bridge,
+            sensors,
+            fault_line,
+            serial: port.split(),
+            watchdog,
+        }
+    }
+}
+
+/// All that is measured.
+pub struct Sensors {
+    encoder: Encoder,
+    converters: Converters,
+}
+
+impl Sensors {
+    /// What the control loop gets to see of this period.
+    #[inline]
+    pub fn read(&mut self) -> Measurement {
+        Measurement {
+            encoder_count: self.encoder.count(),
+            current_adc: self.converters.current_counts(),
+            hall_adc: self.converters.hall_counts(),
+        }
+    }
+}
+
+/// Takes the bridge's enable pins low, from any context.
+#[expect(unsafe_code, reason = "the way that must work from a panic, whoever owns the pins")]
+pub fn bridge_off() {
+    // SAFETY: a set/reset register acts on the named pins only, in one write.
+    unsafe { (ENABLE_BSRR as *mut u32).write_volatile(ENABLE_OFF) }
+}
+
+/// Lets the bridge drive the motor.
+#[expect(unsafe_code, reason = "the counterpart of `bridge_off`, in the same register")]
+fn bridge_on() {
+    // SAFETY: as for `bridge_off`.
+    unsafe { (ENABLE_BSRR as *mut u32).write_volatile(ENABLE_OFF >> RESET_SHIFT) }
+}
+
+/// In a GPIO set/reset register the upper half resets what the lower half sets.
+const RESET_SHIFT: u32 = 16;
+
+/// Clocks from the crystal, watched: should it stop, the non-maskable interrupt turns the bridge off.
+fn start_clocks(rcc: pac::RCC) -> Rcc {
+    let rcc = rcc.freeze(
+        oscillator()
+            .sysclk(SYSCLK_HZ.Hz())
+            .hclk(SYSCLK_HZ.Hz())
+            .pclk1(PCLK1_HZ.Hz())
+            .pclk2(PCLK2_HZ.Hz()),
+    );
+    rcc.cr().modify(|_, w| w.csson().set_bit());
+    rcc
+}
+
+/// A processor that a debugger halts must neither leave the motor on nor be reset.
+fn stop_with_the_debugger(dbgmcu: &pac::DBGMCU, watchdog: &IndependentWatchdog) {
+    dbgmcu.apb2_fz().modify(|_, w| w.dbg_tim8_stop().set_bit());
+    watchdog.stop_on_debug(dbgmcu, true);
+}

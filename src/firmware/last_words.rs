@@ -1,0 +1,139 @@
+//! What the firmware had to say before a reset: bridge off first, then a record that outlives the reset.
+//!
+//! After it the processor stands still until the watchdog resets it, or a debugger looks at it.
+#![expect(unsafe_code, reason = "exception entry without a stack, and memory that outlives a reset")]
+
+use core::cell::UnsafeCell;
+use core::fmt::{self, Write};
+use core::mem::MaybeUninit;
+use core::panic::PanicInfo;
+
+use cortex_m::peripheral::SCB;
+use stm32f4xx_hal::pac::RCC;
+
+use crate::board;
+
+/// Marks a record that was written, against what RAM holds at power-on.
+const WRITTEN: u32 = 0x1A57_D0ED;
+const TEXT_BYTES: usize = 160;
+
+struct Record {
+    mark: u32,
+    length: usize,
+    text: [u8; TEXT_BYTES],
+}
+
+/// The record, in memory that the start-up code leaves alone.
+struct Keep(UnsafeCell<MaybeUninit<Record>>);
+
+// SAFETY: written only by code that never returns and that nothing but its like preempts; read only at boot.
+unsafe impl Sync for Keep {}
+
+#[unsafe(link_section = ".uninit.last_words")]
+static KEEP: Keep = Keep(UnsafeCell::new(MaybeUninit::uninit()));
+
+impl Write for Record {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for byte in text.bytes() {
+            let slot = self.text.get_mut(self.length).ok_or(fmt::Error)?;
+            *slot = byte;
+            self.length += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Says on the console and in the log why the last run ended; forgets it.
+pub fn report(console: &mut impl Write) {
+    // SAFETY: the start-up code is over, tasks have not begun, and any bit pattern is a `Record`.
+    let record = unsafe { (*KEEP.0.get()).assume_init_mut() };
+    if record.mark == WRITTEN {
+        let text = record.text.get(..record.length).unwrap_or_default();
+        let text = core::str::from_utf8(text).unwrap_or("(not readable)");
+        defmt::error!("before the reset: {}", text);
+        let _ = write!(console, "before the reset: {text}\r\n");
+    } else if reset_by_watchdog() {
+        defmt::error!("reset by the watchdog: the program was stuck");
+        let _ = write!(console, "reset by the watchdog: the program was stuck\r\n");
+    }
+    record.mark = 0;
+}
+
+/// Whether the watchdog made the last reset; forgets it.
+fn reset_by_watchdog() -> bool {
+    // SAFETY: nobody else uses this register.
+    let rcc = unsafe { RCC::steal() };
+    let by_watchdog = rcc.csr().read().wdgrstf().bit();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    by_watchdog
+}
+
+/// Keeps the message, and stops.
+fn stop(message: fmt::Arguments) -> ! {
+    cortex_m::interrupt::disable();
+    // SAFETY: see `Keep`.
+    let record = unsafe { (*KEEP.0.get()).assume_init_mut() };
+    record.length = 0;
+    // A message that is too long is cut; its beginning says where it was.
+    let _ = record.write_fmt(message);
+    record.mark = WRITTEN;
+    loop {
+        core::hint::spin_loop();
+    }
+}
+
+#[panic_handler]
+fn panic(info: &PanicInfo) -> ! {
+    board::bridge_off();
+    stop(format_args!("{info}"))
+}
+
+/// Every exception and interrupt that nobody serves. The stack may be what is broken, so the bridge goes off without
+/// it, and the rest gets a new one.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+extern "C" fn DefaultHandler() {
+    core::arch::naked_asm!(
+        "movw r1, #{register_low}",
+        "movt r1, #{register_high}",
+        "mov.w r2, #{pins_low}",
+        "str r2, [r1]",
+        "mrs r0, msp",
+        "ldr r1, =_stack_start",
+        "msr msp, r1",
+        "b {rest}",
+        register_low = const board::ENABLE_BSRR & 0xFFFF,
+        register_high = const board::ENABLE_BSRR >> 16,
+        pins_low = const board::ENABLE_OFF,
+        rest = sym unserved,
+    )
+}
+
+/// A fault that the processor raised: as every other exception.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+extern "C" fn HardFault() {
+    core::arch::naked_asm!("b {handler}", handler = sym DefaultHandler)
+}
+
+/// `frame` is where the stack pointer was, at what the processor had stacked if that worked.
+extern "C" fn unserved(frame: *const u32) -> ! {
+    /// Of the stacked r0 to r3, r12, lr, pc, xpsr.
+    const PROGRAM_COUNTER: usize = 6;
+    // SAFETY: these registers are only read.
+    let scb = unsafe { &*SCB::PTR };
+    let exception = scb.icsr.read() & 0x1FF;
+    let at = if board::RAM.contains(&(frame as usize)) && frame.is_aligned() {
+        // SAFETY: aligned and inside RAM, by the condition.
+        unsafe { frame.add(PROGRAM_COUNTER).read_volatile() }
+    } else {
+        0
+    };
+    stop(format_args!(
+        "exception {exception} at {at:#010x}, CFSR {:#010x}, HFSR {:#x}, MMFAR {:#010x}, BFAR {:#010x}",
+        scb.cfsr.read(),
+        scb.hfsr.read(),
+        scb.mmfar.read(),
+        scb.bfar.read(),
+    ))
+}

@@ -1,0 +1,195 @@
+//! The RTIC app, and what it needs beside the board and the control core.
+
+mod last_words;
+mod terminal;
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use haptic_paddle::console::Lender;
+use haptic_paddle::controller::Controller;
+use rtic::Mutex;
+
+/// Control periods since boot; wraps.
+static TICKS: AtomicU32 = AtomicU32::new(0);
+
+fn ticks() -> u32 {
+    TICKS.load(Ordering::Relaxed)
+}
+
+/// Lends the controller out right after a control period, so that the work is over long before the next one and the
+/// lock, which masks the control interrupt, never delays it.
+struct AfterPeriod<'a, C>(&'a mut C);
+
+impl<C: Mutex<T = Controller>> Lender for AfterPeriod<'_, C> {
+    fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+        let now = ticks();
+        while ticks() == now {
+            core::hint::spin_loop();
+        }
+        self.0.lock(work)
+    }
+}
+
+#[rtic::app(device = stm32f4xx_hal::pac)]
+mod app {
+    use core::sync::atomic::Ordering;
+
+    use haptic_paddle::console::Session;
+    use haptic_paddle::controller::{Controller, Mode, TickRate};
+    use haptic_paddle::safety::Fault;
+    use haptic_paddle::settings::Settings;
+    use heapless::spsc::Queue;
+    use stm32f4xx_hal::prelude::*;
+    use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+    use super::terminal::{self, Input, Output, Port};
+    use super::{AfterPeriod, TICKS, last_words, ticks};
+    use crate::board::{self, Board, Bridge, FaultLine, Sensors};
+
+    /// Control periods between two runs of the position loop.
+    const POSITION_DIVIDER: u16 = 2;
+    /// Control periods over which the offset of the current amplifier is averaged at boot.
+    const OFFSET_PERIODS: u16 = 1024;
+    /// Nominal time to reset without a sign of life, ms. The oscillator behind it may have 17 to 47 kHz instead of
+    /// 32 (data sheet), so that the true time is 14 to 38 ms.
+    const WATCHDOG_MS: u32 = 20;
+    /// Control periods between two looks of the console at the state of the controller.
+    const CONSOLE_PERIODS: u32 = board::CONTROL_HZ / CONSOLE_HZ;
+    const CONSOLE_HZ: u32 = 1_000;
+
+    #[shared]
+    struct Shared {
+        controller: Controller,
+    }
+
+    #[local]
+    struct Local {
+        bridge: Bridge,
+        sensors: Sensors,
+        fault_line: FaultLine,
+        port: Port,
+        session: Session,
+        input: Input,
+        output: Output,
+        watchdog: IndependentWatchdog,
+    }
+
+    #[init(local = [received: Queue<u8, { terminal::INPUT_BYTES }> = Queue::new(),
+                    to_send: Queue<u8, { terminal::OUTPUT_BYTES }> = Queue::new()])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let Board {
+            bridge,
+            mut sensors,
+            fault_line,
+            serial,
+            mut watchdog,
+        } = Board::new(cx.device);
+        watchdog.start(WATCHDOG_MS.millis());
+
+        let settings = Settings::default();
+        let rate = TickRate::new(board::CONTROL_HZ as f32, POSITION_DIVIDER);
+        let mut controller = Controller::new(&settings, rate);
+        let mut idle_counts = 0.0;
+        for _ in 0..OFFSET_PERIODS {
+            bridge.wait_for_period();
+            watchdog.feed();
+            idle_counts += sensors.read().current_adc / f32::from(OFFSET_PERIODS);
+        }
+        let offset = controller.calibrate_current_offset(idle_counts);
+        if let Err(error) = &offset {
+            defmt::error!("{}", defmt::Display2Format(error));
+        }
+
+        let (bytes_in, input) = cx.local.received.split();
+        let (output, bytes_out) = cx.local.to_send.split();
+        let mut output = Output::new(output);
+        let session = Session::new(settings, rate, offset);
+        session.greet(&mut output);
+        last_words::report(&mut output);
+        defmt::info!("disarmed, control at {} Hz", board::CONTROL_HZ);
+        bridge.start_interrupt();
+        (
+            Shared { controller },
+            Local {
+                bridge,
+                sensors,
+                fault_line,
+                port: Port::new(serial, bytes_in, bytes_out),
+                session,
+                input: Input::new(input),
+                output,
+                watchdog,
+            },
+        )
+    }
+
+    #[task(binds = EXTI15_10, priority = 4, local = [fault_line])]
+    fn bridge_fault(cx: bridge_fault::Context) {
+        board::bridge_off();
+        cx.local.fault_line.trip();
+    }
+
+    #[task(binds = TIM8_UP_TIM13, priority = 3, local = [bridge, sensors], shared = [controller])]
+    fn control(mut cx: control::Context) {
+        let bridge = cx.local.bridge;
+        bridge.begin_period();
+        let measurement = cx.local.sensors.read();
+        cx.shared.controller.lock(|controller| {
+            if bridge.tripped() {
+                controller.report_fault(Fault::Bridge);
+            }
+            let duty = controller.step(&measurement);
+            if controller.mode() == Mode::Off {
+                bridge.release();
+            } else {
+                bridge.drive(duty);
+            }
+            if bridge.period_is_over() {
+                bridge.release();
+                controller.report_fault(Fault::Deadline);
+            }
+        });
+        TICKS.store(ticks().wrapping_add(1), Ordering::Relaxed);
+    }
+
+    #[task(binds = USART2, priority = 2, local = [port])]
+    fn serial(cx: serial::Context) {
+        cx.local.port.serve();
+    }
+
+    #[idle(local = [session, input, output, watchdog], shared = [controller])]
+    fn idle(mut cx: idle::Context) -> ! {
+        let idle::LocalResources {
+            session,
+            input,
+            output,
+            watchdog,
+            ..
+        } = cx.local;
+        let mut controller = AfterPeriod(&mut cx.shared.controller);
+        let mut fed = ticks();
+        let mut looked = fed;
+        loop {
+            let now = ticks();
+            if now == fed {
+                cortex_m::asm::wfi();
+                continue;
+            }
+            // Only a processor that still gets through both the control interrupt and this loop is alive.
+            watchdog.feed();
+            fed = now;
+            if now.wrapping_sub(looked) >= CONSOLE_PERIODS {
+                looked = now;
+                session.look(1.0 / CONSOLE_HZ as f32, &mut controller, output);
+            }
+            if session.listens() && output.has_room() {
+                if input.was_cut() {
+                    session.complain(output);
+                } else if let Some(byte) = input.next() {
+                    session.type_in(byte, &mut controller, output);
+                }
+            }
+            output.flush();
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! The firmware: the control core on the paddle's board.
+//!
+//! ```text
+//! priority 4   bridge_fault   nFAULT: bridge off at once
+//! priority 3   control        20 kHz: read the sensors, step the controller, write the duty
+//! priority 2   serial         bytes between the port and two queues
+//! idle         console, watchdog, logging; reaches the controller only right after a control period
+//! ```
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod firmware;
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("This program runs on the paddle's board. Build it with: cargo fw");
+}

@@ -39,13 +39,7 @@ pub struct Converters {
 
 impl Converters {
     /// Converters that begin with the next update of TIM8.
-    pub fn new(
-        hall: ADC1,
-        current: ADC3,
-        common: &ADC_COMMON,
-        dma: &DMA2,
-        rcc: &mut Rcc,
-    ) -> Self {
+    pub fn new(hall: ADC1, current: ADC3, common: &ADC_COMMON, dma: &DMA2, rcc: &mut Rcc) -> Self {
         /// Time that a converter needs after it is switched on (data sheet: 3 us).
         const SETTLING_CLOCKS: u32 = super::SYSCLK_HZ / 1_000_000 * 3;
 
@@ -115,10 +109,17 @@ fn sample_at_centre() -> f32 {
 }
 
 /// Lets DMA carry every conversion into the ring, round and round.
+#[expect(unsafe_code, reason = "the DMA is given addresses")]
 fn fill_ring(dma: &DMA2, from: &ADC3) {
     let stream = dma.st(STREAM);
-    stream.par().write(|w| w.pa().set(from.dr().as_ptr() as u32));
-    stream.m0ar().write(|w| w.m0a().set(RING.as_ptr() as u32));
+    stream
+        .par()
+        // SAFETY: the DMA reads this converter's data register only.
+        .write(|w| unsafe { w.pa().bits(from.dr().as_ptr() as u32) });
+    // SAFETY: the DMA writes this static of atomics only, which is as long as its count says.
+    stream
+        .m0ar()
+        .write(|w| unsafe { w.m0a().bits(RING.as_ptr() as u32) });
     stream.ndtr().write(|w| w.ndt().set(SAMPLES as u16));
     stream.cr().write(|w| {
         w.chsel().set(REQUEST);
@@ -133,14 +134,18 @@ fn fill_ring(dma: &DMA2, from: &ADC3) {
 }
 
 /// Converts one channel over and over from the next update of TIM8 on.
+#[expect(unsafe_code, reason = "the register takes any number")]
 fn run(converter: &RegisterBlock, channel: u8, sampling: SMP10, dma: bool) {
     /// Channels from this one on have the other sampling register.
     const FIRST_OF_SMPR1: u8 = 10;
     match channel.checked_sub(FIRST_OF_SMPR1) {
         Some(index) => converter.smpr1().write(|w| w.smp(index).variant(sampling)),
-        None => converter.smpr2().write(|w| w.smp(channel).variant(sampling)),
+        None => converter
+            .smpr2()
+            .write(|w| w.smp(channel).variant(sampling)),
     };
-    converter.sqr3().write(|w| w.sq(0).set(channel));
+    // SAFETY: any channel may be converted; one that is not there reads as noise.
+    converter.sqr3().write(|w| unsafe { w.sq(0).bits(channel) });
     converter.cr2().write(|w| {
         w.adon().enabled();
         w.cont().continuous();

@@ -34,6 +34,7 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use bridge::{Bridge, FaultLine};
 use converters::Converters;
+pub use converters::sample_current_once;
 use encoder::Encoder;
 
 /// Control periods a second.
@@ -53,7 +54,8 @@ pub type SerialTx = Tx<USART2>;
 pub type SerialRx = Rx<USART2>;
 
 /// Ports that boards have their pins on.
-struct Ports {
+#[cfg_attr(feature = "nucleo-f446", expect(dead_code, reason = "two ports do"))]
+pub struct Ports {
     a: pac::GPIOA,
     b: pac::GPIOB,
     c: pac::GPIOC,
@@ -137,14 +139,20 @@ impl Sensors {
 }
 
 /// Takes the bridge's enable pins low, from any context.
-#[expect(unsafe_code, reason = "the way that must work from a panic, whoever owns the pins")]
+#[expect(
+    unsafe_code,
+    reason = "the way that must work from a panic, whoever owns the pins"
+)]
 pub fn bridge_off() {
     // SAFETY: a set/reset register acts on the named pins only, in one write.
     unsafe { (ENABLE_BSRR as *mut u32).write_volatile(ENABLE_OFF) }
 }
 
 /// Lets the bridge drive the motor.
-#[expect(unsafe_code, reason = "the counterpart of `bridge_off`, in the same register")]
+#[expect(
+    unsafe_code,
+    reason = "the counterpart of `bridge_off`, in the same register"
+)]
 fn bridge_on() {
     // SAFETY: as for `bridge_off`.
     unsafe { (ENABLE_BSRR as *mut u32).write_volatile(ENABLE_OFF >> RESET_SHIFT) }
@@ -166,8 +174,9 @@ fn start_clocks(rcc: pac::RCC) -> Rcc {
     rcc
 }
 
-/// A processor that a debugger halts must neither leave the motor on nor be reset.
+/// A processor that a debugger halts must neither leave the motor on nor be reset, and one that sleeps must answer.
 fn stop_with_the_debugger(dbgmcu: &pac::DBGMCU, watchdog: &IndependentWatchdog) {
     dbgmcu.apb2_fz().modify(|_, w| w.dbg_tim8_stop().set_bit());
+    dbgmcu.cr().modify(|_, w| w.dbg_sleep().set_bit());
     watchdog.stop_on_debug(dbgmcu, true);
 }

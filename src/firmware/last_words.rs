@@ -1,7 +1,10 @@
 //! What the firmware had to say before a reset: bridge off first, then a record that outlives the reset.
 //!
 //! After it the processor stands still until the watchdog resets it, or a debugger looks at it.
-#![expect(unsafe_code, reason = "exception entry without a stack, and memory that outlives a reset")]
+#![expect(
+    unsafe_code,
+    reason = "exception entry without a stack, and memory that outlives a reset"
+)]
 
 use core::cell::UnsafeCell;
 use core::fmt::{self, Write};

@@ -5,6 +5,8 @@ mod terminal;
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
+// The logger registers itself.
+use defmt_rtt as _;
 use haptic_paddle::console::Lender;
 use haptic_paddle::controller::Controller;
 use rtic::Mutex;
@@ -37,7 +39,7 @@ mod app {
     use haptic_paddle::console::Session;
     use haptic_paddle::controller::{Controller, Mode, TickRate};
     use haptic_paddle::safety::Fault;
-    use haptic_paddle::settings::Settings;
+    use haptic_paddle::settings::{CurrentSampling, Settings};
     use heapless::spsc::Queue;
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
@@ -104,8 +106,8 @@ mod app {
         let (output, bytes_out) = cx.local.to_send.split();
         let mut output = Output::new(output);
         let session = Session::new(settings, rate, offset);
-        session.greet(&mut output);
         last_words::report(&mut output);
+        session.greet(&mut output);
         defmt::info!("disarmed, control at {} Hz", board::CONTROL_HZ);
         bridge.start_interrupt();
         (
@@ -181,6 +183,9 @@ mod app {
             if now.wrapping_sub(looked) >= CONSOLE_PERIODS {
                 looked = now;
                 session.look(1.0 / CONSOLE_HZ as f32, &mut controller, output);
+                board::sample_current_once(
+                    session.settings().motor.current_sampling == CurrentSampling::Centre,
+                );
             }
             if session.listens() && output.has_room() {
                 if input.was_cut() {

@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use super::{FilterOrder, Sensor, Settings, VelocitySource};
+use super::{CurrentSampling, FilterOrder, Sensor, Settings, VelocitySource};
 use crate::decimal::{self, Decimal};
 
 /// What a setting may be.
@@ -336,6 +336,11 @@ pub static FIELDS: &[Field] = &[
         "Hz",
         1.0..=5_000.0,
         motor.current_bandwidth_hz
+    ),
+    choice!(
+        "motor.current_sampling",
+        ["mean" => CurrentSampling::Mean, "centre" => CurrentSampling::Centre],
+        motor.current_sampling
     ),
     number!(
         "motor.torque_limit",

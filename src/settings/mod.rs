@@ -25,6 +25,16 @@ pub enum VelocitySource {
     Setpoint,
 }
 
+/// What the current loop takes for the current of a control period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CurrentSampling {
+    /// The mean over the period: rejects the amplifier's noise.
+    #[default]
+    Mean,
+    /// One sample at the centre of the PWM.
+    Centre,
+}
+
 /// Order of the low-pass on the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FilterOrder {
@@ -142,6 +152,8 @@ pub struct MotorSettings {
     pub supply_v: f32,
     /// Bandwidth of the current loop, Hz; lowered where the tick is too slow for it.
     pub current_bandwidth_hz: f32,
+    /// How the board samples the current.
+    pub current_sampling: CurrentSampling,
     /// Largest torque, N m at the motor.
     pub torque_limit_nm: f32,
 }
@@ -154,6 +166,7 @@ impl Default for MotorSettings {
             inductance_h: 1.25e-3,
             supply_v: 24.0,
             current_bandwidth_hz: 600.0,
+            current_sampling: CurrentSampling::Mean,
             torque_limit_nm: 0.0323,
         }
     }

@@ -1,0 +1,130 @@
+//! `paddle gap measure`: the gap of one model on one recording.
+
+use crate::answer::Answer;
+use crate::device_file::DeviceFile;
+use crate::failure::Failure;
+use crate::files::{self, Folder};
+use crate::plot::{Figure, Ink, Line, Panel};
+use clap::Args;
+use gap::{Gap, PredictedRun};
+use host_sim::device::Device;
+use recording::Recording;
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Of which model, on which recording.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  paddle gap measure my-recording
+  paddle gap measure my-recording --model refit.toml --predictions out --json gap.json
+
+The model predicts the position from the input, re-started from the measured state every horizon. The gap is the rms of
+measured minus predicted; the floor is what sensor noise, quantising and the restarts alone would leave.")]
+pub struct Arguments {
+    /// Folder of the recording.
+    recording: PathBuf,
+    /// Use this model in place of the recording's own; what the file leaves out is as in the recording.
+    #[arg(long, value_name = "FILE.toml")]
+    model: Option<PathBuf>,
+    /// Leave one CSV of time, measured and predicted for each run in this folder, with its plot.
+    #[arg(long, value_name = "DIR")]
+    predictions: Option<PathBuf>,
+}
+
+/// Measures.
+///
+/// # Errors
+/// [`Failure`] for a recording or a model that cannot be used.
+pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    let recording = Recording::read(&arguments.recording)?;
+    let device = match &arguments.model {
+        Some(path) => DeviceFile::read(path)?.device(&recording.model)?,
+        None => Device::nominal(&recording.model),
+    };
+    let (gap, runs) = gap::measure(&recording, &device);
+    let mut text: String = recording
+        .oddities
+        .iter()
+        .map(|oddity| format!("warning: {oddity}\n"))
+        .collect();
+    text.push_str(&sentence(&gap));
+    if let Some(folder) = &arguments.predictions {
+        let mut folder = Folder::make_beside_recordings(folder)?;
+        for run in &runs {
+            leave(&mut folder, run, &gap)?;
+        }
+        text.push_str(&format!("predictions in {}\n", folder.path().display()));
+    }
+    let warnings: Vec<_> = recording.oddities.iter().map(ToString::to_string).collect();
+    Ok(Answer {
+        text,
+        json: json!({ "format": 1, "gap": gap, "warnings": warnings }),
+    })
+}
+
+/// The gap in one line.
+pub fn sentence(gap: &Gap) -> String {
+    let shown = |value: f64| match gap.unit.as_str() {
+        "rad" => format!("{:.4}°", value.to_degrees()),
+        unit => format!("{value:.4e} {unit}"),
+    };
+    let times = match gap.floor > 0.0 {
+        true => format!(", {:.1} times the floor", gap.before / gap.floor),
+        false => String::new(),
+    };
+    format!(
+        "gap {} rms, floor {}{times}\n",
+        shown(gap.before),
+        shown(gap.floor)
+    )
+}
+
+/// Leaves CSV and plot of a run in `folder`.
+pub fn leave(folder: &mut Folder, run: &PredictedRun, gap: &Gap) -> Result<(), Failure> {
+    let columns = [
+        ("time", run.time.as_slice()),
+        ("measured", &run.measured),
+        ("predicted", &run.predicted),
+    ];
+    folder.put(&run.file, &files::csv(&columns))?;
+    folder.put(
+        PathBuf::from(&run.file).with_extension("svg"),
+        &figure(run, gap).svg()?,
+    )
+}
+
+/// Measured and predicted position above what lies between them.
+fn figure(run: &PredictedRun, gap: &Gap) -> Figure {
+    let (unit, scale) = match gap.unit.as_str() {
+        "rad" => ("degrees", 1f64.to_degrees()),
+        unit => (unit, 1.0),
+    };
+    let scaled = |values: &[f64]| values.iter().map(|v| v * scale).collect::<Vec<_>>();
+    let between: Vec<_> = run
+        .measured
+        .iter()
+        .zip(&run.predicted)
+        .map(|(m, p)| (m - p) * scale)
+        .collect();
+    let line = |label, ink, y: &[f64]| Line::new(label, ink, &run.time, y);
+    Figure {
+        title: format!("{}: {}", run.file, sentence(gap).trim_end()),
+        x_label: "time, s".into(),
+        panels: vec![
+            Panel {
+                y_label: format!("position, {unit}"),
+                lines: vec![
+                    line("measured", Ink::Measured, &scaled(&run.measured)),
+                    line("model", Ink::Model, &scaled(&run.predicted)),
+                ],
+                ..Panel::default()
+            },
+            Panel {
+                y_label: format!("measured minus model, {unit}"),
+                lines: vec![line("difference", Ink::Other(0), &between)],
+                ..Panel::default()
+            },
+        ],
+        ..Figure::default()
+    }
+}

@@ -1,0 +1,26 @@
+//! `paddle gap`: how far a simulation is from a recording, and why.
+
+pub mod measure;
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use clap::Subcommand;
+
+/// What can be asked of a recording.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Measure the gap, and the floor that sensor noise and restarts alone would leave.
+    Measure(measure::Arguments),
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// [`Failure`] with cause and mend.
+    pub fn run(&self) -> Result<Answer, Failure> {
+        match self {
+            Self::Measure(arguments) => measure::run(arguments),
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! The commands, one file each.
+
+pub mod demo;
+pub mod effects;
+pub mod gap;
+pub mod sim;
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use clap::Subcommand;
+
+/// What can be asked.
+#[derive(Subcommand)]
+pub enum Command {
+    /// A step response and a gap, in one minute.
+    Demo(demo::Arguments),
+    /// Run the control core on the simulated paddle.
+    #[command(subcommand)]
+    Sim(sim::Command),
+    /// Measure the gap between a simulation and a recording.
+    #[command(subcommand)]
+    Gap(gap::Command),
+    /// List the effects that can be switched into the simulated paddle.
+    Effects(effects::Arguments),
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// [`Failure`] with cause and mend.
+    pub fn run(&self) -> Result<Answer, Failure> {
+        match self {
+            Self::Demo(arguments) => demo::run(arguments),
+            Self::Sim(command) => command.run(),
+            Self::Gap(command) => command.run(),
+            Self::Effects(arguments) => effects::run(arguments),
+        }
+    }
+}

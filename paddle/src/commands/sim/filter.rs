@@ -1,0 +1,236 @@
+//! `paddle sim filter`: what the low-pass on the position is for (report, section 3.2.2).
+
+use super::rig::{Rig, SensorChoice};
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::files::Folder;
+use crate::plot::{Bar, Bars, Figure, Ink, Line, Panel, Scale};
+use crate::spectrum;
+use clap::Args;
+use haptic_paddle::controller::Mode;
+use haptic_paddle::excitation::Excitation;
+use host_sim::closed_loop::{ClosedLoop, LoopSetup};
+use host_sim::experiment::{Experiment, Trace};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// With which regulator, and where to.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "Example: paddle sim filter --kd 0.0008 --json filter.json
+
+Torque noise is the rms of what lies above 25 Hz in the torque while the paddle follows a sine of 5°, 0.5 Hz.
+A derivative gain is stable if the paddle follows that sine without a fault and with a torque noise below a tenth of
+the torque limit: an unstable loop swings from limit to limit. The largest one is found by bisection to 1 %."
+)]
+pub struct Arguments {
+    /// Derivative gain of the torque noise, N m s per degree at the paddle.
+    #[arg(long, default_value_t = 0.0008, value_name = "N m s/deg")]
+    kd: f32,
+    /// Cutoff of the filter, Hz.
+    #[arg(long, default_value_t = 100.0, value_name = "Hz")]
+    cutoff: f32,
+    /// Run the 20 kHz current loop through bridge and winding, in place of the lab's 350 µs and an exact torque.
+    #[arg(long)]
+    current_loop: bool,
+    /// Leave plots in this folder.
+    #[arg(long, default_value = "paddle-out", value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// One sensor, with the filter or without.
+struct Case {
+    label: String,
+    sensor: &'static str,
+    cutoff_hz: f32,
+    noise_nm: f64,
+    spectrum: Vec<(f64, f64)>,
+    largest_kd: Option<f64>,
+}
+
+/// Compares.
+///
+/// # Errors
+/// [`Failure`] for gains that are no gains, or files that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    let mut cases = Vec::new();
+    for (choice, sensor) in [
+        (SensorChoice::Encoder, "encoder"),
+        (SensorChoice::Hall, "Hall"),
+    ] {
+        for cutoff_hz in [0.0, arguments.cutoff] {
+            cases.push(case(arguments, choice, sensor, cutoff_hz)?);
+        }
+    }
+    let mut folder = Folder::make(&arguments.out)?;
+    folder.put("filter-noise.svg", &noise_figure(&cases).svg()?)?;
+    folder.put("filter-largest-kd.svg", &largest_kd_figure(&cases).svg()?)?;
+
+    let mut text = format!(
+        "{:<24} {:>26} {:>30}\n",
+        "", "torque noise, mN m rms", "largest stable Kd, N m s/deg"
+    );
+    for case in &cases {
+        let largest = case
+            .largest_kd
+            .map_or("none".into(), |kd| format!("{kd:.5}"));
+        let _ = writeln!(
+            text,
+            "{:<24} {:>26.3} {largest:>30}",
+            case.label,
+            1e3 * case.noise_nm
+        );
+    }
+    for file in folder.files() {
+        let _ = writeln!(text, "  {}", file.display());
+    }
+    let rows: Vec<_> = cases
+        .iter()
+        .map(|case| {
+            json!({
+                "sensor": case.sensor,
+                "cutoff_hz": case.cutoff_hz,
+                "torque_noise_nm": case.noise_nm,
+                "largest_stable_kd_nm_s_per_deg": case.largest_kd,
+            })
+        })
+        .collect();
+    Ok(Answer {
+        text,
+        json: json!({ "kd_nm_s_per_deg": arguments.kd, "cases": rows, "files": folder.files() }),
+    })
+}
+
+fn case(
+    arguments: &Arguments,
+    choice: SensorChoice,
+    sensor: &'static str,
+    cutoff_hz: f32,
+) -> Result<Case, Failure> {
+    let with_kd = |kd: f32| {
+        let rig = Rig {
+            sensor: Some(choice),
+            kd: Some(kd),
+            cutoff: Some(cutoff_hz),
+            current_loop: arguments.current_loop,
+            ..Rig::default()
+        };
+        rig.assemble().map(|(setup, _)| setup)
+    };
+    let setup = with_kd(arguments.kd)?;
+    let torque_nm = follow(&setup)?.input_nm;
+    let sample_hz = 1.0 / setup.rates.position_tick_s();
+    let mut largest_kd = None;
+    let [mut stable, mut unstable] = KD_RANGE;
+    if is_stable(&with_kd(stable as f32)?)? {
+        while unstable / stable > KD_PRECISION {
+            let middle = (stable * unstable).sqrt();
+            match is_stable(&with_kd(middle as f32)?)? {
+                true => stable = middle,
+                false => unstable = middle,
+            }
+        }
+        largest_kd = Some(stable);
+    }
+    Ok(Case {
+        label: match cutoff_hz > 0.0 {
+            true => format!("{sensor}, {cutoff_hz} Hz"),
+            false => format!("{sensor}, no filter"),
+        },
+        sensor,
+        cutoff_hz,
+        noise_nm: noise_nm(&torque_nm, sample_hz),
+        spectrum: spectrum::amplitude_density(&torque_nm, sample_hz, SEGMENT),
+        largest_kd,
+    })
+}
+
+/// Between which the largest stable derivative gain is sought, N m s per degree.
+const KD_RANGE: [f64; 2] = [0.0001, 0.1];
+/// Ratio of unstable to stable at which the search ends.
+const KD_PRECISION: f64 = 1.01;
+const SEGMENT: usize = 512;
+
+const FOLLOWED_DEG: f32 = 5.0;
+const FOLLOWED_HZ: f32 = 0.5;
+const FOLLOWED_S: f64 = 4.0;
+/// Where torque noise begins.
+const NOISE_FROM_HZ: f64 = 25.0;
+
+/// Rms of what lies above [`NOISE_FROM_HZ`]: of the signal less its mean over 1 / (2 f) around each sample, whose first
+/// zero is at 2 f and whose response is about one half at f.
+fn noise_nm(torque_nm: &[f64], sample_hz: f64) -> f64 {
+    let half = (sample_hz / (4.0 * NOISE_FROM_HZ)) as usize;
+    let windows = torque_nm.windows(2 * half + 1);
+    let count = windows.len().max(1) as f64;
+    let power: f64 = windows
+        .map(|window| {
+            let mean = window.iter().sum::<f64>() / window.len() as f64;
+            (window[half] - mean).powi(2)
+        })
+        .sum();
+    (power / count).sqrt()
+}
+
+/// Share of the torque limit below which a stable loop's torque noise stays.
+const STABLE_SHARE: f64 = 0.1;
+
+fn is_stable(setup: &LoopSetup) -> Result<bool, Failure> {
+    let trace = follow(setup)?;
+    let limit_nm = f64::from(setup.settings.motor.torque_limit_nm);
+    let noise_nm = noise_nm(&trace.input_nm, 1.0 / setup.rates.position_tick_s());
+    Ok(trace.fault.is_none() && noise_nm < STABLE_SHARE * limit_nm)
+}
+
+fn follow(setup: &LoopSetup) -> Result<Trace, Failure> {
+    let sine = Excitation::sine(FOLLOWED_DEG.to_radians(), FOLLOWED_HZ);
+    let mut closed_loop = ClosedLoop::armed(setup, Mode::Position)?;
+    Ok(Experiment::position(sine, FOLLOWED_S).run(&mut closed_loop)?)
+}
+
+fn ink(place: usize) -> Ink {
+    match place {
+        0 => Ink::Measured,
+        1 => Ink::Model,
+        other => Ink::Other(other - 2),
+    }
+}
+
+fn noise_figure(cases: &[Case]) -> Figure {
+    Figure {
+        title: "Torque at the motor while following a sine of 5°, 0.5 Hz".into(),
+        x_label: "frequency, Hz".into(),
+        x_scale: Scale::Logarithmic,
+        panels: vec![Panel {
+            y_label: "amplitude density, mN m/√Hz".into(),
+            y_scale: Scale::Logarithmic,
+            lines: cases
+                .iter()
+                .enumerate()
+                .map(|(place, case)| Line {
+                    label: case.label.clone(),
+                    ink: ink(place),
+                    points: case.spectrum.iter().map(|(f, d)| (*f, 1e3 * d)).collect(),
+                })
+                .collect(),
+            ..Panel::default()
+        }],
+    }
+}
+
+fn largest_kd_figure(cases: &[Case]) -> Bars {
+    Bars {
+        title: "Largest stable derivative gain".into(),
+        unit: "mN m s/°".into(),
+        bars: cases
+            .iter()
+            .enumerate()
+            .map(|(place, case)| Bar {
+                label: case.label.clone(),
+                value: 1e3 * case.largest_kd.unwrap_or(0.0),
+                ink: ink(place),
+            })
+            .collect(),
+    }
+}

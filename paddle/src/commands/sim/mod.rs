@@ -1,0 +1,72 @@
+//! `paddle sim`: the control core on the simulated paddle.
+
+mod experiment;
+mod filter;
+mod rig;
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use clap::Subcommand;
+use haptic_paddle::excitation::Shape;
+
+use experiment::Arguments;
+pub use experiment::step_of_refit;
+
+/// What is simulated.
+#[derive(Subcommand)]
+pub enum Command {
+    /// A step, with its overshoot, rise, settling and steady-state error.
+    #[command(
+        after_help = "Example: paddle sim step --kp 0.05 --ki 0.28 --kd 0.0008 --plant refit --sensor hall"
+    )]
+    Step(Arguments),
+    /// A sine.
+    #[command(
+        after_help = "Example: paddle sim sine --torque --amplitude 0.0011 --frequency 1 --seconds 12 --plant refit"
+    )]
+    Sine(Arguments),
+    /// A square wave.
+    #[command(after_help = "Example: paddle sim square --amplitude 5 --frequency 1 --current-loop")]
+    Square(Arguments),
+    /// A sine of rising frequency.
+    #[command(
+        after_help = "Example: paddle sim chirp --amplitude 2 --frequency 0.5 --end-frequency 20 --seconds 10"
+    )]
+    Chirp(Arguments),
+    /// Six harmonics at once.
+    #[command(
+        after_help = "Example: paddle sim multisine --amplitude 15 --frequency 0.5 --with stribeck --recording my-recording"
+    )]
+    Multisine(Arguments),
+    /// A rising torque until the paddle breaks away.
+    #[command(
+        after_help = "Example: paddle sim ramp --amplitude 0.003 --seconds 3 --with stribeck:static_ratio=1.4"
+    )]
+    Ramp(Arguments),
+    /// A triangle wave.
+    #[command(
+        after_help = "Example: paddle sim triangle --amplitude 20 --frequency 0.2 --seconds 10"
+    )]
+    Triangle(Arguments),
+    /// What the filter on the position is for: torque noise and largest stable derivative gain, without and with it.
+    Filter(filter::Arguments),
+}
+
+impl Command {
+    /// Does it.
+    ///
+    /// # Errors
+    /// [`Failure`] with cause and mend.
+    pub fn run(&self) -> Result<Answer, Failure> {
+        match self {
+            Self::Step(arguments) => experiment::run(Shape::Step, arguments),
+            Self::Sine(arguments) => experiment::run(Shape::Sine, arguments),
+            Self::Square(arguments) => experiment::run(Shape::Square, arguments),
+            Self::Chirp(arguments) => experiment::run(Shape::Chirp, arguments),
+            Self::Multisine(arguments) => experiment::run(Shape::Multisine, arguments),
+            Self::Ramp(arguments) => experiment::run(Shape::Ramp, arguments),
+            Self::Triangle(arguments) => experiment::run(Shape::Triangle, arguments),
+            Self::Filter(arguments) => filter::run(arguments),
+        }
+    }
+}

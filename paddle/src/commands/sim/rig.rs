@@ -1,0 +1,145 @@
+//! The options that make a closed loop.
+
+use crate::failure::Failure;
+use crate::plant_choice::{Plant, PlantChoice};
+use clap::{Args, ValueEnum};
+use haptic_paddle::settings::{Sensor, Settings};
+use host_sim::closed_loop::LoopSetup;
+use host_sim::effects::Effect;
+use host_sim::presets;
+use recording::Model;
+
+/// The paddle, its effects, and the regulator on it.
+#[derive(Args, Clone, Debug)]
+pub struct Rig {
+    /// `nominal`, `refit`, or a TOML file with what differs from nominal: [model], [settings] and with = ["effect"].
+    #[arg(
+        long,
+        default_value = "nominal",
+        value_name = "nominal|refit|FILE.toml"
+    )]
+    pub plant: PlantChoice,
+    /// Switch an effect into the paddle; may be repeated. `paddle effects` lists them.
+    #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
+    pub with: Vec<Effect>,
+    /// Sensor that feeds the regulator.
+    #[arg(long, value_enum)]
+    pub sensor: Option<SensorChoice>,
+    /// Proportional gain, N m per degree at the paddle.
+    #[arg(long, value_name = "N m/deg")]
+    pub kp: Option<f32>,
+    /// Integral gain, N m per degree and second at the paddle.
+    #[arg(long, value_name = "N m/(deg s)")]
+    pub ki: Option<f32>,
+    /// Derivative gain, N m s per degree at the paddle.
+    #[arg(long, value_name = "N m s/deg")]
+    pub kd: Option<f32>,
+    /// Cutoff of the low-pass on the position, Hz; 0 is none.
+    #[arg(long, value_name = "Hz")]
+    pub cutoff: Option<f32>,
+    /// Any other setting of the control core, as on its console; may be repeated.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Run the 20 kHz current loop through bridge and winding, in place of the lab's 350 µs and an exact torque.
+    #[arg(long)]
+    pub current_loop: bool,
+    /// Of all noise.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// A sensor by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SensorChoice {
+    /// On the motor.
+    Encoder,
+    /// On the paddle.
+    Hall,
+}
+
+impl Default for Rig {
+    /// The lab's paddle as refitted, with the default gains.
+    fn default() -> Self {
+        Self {
+            plant: PlantChoice::Refit,
+            with: Vec::new(),
+            sensor: None,
+            kp: None,
+            ki: None,
+            kd: None,
+            cutoff: None,
+            set: Vec::new(),
+            current_loop: false,
+            seed: 0,
+        }
+    }
+}
+
+impl Rig {
+    /// The loop, and the model that a recording of it states as nominal.
+    ///
+    /// # Errors
+    /// [`Failure`] for a file or a setting that cannot be used.
+    pub fn assemble(&self) -> Result<(LoopSetup, Model), Failure> {
+        let Plant {
+            mut device,
+            model,
+            mut settings,
+        } = self.plant.load()?;
+        for effect in &self.with {
+            effect.install(&mut device);
+        }
+        self.apply(&mut settings)?;
+        let mut setup = match self.current_loop {
+            true => LoopSetup::firmware(device, settings, presets::motor()),
+            false => LoopSetup::ideal(device, settings),
+        };
+        setup.paddle.seed = self.seed;
+        Ok((setup, model))
+    }
+
+    fn apply(&self, settings: &mut Settings) -> Result<(), Failure> {
+        let mut set = |name: &str, value: &str| match settings.set(name, value) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(Failure::setting(name, error)),
+        };
+        let gains = [
+            ("pid.kp", self.kp),
+            ("pid.ki", self.ki),
+            ("pid.kd", self.kd),
+            ("estimate.cutoff", self.cutoff),
+        ];
+        for (name, value) in gains {
+            if let Some(value) = value {
+                set(name, &value.to_string())?;
+            }
+        }
+        for setting in &self.set {
+            let (name, value) = setting
+                .split_once('=')
+                .ok_or_else(|| Failure::NotASetting(setting.clone()))?;
+            set(name.trim(), value.trim())?;
+        }
+        if let Some(sensor) = self.sensor {
+            settings.estimate.sensor = match sensor {
+                SensorChoice::Encoder => Sensor::Encoder,
+                SensorChoice::Hall => Sensor::Hall,
+            };
+        }
+        Ok(())
+    }
+
+    /// In a few words.
+    pub fn title(&self, settings: &Settings) -> String {
+        let sensor = match settings.estimate.sensor {
+            Sensor::Encoder => "encoder",
+            Sensor::Hall => "Hall",
+        };
+        let mut title = format!("{sensor}, plant {}", self.plant);
+        for effect in &self.with {
+            title.push_str(" + ");
+            title.push_str(effect.kind.name);
+        }
+        title
+    }
+}

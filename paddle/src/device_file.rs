@@ -1,0 +1,142 @@
+//! A device as a TOML file: what differs from a base model, effects, and settings of the control core.
+//!
+//! ```toml
+//! with = ["stribeck:static_ratio=1.4"]
+//!
+//! [model]        # as in a recording
+//! viscous = 3.9e-3
+//!
+//! [settings]     # as on the console
+//! pid.kp = 0.05
+//! ```
+
+use crate::failure::Failure;
+use haptic_paddle::settings::Settings;
+use host_sim::device::Device;
+use host_sim::effects::Effect;
+use recording::Model;
+use std::path::{Path, PathBuf};
+use toml::{Table, Value};
+
+/// The file as read.
+#[derive(Debug)]
+pub struct DeviceFile {
+    path: PathBuf,
+    model: Table,
+    with: Vec<Effect>,
+    settings: Vec<(String, String)>,
+}
+
+impl DeviceFile {
+    /// Reads it.
+    ///
+    /// # Errors
+    /// [`Failure`] that names the file, the key and the mend.
+    pub fn read(path: &Path) -> Result<Self, Failure> {
+        let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+        let wrong = |cause: String| Failure::DeviceFile {
+            path: path.to_owned(),
+            cause,
+        };
+        let table: Table = text
+            .parse()
+            .map_err(|error: toml::de::Error| wrong(in_one_line(&error)))?;
+        let mut file = Self {
+            path: path.to_owned(),
+            model: Table::new(),
+            with: Vec::new(),
+            settings: Vec::new(),
+        };
+        for (key, value) in table {
+            match (key.as_str(), value) {
+                ("model", Value::Table(model)) => file.model = model,
+                ("settings", Value::Table(settings)) => flatten("", settings, &mut file.settings),
+                ("with", Value::Array(effects)) => {
+                    for effect in effects {
+                        let text = effect.as_str().unwrap_or_default();
+                        file.with
+                            .push(text.parse().map_err(|e| wrong(format!("with: {e}")))?);
+                    }
+                }
+                ("format", _) => {}
+                _ => {
+                    return Err(wrong(format!(
+                        "`{key}` is not understood; it may hold [model], [settings] and with = [\"effect\"]"
+                    )));
+                }
+            }
+        }
+        // Tolerances say how well a number is known, not what it is.
+        file.model.remove("tolerance");
+        Ok(file)
+    }
+
+    /// The device that differs from `base` by what the file says.
+    ///
+    /// # Errors
+    /// [`Failure::DeviceFile`] for numbers that no model has.
+    pub fn device(&self, base: &Model) -> Result<Device, Failure> {
+        let mut device = Device::nominal(&self.model(base)?);
+        for effect in &self.with {
+            effect.install(&mut device);
+        }
+        Ok(device)
+    }
+
+    /// The numbers of `base`, replaced by those of the file.
+    ///
+    /// # Errors
+    /// [`Failure::DeviceFile`] for numbers that no model has.
+    pub fn model(&self, base: &Model) -> Result<Model, Failure> {
+        let wrong = |cause: String| Failure::DeviceFile {
+            path: self.path.clone(),
+            cause: format!("[model]: {cause}"),
+        };
+        let mut table = Table::try_from(base).map_err(|error| wrong(error.to_string()))?;
+        table.extend(self.model.clone());
+        let model: Model = table
+            .try_into()
+            .map_err(|error| wrong(in_one_line(&error)))?;
+        if model.inertia > 0.0 && model.inertia.is_finite() {
+            Ok(model)
+        } else {
+            Err(wrong(format!(
+                "inertia is {}; it must be above 0",
+                model.inertia
+            )))
+        }
+    }
+
+    /// Puts its settings into `settings`.
+    ///
+    /// # Errors
+    /// [`Failure::DeviceFile`] for a setting that is refused.
+    pub fn apply(&self, settings: &mut Settings) -> Result<(), Failure> {
+        for (name, value) in &self.settings {
+            settings
+                .set(name, value)
+                .map_err(|error| Failure::DeviceFile {
+                    path: self.path.clone(),
+                    cause: format!("[settings]: {}", Failure::setting(name, error)),
+                })?;
+        }
+        Ok(())
+    }
+}
+
+/// Dotted names with their values as the console takes them.
+fn flatten(prefix: &str, table: Table, into: &mut Vec<(String, String)>) {
+    for (key, value) in table {
+        let name = format!("{prefix}{key}");
+        match value {
+            Value::Table(inner) => flatten(&format!("{name}."), inner, into),
+            Value::String(text) => into.push((name, text)),
+            Value::Boolean(on) => into.push((name, if on { "on" } else { "off" }.into())),
+            other => into.push((name, other.to_string())),
+        }
+    }
+}
+
+fn in_one_line(error: &toml::de::Error) -> String {
+    error.message().lines().collect::<Vec<_>>().join(", ")
+}

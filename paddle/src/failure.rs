@@ -1,0 +1,90 @@
+//! Why a command cannot do what it is asked, in one line with the mend.
+
+use crate::plot::PlotError;
+use haptic_paddle::settings::field::{FIELDS, SettingError};
+use std::path::{Path, PathBuf};
+
+/// Why a command stops.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] recording::Error),
+    /// An effect cannot be understood.
+    #[error(transparent)]
+    Effect(#[from] host_sim::effects::EffectError),
+    /// A chart cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}; check the name", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file cannot be written.
+    #[error("cannot write {}: {source}; name another place", .path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Text after --set that sets nothing.
+    #[error("--set '{0}' is not NAME=VALUE; write for instance --set pid.setpoint_weight=0.5")]
+    NotASetting(String),
+    /// A setting that the core refuses.
+    #[error("{0}")]
+    Setting(String),
+    /// A loop that cannot start.
+    #[error(transparent)]
+    Loop(#[from] host_sim::closed_loop::LoopError),
+    /// An experiment that cannot be carried out.
+    #[error(transparent)]
+    Experiment(#[from] host_sim::experiment::ExperimentError),
+    /// What stands there may be a measurement.
+    #[error("{} holds a recording already, which would be lost; name another folder", .0.display())]
+    HoldsRecording(PathBuf),
+    /// A device file that is not as it should be.
+    #[error("{}: {cause}", .path.display())]
+    DeviceFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and the mend.
+        cause: String,
+    },
+}
+
+impl Failure {
+    /// The setting called `name` was refused.
+    pub fn setting(name: &str, error: SettingError) -> Self {
+        Self::Setting(match error {
+            SettingError::Unknown => {
+                let known: Vec<_> = FIELDS.iter().map(|field| field.name).collect();
+                format!(
+                    "no setting is called '{name}'; there are {}",
+                    known.join(" ")
+                )
+            }
+            other => other.to_string(),
+        })
+    }
+
+    /// For `map_err` after writing to `path`.
+    pub fn write<P: AsRef<Path>>(path: P) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::Write {
+            path: path.as_ref().to_owned(),
+            source,
+        }
+    }
+
+    /// For `map_err` after reading from `path`.
+    pub fn read<P: AsRef<Path>>(path: P) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::Read {
+            path: path.as_ref().to_owned(),
+            source,
+        }
+    }
+}

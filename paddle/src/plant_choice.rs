@@ -1,0 +1,80 @@
+//! Which paddle is simulated.
+
+use crate::device_file::DeviceFile;
+use crate::failure::Failure;
+use haptic_paddle::settings::Settings;
+use host_sim::device::Device;
+use host_sim::presets;
+use recording::Model;
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// A paddle by name or by file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlantChoice {
+    /// The lab's nominal model.
+    Nominal,
+    /// The model refitted to the lab's step logs.
+    Refit,
+    /// What differs from the nominal model.
+    File(PathBuf),
+}
+
+impl FromStr for PlantChoice {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(match text {
+            "nominal" => Self::Nominal,
+            "refit" => Self::Refit,
+            file => Self::File(file.into()),
+        })
+    }
+}
+
+impl std::fmt::Display for PlantChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Nominal => f.write_str("nominal"),
+            Self::Refit => f.write_str("refit"),
+            Self::File(path) => write!(f, "{}", path.display()),
+        }
+    }
+}
+
+/// What a choice comes to.
+#[derive(Debug)]
+pub struct Plant {
+    /// What is simulated.
+    pub device: Device,
+    /// What a recording of it states as its nominal model.
+    pub model: Model,
+    /// Of the control core.
+    pub settings: Settings,
+}
+
+impl PlantChoice {
+    /// The paddle and the settings that come with it.
+    ///
+    /// # Errors
+    /// [`Failure`] for a file that cannot be used.
+    pub fn load(&self) -> Result<Plant, Failure> {
+        let model = presets::nominal();
+        let mut settings = Settings::default();
+        let (device, model) = match self {
+            Self::Nominal => (Device::nominal(&model), model),
+            Self::Refit => (presets::refit(), model),
+            Self::File(path) => {
+                let file = DeviceFile::read(path)?;
+                file.apply(&mut settings)?;
+                (file.device(&model)?, file.model(&model)?)
+            }
+        };
+        Ok(Plant {
+            device,
+            model,
+            settings,
+        })
+    }
+}

@@ -1,0 +1,16 @@
+//! Plain charts as SVG text, all in one style.
+
+mod axis;
+mod bars;
+mod figure;
+mod ink;
+mod sheet;
+mod step_response;
+mod thin;
+
+pub use axis::Scale;
+pub use bars::{Bar, Bars};
+pub use figure::{Figure, Line, Panel};
+pub use ink::Ink;
+pub use sheet::PlotError;
+pub use step_response::step_response;

@@ -1,0 +1,400 @@
+//! The command line as a user meets it.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn paddle(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_paddle"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// A folder of this test alone, empty.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+/// What a successful command says as JSON, with nothing else on either stream.
+fn json(arguments: &[&str]) -> Value {
+    let output = paddle(&[arguments, &["--json", "-"]].concat());
+    assert_eq!(text(&output.stderr), "", "{arguments:?}");
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The one line on standard error of a command that refuses its input.
+fn refusal(arguments: &[&str]) -> String {
+    let output = paddle(arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    assert_eq!(text(&output.stdout), "", "{arguments:?}");
+    let line = text(&output.stderr);
+    assert_eq!(line.lines().count(), 1, "{arguments:?}: {line}");
+    line.to_owned()
+}
+
+#[test]
+fn every_command_has_help_with_an_example() {
+    let mut commands: Vec<&[&str]> = vec![
+        &[],
+        &["demo"],
+        &["effects"],
+        &["gap", "measure"],
+        &["sim", "filter"],
+    ];
+    let shapes = [
+        "step",
+        "sine",
+        "square",
+        "chirp",
+        "multisine",
+        "ramp",
+        "triangle",
+    ];
+    let sims = shapes.map(|shape| ["sim", shape]);
+    commands.extend(sims.iter().map(|sim| &sim[..]));
+    for command in commands {
+        let output = paddle(&[command, &["--help"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{command:?}");
+        let help = text(&output.stdout);
+        let example = format!("paddle {}", command.join(" "));
+        let at = help
+            .find("Example")
+            .unwrap_or_else(|| panic!("{command:?}: {help}"));
+        assert!(help[at..].contains(example.trim()), "{command:?}: {help}");
+    }
+}
+
+#[test]
+fn bad_input_is_refused_in_one_line_with_status_2() {
+    let out = folder("refused");
+    let file = |name: &str, content: &str| {
+        let path = out.join(name);
+        std::fs::write(&path, content).unwrap();
+        path.display().to_string()
+    };
+    let no_toml = file("a.toml", "inertia = = 3");
+    let wrong_table = file("b.toml", "[modle]\ninertia = 1.0");
+    let wrong_key = file("c.toml", "[model]\ninertai = 1.0");
+    let massless = file("d.toml", "[model]\ninertia = 0.0");
+    let wrong_setting = file("e.toml", "[settings.pid]\nkp = -1");
+    let wrong_effect = file("f.toml", "with = [\"stribek\"]");
+    for (arguments, cause) in [
+        (&["sim", "step", "--kp", "many"][..], "--kp"),
+        (&["sim", "step", "--kp", "-1"], "pid.kp"),
+        (&["sim", "step", "--set", "pid.kp"], "NAME=VALUE"),
+        (&["sim", "step", "--set", "pid.kq=1"], "pid.kq"),
+        (&["sim", "step", "--seconds", "-1"], "duration"),
+        (&["sim", "step", "--seconds", "NaN"], "duration"),
+        (&["sim", "sine", "--frequency", "0"], "frequency"),
+        (&["sim", "step", "--with", "stribek"], "stribek"),
+        (
+            &["sim", "step", "--with", "stribeck:ratio=2"],
+            "static_ratio",
+        ),
+        (&["sim", "step", "--plant", "nowhere.toml"], "nowhere.toml"),
+        (&["sim", "step", "--plant", &no_toml], "a.toml"),
+        (&["sim", "step", "--plant", &wrong_table], "modle"),
+        (&["sim", "step", "--plant", &wrong_key], "inertai"),
+        (&["sim", "step", "--plant", &massless], "inertia"),
+        (&["sim", "step", "--plant", &wrong_setting], "pid.kp"),
+        (&["sim", "step", "--plant", &wrong_effect], "stribek"),
+        (&["sim", "steep"], "steep"),
+        (&["gap", "measure"], "RECORDING"),
+        (&["gap", "measure", "nowhere"], "nowhere"),
+        (&["effects", "stribek"], "stribek"),
+    ] {
+        let line = refusal(&[arguments, &["--json", "-"]].concat());
+        assert!(line.contains(cause), "{arguments:?}: {line}");
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let out = folder("blocked").join("file");
+    std::fs::write(&out, "").unwrap();
+    let inside = out.join("inside").display().to_string();
+    assert!(refusal(&["sim", "step", "--out", &inside]).contains(&inside));
+}
+
+#[test]
+fn all_effects_are_listed_with_their_parameters() {
+    let listed = json(&["effects"]);
+    let listed = listed["effects"].as_array().unwrap();
+    assert_eq!(listed.len(), host_sim::effects::KINDS.len());
+    let output = paddle(&["effects"]);
+    for (effect, kind) in listed.iter().zip(host_sim::effects::KINDS) {
+        assert_eq!(effect["name"], kind.name);
+        assert_eq!(
+            effect["parameters"].as_array().unwrap().len(),
+            kind.parameters.len()
+        );
+        assert!(text(&output.stdout).contains(kind.equation));
+    }
+}
+
+#[test]
+fn a_step_has_the_metrics_of_the_refitted_paddle() {
+    let out = folder("step");
+    let step = json(&[
+        "sim",
+        "step",
+        "--plant",
+        "refit",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let metric = |name: &str| step["metrics"][name].as_f64().unwrap();
+    // The refit's own figures are 0.61°, 38.9 ms and 76.0 ms, at 351 µs.
+    assert!((metric("overshoot_deg") - 0.61).abs() < 0.2, "{step}");
+    assert!((metric("rise_ms") / 38.9 - 1.0).abs() < 0.1, "{step}");
+    assert!((metric("settling_ms") / 76.0 - 1.0).abs() < 0.1, "{step}");
+
+    let weak = json(&[
+        "sim",
+        "step",
+        "--plant",
+        "refit",
+        "--kp",
+        "0.01",
+        "--kd",
+        "0.0003",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert!(weak["metrics"]["rise_ms"].is_null(), "{weak}");
+}
+
+#[test]
+fn json_in_a_file_leaves_the_text_on_standard_output() {
+    let out = folder("json-file");
+    let file = out.join("ramp.json");
+    let output = paddle(&[
+        "sim",
+        "ramp",
+        "--plant",
+        "refit",
+        "--out",
+        out.to_str().unwrap(),
+        "--json",
+        file.to_str().unwrap(),
+    ]);
+    assert!(text(&output.stdout).contains("breaks away"));
+    let ramp: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    // Forward level times static ratio of the refit, and 0.5° of gravity and motion on top.
+    let breakaway_nm = ramp["breakaway_nm"].as_f64().unwrap();
+    assert!((0.63e-3..0.9e-3).contains(&breakaway_nm), "{ramp}");
+}
+
+#[test]
+fn noise_is_that_of_the_seed() {
+    let out = folder("seed");
+    let log = |seed: &str| {
+        let arguments = [
+            "sim",
+            "sine",
+            "--sensor",
+            "hall",
+            "--seconds",
+            "1",
+            "--seed",
+            seed,
+            "--out",
+        ];
+        json(&[&arguments[..], &[out.to_str().unwrap()]].concat());
+        std::fs::read(out.join("sine.csv")).unwrap()
+    };
+    assert_eq!(log("1"), log("1"));
+    assert_ne!(log("1"), log("2"));
+}
+
+#[test]
+fn a_hidden_effect_opens_the_gap_and_its_model_closes_it() {
+    let out = folder("hidden");
+    let recording = out.join("recording");
+    let measure = |with: &[&str], model: &[&str]| {
+        let _ = std::fs::remove_dir_all(&recording);
+        let plain = [
+            "sim",
+            "multisine",
+            "--amplitude",
+            "15",
+            "--frequency",
+            "0.5",
+            "--out",
+            out.to_str().unwrap(),
+            "--recording",
+            recording.to_str().unwrap(),
+        ];
+        json(&[&plain[..], with].concat());
+        let gap = json(&[&["gap", "measure", recording.to_str().unwrap()], model].concat());
+        gap["gap"]["before"].as_f64().unwrap() / gap["gap"]["floor"].as_f64().unwrap()
+    };
+    let file = out.join("true.toml");
+    std::fs::write(&file, "with = [\"stribeck:static_ratio=1.8\"]\n").unwrap();
+    let hidden = ["--with", "stribeck:static_ratio=1.8"];
+    assert!(measure(&[], &[]) < 2.0);
+    assert!(measure(&hidden, &[]) > 10.0);
+    assert!(measure(&hidden, &["--model", file.to_str().unwrap()]) < 2.0);
+}
+
+#[test]
+fn a_device_file_changes_model_and_settings() {
+    let out = folder("device-file");
+    let file = out.join("heavy.toml");
+    std::fs::write(
+        &file,
+        "[model]\ninertia = 2.3e-3\n[settings]\npid.kd = 0.0\ncompensation.gravity = true\n",
+    )
+    .unwrap();
+    let step = |extra: &[&str]| {
+        let plain = [
+            "sim",
+            "step",
+            "--seconds",
+            "1",
+            "--out",
+            out.to_str().unwrap(),
+        ];
+        json(&[&plain[..], extra].concat())["metrics"]["rise_ms"]
+            .as_f64()
+            .unwrap()
+    };
+    let heavy = step(&["--plant", file.to_str().unwrap()]);
+    // Four times the inertia, twice the time.
+    let ratio = heavy / step(&["--kd", "0"]);
+    assert!((1.6..2.4).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn predictions_have_the_gap_that_is_stated() {
+    let out = folder("predictions");
+    let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("demo");
+    let gap = json(&[
+        "gap",
+        "measure",
+        recording.to_str().unwrap(),
+        "--predictions",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(
+        (&gap["format"], &gap["gap"]["unit"]),
+        (&1.into(), &"rad".into())
+    );
+    let text = std::fs::read_to_string(out.join("multisine.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("time,measured,predicted"));
+    let squares: Vec<f64> = lines
+        .map(|line| {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            (cells[1] - cells[2]).powi(2)
+        })
+        .collect();
+    let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+    let before = gap["gap"]["before"].as_f64().unwrap();
+    assert!((rms / before - 1.0).abs() < 1e-4, "{rms} {before}");
+}
+
+#[test]
+fn a_recording_is_never_written_over() {
+    let out = folder("kept");
+    let manifest = out.join("recording.toml");
+    std::fs::write(&manifest, "measured").unwrap();
+    let kept = out.to_str().unwrap();
+    let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/demo");
+    for arguments in [
+        [
+            "sim",
+            "step",
+            "--out",
+            env!("CARGO_TARGET_TMPDIR"),
+            "--recording",
+            kept,
+        ],
+        ["gap", "measure", demo, "--predictions", kept, "--json=-"],
+    ] {
+        assert!(refusal(&arguments).contains(kept));
+    }
+    assert_eq!(std::fs::read_to_string(manifest).unwrap(), "measured");
+}
+
+#[test]
+fn a_damaged_recording_is_refused_by_file_and_line() {
+    let whole = Path::new(env!("CARGO_MANIFEST_DIR")).join("demo");
+    let out = folder("damaged");
+    for name in ["recording.toml", "multisine.csv"] {
+        std::fs::copy(whole.join(name), out.join(name)).unwrap();
+    }
+    let csv = out.join("multisine.csv");
+    let rows = std::fs::read_to_string(&csv).unwrap();
+    let damaged: Vec<_> = rows
+        .lines()
+        .enumerate()
+        .map(|(i, row)| {
+            if i == 100 {
+                row.replacen(',', ",NaN", 1)
+            } else {
+                row.into()
+            }
+        })
+        .collect();
+    std::fs::write(&csv, damaged.join("\n")).unwrap();
+    let line = refusal(&["gap", "measure", out.to_str().unwrap()]);
+    assert!(
+        line.contains("multisine.csv") && line.contains("101"),
+        "{line}"
+    );
+}
+
+#[test]
+fn the_demo_leaves_the_files_that_it_names_and_shows_a_gap() {
+    let out = folder("demo");
+    let output = paddle(&["demo", "--out", out.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    for what in ["overshoot", "rise", "settling", "gap", "floor"] {
+        assert!(said.contains(what), "{said}");
+    }
+    let demo = json(&["demo", "--out", out.to_str().unwrap()]);
+    assert!(
+        demo["gap"]["before"].as_f64() > demo["gap"]["floor"].as_f64().map(|floor| 10.0 * floor)
+    );
+    let files = demo["files"].as_array().unwrap().iter();
+    let files: Vec<_> = files
+        .chain(demo["step"]["files"].as_array().unwrap())
+        .collect();
+    assert_eq!(
+        files
+            .iter()
+            .filter(|file| file.as_str().unwrap().ends_with(".svg"))
+            .count(),
+        2
+    );
+    for file in files {
+        let content = std::fs::read_to_string(file.as_str().unwrap()).unwrap();
+        assert!(said.contains(file.as_str().unwrap()) && !content.is_empty());
+        if file.as_str().unwrap().ends_with(".svg") {
+            assert!(content.starts_with("<svg") && content.trim_end().ends_with("</svg>"));
+        }
+    }
+}
+
+#[test]
+fn the_filter_lowers_the_noise_and_allows_a_larger_derivative_gain() {
+    let out = folder("filter");
+    let filter = json(&["sim", "filter", "--out", out.to_str().unwrap()]);
+    let value = |case: usize, name: &str| filter["cases"][case][name].as_f64().unwrap();
+    for [without, with] in [[0, 1], [2, 3]] {
+        assert!(value(with, "torque_noise_nm") < 0.5 * value(without, "torque_noise_nm"));
+        let largest = "largest_stable_kd_nm_s_per_deg";
+        assert!(value(with, largest) > 2.0 * value(without, largest));
+    }
+}

@@ -19,6 +19,9 @@ use std::process::ExitCode;
 /// Exit status for input that could not be used.
 const BAD_INPUT: u8 = 2;
 
+/// Place in the help of what all commands have.
+const LAST: usize = 900;
+
 /// Haptic paddle: simulate it, measure the gap between a simulation and a recording.
 #[derive(Parser)]
 #[command(version, after_help = "Example: paddle demo")]
@@ -26,7 +29,7 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Write the result as JSON to this file; `-` is standard output, and nothing else then goes there.
-    #[arg(long, global = true, value_name = "FILE|-")]
+    #[arg(long, global = true, value_name = "FILE|-", display_order = LAST)]
     json: Option<JsonTo>,
 }
 

@@ -48,12 +48,10 @@ pub struct Rig {
     pub seed: u64,
 }
 
-/// A sensor by name.
+/// A sensor by name: the encoder on the motor, or the Hall sensor on the paddle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SensorChoice {
-    /// On the motor.
     Encoder,
-    /// On the paddle.
     Hall,
 }
 

@@ -1,0 +1,160 @@
+//! The contract's windowed prediction, with any reality as the model.
+
+use crate::reality::{InputSeries, Reality, State};
+use crate::session::Log;
+
+/// What is known of the hidden states when a window begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum HiddenStates {
+    /// Carried on from the end of the window before.
+    Carried,
+    /// As they truly were.
+    Known,
+}
+
+/// Half width of the restart's fit and its fewest samples, by the contract.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Restart {
+    pub horizon_s: f64,
+    pub half_width_s: f64,
+}
+
+const FEWEST_SAMPLES: usize = 9;
+
+/// Predicted position of every row of every run.
+pub(crate) fn predict(
+    model: &Reality,
+    logs: &[Log],
+    restart: Restart,
+    hidden: HiddenStates,
+    step_s: f64,
+) -> Vec<Vec<f64>> {
+    logs.iter()
+        .enumerate()
+        .map(|(run, log)| predict_run(model, run, log, restart, hidden, step_s))
+        .collect()
+}
+
+fn predict_run(
+    model: &Reality,
+    run: usize,
+    log: &Log,
+    restart: Restart,
+    hidden: HiddenStates,
+    step_s: f64,
+) -> Vec<f64> {
+    let series = InputSeries::new(log.time_s.clone(), log.input.clone());
+    let start_s = log.time_s[0];
+    let mut carried: State = model.at_rest(log.position[0], start_s);
+    let mut predicted = Vec::with_capacity(log.position.len());
+    let mut row = 0;
+    for (window, truth) in log.restarts.iter().enumerate() {
+        let from_s = start_s + window as f64 * restart.horizon_s;
+        let to_s = from_s + restart.horizon_s;
+        let (x, v) = restart_state(log, from_s, restart.half_width_s);
+        let mut state = match hidden {
+            HiddenStates::Known => truth.clone(),
+            HiddenStates::Carried => carried.clone(),
+        };
+        state.time_s = from_s;
+        let slope = model.sensing.slope(model.sensed(&state).x);
+        let dx = x - model.reading(&state, run);
+        let dv = v - slope * model.sensed(&state).v;
+        model.displace(&mut state, dx, dv);
+        // Times of restarts are sums; a row at the restart itself belongs to the window it opens.
+        while row < log.time_s.len() && log.time_s[row] < to_s - 1e-9 {
+            model.advance(&mut state, &series, run, log.time_s[row], step_s);
+            predicted.push(model.reading(&state, run));
+            row += 1;
+        }
+        model.advance(&mut state, &series, run, to_s, step_s);
+        carried = state;
+    }
+    predicted.resize(log.position.len(), f64::NAN);
+    predicted
+}
+
+/// Value and slope, at `at_s`, of the cubic through the samples around it.
+fn restart_state(log: &Log, at_s: f64, half_width_s: f64) -> (f64, f64) {
+    let n = log.time_s.len();
+    let slack = 1e-9;
+    let mut from = log
+        .time_s
+        .partition_point(|t| *t < at_s - half_width_s - slack);
+    let mut to = log
+        .time_s
+        .partition_point(|t| *t <= at_s + half_width_s + slack);
+    while to - from < FEWEST_SAMPLES.min(n) {
+        let left = (from > 0).then(|| at_s - log.time_s[from - 1]);
+        let right = (to < n).then(|| log.time_s[to] - at_s);
+        match (left, right) {
+            (Some(l), Some(r)) if l <= r => from -= 1,
+            (Some(_), None) => from -= 1,
+            (_, Some(_)) => to += 1,
+            (None, None) => break,
+        }
+    }
+    let scale = (log.time_s[to - 1] - at_s)
+        .abs()
+        .max((at_s - log.time_s[from]).abs())
+        .max(1e-9);
+    let mut normal = [[0.0; 5]; 4];
+    for k in from..to {
+        let u = (log.time_s[k] - at_s) / scale;
+        let powers = [1.0, u, u * u, u * u * u];
+        for i in 0..4 {
+            for j in 0..4 {
+                normal[i][j] += powers[i] * powers[j];
+            }
+            normal[i][4] += powers[i] * log.position[k];
+        }
+    }
+    let c = solve(normal);
+    (c[0], c[1] / scale)
+}
+
+/// Gaussian elimination with pivoting of a 4 × 4 system.
+fn solve(mut a: [[f64; 5]; 4]) -> [f64; 4] {
+    for i in 0..4 {
+        let pivot = (i..4)
+            .max_by(|p, q| a[*p][i].abs().total_cmp(&a[*q][i].abs()))
+            .unwrap_or(i);
+        a.swap(i, pivot);
+        for j in 0..4 {
+            if j != i {
+                let factor = a[j][i] / a[i][i];
+                let row = a[i];
+                for (value, above) in a[j].iter_mut().zip(row) {
+                    *value -= factor * above;
+                }
+            }
+        }
+    }
+    std::array::from_fn(|i| a[i][4] / a[i][i])
+}
+
+/// Root mean square difference between predictions and the logged positions.
+pub(crate) fn gap(logs: &[Log], predicted: &[Vec<f64>]) -> f64 {
+    rms(logs.iter().zip(predicted).flat_map(|(log, run)| {
+        log.position
+            .iter()
+            .zip(run)
+            .map(|(measured, predicted)| measured - predicted)
+    }))
+}
+
+/// Root mean square difference between two sets of predictions.
+pub(crate) fn difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    rms(a
+        .iter()
+        .flatten()
+        .zip(b.iter().flatten())
+        .map(|(a, b)| a - b))
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| {
+        (sum + value * value, count + 1.0)
+    });
+    f64::sqrt(sum / f64::max(count, 1.0))
+}

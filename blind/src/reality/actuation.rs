@@ -1,0 +1,147 @@
+//! From the input to the torque at the joint.
+
+use recording::Model;
+
+/// What was commanded, held until the next entry.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct InputSeries {
+    since_s: Vec<f64>,
+    value: Vec<f64>,
+}
+
+impl InputSeries {
+    pub fn new(since_s: Vec<f64>, value: Vec<f64>) -> Self {
+        Self { since_s, value }
+    }
+
+    /// Commands `value` from `since_s` on; entries come in the order of time.
+    pub fn push(&mut self, since_s: f64, value: f64) {
+        self.since_s.push(since_s);
+        self.value.push(value);
+    }
+
+    /// What is commanded at `time_s`; 0 before the first entry. `cursor` remembers the place between calls.
+    fn at(&self, time_s: f64, cursor: &mut usize) -> f64 {
+        if *cursor > self.since_s.len() || (*cursor > 0 && self.since_s[*cursor - 1] > time_s) {
+            *cursor = self.since_s.partition_point(|since| *since <= time_s);
+        }
+        while *cursor < self.since_s.len() && self.since_s[*cursor] <= time_s {
+            *cursor += 1;
+        }
+        if *cursor == 0 {
+            0.0
+        } else {
+            self.value[*cursor - 1]
+        }
+    }
+}
+
+/// The two usual dead bands: what is left starts at zero, or at the edge with a jump.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Deadband {
+    Subtracted(f64),
+    Gated(f64),
+}
+
+/// Torque over position: `first sin(k x + phase) + second sin(2 k x + 2 phase)`, N m.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cogging {
+    pub first: f64,
+    pub second: f64,
+    /// rad per unit of position.
+    pub wave_number: f64,
+    pub phase_rad: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Actuator {
+    /// Joint torque per unit of input.
+    pub ratio: f64,
+    /// Beyond this the input does not act; infinite for none.
+    pub limit: f64,
+    /// Width over which the limit rounds off, relative to it.
+    pub knee: f64,
+    pub deadband: Option<Deadband>,
+    pub delay_s: f64,
+    pub lag_s: f64,
+    /// Constant torque, N m.
+    pub offset: f64,
+    pub cogging: Option<Cogging>,
+    /// Fastest change of the input, per second; infinite for none. Outside the vocabulary.
+    pub slew: f64,
+}
+
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Memory {
+    cursor: usize,
+    slewed: f64,
+    lagged: f64,
+}
+
+impl Actuator {
+    pub fn plain(model: &Model) -> Self {
+        Self {
+            ratio: model.ratio,
+            limit: model.input_limit.unwrap_or(f64::INFINITY),
+            knee: 0.0,
+            deadband: None,
+            delay_s: model.delay,
+            lag_s: model.lag,
+            offset: model.offset,
+            cogging: None,
+            slew: f64::INFINITY,
+        }
+    }
+
+    /// Torque in the middle of a step of `dt`, at the session's `time_s` and position `x`.
+    pub fn torque(
+        &self,
+        memory: &mut Memory,
+        input: &InputSeries,
+        time_s: f64,
+        x: f64,
+        dt: f64,
+    ) -> f64 {
+        let mut u = self.limited(input.at(time_s - self.delay_s, &mut memory.cursor));
+        u = match self.deadband {
+            None => u,
+            Some(Deadband::Subtracted(width)) => u.signum() * (u.abs() - width).max(0.0),
+            Some(Deadband::Gated(width)) => {
+                if u.abs() < width {
+                    0.0
+                } else {
+                    u
+                }
+            }
+        };
+        let reach = self.slew * dt;
+        memory.slewed += (u - memory.slewed).clamp(-reach, reach);
+        let target = memory.slewed;
+        let u = if self.lag_s > 0.0 {
+            let before = memory.lagged;
+            memory.lagged = target + (before - target) * (-dt / self.lag_s).exp();
+            0.5 * (before + memory.lagged)
+        } else {
+            memory.lagged = target;
+            target
+        };
+        let ripple = self.cogging.map_or(0.0, |c| {
+            let angle = c.wave_number * x + c.phase_rad;
+            c.first * angle.sin() + c.second * (2.0 * angle).sin()
+        });
+        self.ratio * u + self.offset + ripple
+    }
+
+    fn limited(&self, u: f64) -> f64 {
+        if self.knee == 0.0 {
+            return u.clamp(-self.limit, self.limit);
+        }
+        // Smooth towards the limit from (1 - knee) of it on.
+        let linear = self.limit * (1.0 - self.knee);
+        if u.abs() <= linear {
+            return u;
+        }
+        let room = self.limit - linear;
+        u.signum() * (linear + room * ((u.abs() - linear) / room).tanh())
+    }
+}

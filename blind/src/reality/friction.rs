@@ -1,0 +1,216 @@
+//! Friction at the joint.
+
+use recording::Model;
+
+use super::{Motion, REST};
+
+/// How the dry level changes over position, around 1: `1 + amount * shape`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Profile {
+    /// `amount * (x - at) / scale`
+    Linear { amount: f64, at: f64, scale: f64 },
+    /// `amount * ((x - at) / scale)^2`
+    Quadratic { amount: f64, at: f64, scale: f64 },
+    /// `amount * sin((x - at) / scale)`
+    Wave { amount: f64, at: f64, scale: f64 },
+}
+
+impl Profile {
+    fn factor(self, x: f64) -> f64 {
+        let factor = match self {
+            Self::Linear { amount, at, scale } => amount * (x - at) / scale,
+            Self::Quadratic { amount, at, scale } => amount * ((x - at) / scale).powi(2),
+            Self::Wave { amount, at, scale } => amount * ((x - at) / scale).sin(),
+        };
+        (1.0 + factor).max(0.0)
+    }
+}
+
+/// How the dry level changes over the session: towards `1 + amount`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum WarmUp {
+    /// Reached at `over_s`, and on at the same rate.
+    Linear {
+        amount: f64,
+        over_s: f64,
+    },
+    Exponential {
+        amount: f64,
+        time_constant_s: f64,
+    },
+}
+
+impl WarmUp {
+    fn factor(self, time_s: f64) -> f64 {
+        let factor = match self {
+            Self::Linear { amount, over_s } => amount * time_s / over_s,
+            Self::Exponential {
+                amount,
+                time_constant_s,
+            } => amount * -(-time_s / time_constant_s).exp_m1(),
+        };
+        (1.0 + factor).max(0.0)
+    }
+}
+
+/// Presliding: bristles of `stiffness` (N m/rad) that bend before they slip, purely elastic below
+/// `elastic_share` of the deflection at which they slip (Dupont et al., "Single state elastoplastic friction models",
+/// 2002; with 0 it is the LuGre model, Canudas de Wit et al., 1995).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bristle {
+    pub stiffness: f64,
+    pub damping: f64,
+    pub elastic_share: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Friction {
+    /// Dry level while sliding in the positive and in the negative direction, N m.
+    pub forward: f64,
+    pub backward: f64,
+    /// Level at rest over the sliding one.
+    pub static_ratio: f64,
+    /// Velocity over which the level falls, and the power in `exp(-|v / vs|^power)`.
+    pub stribeck_velocity: f64,
+    pub stribeck_power: i32,
+    pub viscous: f64,
+    /// Drag `-c v |v|`.
+    pub quadratic: f64,
+    pub profile: Option<Profile>,
+    pub warm_up: Option<WarmUp>,
+    /// Further dry friction per unit of torque that the transmission carries.
+    pub load_share: f64,
+    pub bristle: Option<Bristle>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Memory {
+    /// Deflection of the bristles.
+    deflection: f64,
+}
+
+/// The dry levels of the moment, N m.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Level {
+    forward: f64,
+    backward: f64,
+}
+
+impl Friction {
+    pub fn plain(model: &Model) -> Self {
+        Self {
+            forward: model.coulomb,
+            backward: model.coulomb,
+            static_ratio: 1.0,
+            stribeck_velocity: 1.0,
+            stribeck_power: 1,
+            viscous: model.viscous,
+            quadratic: 0.0,
+            profile: None,
+            warm_up: None,
+            load_share: 0.0,
+            bristle: None,
+        }
+    }
+
+    /// The dry levels for this motion under this driving torque.
+    pub fn level(&self, motion: Motion, drive: f64, time_s: f64) -> Level {
+        let mut factor = 1.0;
+        if self.static_ratio != 1.0 {
+            let ratio = motion.v.abs() / self.stribeck_velocity;
+            factor += (self.static_ratio - 1.0) * (-ratio.powi(self.stribeck_power)).exp();
+        }
+        if let Some(profile) = self.profile {
+            factor *= profile.factor(motion.x);
+        }
+        if let Some(warm_up) = self.warm_up {
+            factor *= warm_up.factor(time_s);
+        }
+        let carried = self.load_share * drive.abs();
+        Level {
+            forward: self.forward * factor + carried,
+            backward: self.backward * factor + carried,
+        }
+    }
+
+    /// Velocity after `dt` under the torque `free` and this `share` of all friction, bristles included.
+    #[expect(clippy::too_many_arguments)]
+    pub fn resist(
+        &self,
+        memory: &mut Memory,
+        free: f64,
+        v: f64,
+        inertia: f64,
+        level: Level,
+        share: f64,
+        dt: f64,
+    ) -> f64 {
+        let Some(bristle) = self.bristle else {
+            return self.project(free, v, inertia, level, share, dt);
+        };
+        let slip = if v >= 0.0 {
+            level.forward
+        } else {
+            level.backward
+        } / bristle.stiffness;
+        let z = memory.deflection;
+        let sliding = if z * v <= 0.0 || slip <= 0.0 {
+            0.0
+        } else {
+            let bent = (z / slip).abs();
+            let share =
+                ((bent - bristle.elastic_share) / (1.0 - bristle.elastic_share)).clamp(0.0, 1.0);
+            if bristle.elastic_share > 0.0 {
+                0.5 + 0.5 * (std::f64::consts::PI * (share - 0.5)).sin()
+            } else {
+                1.0
+            }
+        };
+        // Exact for constant velocity, so that any speed is stable.
+        memory.deflection = if sliding > 0.0 {
+            let settled = v.signum() * slip / sliding;
+            settled + (z - settled) * (-sliding * v.abs() * dt / slip).exp()
+        } else {
+            z + v * dt
+        };
+        memory.deflection = memory
+            .deflection
+            .clamp(-slip.max(z.abs()), slip.max(z.abs()));
+        let rate = (memory.deflection - z) / dt;
+        let bent = bristle.stiffness * 0.5 * (z + memory.deflection) + bristle.damping * rate;
+        self.dragged(free - share * bent, v, inertia, share, dt)
+    }
+
+    /// Velocity after `dt` under `free`, set-valued dry friction projected out.
+    pub fn project(
+        &self,
+        free: f64,
+        v: f64,
+        inertia: f64,
+        level: Level,
+        share: f64,
+        dt: f64,
+    ) -> f64 {
+        let v = self.dragged(free, v, inertia, share, dt);
+        let forward = share * level.forward * dt / inertia;
+        let backward = share * level.backward * dt / inertia;
+        if v > forward {
+            v - forward
+        } else if v < -backward {
+            v + backward
+        } else {
+            0.0
+        }
+    }
+
+    /// Velocity after `dt` under `free` and drag: viscous by the trapezoidal rule, quadratic explicit.
+    fn dragged(&self, free: f64, v: f64, inertia: f64, share: f64, dt: f64) -> f64 {
+        let half = 0.5 * share * self.viscous * dt / inertia;
+        let drag = if v.abs() > REST {
+            share * self.quadratic * v * v.abs()
+        } else {
+            0.0
+        };
+        (v * (1.0 - half) + (free - drag) * dt / inertia) / (1.0 + half)
+    }
+}

@@ -1,0 +1,212 @@
+//! A device as it really is, with whatever is hidden in it.
+//!
+//! Midpoint time stepping with set-valued dry friction (Moreau, "Unilateral contact and dry friction in finite freedom
+//! dynamics", 1988): friction is the projection of the free velocity, so sticking is exact and needs no events. Steps
+//! are tens of microseconds. Nothing here is shared with the simulator that a diagnosis fits.
+
+mod actuation;
+mod foreign;
+mod friction;
+mod mechanics;
+mod sensing;
+mod surroundings;
+
+pub(crate) use actuation::{Actuator, Cogging, Deadband, InputSeries};
+pub(crate) use foreign::{Creep, Disturbance, Foreign, Window};
+pub(crate) use friction::{Bristle, Friction, Profile, WarmUp};
+pub(crate) use mechanics::{Coupling, Mechanics, Side, Stop};
+pub(crate) use sensing::{Curve, Jump, Sensing};
+pub(crate) use surroundings::Contact;
+
+use recording::Model;
+
+/// Below this speed a mass counts as not moving, in units per second: far below any velocity that a sensor shows.
+const REST: f64 = 1e-12;
+
+/// A device: every law of it, neutral where nothing is hidden.
+#[derive(Clone, Debug)]
+pub(crate) struct Reality {
+    pub actuator: Actuator,
+    pub friction: Friction,
+    pub mechanics: Mechanics,
+    pub sensing: Sensing,
+    pub contact: Option<Contact>,
+    pub foreign: Foreign,
+}
+
+/// Position and velocity of one inertia.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Motion {
+    pub x: f64,
+    pub v: f64,
+}
+
+/// Everything that a device remembers. `load` is the whole device if its transmission is rigid.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    /// Time of the session, s.
+    pub time_s: f64,
+    pub load: Motion,
+    pub motor: Motion,
+    pub actuator: actuation::Memory,
+    pub friction: friction::Memory,
+    pub sensing: sensing::Memory,
+    pub foreign: foreign::Memory,
+}
+
+impl Reality {
+    /// The device that `model` describes, with nothing hidden.
+    pub fn plain(model: &Model) -> Self {
+        Self {
+            actuator: Actuator::plain(model),
+            friction: Friction::plain(model),
+            mechanics: Mechanics::plain(model),
+            sensing: Sensing::default(),
+            contact: None,
+            foreign: Foreign::default(),
+        }
+    }
+
+    /// The device at rest at `x` at `time_s` of the session, with nothing commanded so far.
+    pub fn at_rest(&self, x: f64, time_s: f64) -> State {
+        let motion = Motion { x, v: 0.0 };
+        State {
+            time_s,
+            load: motion,
+            motor: motion,
+            actuator: actuation::Memory::default(),
+            friction: friction::Memory::default(),
+            sensing: self.sensing.settled(x),
+            foreign: foreign::Memory::default(),
+        }
+    }
+
+    /// The motion that the sensor rides on.
+    pub fn sensed<'a>(&self, state: &'a State) -> &'a Motion {
+        match self.mechanics.coupling {
+            Some(Coupling {
+                sensor: Side::Motor,
+                ..
+            }) => &state.motor,
+            _ => &state.load,
+        }
+    }
+
+    /// The clean reading of the position sensor in `run`: before noise and quantising.
+    pub fn reading(&self, state: &State, run: usize) -> f64 {
+        self.sensing
+            .reading(&state.sensing, self.sensed(state).x, run, state.time_s)
+    }
+
+    /// Shifts what can be measured by an error of reading, `dx` and `dv`, and leaves the hidden states relative to it.
+    pub fn displace(&self, state: &mut State, dx: f64, dv: f64) {
+        let slope = self.sensing.slope(self.sensed(state).x);
+        for motion in [&mut state.load, &mut state.motor] {
+            motion.x += dx / slope;
+            motion.v += dv / slope;
+        }
+        self.sensing.displace(&mut state.sensing, dx);
+    }
+
+    /// Moves `state` to `until_s` of the session, in equal steps of at most `step_s`.
+    pub fn advance(
+        &self,
+        state: &mut State,
+        input: &InputSeries,
+        run: usize,
+        until_s: f64,
+        step_s: f64,
+    ) {
+        let span_s = until_s - state.time_s;
+        if span_s <= 0.0 {
+            return;
+        }
+        let steps = (span_s / step_s).ceil().max(1.0);
+        let dt = span_s / steps;
+        for _ in 0..steps as usize {
+            self.step(state, input, run, dt);
+        }
+        state.time_s = until_s;
+    }
+
+    fn step(&self, state: &mut State, input: &InputSeries, run: usize, dt: f64) {
+        let time_s = state.time_s + 0.5 * dt;
+        let coupling = self.mechanics.coupling.as_ref();
+        let load = Motion {
+            x: state.load.x + 0.5 * dt * state.load.v,
+            v: state.load.v,
+        };
+        let motor = Motion {
+            x: state.motor.x + 0.5 * dt * state.motor.v,
+            v: state.motor.v,
+        };
+
+        let driven = if coupling.is_some() { motor } else { load };
+        let drive = self.foreign.fade(&mut state.foreign, time_s, dt)
+            * self
+                .actuator
+                .torque(&mut state.actuator, input, time_s, driven.x, dt)
+            + self.foreign.torque(&mut state.foreign, time_s, load, dt);
+        let mut on_load = self.mechanics.torque(load, self.foreign.tilt(time_s));
+        if let Some(contact) = &self.contact {
+            on_load += contact.torque(load, run, time_s);
+        }
+        let level = self.friction.level(load, drive, time_s);
+        let inertia = self.mechanics.inertia * self.foreign.inertia_factor(time_s);
+
+        match coupling {
+            None => {
+                let free = drive + on_load;
+                let resisted = self.friction.resist(
+                    &mut state.friction,
+                    free,
+                    load.v,
+                    inertia,
+                    level,
+                    1.0,
+                    dt,
+                );
+                state.load = moved(state.load, resisted, dt);
+            }
+            Some(coupling) => {
+                let through = coupling.torque(motor, load);
+                let (motor_j, load_j) = (
+                    inertia * coupling.motor_share,
+                    inertia * (1.0 - coupling.motor_share),
+                );
+                let motor_friction = coupling.motor_friction;
+                let v = Friction::project(
+                    &self.friction,
+                    drive - through,
+                    motor.v,
+                    motor_j,
+                    level,
+                    motor_friction,
+                    dt,
+                );
+                state.motor = moved(state.motor, v, dt);
+                let v = self.friction.resist(
+                    &mut state.friction,
+                    on_load + through,
+                    load.v,
+                    load_j,
+                    level,
+                    1.0 - motor_friction,
+                    dt,
+                );
+                state.load = moved(state.load, v, dt);
+            }
+        }
+        state.time_s += dt;
+        let sensed = self.sensed(state).x;
+        self.sensing.remember(&mut state.sensing, sensed, dt);
+    }
+}
+
+/// Midpoint rule: the position moves by the mean of the velocities before and after.
+fn moved(from: Motion, v: f64, dt: f64) -> Motion {
+    Motion {
+        x: from.x + 0.5 * dt * (from.v + v),
+        v,
+    }
+}

@@ -1,0 +1,118 @@
+//! From the true position to the clean reading: gain and curve, play, lag, lost counts, low-pass.
+
+/// A departure from the straight line, in units of position.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Curve {
+    /// `amount * (x - at)^2 / scale`
+    Quadratic { amount: f64, at: f64, scale: f64 },
+    /// `amount * (x - at)^3 / scale^2`
+    Cubic { amount: f64, at: f64, scale: f64 },
+    /// `amount * scale * sin((x - at) / scale)`
+    Wave { amount: f64, at: f64, scale: f64 },
+}
+
+impl Curve {
+    fn departure(self, x: f64) -> f64 {
+        match self {
+            Self::Quadratic { amount, at, scale } => amount * (x - at).powi(2) / scale,
+            Self::Cubic { amount, at, scale } => amount * (x - at).powi(3) / (scale * scale),
+            Self::Wave { amount, at, scale } => amount * scale * ((x - at) / scale).sin(),
+        }
+    }
+
+    fn slope(self, x: f64) -> f64 {
+        match self {
+            Self::Quadratic { amount, at, scale } => 2.0 * amount * (x - at) / scale,
+            Self::Cubic { amount, at, scale } => 3.0 * amount * ((x - at) / scale).powi(2),
+            Self::Wave { amount, at, scale } => amount * ((x - at) / scale).cos(),
+        }
+    }
+}
+
+/// Counts lost in `run` from `since_s` of the session on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Jump {
+    pub run: usize,
+    pub since_s: f64,
+    pub by: f64,
+}
+
+/// A sensor of the position; the default is perfect.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sensing {
+    /// Departure of the gain from 1.
+    pub gain_error: f64,
+    pub curve: Option<Curve>,
+    /// Half the width of the play between position and reading.
+    pub half_play: f64,
+    pub lag_s: f64,
+    pub jumps: Vec<Jump>,
+    /// Disturbance of the reading in time: amplitude and frequency. Outside the vocabulary.
+    pub hum: Option<(f64, f64)>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Memory {
+    played: f64,
+    lagged: f64,
+}
+
+impl Sensing {
+    /// The memory after a long rest at `x`.
+    pub fn settled(&self, x: f64) -> Memory {
+        let shaped = self.shaped(x);
+        Memory {
+            played: shaped,
+            lagged: shaped,
+        }
+    }
+
+    /// Takes note of the position after a step of `dt`.
+    pub fn remember(&self, memory: &mut Memory, x: f64, dt: f64) {
+        if self.half_play > 0.0 || self.lag_s > 0.0 {
+            let shaped = self.shaped(x);
+            memory.played = memory
+                .played
+                .clamp(shaped - self.half_play, shaped + self.half_play);
+            memory.lagged = if self.lag_s > 0.0 {
+                memory.played + (memory.lagged - memory.played) * (-dt / self.lag_s).exp()
+            } else {
+                memory.played
+            };
+        }
+    }
+
+    /// The clean reading at `x`.
+    pub fn reading(&self, memory: &Memory, x: f64, run: usize, time_s: f64) -> f64 {
+        let base = if self.half_play > 0.0 || self.lag_s > 0.0 {
+            memory.lagged
+        } else {
+            self.shaped(x)
+        };
+        let lost: f64 = self
+            .jumps
+            .iter()
+            .filter(|jump| jump.run == run && time_s >= jump.since_s)
+            .map(|jump| jump.by)
+            .sum();
+        let hum = self.hum.map_or(0.0, |(amplitude, hz)| {
+            amplitude * (std::f64::consts::TAU * hz * time_s).sin()
+        });
+        base + lost + hum
+    }
+
+    /// Reading per unit of position around `x`.
+    pub fn slope(&self, x: f64) -> f64 {
+        1.0 + self.gain_error + self.curve.map_or(0.0, |curve| curve.slope(x))
+    }
+
+    /// Shifts the memory by `dx` of reading.
+    pub fn displace(&self, memory: &mut Memory, dx: f64) {
+        memory.played += dx;
+        memory.lagged += dx;
+    }
+
+    fn shaped(&self, x: f64) -> f64 {
+        (1.0 + self.gain_error) * x + self.curve.map_or(0.0, |curve| curve.departure(x))
+    }
+}

@@ -1,0 +1,14 @@
+//! Random devices, what they are told to do, and what is hidden in them.
+
+mod excitation;
+mod foreign;
+mod hidden;
+mod plan;
+mod plant;
+
+pub(crate) use excitation::Waveform;
+pub(crate) use foreign::Cause;
+pub use hidden::VOCABULARY;
+pub(crate) use hidden::{Hidden, Scale};
+pub(crate) use plan::{Drive, Plan};
+pub(crate) use plant::{Family, Plant};

@@ -1,0 +1,241 @@
+//! Random devices of four families, at random scales.
+
+use std::f64::consts::TAU;
+
+use recording::{Model, Sensor, Units};
+
+use crate::draw::Draw;
+
+/// What kind of device it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    Paddle,
+    Servo,
+    Linear,
+    DirectDrive,
+}
+
+/// A device, how it is sampled, and the motion that suits it.
+#[derive(Clone, Debug)]
+pub(crate) struct Plant {
+    pub family: Family,
+    /// True numbers, effects aside.
+    pub model: Model,
+    pub units: Units,
+    /// Half the span of a typical motion, in units of position.
+    pub amplitude: f64,
+    /// Frequency of a typical motion.
+    pub motion_hz: f64,
+    /// Period of the control loop, s.
+    pub tick_s: f64,
+    /// Every how many ticks a row is logged.
+    pub ticks_per_row: usize,
+    pub sensor: Sensor,
+    pub horizon_s: f64,
+}
+
+impl Plant {
+    /// A device on which an effect of this name can be told from others in principle.
+    pub fn draw(draw: &mut Draw, name: Option<&str>) -> Self {
+        let family = match name {
+            // Gravity and a spring differ at large angles only.
+            Some("gravity") => draw.pick(&[Family::Servo, Family::DirectDrive]),
+            Some("spring") => draw.pick(&[Family::Servo, Family::DirectDrive, Family::Linear]),
+            _ => draw.pick(&[
+                Family::Paddle,
+                Family::Paddle,
+                Family::Servo,
+                Family::Linear,
+                Family::DirectDrive,
+            ]),
+        };
+        let mut plant = match family {
+            Family::Paddle => paddle(draw),
+            Family::Servo => servo(draw),
+            Family::Linear => linear(draw),
+            Family::DirectDrive => direct_drive(draw),
+        };
+        if matches!(name, Some("gravity" | "spring")) && family != Family::Linear {
+            plant.amplitude = draw.uniform(1.1, 1.8);
+        }
+        if name == Some("sensor_gain") && family != Family::Servo && family != Family::Paddle {
+            // Without a restoring torque a wrong scale is a wrong inertia.
+            plant.model.stiffness = draw.uniform(0.3, 1.0) * plant.torque() / plant.amplitude;
+        }
+        plant
+    }
+
+    /// Torque that the typical motion takes, N m.
+    pub fn torque(&self) -> f64 {
+        self.model.inertia * self.amplitude * (TAU * self.motion_hz).powi(2)
+    }
+}
+
+fn horizon(draw: &mut Draw, motion_hz: f64) -> f64 {
+    let horizon = (draw.log_uniform(0.12, 0.5) / motion_hz).clamp(0.1, 0.8);
+    (horizon * 100.0).round() / 100.0
+}
+
+fn units(position: &str, input: &str) -> Units {
+    Units {
+        position: position.into(),
+        input: input.into(),
+    }
+}
+
+fn paddle(draw: &mut Draw) -> Plant {
+    let model = Model {
+        viscous: draw.log_uniform(1e-4, 2e-3),
+        coulomb: draw.log_uniform(0.003, 0.015),
+        gravity: draw.log_uniform(0.01, 0.025),
+        ratio: draw.pick(&[15.0, 15.0, 12.0, 20.0]),
+        travel: Some([-0.61, 0.61]),
+        ..Model::new(draw.log_uniform(3.5e-4, 9e-4))
+    };
+    let motion_hz = draw.log_uniform(0.8, 3.0);
+    let (tick_s, ticks_per_row) =
+        draw.pick(&[(3.5e-4, 1), (3.5e-4, 3), (1e-3, 1), (5e-4, 2), (3.3e-4, 1)]);
+    let sensor = if draw.chance(0.6) {
+        Sensor {
+            resolution: 2.09e-4,
+            noise: draw.pick(&[0.0, 0.0, 5e-5]),
+            cutoff_hz: None,
+        }
+    } else {
+        Sensor {
+            resolution: 0.0,
+            noise: draw.log_uniform(5e-5, 4.5e-4),
+            cutoff_hz: None,
+        }
+    };
+    Plant {
+        family: Family::Paddle,
+        model,
+        units: Units::default(),
+        amplitude: draw.uniform(0.2, 0.5),
+        motion_hz,
+        tick_s,
+        ticks_per_row,
+        sensor,
+        horizon_s: horizon(draw, motion_hz),
+    }
+}
+
+fn servo(draw: &mut Draw) -> Plant {
+    let mut model = Model {
+        viscous: draw.log_uniform(0.005, 0.05),
+        coulomb: draw.log_uniform(0.01, 0.06),
+        gravity: draw.log_uniform(0.15, 0.8),
+        gravity_zero: draw.uniform(-0.03, 0.03),
+        ratio: draw.log_uniform(0.3, 1.5),
+        ..Model::new(draw.log_uniform(0.004, 0.02))
+    };
+    if draw.chance(0.3) {
+        model.delay = (draw.log_uniform(0.002, 0.01) * 1e4).round() / 1e4;
+    }
+    let motion_hz = draw.log_uniform(0.35, 1.2);
+    Plant {
+        family: Family::Servo,
+        model,
+        units: units("rad", draw.pick(&["duty", "A"])),
+        amplitude: draw.uniform(0.5, 1.5),
+        motion_hz,
+        tick_s: draw.pick(&[5e-3, 5.26e-3, 4e-3]),
+        ticks_per_row: 1,
+        sensor: Sensor {
+            resolution: draw.pick(&[1.534e-3, 3.83e-4]),
+            noise: 0.0,
+            cutoff_hz: None,
+        },
+        horizon_s: horizon(draw, motion_hz),
+    }
+}
+
+/// Friction and drag as shares of the torque that the motion takes.
+fn load_with_friction(plant: &mut Plant, draw: &mut Draw) {
+    let torque = plant.torque();
+    let speed = plant.amplitude * TAU * plant.motion_hz;
+    plant.model.coulomb = torque * draw.log_uniform(0.08, 0.5);
+    plant.model.viscous = torque / speed * draw.log_uniform(0.03, 0.4);
+}
+
+fn linear(draw: &mut Draw) -> Plant {
+    let amplitude = draw.log_uniform(0.01, 0.2);
+    let motion_hz = draw.log_uniform(0.6, 3.0);
+    let noise = amplitude * draw.log_uniform(3e-5, 3e-4);
+    let (tick_s, ticks_per_row) = draw.pick(&[(1e-3, 1), (5e-4, 1), (2e-3, 1), (5e-4, 2)]);
+    let mut plant = Plant {
+        family: Family::Linear,
+        model: Model {
+            ratio: draw.log_uniform(2.0, 30.0),
+            ..Model::new(draw.log_uniform(0.2, 5.0))
+        },
+        units: units("m", draw.pick(&["A", "N", "V"])),
+        amplitude,
+        motion_hz,
+        tick_s,
+        ticks_per_row,
+        sensor: if draw.chance(0.5) {
+            Sensor {
+                resolution: 2.0 * noise,
+                noise: 0.0,
+                cutoff_hz: None,
+            }
+        } else {
+            Sensor {
+                resolution: 0.0,
+                noise,
+                cutoff_hz: None,
+            }
+        },
+        horizon_s: horizon(draw, motion_hz),
+    };
+    load_with_friction(&mut plant, draw);
+    if draw.chance(0.3) {
+        plant.model.stiffness = draw.uniform(0.2, 1.0) * plant.torque() / amplitude;
+    }
+    if draw.chance(0.4) {
+        let reach = amplitude * draw.uniform(1.5, 2.5);
+        plant.model.travel = Some([-reach, reach]);
+        plant.model.stop_stiffness = plant.torque() / (amplitude * draw.log_uniform(0.005, 0.03));
+        plant.model.stop_damping = 0.4 * (plant.model.stop_stiffness * plant.model.inertia).sqrt();
+    }
+    plant
+}
+
+fn direct_drive(draw: &mut Draw) -> Plant {
+    let motion_hz = draw.log_uniform(0.6, 3.0);
+    let noise = draw.log_uniform(8e-5, 6e-4);
+    let (tick_s, ticks_per_row) = draw.pick(&[(1e-3, 1), (2e-3, 1), (5e-4, 1), (1e-3, 2)]);
+    let mut plant = Plant {
+        family: Family::DirectDrive,
+        model: Model {
+            ratio: draw.pick(&[1.0, 1.0, 0.05, 0.6]),
+            ..Model::new(draw.log_uniform(2e-4, 5e-3))
+        },
+        units: units("rad", draw.pick(&["N m", "A"])),
+        amplitude: draw.uniform(0.5, 2.0),
+        motion_hz,
+        tick_s,
+        ticks_per_row,
+        sensor: if draw.chance(0.5) {
+            Sensor {
+                resolution: 2.0 * noise,
+                noise: 0.0,
+                cutoff_hz: None,
+            }
+        } else {
+            Sensor {
+                resolution: 0.0,
+                noise,
+                cutoff_hz: None,
+            }
+        },
+        horizon_s: horizon(draw, motion_hz),
+    };
+    load_with_friction(&mut plant, draw);
+    if draw.chance(0.5) {
+        plant.model.gravity = draw.uniform(0.3, 1.0) * plant.torque();
+    }
+    plant
+}

@@ -255,11 +255,7 @@ fn findings(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Vec
                 let place = at + k;
                 term.free[k].spread(fit.x[place], fit.std[place])
             });
-            let name = if values.len() > kind_len {
-                format!("{}_{}", parameter.name, i / kind_len + 1)
-            } else {
-                parameter.name.to_owned()
-            };
+            let name = term.kind.value_name(i, values.len());
             let unit = parameter.quantity.unit(&units.position, &units.input);
             parameters.insert(
                 name,

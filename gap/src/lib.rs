@@ -8,6 +8,7 @@ mod fit;
 mod hypothesis;
 mod locate;
 mod measure;
+pub mod model_file;
 mod motion;
 mod noise;
 pub mod predict;
@@ -18,3 +19,4 @@ mod whitening;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};
 pub use measure::{Gap, PredictedRun, measure};
+pub use model_file::ModelFile;

@@ -152,6 +152,20 @@ pub struct Kind {
     pub install: fn(&mut Device, &[f64]),
 }
 
+impl Kind {
+    /// Name of the value at `place` of an effect of this kind that has `count` of them; one that repeats its
+    /// parameters numbers them from 1.
+    pub fn value_name(&self, place: usize, count: usize) -> String {
+        let once = self.parameters.len();
+        let name = self.parameters[place % once].name;
+        if count > once {
+            format!("{name}_{}", place / once + 1)
+        } else {
+            name.to_owned()
+        }
+    }
+}
+
 /// Least share of the inertia on either side of a transmission.
 const LEAST_SHARE: f64 = 0.01;
 

@@ -1,0 +1,276 @@
+//! A corrected model as a TOML file that stands alone.
+//!
+//! ```toml
+//! format = 1
+//!
+//! [model]                   # as in a recording
+//! inertia = 5.755e-4
+//!
+//! [[effects]]
+//! name = "stribeck"
+//! parameters = { static_ratio = 1.4, velocity = 0.1 }
+//!
+//! [[moments]]               # bound to a moment of one recording
+//! recording = "Paddle 24"
+//! fingerprint = "af63dc4c8601ec8c"
+//! name = "contact"
+//! parameters = { position = 0.1, side = 1.0, stiffness = 2.0, damping = 0.01, from = 0.2, to = 0.8 }
+//! ```
+
+use crate::diagnose::{CorrectedEffect, CorrectedModel};
+use crate::select::is_event;
+use host_sim::effects::{self, Effect, EffectError};
+use recording::{Model, Recording};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+/// Of this format.
+const FORMAT: u32 = 1;
+
+/// What stands in the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    format: u32,
+    model: Model,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    effects: Vec<Entry>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    moments: Vec<Moment>,
+}
+
+/// One effect.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    name: String,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    sensor_on_load: bool,
+    parameters: BTreeMap<String, f64>,
+}
+
+/// One effect that belongs to a moment of one recording.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Moment {
+    recording: String,
+    fingerprint: String,
+    name: String,
+    parameters: BTreeMap<String, f64>,
+}
+
+/// Why a model file cannot be used: the cause and, after the semicolon, the mend.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelFileError {
+    /// Not TOML, or a key is missing, unknown or of the wrong kind.
+    #[error("{0}; write it as `paddle gap diagnose --save-model` does")]
+    Toml(String),
+    /// Another version of the format.
+    #[error("format {0} is not known; this program reads `format = 1`")]
+    Format(u32),
+    /// No such effect.
+    #[error(transparent)]
+    Effect(#[from] EffectError),
+    /// A parameter is not there.
+    #[error("effect '{effect}' lacks parameter '{parameter}'; add it")]
+    Missing {
+        /// The effect.
+        effect: &'static str,
+        /// The parameter.
+        parameter: String,
+    },
+    /// A number that no model has.
+    #[error("{name} is {value}; it must be {mend}")]
+    Number {
+        /// The number.
+        name: String,
+        /// As written.
+        value: f64,
+        /// What it must be.
+        mend: &'static str,
+    },
+}
+
+/// An effect that was left out, as it belongs to a moment of another recording.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{effect} belongs to a moment of the recording '{recording}' and is ignored here")]
+pub struct LeftOut {
+    /// The effect.
+    pub effect: &'static str,
+    /// Title of the recording.
+    pub recording: String,
+}
+
+impl ModelFile {
+    /// The file of `corrected`, which was found on `recording`.
+    pub fn new(corrected: &CorrectedModel, recording: &Recording) -> Self {
+        let fingerprint = fingerprint(recording);
+        let (moments, effects): (Vec<_>, Vec<_>) = corrected
+            .effects
+            .iter()
+            .partition(|corrected| is_event(corrected.effect.kind.name));
+        let moment = |corrected: &CorrectedEffect| Moment {
+            recording: recording.title.clone(),
+            fingerprint: fingerprint.clone(),
+            name: corrected.effect.kind.name.to_owned(),
+            parameters: named(&corrected.effect),
+        };
+        let entry = |corrected: &CorrectedEffect| Entry {
+            name: corrected.effect.kind.name.to_owned(),
+            sensor_on_load: corrected.sensor_on_load,
+            parameters: named(&corrected.effect),
+        };
+        Self {
+            format: FORMAT,
+            model: corrected.model,
+            effects: effects.into_iter().map(entry).collect(),
+            moments: moments.into_iter().map(moment).collect(),
+        }
+    }
+
+    /// The model on `recording`, and what belongs to a moment of another one.
+    ///
+    /// # Errors
+    /// [`ModelFileError`] for effects and numbers that no model has.
+    pub fn on(
+        &self,
+        recording: &Recording,
+    ) -> Result<(CorrectedModel, Vec<LeftOut>), ModelFileError> {
+        check(&self.model)?;
+        let mut all = Vec::new();
+        for entry in &self.effects {
+            all.push(CorrectedEffect {
+                effect: effect(&entry.name, &entry.parameters)?,
+                sensor_on_load: entry.sensor_on_load,
+            });
+        }
+        let here = fingerprint(recording);
+        let mut left_out = Vec::new();
+        for moment in &self.moments {
+            let effect = effect(&moment.name, &moment.parameters)?;
+            if moment.fingerprint == here {
+                all.push(CorrectedEffect {
+                    effect,
+                    sensor_on_load: false,
+                });
+            } else {
+                left_out.push(LeftOut {
+                    effect: effect.kind.name,
+                    recording: moment.recording.clone(),
+                });
+            }
+        }
+        let corrected = CorrectedModel {
+            model: self.model,
+            effects: all,
+        };
+        Ok((corrected, left_out))
+    }
+}
+
+impl fmt::Display for ModelFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&toml::to_string(self).map_err(|_| fmt::Error)?)
+    }
+}
+
+impl FromStr for ModelFile {
+    type Err = ModelFileError;
+
+    fn from_str(text: &str) -> Result<Self, ModelFileError> {
+        let file: Self = toml::from_str(text).map_err(|error| {
+            let line = error
+                .span()
+                .map(|span| 1 + text[..span.start].matches('\n').count());
+            let at = line.map_or(String::new(), |line| format!("line {line}: "));
+            let message: Vec<_> = error.message().lines().collect();
+            ModelFileError::Toml(format!("{at}{}", message.join(", ")))
+        })?;
+        match file.format {
+            FORMAT => Ok(file),
+            other => Err(ModelFileError::Format(other)),
+        }
+    }
+}
+
+fn named(effect: &Effect) -> BTreeMap<String, f64> {
+    let count = effect.values.len();
+    let values = effect.values.iter().enumerate();
+    values
+        .map(|(place, value)| (effect.kind.value_name(place, count), *value))
+        .collect()
+}
+
+fn effect(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Effect, ModelFileError> {
+    let kind = effects::kind(name).ok_or_else(|| EffectError::Kind(name.to_owned()))?;
+    let once = kind.parameters.len();
+    let count = parameters.len().div_ceil(once).max(1) * once;
+    let names: Vec<_> = (0..count)
+        .map(|place| kind.value_name(place, count))
+        .collect();
+    if let Some(unknown) = parameters.keys().find(|name| !names.contains(name)) {
+        let known: Vec<_> = kind.parameters.iter().map(|p| p.name).collect();
+        return Err(EffectError::Parameter {
+            kind: kind.name,
+            name: unknown.clone(),
+            known: known.join(", "),
+        }
+        .into());
+    }
+    let values = names.into_iter().map(|name| match parameters.get(&name) {
+        Some(value) if value.is_finite() => Ok(*value),
+        Some(&value) => Err(ModelFileError::Number {
+            name: format!("{}.{name}", kind.name),
+            value,
+            mend: "finite",
+        }),
+        None => Err(ModelFileError::Missing {
+            effect: kind.name,
+            parameter: name,
+        }),
+    });
+    Ok(Effect {
+        kind,
+        values: values.collect::<Result<_, _>>()?,
+    })
+}
+
+fn check(model: &Model) -> Result<(), ModelFileError> {
+    let number = |name: &str, value: f64, mend| ModelFileError::Number {
+        name: format!("model.{name}"),
+        value,
+        mend,
+    };
+    for name in Model::NAMES {
+        if let Some(value) = model.get(name)
+            && !value.is_finite()
+        {
+            return Err(number(name, value, "finite"));
+        }
+    }
+    if let Some([low, high]) = model.travel
+        && (low >= high || !(high - low).is_finite())
+    {
+        return Err(number("travel", low, "below its upper end"));
+    }
+    if model.inertia > 0.0 {
+        Ok(())
+    } else {
+        Err(number("inertia", model.inertia, "above 0"))
+    }
+}
+
+/// Tells recordings apart whatever they are called: a hash of all times and positions (FNV-1a, G. Fowler, L. C. Noll
+/// and K.-P. Vo; RFC 9923).
+fn fingerprint(recording: &Recording) -> String {
+    const OFFSET_BASIS: u64 = 0xCBF2_9CE4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01B3;
+    let columns = recording.runs.iter().flat_map(|r| [&r.time, &r.position]);
+    let bytes = columns.flatten().flat_map(|value| value.to_le_bytes());
+    let hash = bytes.fold(OFFSET_BASIS, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(PRIME)
+    });
+    format!("{hash:016x}")
+}

@@ -47,6 +47,14 @@ pub enum Failure {
     /// What stands there may be a measurement.
     #[error("{} holds a recording already, which would be lost; name another folder", .0.display())]
     HoldsRecording(PathBuf),
+    /// A model file that is not as it should be.
+    #[error("{}: {cause}", .path.display())]
+    ModelFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and the mend.
+        cause: gap::model_file::ModelFileError,
+    },
     /// A device file that is not as it should be.
     #[error("{}: {cause}", .path.display())]
     DeviceFile {

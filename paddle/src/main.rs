@@ -8,6 +8,7 @@ mod files;
 mod plant_choice;
 mod plot;
 mod progress;
+mod report;
 mod spectrum;
 
 use answer::JsonTo;

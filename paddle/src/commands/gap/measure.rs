@@ -6,24 +6,26 @@ use crate::failure::Failure;
 use crate::files::{self, Folder};
 use crate::plot::{Figure, Ink, Line, Panel};
 use clap::Args;
-use gap::{Gap, PredictedRun};
+use gap::model_file::LeftOut;
+use gap::{Gap, ModelFile, PredictedRun};
 use host_sim::device::Device;
 use recording::Recording;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Of which model, on which recording.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap measure my-recording
-  paddle gap measure my-recording --model refit.toml --predictions out --json gap.json
+  paddle gap measure my-recording --model corrected.toml --predictions out --json gap.json
 
 The model predicts the position from the input, re-started from the measured state every horizon. The gap is the rms of
 measured minus predicted; the floor is what sensor noise, quantising and the restarts alone would leave.")]
 pub struct Arguments {
     /// Folder of the recording.
     recording: PathBuf,
-    /// Use this model in place of the recording's own; what the file leaves out is as in the recording.
+    /// Use this model in place of the recording's own: what `paddle gap diagnose --save-model` wrote, or a device file
+    /// with what differs from the recording's.
     #[arg(long, value_name = "FILE.toml")]
     model: Option<PathBuf>,
     /// Leave one CSV of time, measured and predicted for each run in this folder, with its plot.
@@ -37,15 +39,19 @@ pub struct Arguments {
 /// [`Failure`] for a recording or a model that cannot be used.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let recording = Recording::read(&arguments.recording)?;
+    let mut warnings: Vec<_> = recording.oddities.iter().map(ToString::to_string).collect();
     let device = match &arguments.model {
-        Some(path) => DeviceFile::read(path)?.device(&recording.model)?,
+        Some(path) => {
+            let (device, left_out) = device(path, &recording)?;
+            warnings.extend(left_out.iter().map(ToString::to_string));
+            device
+        }
         None => Device::nominal(&recording.model),
     };
     let (gap, runs) = gap::measure(&recording, &device);
-    let mut text: String = recording
-        .oddities
+    let mut text: String = warnings
         .iter()
-        .map(|oddity| format!("warning: {oddity}\n"))
+        .map(|warning| format!("warning: {warning}\n"))
         .collect();
     text.push_str(&sentence(&gap));
     if let Some(folder) = &arguments.predictions {
@@ -55,11 +61,30 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         }
         text.push_str(&format!("predictions in {}\n", folder.path().display()));
     }
-    let warnings: Vec<_> = recording.oddities.iter().map(ToString::to_string).collect();
     Ok(Answer {
         text,
         json: json!({ "format": 1, "gap": gap, "warnings": warnings }),
     })
+}
+
+/// The device of a file, and what of it belongs to a moment of another recording. A file with `format` is what
+/// `paddle gap diagnose --save-model` wrote and stands alone; any other says what differs from the recording's model.
+fn device(path: &Path, recording: &Recording) -> Result<(Device, Vec<LeftOut>), Failure> {
+    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+    let stands_alone = text
+        .parse::<toml::Table>()
+        .is_ok_and(|table| table.contains_key("format"));
+    if !stands_alone {
+        let device = DeviceFile::read(path)?.device(&recording.model)?;
+        return Ok((device, Vec::new()));
+    }
+    let wrong = |cause| Failure::ModelFile {
+        path: path.to_owned(),
+        cause,
+    };
+    let file: ModelFile = text.parse().map_err(wrong)?;
+    let (corrected, left_out) = file.on(recording).map_err(wrong)?;
+    Ok((corrected.device(), left_out))
 }
 
 /// The gap in one line.

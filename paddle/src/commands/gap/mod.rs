@@ -1,5 +1,6 @@
 //! `paddle gap`: how far a simulation is from a recording, and why.
 
+pub mod diagnose;
 pub mod measure;
 
 use crate::answer::Answer;
@@ -11,6 +12,8 @@ use clap::Subcommand;
 pub enum Command {
     /// Measure the gap, and the floor that sensor noise and restarts alone would leave.
     Measure(measure::Arguments),
+    /// Say where the gap lies, which effect causes it, and how far it shrinks.
+    Diagnose(diagnose::Arguments),
 }
 
 impl Command {
@@ -21,6 +24,7 @@ impl Command {
     pub fn run(&self) -> Result<Answer, Failure> {
         match self {
             Self::Measure(arguments) => measure::run(arguments),
+            Self::Diagnose(arguments) => diagnose::run(arguments),
         }
     }
 }

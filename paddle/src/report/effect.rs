@@ -1,0 +1,234 @@
+//! What an effect is called in a sentence.
+
+use super::quantity::show;
+use gap::diagnosis::{Estimate, Finding};
+
+/// Name in the vocabulary, what it is called in general, and what it is with its numbers.
+const WORDS: [(&str, &str, &str); 28] = [
+    (
+        "torque_gain",
+        "another torque gain",
+        "a torque of {gain} times what was told",
+    ),
+    (
+        "torque_offset",
+        "a constant torque",
+        "a constant torque of {torque}",
+    ),
+    (
+        "deadband",
+        "a dead band",
+        "a dead band of {width} in the input",
+    ),
+    (
+        "saturation",
+        "saturation",
+        "an input that saturates at {limit}",
+    ),
+    ("lag", "lag of the torque", "a torque that lags by {time}"),
+    ("delay", "delay", "a torque that comes {time} late"),
+    ("cogging", "cogging", "cogging of {amplitude}"),
+    (
+        "coulomb",
+        "another level of dry friction",
+        "dry friction of {level}",
+    ),
+    (
+        "asymmetric_coulomb",
+        "dry friction that depends on the direction",
+        "dry friction of {positive} against positive and {negative} against negative motion",
+    ),
+    (
+        "position_dependent_coulomb",
+        "dry friction that depends on the position",
+        "dry friction that depends on the position",
+    ),
+    (
+        "stribeck",
+        "static friction",
+        "static friction {static_ratio} times the sliding level",
+    ),
+    (
+        "viscous",
+        "viscous friction",
+        "viscous friction of {coefficient}",
+    ),
+    (
+        "quadratic_drag",
+        "quadratic drag",
+        "drag of {coefficient} times the square of the speed",
+    ),
+    (
+        "presliding",
+        "presliding",
+        "presliding (dry friction that gives way by {distance} before it slides)",
+    ),
+    (
+        "load_dependent_friction",
+        "dry friction that grows with the load",
+        "dry friction that grows by {share} of the driving torque",
+    ),
+    (
+        "friction_drift",
+        "drifting friction",
+        "dry friction that changes by {rate}",
+    ),
+    ("inertia", "another inertia", "an inertia of {inertia}"),
+    (
+        "gravity",
+        "another weight",
+        "a weight of {weight} that hangs at {zero}",
+    ),
+    (
+        "spring",
+        "a spring",
+        "a spring of {stiffness} that is relaxed at {zero}",
+    ),
+    ("end_stop", "a hard stop", "a hard stop"),
+    ("backlash", "backlash", "backlash of {play}"),
+    (
+        "compliance",
+        "a compliant transmission",
+        "a compliant transmission of {stiffness}",
+    ),
+    (
+        "sensor_gain",
+        "another sensor gain",
+        "a sensor that shows {gain} times the way gone",
+    ),
+    (
+        "sensor_nonlinearity",
+        "a bent sensor curve",
+        "a bent sensor curve",
+    ),
+    (
+        "sensor_hysteresis",
+        "play in the sensor",
+        "a sensor that follows with {width} of play",
+    ),
+    (
+        "sensor_lag",
+        "lag of the sensor",
+        "a sensor that lags by {time}",
+    ),
+    (
+        "lost_counts",
+        "lost counts",
+        "a sensor that jumps by {jump} at {time}",
+    ),
+    (
+        "contact",
+        "contact with something outside",
+        "something outside that pushes back from {from} to {to}",
+    ),
+];
+
+/// What the effect `name` is called in general.
+pub fn noun(name: &str) -> &str {
+    let known = WORDS.iter().find(|(known, ..)| *known == name);
+    known.map_or(name, |(_, noun, _)| noun)
+}
+
+/// What was found, with its numbers.
+pub fn phrase(finding: &Finding) -> String {
+    let name = finding.name;
+    let Some((_, noun, template)) = WORDS.iter().find(|(known, ..)| *known == name) else {
+        return name.to_owned();
+    };
+    let fitted = |parameter: &str| finding.parameters.get(parameter).filter(|e| e.std > 0.0);
+    match name {
+        "end_stop" => {
+            // A stop that was not fitted is out of reach.
+            let stops: Vec<_> = ["lower", "upper"].into_iter().filter_map(fitted).collect();
+            match stops[..] {
+                [one] => format!("a hard stop at {}", shown(one)),
+                [one, other] => format!("hard stops at {} and {}", shown(one), shown(other)),
+                _ => (*noun).to_owned(),
+            }
+        }
+        "lost_counts" if !finding.parameters.contains_key("jump") => {
+            let jumps = finding.parameters.keys().filter(|n| n.starts_with("jump"));
+            format!("a sensor that jumps {} times", jumps.count())
+        }
+        _ => filled(template, finding).unwrap_or_else(|| (*noun).to_owned()),
+    }
+}
+
+/// The template with the numbers of `finding`; `None` if it lacks one.
+fn filled(template: &str, finding: &Finding) -> Option<String> {
+    let mut text = String::new();
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once('{') {
+        let (name, after) = after.split_once('}')?;
+        text.push_str(before);
+        text.push_str(&shown(finding.parameters.get(name)?));
+        rest = after;
+    }
+    text.push_str(rest);
+    Some(text)
+}
+
+fn shown(estimate: &Estimate) -> String {
+    show(estimate.value, &estimate.unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use host_sim::effects;
+    use std::collections::BTreeMap;
+
+    fn finding(name: &'static str, numbers: &[(&str, f64, f64, &str)]) -> Finding {
+        let parameters = numbers.iter().map(|&(name, value, std, unit)| {
+            let unit = unit.to_owned();
+            (name.to_owned(), Estimate { value, std, unit })
+        });
+        Finding {
+            name,
+            channel: "",
+            confidence: 0.9,
+            not_separable_from: Vec::new(),
+            basis: "prediction",
+            parameters: parameters.collect::<BTreeMap<_, _>>(),
+            shrink: 0.5,
+            shrink_interval: [0.4, 0.6],
+        }
+    }
+
+    #[test]
+    fn every_effect_has_words_whose_numbers_exist() {
+        for kind in effects::KINDS {
+            let numbers: Vec<_> = kind
+                .parameters
+                .iter()
+                .map(|p| (p.name, 0.25, 0.1, "1"))
+                .collect();
+            let phrase = phrase(&finding(kind.name, &numbers));
+            assert!(!phrase.contains('{') && phrase != kind.name, "{phrase}");
+            let (_, _, template) = WORDS.iter().find(|(n, ..)| *n == kind.name).unwrap();
+            assert_eq!(
+                template.contains('{'),
+                filled(template, &finding(kind.name, &numbers)).unwrap() != *template
+            );
+        }
+    }
+
+    #[test]
+    fn only_the_stop_that_was_met_is_named() {
+        let numbers = [("lower", -2.0, 0.0, "rad"), ("upper", 0.576, 0.001, "rad")];
+        assert_eq!(phrase(&finding("end_stop", &numbers)), "a hard stop at 33°");
+    }
+
+    #[test]
+    fn several_jumps_are_counted() {
+        let numbers = [
+            ("jump_1", 0.1, 0.01, "rad"),
+            ("time_1", 0.1, 0.0, "s"),
+            ("jump_2", 0.1, 0.01, "rad"),
+        ];
+        assert_eq!(
+            phrase(&finding("lost_counts", &numbers)),
+            "a sensor that jumps 2 times"
+        );
+    }
+}

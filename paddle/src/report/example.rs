@@ -1,0 +1,73 @@
+//! A diagnosis made by hand, for tests.
+
+use super::region::Labels;
+use gap::diagnosis::{
+    Closing, Diagnosis, Estimate, Finding, NextExperiment, Region, Tried, Verdict,
+};
+use std::collections::BTreeMap;
+
+pub fn labels() -> Labels {
+    Labels {
+        position: "rad".into(),
+        input: "N m".into(),
+        runs: vec!["sine.csv".into(), "step.csv".into()],
+    }
+}
+
+/// Static friction that could as well be presliding.
+pub fn stribeck() -> Diagnosis {
+    let ratio = Estimate {
+        value: 1.4,
+        std: 0.05,
+        unit: "1".into(),
+    };
+    let tried = |name, after: f64| Tried {
+        name,
+        after: after.to_radians(),
+        why_not: "no gain on held-out data".into(),
+    };
+    Diagnosis {
+        format: 1,
+        verdict: Verdict::Explained,
+        gap: Closing {
+            before: 0.56f64.to_radians(),
+            floor: 0.02f64.to_radians(),
+            after: 0.12f64.to_radians(),
+            shrink: 0.81,
+            shrink_interval: [0.76, 0.85],
+            unit: "rad".into(),
+        },
+        effects: vec![Finding {
+            name: "stribeck",
+            channel: "friction",
+            confidence: 0.97,
+            not_separable_from: vec!["presliding"],
+            basis: "prediction",
+            parameters: BTreeMap::from([("static_ratio".to_owned(), ratio)]),
+            shrink: 0.81,
+            shrink_interval: [0.76, 0.85],
+        }],
+        regions: vec![Region {
+            axis: "velocity",
+            from: Some(-0.05),
+            to: Some(0.05),
+            name: None,
+            run: None,
+            share_of_gap: 0.71,
+            share_of_samples: 0.12,
+        }],
+        candidates: vec![
+            tried("viscous", 0.47),
+            tried("delay", 0.5),
+            tried("lag", 0.5),
+        ],
+        next_experiment: Some(NextExperiment {
+            kind: "ramp",
+            separates: vec!["stribeck", "presliding"],
+            settings: BTreeMap::from([("amplitude", 0.02), ("duration_s", 10.0)]),
+            difference_over_noise: 12.0,
+        }),
+        warnings: vec!["sine.csv: 3 gaps in time".into()],
+        elapsed_s: 1.9,
+    }
+}

@@ -1,0 +1,321 @@
+//! A diagnosis in a paragraph of plain words.
+
+use super::effect::{noun, phrase};
+use super::quantity::{Display, percent, show};
+use super::region::{self, Labels};
+use gap::diagnosis::{Diagnosis, NextExperiment, Region, Verdict};
+
+/// Candidates that are said not to explain it.
+const RULED_OUT: usize = 2;
+/// From this share on, "most of the gap".
+const MOST: f64 = 0.5;
+
+/// The verdict in a few words.
+pub fn headline(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::NoGap => "No gap: the model predicts what the sensor can show",
+        Verdict::Explained => "The gap is explained",
+        Verdict::PartlyExplained => "The gap is explained in part",
+        Verdict::Unexplained => "There is a gap that no known effect explains",
+    }
+}
+
+/// Where the gap lies, what explains it, how far it shrinks, what does not, and what to do next.
+pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
+    let gap = &diagnosis.gap;
+    let display = Display::of(&gap.unit, gap.before);
+    let [before, after, floor] =
+        [gap.before, gap.after, gap.floor].map(|value| display.show(value));
+    let mut sentences = Vec::new();
+    if diagnosis.verdict == Verdict::NoGap {
+        sentences.push(format!(
+            "The gap is {before}, and {floor} of it would be left by a perfect model: noise, quantising and \
+             restarts. What is beyond lies within that and the tolerances stated for the model."
+        ));
+        return sentences.join(" ");
+    }
+    if let Some(region) = diagnosis.regions.first() {
+        sentences.push(located(region, labels));
+    }
+    let found: Vec<_> = diagnosis.effects.iter().map(phrase).collect();
+    if found.is_empty() {
+        sentences.push(format!(
+            "The gap is {before} where a perfect model would leave {floor}, and no effect of the library makes it \
+             smaller on data the fit has not seen."
+        ));
+    } else {
+        let all = capitalized(&listed(&found, "and"));
+        let verb = if found.len() > 1 {
+            "explain"
+        } else {
+            "explains"
+        };
+        let how = match diagnosis.verdict {
+            Verdict::PartlyExplained => format!("{verb} part of it"),
+            _ => format!("{verb} it"),
+        };
+        sentences.push(format!(
+            "{all} {how}: the gap falls from {before} to {after} (floor {floor}) on data the fit has not seen."
+        ));
+        if diagnosis.verdict == Verdict::PartlyExplained {
+            sentences.push(
+                "Something more is left that no further effect of the library explains.".into(),
+            );
+        }
+        if diagnosis
+            .effects
+            .iter()
+            .any(|e| e.basis == "sensor_comparison")
+        {
+            sentences.push("The two position sensors disagree by just that.".into());
+        }
+    }
+    sentences.extend(ruled_out(diagnosis));
+    sentences.extend(open_ends(diagnosis));
+    sentences.join(" ")
+}
+
+fn located(region: &Region, labels: &Labels) -> String {
+    let share = percent(region.share_of_gap);
+    let part = match region.share_of_gap >= MOST {
+        true => format!("Most of the gap ({share})"),
+        false => format!("A share of the gap ({share})"),
+    };
+    let place = region::phrase(region, labels);
+    let samples = match region.axis {
+        // The spectrum has no samples of its own.
+        "frequency" | "channel" => String::new(),
+        _ => format!(", in {} of the samples", percent(region.share_of_samples)),
+    };
+    format!("{part} sits {place}{samples}.")
+}
+
+/// The next best candidates that are not tied with what was found.
+fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
+    let tied = |name: &str| {
+        diagnosis
+            .effects
+            .iter()
+            .any(|e| e.not_separable_from.contains(&name))
+    };
+    let names: Vec<_> = diagnosis
+        .candidates
+        .iter()
+        .filter(|tried| !tied(tried.name))
+        .take(RULED_OUT)
+        .map(|tried| noun(tried.name))
+        .collect();
+    if names.is_empty() || diagnosis.effects.is_empty() {
+        return None;
+    }
+    let verb = if names.len() > 1 { "do" } else { "does" };
+    Some(format!(
+        "{} {verb} not.",
+        capitalized(&listed(&names, "and"))
+    ))
+}
+
+/// What cannot be told apart, and what would.
+fn open_ends(diagnosis: &Diagnosis) -> Vec<String> {
+    let next = diagnosis.next_experiment.as_ref();
+    let mut sentences = Vec::new();
+    let mut settled = false;
+    for effect in diagnosis
+        .effects
+        .iter()
+        .filter(|e| !e.not_separable_from.is_empty())
+    {
+        let rivals: Vec<_> = effect
+            .not_separable_from
+            .iter()
+            .map(|name| noun(name))
+            .collect();
+        let rivals = listed(&rivals, "or");
+        match next {
+            Some(next) if next.separates.contains(&effect.name) => {
+                settled = true;
+                sentences.push(format!(
+                    "To tell {} from {rivals}, run {}.",
+                    noun(effect.name),
+                    experiment(next)
+                ));
+            }
+            _ => sentences.push(format!(
+                "This recording cannot tell {} from {rivals}.",
+                noun(effect.name)
+            )),
+        }
+    }
+    if let (Some(next), false) = (next, settled) {
+        let names: Vec<_> = next.separates.iter().map(|name| noun(name)).collect();
+        sentences.push(match names.is_empty() {
+            true => format!("To learn more, run {}.", experiment(next)),
+            false => format!(
+                "To tell {} apart, run {}.",
+                listed(&names, "and"),
+                experiment(next)
+            ),
+        });
+    }
+    sentences
+}
+
+/// An excitation in words.
+pub fn experiment(next: &NextExperiment) -> String {
+    let settings: Vec<_> = next
+        .settings
+        .iter()
+        .map(|(name, value)| {
+            let (name, unit) = with_unit(name);
+            format!("{} {}", name.replace('_', " "), show(*value, unit))
+        })
+        .collect();
+    match settings.is_empty() {
+        true => format!("a {}", next.kind),
+        false => format!("a {} with {}", next.kind, listed(&settings, "and")),
+    }
+}
+
+/// A setting without its unit, and the unit.
+fn with_unit(name: &str) -> (&str, &str) {
+    const UNITS: [(&str, &str); 5] = [
+        ("_hz", "Hz"),
+        ("_nm", "N m"),
+        ("_rad", "rad"),
+        ("_deg", "deg"),
+        ("_s", "s"),
+    ];
+    let known = UNITS
+        .iter()
+        .find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, *unit)));
+    known.unwrap_or((name, ""))
+}
+
+/// "a", "a and b", "a, b and c".
+fn listed(items: &[impl AsRef<str>], last: &str) -> String {
+    match items {
+        [] => String::new(),
+        [one] => one.as_ref().to_owned(),
+        [others @ .., end] => {
+            let others: Vec<_> = others.iter().map(AsRef::as_ref).collect();
+            format!("{} {last} {}", others.join(", "), end.as_ref())
+        }
+    }
+}
+
+fn capitalized(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(char::to_uppercase).into_iter().flatten();
+    first.chain(letters).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::example;
+    use super::*;
+    use gap::diagnosis::Tried;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn the_paragraph_says_where_which_and_how_far() {
+        assert_eq!(
+            paragraph(&example::stribeck(), &example::labels()),
+            "Most of the gap (71 %) sits at low speed (velocities of −2.9 to 2.9 °/s), in 12 % of the samples. \
+             Static friction 1.4 times the sliding level explains it: the gap falls from 0.56° to 0.12° (floor \
+             0.020°) on data the fit has not seen. Viscous friction and delay do not. To tell static friction from \
+             presliding, run a ramp with amplitude 0.020 and duration 10 s."
+        );
+    }
+
+    #[test]
+    fn nothing_wrong_names_nothing() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.verdict = Verdict::NoGap;
+        diagnosis.effects.clear();
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            !text.contains("friction") && text.contains("tolerances"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn what_is_not_explained_still_has_a_place() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.verdict = Verdict::Unexplained;
+        diagnosis.effects.clear();
+        diagnosis.next_experiment = None;
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(text.starts_with("Most of the gap (71 %)"), "{text}");
+        assert!(
+            text.contains("no effect of the library") && !text.contains("explains it"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn two_effects_share_a_verb_and_what_is_left_is_said() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.verdict = Verdict::PartlyExplained;
+        let mut delay = diagnosis.effects[0].clone();
+        delay.name = "delay";
+        delay.not_separable_from.clear();
+        let time = delay.parameters["static_ratio"].clone();
+        let late = gap::diagnosis::Estimate {
+            value: 0.003,
+            unit: "s".into(),
+            ..time
+        };
+        delay.parameters = BTreeMap::from([("time".to_owned(), late)]);
+        diagnosis.effects.push(delay);
+        diagnosis.candidates.truncate(1);
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.contains("sliding level and a torque that comes 3.0 ms late explain part of it"),
+            "{text}"
+        );
+        assert!(
+            text.contains("Something more is left") && text.contains("Viscous friction does not."),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_rival_that_is_tied_is_not_ruled_out() {
+        let mut diagnosis = example::stribeck();
+        let tied = Tried {
+            name: "presliding",
+            after: 0.002,
+            why_not: String::new(),
+        };
+        diagnosis.candidates.insert(0, tied);
+        diagnosis.next_experiment = None;
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.contains("cannot tell static friction from presliding"),
+            "{text}"
+        );
+        assert!(!text.contains("Presliding"), "{text}");
+    }
+
+    #[test]
+    fn a_moment_of_one_of_several_runs_names_the_run() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.regions[0] = Region {
+            axis: "time",
+            from: Some(1.2),
+            to: Some(1.6),
+            name: None,
+            run: Some(1),
+            share_of_gap: 0.4,
+            share_of_samples: 0.04,
+        };
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.starts_with(
+                "A share of the gap (40 %) sits in the time from 1.20 to 1.60 s of step.csv"
+            ),
+            "{text}"
+        );
+    }
+}

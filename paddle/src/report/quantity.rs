@@ -1,0 +1,170 @@
+//! Numbers with their units as people say them: degrees for radians, milliseconds for short times.
+
+/// Significant digits of a number in a sentence.
+const DIGITS: i32 = 2;
+/// Below this size in its own unit a number is said in thousandths.
+const SMALL: f64 = 0.1;
+/// Decimals of a deviation that are still written out.
+const FINEST: i32 = 8;
+/// Beyond these powers of ten a number needs an exponent.
+const PLAIN: std::ops::Range<i32> = -5..7;
+
+/// The unit in which a number of some size is said.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Display {
+    /// From the unit of the format to this one.
+    pub factor: f64,
+    /// As it is written after the number, with a space before it where one belongs.
+    suffix: String,
+}
+
+impl Display {
+    /// For numbers of about `size` in `unit`.
+    pub fn of(unit: &str, size: f64) -> Self {
+        let small = size.abs() < SMALL && size != 0.0;
+        let (factor, suffix) = match unit {
+            "rad" => (1f64.to_degrees(), "°".into()),
+            "deg" | "°" => (1.0, "°".into()),
+            "rad/s" => (1f64.to_degrees(), " °/s".into()),
+            "rad/s²" => (1f64.to_degrees(), " °/s²".into()),
+            "s" | "m" | "N m" | "N" | "A" | "V" | "m/s" if small => (1e3, format!(" m{unit}")),
+            // The only rates of the vocabulary are relative.
+            "1/s" => (1e2, " % per second".into()),
+            "1" | "" => (1.0, String::new()),
+            _ => (1.0, format!(" {unit}")),
+        };
+        Self { factor, suffix }
+    }
+
+    /// `value` of the format's unit, with unit.
+    pub fn show(&self, value: f64) -> String {
+        format!(
+            "{}{}",
+            significant(value * self.factor, DIGITS),
+            self.suffix
+        )
+    }
+
+    /// `value` ± one standard deviation, rounded to where the deviation begins.
+    pub fn show_with_std(&self, value: f64, std: f64) -> String {
+        let (value, std) = (value * self.factor, std * self.factor);
+        // A number that was not fitted, or whose spread is not known.
+        if !(std > 0.0 && std.is_finite()) {
+            return format!("{}{}", significant(value, DIGITS + 1), self.suffix);
+        }
+        let decimals = DIGITS - 1 - power_of_ten(std, DIGITS);
+        let [value, std] = [value, std].map(|v| match FINEST >= decimals {
+            true => signed(v, format!("{:.*}", decimals.max(0) as usize, v.abs())),
+            false => significant(v, DIGITS + 1),
+        });
+        match self.suffix.as_str() {
+            "" => format!("{value} ± {std}"),
+            suffix => format!("({value} ± {std}){suffix}"),
+        }
+    }
+
+    /// Both ends of a range, with unit.
+    pub fn show_range(&self, from: f64, to: f64) -> String {
+        // As many decimals as tell the ends apart.
+        let width = (to - from).abs() * self.factor;
+        let decimals = (DIGITS - 1 - power_of_ten(width, DIGITS)).clamp(0, 6) as usize;
+        let end = |value: f64| {
+            let value = value * self.factor;
+            signed(value, format!("{:.decimals$}", value.abs()))
+        };
+        let unit = match self.suffix.as_str() {
+            "°" => "°",
+            _ => "",
+        };
+        format!("{}{unit} to {}{}", end(from), end(to), self.suffix)
+    }
+}
+
+/// A number in the unit that suits it.
+pub fn show(value: f64, unit: &str) -> String {
+    Display::of(unit, value).show(value)
+}
+
+/// A share as a whole percentage.
+pub fn percent(share: f64) -> String {
+    format!("{:.0} %", 100.0 * share)
+}
+
+/// Power of ten of the first digit, after rounding to `digits`; 0 for what has none.
+fn power_of_ten(value: f64, digits: i32) -> i32 {
+    if value == 0.0 || !value.is_finite() {
+        return 0;
+    }
+    let power = value.abs().log10().floor() as i32;
+    let unit = 10f64.powi(power - digits + 1);
+    ((value.abs() / unit).round() * unit * (1.0 + f64::EPSILON))
+        .log10()
+        .floor() as i32
+}
+
+/// `value` with that many digits, trailing zeros kept.
+fn significant(value: f64, digits: i32) -> String {
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let power = power_of_ten(value, digits);
+    signed(
+        value,
+        match PLAIN.contains(&power) {
+            true => format!("{:.*}", (digits - 1 - power).max(0) as usize, value.abs()),
+            false => format!("{:.*e}", digits as usize - 1, value.abs()),
+        },
+    )
+}
+
+/// With a true minus sign, unless it is zero as written.
+fn signed(value: f64, magnitude: String) -> String {
+    let zero = magnitude.parse() == Ok(0.0);
+    match value < 0.0 && !zero {
+        true => format!("−{magnitude}"),
+        false => magnitude,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_said_in_degrees_and_short_times_in_milliseconds() {
+        assert_eq!(show(0.01, "rad"), "0.57°");
+        assert_eq!(show(-0.5, "rad/s"), "−29 °/s");
+        assert_eq!(show(0.0031, "s"), "3.1 ms");
+        assert_eq!(show(2.0, "s"), "2.0 s");
+        assert_eq!(show(0.05, "1/s"), "5.0 % per second");
+        assert_eq!(show(1.4, "1"), "1.4");
+        assert_eq!(show(0.0, "m"), "0.0 m");
+    }
+
+    #[test]
+    fn rounding_up_to_the_next_power_keeps_the_digits() {
+        assert_eq!(show(0.0999, "N m s/rad"), "0.10 N m s/rad");
+        assert_eq!(show(9.96, "1"), "10");
+        assert_eq!(show(4.0e-9, "N m s/rad"), "4.0e-9 N m s/rad");
+    }
+
+    #[test]
+    fn a_value_ends_where_its_deviation_does() {
+        let plain = Display::of("1", 1.4);
+        assert_eq!(plain.show_with_std(1.4127, 0.0512), "1.413 ± 0.051");
+        assert_eq!(plain.show_with_std(1.4127, 0.0), "1.41");
+        assert_eq!(plain.show_with_std(1.4127, f64::NAN), "1.41");
+        let short = Display::of("s", 0.003);
+        assert_eq!(short.show_with_std(0.0031, 0.0004), "(3.10 ± 0.40) ms");
+    }
+
+    #[test]
+    fn the_ends_of_a_range_are_told_apart() {
+        assert_eq!(
+            Display::of("Hz", 24.0).show_range(23.61, 24.4),
+            "23.61 to 24.40 Hz"
+        );
+        let angle = Display::of("rad", 0.6);
+        assert_eq!(angle.show_range(-0.61, 0.6), "−35° to 34°");
+    }
+}

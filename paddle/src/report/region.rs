@@ -1,0 +1,90 @@
+//! A part of the data in words.
+
+use super::quantity::{Display, show};
+use gap::diagnosis::Region;
+use recording::Recording;
+
+/// What the words of a diagnosis need to know of its recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Labels {
+    /// Unit of position.
+    pub position: String,
+    /// Unit of the input.
+    pub input: String,
+    /// Files of the runs.
+    pub runs: Vec<String>,
+}
+
+impl Labels {
+    /// Those of `recording`.
+    pub fn of(recording: &Recording) -> Self {
+        Self {
+            position: recording.units.position.clone(),
+            input: recording.units.input.clone(),
+            runs: recording.runs.iter().map(|run| run.file.clone()).collect(),
+        }
+    }
+
+    /// Unit of an axis along which the gap is looked at.
+    pub fn unit(&self, axis: &str) -> String {
+        match axis {
+            "position" => self.position.clone(),
+            "velocity" => format!("{}/s", self.position),
+            "acceleration" => format!("{}/s²", self.position),
+            "input" => self.input.clone(),
+            "time" => "s".into(),
+            "frequency" => "Hz".into(),
+            _ => String::new(),
+        }
+    }
+}
+
+/// The range of a region with its unit, or its name.
+pub fn range(region: &Region, labels: &Labels) -> String {
+    match (region.from, region.to, &region.name) {
+        (Some(from), Some(to), _) => {
+            let unit = labels.unit(region.axis);
+            // Seconds on a clock stay seconds.
+            let size = match region.axis {
+                "time" => 1.0,
+                _ => from.abs().max(to.abs()),
+            };
+            Display::of(&unit, size).show_range(from, to)
+        }
+        (Some(from), None, _) => format!("from {}", show(from, &labels.unit(region.axis))),
+        (None, Some(to), _) => format!("up to {}", show(to, &labels.unit(region.axis))),
+        (None, None, Some(name)) => name.clone(),
+        (None, None, None) => match region.run.and_then(|run| labels.runs.get(run)) {
+            Some(file) => file.clone(),
+            None => "everywhere".into(),
+        },
+    }
+}
+
+/// The region as it follows "the gap sits".
+pub fn phrase(region: &Region, labels: &Labels) -> String {
+    let range = range(region, labels);
+    let place = match region.axis {
+        "velocity"
+            if region.from.is_some_and(|f| f <= 0.0) && region.to.is_some_and(|t| t >= 0.0) =>
+        {
+            format!("at low speed (velocities of {range})")
+        }
+        "velocity" => format!("at velocities of {range}"),
+        "position" => format!("at positions of {range}"),
+        "acceleration" => format!("at accelerations of {range}"),
+        "input" => format!("at inputs of {range}"),
+        "frequency" => format!("at frequencies of {range}"),
+        "time" => format!("in the time from {range}"),
+        "run" => format!("in the run {range}"),
+        "channel" => format!("in {range}"),
+        axis => format!("along {axis}, {range}"),
+    };
+    let run = region.run.and_then(|run| labels.runs.get(run));
+    match run {
+        Some(file) if !matches!(region.axis, "run" | "channel") && labels.runs.len() > 1 => {
+            format!("{place} of {file}")
+        }
+        _ => place,
+    }
+}

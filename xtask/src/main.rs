@@ -1,5 +1,8 @@
 //! Chores of this repository: `cargo xtask test` is the one gate in front of every change.
 
+mod firmware;
+mod image;
+mod stack;
 mod target;
 mod test;
 
@@ -12,7 +15,9 @@ Chores of this repository.
 Usage: cargo xtask <COMMAND>
 
 Commands:
-  test    Formatting, clippy with warnings denied, and every test of every crate
+  test    Formatting, clippy with warnings denied, every test of every crate, and the firmware image
+  size    Build the firmware image, check it, and print what it takes of flash, RAM and stack
+  flash   Build the firmware image, flash it through probe-rs, and show its log
   target  Make the firmware's target available to the active toolchain
 
 Options:
@@ -27,6 +32,8 @@ fn main() -> ExitCode {
     let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments.as_slice() {
         ["test"] => test::run(),
+        ["size"] => firmware::size(),
+        ["flash"] => firmware::flash(),
         ["target"] => target::ensure().map_err(Failure::from),
         ["-h" | "--help" | "help"] | [_, "-h" | "--help"] => {
             print!("{HELP}");
@@ -65,6 +72,13 @@ enum Failure {
         .0.join(", ")
     )]
     Skipped(Vec<String>),
+    #[error("cannot read {}: {source}", path.display())]
+    File {
+        path: std::path::PathBuf,
+        source: std::io::Error,
+    },
+    #[error(transparent)]
+    Image(#[from] image::ImageError),
     #[error(transparent)]
     Target(#[from] target::TargetError),
 }

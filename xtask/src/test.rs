@@ -8,7 +8,7 @@ use crate::{Failure, cargo, shown};
 /// Tests that may be skipped, each with what it needs that a fresh clone lacks.
 const MAY_SKIP: &[(&str, &str)] = &[];
 
-/// Formatting, lints and all tests, in this order; the first failure ends it.
+/// Formatting, lints, the firmware image and all tests, in this order; the first failure ends it.
 pub fn run() -> Result<(), Failure> {
     crate::run(&mut cargo(&["fmt", "--all", "--check"]))?;
     crate::run(&mut cargo(&[
@@ -20,6 +20,7 @@ pub fn run() -> Result<(), Failure> {
         "--deny",
         "warnings",
     ]))?;
+    crate::firmware::check()?;
     host_tests()
 }
 

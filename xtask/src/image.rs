@@ -1,0 +1,254 @@
+//! A firmware image, read from its ELF file.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use object::read::elf::{ElfFile32, ProgramHeader};
+use object::{Endianness, Object, ObjectSection, ObjectSymbol, SymbolKind};
+
+/// Where the chips have their flash and their main RAM.
+const FLASH: Range<u64> = 0x0800_0000..0x0810_0000;
+const RAM: Range<u64> = 0x2000_0000..0x2002_0000;
+/// Exceptions of the Cortex-M4 in front of the interrupts, the initial stack pointer counted in.
+const EXCEPTIONS: usize = 16;
+const RESET: usize = 1;
+const HARD_FAULT: usize = 3;
+/// Exceptions that the architecture reserves; their vectors are zero.
+const RESERVED: [usize; 5] = [7, 8, 9, 10, 13];
+/// Set in the address of every function, for the Thumb instruction set.
+const THUMB: u64 = 1;
+
+/// Why an image must not be flashed.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageError {
+    #[error("the firmware image cannot be read: {0}")]
+    Unreadable(#[from] object::Error),
+    #[error("the firmware image has no {0}")]
+    Missing(String),
+    #[error("vector {index} of the firmware image points to {found:#x}, not to {expected}")]
+    Vector {
+        index: usize,
+        found: u64,
+        expected: String,
+    },
+    #[error(
+        "double-precision arithmetic in the firmware image: {}; find it by `f64` in the callers",
+        .0.join(", ")
+    )]
+    DoublePrecision(Vec<String>),
+    #[error("the firmware takes {bytes} bytes of flash, more than {limit}")]
+    TooLarge { bytes: u64, limit: u64 },
+    #[error("the firmware's stack may take {bytes} bytes, and RAM has {room} left")]
+    StackTooDeep { bytes: u64, room: u64 },
+    #[error("the firmware's function {0} calls itself: its stack has no bound")]
+    Recursion(String),
+}
+
+/// An image, with its functions by address.
+pub struct Image<'a> {
+    elf: ElfFile32<'a, Endianness>,
+    functions: BTreeMap<u64, Function>,
+}
+
+/// A function of the image.
+pub struct Function {
+    pub name: String,
+    pub size: u64,
+}
+
+impl<'a> Image<'a> {
+    pub fn read(bytes: &'a [u8]) -> Result<Self, ImageError> {
+        let elf = ElfFile32::parse(bytes)?;
+        let functions = elf
+            .symbols()
+            .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
+            .map(|symbol| {
+                let function = Function {
+                    name: symbol.name().unwrap_or("?").to_owned(),
+                    size: symbol.size(),
+                };
+                (symbol.address() & !THUMB, function)
+            })
+            .collect();
+        Ok(Self { elf, functions })
+    }
+
+    /// All functions, by address.
+    pub fn functions(&self) -> &BTreeMap<u64, Function> {
+        &self.functions
+    }
+
+    /// Address of the function of this name.
+    pub fn function(&self, name: &str) -> Result<u64, ImageError> {
+        self.functions
+            .iter()
+            .find(|(_, function)| function.name == name)
+            .map(|(address, _)| *address)
+            .ok_or_else(|| ImageError::Missing(format!("function {name}")))
+    }
+
+    /// Address and bytes of a section.
+    pub fn section(&self, name: &str) -> Result<(u64, &'a [u8]), ImageError> {
+        let section = self
+            .elf
+            .section_by_name(name)
+            .ok_or_else(|| ImageError::Missing(format!("section {name}")))?;
+        Ok((section.address(), section.data()?))
+    }
+
+    /// Spans of data among the code, by the marks `$d` and `$t` of the ARM ABI.
+    pub fn literals(&self) -> Vec<Range<u64>> {
+        let mut marks: Vec<_> = self
+            .elf
+            .symbols()
+            .filter_map(|symbol| match symbol.name() {
+                Ok(name) if name.starts_with("$d") => Some((symbol.address(), true)),
+                Ok(name) if name.starts_with("$t") => Some((symbol.address(), false)),
+                _ => None,
+            })
+            .collect();
+        marks.sort_unstable();
+        marks
+            .windows(2)
+            .filter(|pair| pair[0].1)
+            .map(|pair| pair[0].0..pair[1].0)
+            .collect()
+    }
+
+    /// The vector table: the stack begins at the end of RAM, and every vector that `served` names leads to its own
+    /// function, each other one to the handler that turns the bridge off.
+    pub fn check_vectors(&self, served: &[(usize, &str)]) -> Result<(), ImageError> {
+        let (address, table) = self.section(".vector_table")?;
+        let expect = |index: usize, found: u64, value: u64, expected: &str| {
+            if found == value {
+                Ok(())
+            } else {
+                Err(ImageError::Vector {
+                    index,
+                    found,
+                    expected: expected.to_owned(),
+                })
+            }
+        };
+        expect(0, address, FLASH.start, "the beginning of the flash")?;
+        for (index, found) in words(table).enumerate() {
+            let name = match index {
+                0 => {
+                    expect(index, found, RAM.end, "the end of RAM")?;
+                    continue;
+                }
+                RESET => "Reset",
+                HARD_FAULT => "HardFault",
+                _ if RESERVED.contains(&index) => {
+                    expect(index, found, 0, "nothing")?;
+                    continue;
+                }
+                _ => index
+                    .checked_sub(EXCEPTIONS)
+                    .and_then(|number| served.iter().find(|(served, _)| *served == number))
+                    .map_or("DefaultHandler", |(_, name)| name),
+            };
+            // Interrupts that the chip does not have.
+            if index >= EXCEPTIONS && found == 0 {
+                continue;
+            }
+            expect(index, found, self.function(name)? | THUMB, name)?;
+        }
+        for (number, name) in served {
+            if words(table).nth(EXCEPTIONS + number).is_none_or(|v| v == 0) {
+                return Err(ImageError::Missing(format!("vector of {name}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// No routine of double-precision arithmetic is in the image: the processor has none, and a sine by way of one
+    /// takes longer than a control period has room for.
+    pub fn check_single_precision(&self) -> Result<(), ImageError> {
+        let found: Vec<_> = self
+            .functions
+            .values()
+            .filter(|function| is_double_precision(&function.name))
+            .map(|function| function.name.clone())
+            .collect();
+        if found.is_empty() {
+            Ok(())
+        } else {
+            Err(ImageError::DoublePrecision(found))
+        }
+    }
+
+    /// Bytes that the flash takes.
+    pub fn flash_bytes(&self) -> u64 {
+        let endian = self.elf.endian();
+        self.elf
+            .elf_program_headers()
+            .iter()
+            .filter(|header| header.p_type(endian) == object::elf::PT_LOAD)
+            .filter(|header| FLASH.contains(&u64::from(header.p_paddr(endian))))
+            .map(|header| u64::from(header.p_filesz(endian)))
+            .sum()
+    }
+
+    /// Bytes of RAM that variables take.
+    pub fn static_ram_bytes(&self) -> u64 {
+        self.statics().map(|span| span.end - span.start).sum()
+    }
+
+    /// Bytes of RAM above the variables, which the stack has.
+    pub fn stack_room_bytes(&self) -> u64 {
+        let end = self.statics().map(|span| span.end).max();
+        RAM.end - end.unwrap_or(RAM.start)
+    }
+
+    fn statics(&self) -> impl Iterator<Item = Range<u64>> {
+        self.elf
+            .sections()
+            .map(|section| section.address()..section.address() + section.size())
+            .filter(|span| RAM.contains(&span.start))
+    }
+}
+
+/// Little-endian words.
+pub fn words(bytes: &[u8]) -> impl Iterator<Item = u64> + '_ {
+    bytes.chunks_exact(4).map(|word| {
+        word.iter()
+            .rev()
+            .fold(0, |sum, byte| sum << 8 | u64::from(*byte))
+    })
+}
+
+/// Double-precision routines: `__aeabi_dadd` and its kin, conversions such as `__aeabi_f2d`, and the names that they
+/// go by in the compiler's own library, such as `__adddf3`.
+fn is_double_precision(name: &str) -> bool {
+    let arm = name.strip_prefix("__aeabi_");
+    arm.is_some_and(|name| name.starts_with('d') || name.ends_with("2d"))
+        || name.starts_with("__") && (name.ends_with("df2") || name.ends_with("df3"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_double_precision;
+
+    #[test]
+    fn knows_double_precision_by_name() {
+        for name in [
+            "__aeabi_dmul",
+            "__aeabi_d2iz",
+            "__aeabi_f2d",
+            "__muldf3",
+            "__extendsfdf2",
+        ] {
+            assert!(is_double_precision(name), "{name}");
+        }
+        for name in [
+            "__aeabi_f2lz",
+            "__aeabi_memcpy",
+            "__aeabi_idiv",
+            "__mulsf3",
+            "find2d",
+        ] {
+            assert!(!is_double_precision(name), "{name}");
+        }
+    }
+}

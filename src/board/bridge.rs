@@ -79,7 +79,7 @@ impl Bridge {
     /// Takes notice of the period that began.
     #[inline]
     pub fn begin_period(&self) {
-        // All flags are cleared by a zero; only that of the update is in use.
+        // A zero clears the flag, the ones beside it change nothing.
         self.timer.sr().write(|w| w.uif().clear_bit());
     }
 

@@ -16,7 +16,10 @@ const POINTER_CALLS: usize = 7;
 const EXCEPTION_BYTES: u64 = 104 + 4;
 
 /// Most that the main program and one run of each interrupt, all preempting one another, take, bytes.
-pub fn worst(image: &Image, interrupts: &[&str]) -> Result<u64, ImageError> {
+pub fn worst<'a>(
+    image: &Image,
+    interrupts: impl IntoIterator<Item = &'a str>,
+) -> Result<u64, ImageError> {
     let graph = Graph::of(image)?;
     let mut depths = Depths::new(&graph);
     let mut sum = depths.of(image.function("Reset")?, POINTER_CALLS)?;

@@ -17,10 +17,10 @@ const OVER_TOLERANCES: f64 = 3.0;
 const PAIR_SHARE_OVER_FLOOR: f64 = 3.0;
 /// A motion is grossly different if its span changes by more than this.
 const SPAN_CHANGE: f64 = 4.0;
-/// Largest simulation step of the truth, and of predictions, s.
-const FINE_STEP_S: f64 = 20e-6;
-const PREDICTION_STEP_S: f64 = 40e-6;
-const COARSE_STEP_S: f64 = 200e-6;
+/// Steps of the simulation of the truth, a predicted one, and a rough one, per period of the motion.
+const FINE_STEPS: f64 = 40_000.0;
+const PREDICTION_STEPS: f64 = 20_000.0;
+const COARSE_STEPS: f64 = 4_000.0;
 const ADJUSTMENTS: usize = 6;
 /// Devices drawn before giving up; a hundred in a row have never been needed.
 const DEVICES: usize = 400;
@@ -203,11 +203,12 @@ struct Measured {
 
 impl Bench {
     fn prediction_step_s(&self, reality: &Reality) -> f64 {
-        if reality.mechanics.coupling.is_some() {
-            FINE_STEP_S
-        } else {
-            PREDICTION_STEP_S
-        }
+        // A transmission that is not rigid is the stiffest part.
+        let steps = match reality.mechanics.coupling {
+            Some(_) => FINE_STEPS,
+            None => PREDICTION_STEPS,
+        };
+        1.0 / (steps * self.plant.motion_hz)
     }
 
     fn plain(&self) -> Reality {
@@ -298,14 +299,14 @@ const BOUND_TO_A_MOMENT: [&str; 2] = ["contact", "lost_counts"];
 
 fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> {
     let has = |wanted: &[&str]| names.iter().any(|name| wanted.contains(name));
+    let mut plant = Plant::draw(draw, names.first().copied());
     let mut secrets: Vec<Secret> = match kind {
-        Kind::Outside => vec![Secret::Foreign(Cause::draw(draw))],
+        Kind::Outside => vec![Secret::Foreign(Cause::draw(draw, &plant))],
         _ => names
             .iter()
             .map(|name| Secret::Known(Hidden::draw(draw, name)))
             .collect(),
     };
-    let mut plant = Plant::draw(draw, names.first().copied());
     let logging = logging(
         draw,
         &plant,
@@ -377,7 +378,7 @@ fn logging(draw: &mut Draw, plant: &Plant, decides: bool, two_sided: bool) -> Lo
         sensor: plant.sensor,
         second: there.then_some(second),
         horizon_s: plant.horizon_s,
-        step_s: FINE_STEP_S,
+        step_s: 1.0 / (FINE_STEPS * plant.motion_hz),
         start: plant.model.gravity_zero,
         grain: plant.amplitude * 1e-8,
     }
@@ -387,7 +388,7 @@ fn logging(draw: &mut Draw, plant: &Plant, decides: bool, two_sided: bool) -> Lo
 fn size_up(plans: &mut [Plan], plant: &Plant, logging: &Logging) -> Option<Scale> {
     let plain = Reality::plain(&plant.model);
     let coarse = Logging {
-        step_s: COARSE_STEP_S,
+        step_s: 1.0 / (COARSE_STEPS * plant.motion_hz),
         second: None,
         ..logging.clone()
     };

@@ -5,13 +5,18 @@
 //! one of the same device, and the [`Truth`], which is opened only after the diagnosis is made.
 
 mod case;
+mod check;
+mod diagnosis;
 mod draw;
 mod prediction;
 mod reality;
 mod scenario;
+pub mod score;
 mod session;
 mod truth;
 
 pub use case::{Case, CaseError, GAP_OVER_FLOOR, Mixture};
+pub use check::{Check, CheckError};
+pub use diagnosis::{Diagnosis, Found, Gap, Region, Verdict};
 pub use scenario::VOCABULARY;
 pub use truth::{Effect, Kind, Place, Reference, Truth};

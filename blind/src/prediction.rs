@@ -57,9 +57,8 @@ fn predict_run(
             HiddenStates::Carried => carried.clone(),
         };
         state.time_s = from_s;
-        let slope = model.sensing.slope(model.sensed(&state).x);
         let dx = x - model.reading(&state, run);
-        let dv = v - slope * model.sensed(&state).v;
+        let dv = v - model.reading_rate(&state);
         model.displace(&mut state, dx, dv);
         // Times of restarts are sums; a row at the restart itself belongs to the window it opens.
         while row < log.time_s.len() && log.time_s[row] < to_s - 1e-9 {

@@ -44,6 +44,9 @@ pub enum Failure {
     /// An experiment that cannot be carried out.
     #[error(transparent)]
     Experiment(#[from] host_sim::experiment::ExperimentError),
+    /// The blind check cannot go on.
+    #[error(transparent)]
+    Blind(#[from] blind::CheckError),
     /// What stands there may be a measurement.
     #[error("{} holds a recording already, which would be lost; name another folder", .0.display())]
     HoldsRecording(PathBuf),

@@ -98,6 +98,13 @@ impl Reality {
             .reading(&state.sensing, self.sensed(state).x, run, state.time_s)
     }
 
+    /// How fast the clean reading changes.
+    pub fn reading_rate(&self, state: &State) -> f64 {
+        let sensed = self.sensed(state);
+        self.sensing
+            .rate(&state.sensing, sensed.x, sensed.v, state.time_s)
+    }
+
     /// Shifts what can be measured by an error of reading, `dx` and `dv`, and leaves the hidden states relative to it.
     pub fn displace(&self, state: &mut State, dx: f64, dv: f64) {
         let slope = self.sensing.slope(self.sensed(state).x);

@@ -1,5 +1,10 @@
 //! From the true position to the clean reading: gain and curve, play, lag, lost counts, low-pass.
 
+use std::f64::consts::TAU;
+
+/// Share of the play within which it counts as taken up: rounding, no more.
+const PLAY_TAKEN_UP: f64 = 1e-6;
+
 /// A departure from the straight line, in units of position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Curve {
@@ -95,10 +100,28 @@ impl Sensing {
             .filter(|jump| jump.run == run && time_s >= jump.since_s)
             .map(|jump| jump.by)
             .sum();
-        let hum = self.hum.map_or(0.0, |(amplitude, hz)| {
-            amplitude * (std::f64::consts::TAU * hz * time_s).sin()
-        });
+        let hum = self
+            .hum
+            .map_or(0.0, |(amplitude, hz)| amplitude * (TAU * hz * time_s).sin());
         base + lost + hum
+    }
+
+    /// How fast the clean reading changes at position `x` and velocity `v`.
+    pub fn rate(&self, memory: &Memory, x: f64, v: f64, time_s: f64) -> f64 {
+        let shaped = self.shaped(x);
+        let carried = (shaped - memory.played) * v > 0.0
+            && (shaped - memory.played).abs() >= self.half_play * (1.0 - PLAY_TAKEN_UP);
+        let base = if self.lag_s > 0.0 {
+            (memory.played - memory.lagged) / self.lag_s
+        } else if self.half_play > 0.0 && !carried {
+            0.0
+        } else {
+            self.slope(x) * v
+        };
+        let hum = self.hum.map_or(0.0, |(amplitude, hz)| {
+            amplitude * TAU * hz * (TAU * hz * time_s).cos()
+        });
+        base + hum
     }
 
     /// Reading per unit of position around `x`.

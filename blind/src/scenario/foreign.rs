@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::Scale;
+use super::{Plant, Scale};
 use crate::draw::Draw;
 use crate::reality::{Creep, Disturbance, Reality, Window};
 use crate::truth::Place;
@@ -35,9 +35,13 @@ pub(crate) struct Cause {
 }
 
 impl Cause {
-    /// A random one.
-    pub fn draw(draw: &mut Draw) -> Self {
-        let name = draw.pick(&NAMES);
+    /// A random one that acts on `plant`.
+    pub fn draw(draw: &mut Draw, plant: &Plant) -> Self {
+        let name = match draw.pick(&NAMES) {
+            // A base that rocks under an axis without gravity does nothing.
+            "rocking_base" if plant.model.gravity == 0.0 => "creeping_spring",
+            name => name,
+        };
         let range = match name {
             "input_rate_limit" => [0.05, 1.0],
             "power_dropouts" => [0.02, 0.3],
@@ -121,10 +125,10 @@ impl Cause {
                 foreign.swinging_gain = Some((s.min(0.9), scale.hz * (0.15 + 0.5 * self.form[0])));
             }
             "power_dropouts" => foreign.dropouts = windows(self.bursts(scale, s)),
-            "rocking_base" if reality.mechanics.gravity > 0.0 => {
+            "rocking_base" => {
                 foreign.rocking = Some((s, self.odd_hz(scale) * 0.4));
             }
-            "creeping_spring" | "rocking_base" => {
+            "creeping_spring" => {
                 foreign.creep = Some(Creep {
                     stiffness: 1.5 * s * scale.torque / scale.half_span,
                     time_s: (0.05 + 0.3 * self.form[0]) / scale.hz,

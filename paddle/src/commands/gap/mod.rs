@@ -1,5 +1,6 @@
 //! `paddle gap`: how far a simulation is from a recording, and why.
 
+pub mod blind;
 pub mod diagnose;
 pub mod measure;
 
@@ -14,6 +15,8 @@ pub enum Command {
     Measure(measure::Arguments),
     /// Say where the gap lies, which effect causes it, and how far it shrinks.
     Diagnose(diagnose::Arguments),
+    /// Score the diagnosis on recordings with something hidden in them.
+    Blind(blind::Arguments),
 }
 
 impl Command {
@@ -25,6 +28,7 @@ impl Command {
         match self {
             Self::Measure(arguments) => measure::run(arguments),
             Self::Diagnose(arguments) => diagnose::run(arguments),
+            Self::Blind(arguments) => blind::run(arguments),
         }
     }
 }

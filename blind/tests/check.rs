@@ -1,0 +1,95 @@
+//! The check with a program in place of the diagnosis.
+#![cfg(unix)]
+
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
+
+use blind::{Check, CheckError, Mixture};
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("blind-check-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn check(folder: &std::path::Path, script: &str) -> Check {
+    let program = folder.join("program");
+    std::fs::write(&program, format!("#!/bin/sh\n{script}")).unwrap();
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    Check {
+        program,
+        folder: folder.join("cases"),
+        cases: 2,
+        seed: 5,
+        mixture: Mixture {
+            only: Some("torque_offset".into()),
+        },
+        withheld: None,
+        jobs: 1,
+    }
+}
+
+/// Answers always the same, and fails where anything but the recording is there to be seen.
+const ALWAYS_OFFSET: &str = r#"
+[ "$1 $2 $4" = "gap diagnose --json" ] || exit 3
+[ "$(ls "$3/.." )" = recording ] || exit 4
+[ "$(ls "$3" | grep -v -e '^run-.*csv$' )" = recording.toml ] || exit 5
+cat > "$5" <<'END'
+{"format": 1, "verdict": "explained", "gap": {"before": 1, "floor": 0, "after": 0, "shrink": 1},
+ "effects": [{"name": "torque_offset", "confidence": 0.99}], "where": [], "elapsed_s": 0.1}
+END
+"#;
+
+#[test]
+fn the_diagnosis_sees_the_recording_alone_and_the_rest_is_kept_afterwards() {
+    let folder = folder("sealed");
+    let check = check(&folder, ALWAYS_OFFSET);
+    let summary = check.run(|_| ()).unwrap();
+    assert!(
+        summary.outcomes.iter().all(|outcome| outcome.right),
+        "{summary}"
+    );
+    for case in ["case-0001", "case-0002"] {
+        for kept in [
+            "recording/recording.toml",
+            "fresh/recording.toml",
+            "truth.json",
+            "diagnosis.json",
+        ] {
+            assert!(check.folder.join(case).join(kept).exists(), "{kept}");
+        }
+    }
+    assert!(matches!(check.run(|_| ()), Err(CheckError::NotEmpty(_))));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_diagnosis_that_fails_is_a_wrong_answer_and_stops_nobody() {
+    let folder = folder("failing");
+    let summary = check(&folder, "echo broken >&2; exit 2")
+        .run(|_| ())
+        .unwrap();
+    assert_eq!(summary.outcomes.len(), 2);
+    assert!(
+        summary
+            .outcomes
+            .iter()
+            .all(|outcome| outcome.answer == "failed" && !outcome.right)
+    );
+    let log = std::fs::read_to_string(folder.join("cases/case-0001/diagnosis.log")).unwrap();
+    assert_eq!(log, "broken\n");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_withheld_effect_is_passed_on() {
+    let folder = folder("withheld");
+    let mut check = check(&folder, "echo \"$8 $9\"; exit 2");
+    check.withheld = Some("torque_offset".into());
+    check.cases = 1;
+    check.run(|_| ()).unwrap();
+    let log = std::fs::read_to_string(folder.join("cases/case-0001/diagnosis.log")).unwrap();
+    assert_eq!(log, "--without torque_offset\n");
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -1,0 +1,186 @@
+//! The scorer on truths and diagnoses made by hand.
+
+use blind::score::{FreshGaps, Outcome, Summary, judge};
+use blind::{Diagnosis, Effect, Kind, Place, Reference, Truth};
+use serde_json::json;
+
+fn truth(kind: Kind, names: &[&str]) -> Truth {
+    Truth {
+        seed: 1,
+        case: 1,
+        kind,
+        device: String::new(),
+        effects: names
+            .iter()
+            .map(|name| Effect {
+                name: (*name).into(),
+                strength: 1.0,
+                form: String::new(),
+                places: vec![Place::on("velocity", -0.1, 0.1), Place::in_run(1, 2.0, 3.0)],
+            })
+            .collect(),
+        reference: Reference {
+            before: 1.0,
+            after: 0.1,
+            hidden_alone: 1.0,
+            tolerances_alone: 0.0,
+        },
+        fresh: true,
+    }
+}
+
+/// A diagnosis of names with confidences and classes.
+fn says(verdict: &str, names: &[(&str, f64, &[&str])]) -> Diagnosis {
+    let effects: Vec<_> = names
+        .iter()
+        .map(|(name, confidence, class)| {
+            json!({"name": name, "channel": "friction", "confidence": confidence, "not_separable_from": class})
+        })
+        .collect();
+    serde_json::from_value(json!({
+        "format": 1,
+        "verdict": verdict,
+        "gap": {"before": 1.0, "floor": 0.1, "after": 0.19, "shrink": 0.9, "unit": "rad"},
+        "effects": effects,
+        "where": [],
+        "elapsed_s": 1.5,
+    }))
+    .unwrap()
+}
+
+fn with_region(mut diagnosis: Diagnosis, regions: serde_json::Value) -> Diagnosis {
+    diagnosis.regions = serde_json::from_value(regions).unwrap();
+    diagnosis
+}
+
+fn plain(truth: &Truth, diagnosis: &Diagnosis) -> Outcome {
+    judge(truth, Some(diagnosis), None, None)
+}
+
+#[test]
+fn a_single_effect_counts_as_first_or_as_not_separable() {
+    let truth = truth(Kind::Single, &["stribeck"]);
+    let first = plain(
+        &truth,
+        &says("explained", &[("stribeck", 0.9, &["presliding"])]),
+    );
+    assert!(first.first && first.in_class && first.right && first.names == 2);
+    let class = plain(
+        &truth,
+        &says("explained", &[("presliding", 0.9, &["stribeck"])]),
+    );
+    assert!(!class.first && class.in_class && !class.right);
+    let missed = plain(&truth, &says("explained", &[("viscous", 0.9, &[])]));
+    assert!(!missed.first && !missed.in_class);
+    let silent = plain(&truth, &says("unexplained", &[]));
+    assert!(!silent.right && silent.answer == "unexplained" && silent.names == 0);
+}
+
+#[test]
+fn of_a_pair_both_must_be_named_themselves() {
+    let truth = truth(Kind::Pair, &["stribeck", "lag"]);
+    let both = says("explained", &[("lag", 0.9, &[]), ("stribeck", 0.9, &[])]);
+    assert!(plain(&truth, &both).right);
+    let class = says("explained", &[("lag", 0.9, &["stribeck"])]);
+    assert!(!plain(&truth, &class).right && plain(&truth, &class).in_class);
+}
+
+#[test]
+fn nothing_wrong_wants_no_gap_and_no_less() {
+    let truth = truth(Kind::Nothing, &[]);
+    assert!(plain(&truth, &says("no_gap", &[])).right);
+    assert!(!plain(&truth, &says("unexplained", &[])).right);
+}
+
+#[test]
+fn outside_the_vocabulary_only_a_confident_name_is_wrong() {
+    let truth = truth(Kind::Outside, &["torque_noise"]);
+    for (verdict, names, right) in [
+        ("unexplained", &[][..], true),
+        ("partly_explained", &[("lag", 0.6, &[][..])], true),
+        ("partly_explained", &[("lag", 0.95, &[])], false),
+        ("explained", &[("lag", 0.6, &[])], false),
+        ("no_gap", &[], false),
+    ] {
+        assert_eq!(
+            plain(&truth, &says(verdict, names)).right,
+            right,
+            "{verdict} {names:?}"
+        );
+    }
+}
+
+#[test]
+fn a_withheld_effect_is_outside_the_vocabulary() {
+    let truth = truth(Kind::Single, &["lag"]);
+    let named = says("explained", &[("delay", 0.95, &[])]);
+    let outcome = judge(&truth, Some(&named), None, Some("lag"));
+    assert_eq!((outcome.kind, outcome.right), (Kind::Outside, false));
+    let honest = judge(&truth, Some(&says("unexplained", &[])), None, Some("lag"));
+    assert!(honest.right);
+}
+
+#[test]
+fn a_place_needs_its_axis_an_overlap_and_its_run() {
+    let truth = truth(Kind::Single, &["contact"]);
+    let said = |regions| plain(&truth, &with_region(says("unexplained", &[]), regions)).place;
+    let velocity = |from: f64, to: f64| json!({"axis": "velocity", "from": from, "to": to});
+    let time = |run: serde_json::Value| json!({"axis": "time", "from": 2.5, "to": 4.0, "run": run});
+    assert_eq!(said(json!([velocity(0.05, 0.3)])), Some(true));
+    assert_eq!(said(json!([velocity(0.2, 0.3)])), Some(false));
+    assert_eq!(
+        said(json!([{"axis": "position", "from": -1.0, "to": 1.0}])),
+        Some(false)
+    );
+    assert_eq!(said(json!([time(json!(1))])), Some(true));
+    assert_eq!(said(json!([time(json!("run-2.csv"))])), Some(true));
+    assert_eq!(said(json!([time(json!(0))])), Some(false));
+    let away = velocity(5.0, 6.0);
+    assert_eq!(
+        said(json!([away, away, away, velocity(0.0, 0.1)])),
+        Some(false),
+        "the fourth is too late"
+    );
+}
+
+#[test]
+fn a_claim_is_held_against_the_fresh_recording() {
+    let truth = truth(Kind::Single, &["lag"]);
+    let said = says("explained", &[("lag", 0.9, &[])]);
+    let fresh = FreshGaps {
+        nominal: 2.0,
+        corrected: 0.5,
+        floor: 0.0,
+    };
+    let outcome = judge(&truth, Some(&said), Some(fresh), None);
+    assert!((outcome.claim_error.unwrap() - (0.9 - 0.75)).abs() < 1e-12);
+    // The true model gets from 1 to 0.1, the diagnosis to 0.19.
+    assert!((outcome.relative_shrink.unwrap() - 0.9).abs() < 1e-12);
+    assert_eq!(judge(&truth, Some(&said), None, None).claim_error, None);
+}
+
+#[test]
+fn the_summary_counts_by_kind_and_calibrates() {
+    let single = truth(Kind::Single, &["lag"]);
+    let nothing = truth(Kind::Nothing, &[]);
+    let outcomes = vec![
+        plain(&single, &says("explained", &[("lag", 0.92, &[])])),
+        plain(&single, &says("explained", &[("delay", 0.97, &["lag"])])),
+        plain(&single, &says("explained", &[("lag", 0.75, &["delay"])])),
+        judge(&single, None, None, None),
+        plain(&nothing, &says("no_gap", &[])),
+    ];
+    let summary = Summary::of(outcomes);
+    let row = |what: &str| summary.rows.iter().find(|row| row.what == what).unwrap();
+    assert_eq!(row("first name is the true one").measured, Some(0.5));
+    assert_eq!(row("true one named or not separable").measured, Some(0.75));
+    assert_eq!(row("names given on average").measured, Some(1.25));
+    assert_eq!(row("nothing wrong: no_gap").measured, Some(1.0));
+    assert_eq!(row("two effects: both named").met(), None);
+    assert_eq!(summary.confusion["lag"]["lag"], 2);
+    assert_eq!(summary.confusion["lag"]["failed"], 1);
+    let confident = &summary.calibration.confident;
+    assert_eq!((confident.given, confident.right), (2, 1));
+    let binned: usize = summary.calibration.bins.iter().map(|bin| bin.given).sum();
+    assert_eq!(binned, 3);
+}

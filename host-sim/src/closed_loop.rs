@@ -46,7 +46,7 @@ pub struct LoopSetup {
 }
 
 impl LoopSetup {
-    /// `device` driven by exactly the torque that the core asks for, at the lab's rate.
+    /// `device` driven by exactly the torque that the core asks for, at once, at the lab's rate.
     pub fn ideal(device: Device, settings: Settings) -> Self {
         Self {
             paddle: PaddleSetup::new(device, &settings),
@@ -60,9 +60,13 @@ impl LoopSetup {
         let mut setup = Self::ideal(device, settings);
         setup.rates = Rates::FIRMWARE;
         setup.paddle.actuator = Actuator::Bridge(motor);
+        setup.paddle.parts_per_tick = BRIDGE_PARTS_PER_TICK;
         setup
     }
 }
+
+/// Parts of a 50 µs tick over which the shaft's speed runs straight enough for 1e-7° of the paddle.
+const BRIDGE_PARTS_PER_TICK: u32 = 2;
 
 /// What was there at the start of a tick, and what acts during it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,8 +81,8 @@ pub struct Tick {
 
 /// A controller around a paddle.
 ///
-/// What the core computes from the sample at one tick acts from the next tick on, as on the board, where the converter,
-/// the core and the preloaded compare register take up the period between.
+/// The duty that the core computes from the sample at one tick acts on the bridge from the next tick on, as on the board,
+/// where the converter, the core and the preloaded compare register take up the tick between. Ideal torque acts at once.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop {
     controller: Controller,
@@ -86,7 +90,9 @@ pub struct ClosedLoop {
     rates: Rates,
     start_s: f64,
     ticks: u64,
-    acting: Command,
+    /// Whether what was computed last has yet to act.
+    delayed: bool,
+    computed: Command,
 }
 
 impl ClosedLoop {
@@ -110,7 +116,8 @@ impl ClosedLoop {
             rates,
             start_s: setup.paddle.start_s,
             ticks: 0,
-            acting: Command::default(),
+            delayed: matches!(setup.paddle.actuator, Actuator::Bridge(_)),
+            computed: Command::default(),
         })
     }
 
@@ -128,18 +135,22 @@ impl ClosedLoop {
     #[inline]
     pub fn tick(&mut self) -> Tick {
         let measurement = self.paddle.measure();
-        let duty = self.controller.step(&measurement);
+        let computed = Command {
+            duty: self.controller.step(&measurement),
+            torque_nm: self.controller.torque_command_nm(),
+        };
+        let acting = if self.delayed {
+            std::mem::replace(&mut self.computed, computed)
+        } else {
+            computed
+        };
         let tick = Tick {
             time_s: self.time_s(),
             position_rad: self.paddle.position_rad(),
-            acting: self.acting,
+            acting,
         };
-        self.paddle.advance(self.acting);
+        self.paddle.advance(acting);
         self.ticks += 1;
-        self.acting = Command {
-            duty,
-            torque_nm: self.controller.torque_command_nm(),
-        };
         tick
     }
 

@@ -36,6 +36,18 @@ impl Drive {
         let magnitude = (input.abs().min(self.limit) - self.deadband).max(0.0);
         self.ratio * magnitude.copysign(input)
     }
+
+    /// Joint torque once delay and lag have passed, per unit of `input`.
+    #[inline]
+    pub fn gain(&self, input: f64) -> f64 {
+        if input.abs() <= self.limit && self.deadband == 0.0 {
+            self.ratio
+        } else if input == 0.0 {
+            0.0
+        } else {
+            self.settled(input) / input
+        }
+    }
 }
 
 /// The drive at work: what is still under way, and the lag's state.
@@ -45,6 +57,8 @@ pub struct DriveLine {
     lag_s: f64,
     under_way: VecDeque<(f64, Torque)>,
     torque: Torque,
+    /// For how long that has been acting, s.
+    age_s: f64,
 }
 
 impl DriveLine {
@@ -55,26 +69,27 @@ impl DriveLine {
             lag_s: drive.lag_s,
             under_way: VecDeque::new(),
             torque: Torque::held(0.0),
+            age_s: 0.0,
         }
     }
 
     /// From `now_s` on the drive is told `input`; call with times that do not go back.
     #[inline]
     pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64) {
-        self.command_relaxing(drive, now_s, Torque::held(input));
+        self.receive(now_s, Torque::held(drive.settled(input)));
     }
 
-    /// As [`Self::command`], for an input that relaxes itself, such as the torque of a winding.
+    /// As [`Self::command`], with a motor that makes the torque `made` of the `input` that it is told.
     ///
-    /// A limit or a dead band is applied to both ends of the relaxation; a lag behind it is taken as one lag of the
-    /// two time constants together.
+    /// Limit and dead band go by what it is told, as they do without a motor. A lag behind the motor's own is taken as
+    /// one of the two time constants together.
     #[inline]
-    pub fn command_relaxing(&mut self, drive: &Drive, now_s: f64, input: Torque) {
-        let settled = Torque {
-            start_nm: drive.settled(input.start_nm),
-            target_nm: drive.settled(input.target_nm),
-            lag_s: input.lag_s,
-        };
+    pub fn command_through(&mut self, drive: &Drive, now_s: f64, input: f64, made: Torque) {
+        self.receive(now_s, made.scaled(drive.gain(input)));
+    }
+
+    #[inline]
+    fn receive(&mut self, now_s: f64, settled: Torque) {
         if self.delay_s > 0.0 {
             self.under_way.push_back((now_s + self.delay_s, settled));
         } else {
@@ -86,13 +101,14 @@ impl DriveLine {
     fn take(&mut self, settled: Torque) {
         self.torque = if self.lag_s > 0.0 {
             Torque {
-                start_nm: self.torque.start_nm,
-                target_nm: settled.target_nm,
+                start_nm: self.torque.at(self.age_s),
                 lag_s: self.lag_s + settled.lag_s,
+                ..settled
             }
         } else {
             settled
         };
+        self.age_s = 0.0;
     }
 
     /// Torque from `now_s` on, and for how long of the next `dt_s` it is one smooth piece; call until
@@ -111,9 +127,11 @@ impl DriveLine {
             Some(&(at, _)) => dt_s.min(at - now_s),
             None => dt_s,
         };
-        let torque = self.torque;
-        self.torque = torque.after(piece_s);
-        (torque, piece_s)
+        if self.age_s > 0.0 {
+            self.torque = self.torque.after(self.age_s);
+        }
+        self.age_s = piece_s;
+        (self.torque, piece_s)
     }
 }
 

@@ -133,8 +133,8 @@ pub enum ExperimentError {
 
 /// What an experiment logged; all columns have one length.
 ///
-/// Positions are what each sensor read at the row's instant, unfiltered. The input is what acted on average from this
-/// row until the next: what the core computed from a row's sample acts one tick later.
+/// Positions are what each sensor read at the row's instant, unfiltered. The input is what the actuator, on average, was
+/// told to make from this row until the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// Torque or position.

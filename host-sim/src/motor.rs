@@ -22,44 +22,73 @@ impl Motor {
     }
 }
 
-/// The winding at work.
+/// The winding at work: `L i' = duty · supply − R i − K_t ω`.
 ///
-/// `L i' = duty · supply − R i − K_t ω`. The duty is held over a tick and the shaft's speed ω changes little within
-/// one, so that the current relaxes exponentially.
+/// The duty is held over a tick, over which the shaft's speed ω runs straight but for its jerk: the current then relaxes
+/// exponentially to a target that moves at a constant rate. How much speed the tick will gain is forecast from the last
+/// one and the change of torque; once it is known, the current is put right.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Winding {
     motor: Motor,
-    current_a: f64,
+    /// Acceleration of the shaft per torque of the motor, rad/s² per N m.
+    acceleration_per_nm: f64,
+    /// Torque at standstill per volt, N m/V.
+    nm_per_volt: f64,
+    lag_s: f64,
+    /// Length of a tick, s, and what it leaves of a current without a voltage.
+    tick_s: f64,
+    decay: f64,
+    /// Now, N m.
+    torque_nm: f64,
+    /// Mean torque and acceleration of the last tick, N m and rad/s².
+    last: (f64, f64),
 }
 
 impl Winding {
-    pub(crate) fn without_current(motor: Motor) -> Self {
+    pub(crate) fn without_current(motor: Motor, acceleration_per_nm: f64, tick_s: f64) -> Self {
+        let lag_s = motor.time_constant_s();
         Self {
+            acceleration_per_nm,
+            nm_per_volt: motor.torque_constant_nm_per_a / motor.resistance_ohm,
+            lag_s,
+            tick_s,
+            decay: (-tick_s / lag_s).exp(),
             motor,
-            current_a: 0.0,
+            torque_nm: 0.0,
+            last: (0.0, 0.0),
         }
     }
 
-    /// Torque on the shaft while the bridge holds `duty` and the shaft turns at `shaft_rad_s`.
+    /// Torque on the shaft while the bridge holds `duty` over the next tick, from the shaft's speed on.
     #[inline]
     pub(crate) fn torque(&self, duty: f64, shaft_rad_s: f64) -> Torque {
-        let motor = &self.motor;
-        let volts = duty * motor.supply_v - motor.torque_constant_nm_per_a * shaft_rad_s;
+        let (last_mean_nm, last_acceleration) = self.last;
+        let guess = self.relaxing(duty, shaft_rad_s, last_acceleration);
+        let more_nm = guess.end_and_mean(self.tick_s, self.decay).1 - last_mean_nm;
+        let acceleration = last_acceleration + self.acceleration_per_nm * more_nm;
+        self.relaxing(duty, shaft_rad_s, acceleration)
+    }
+
+    #[inline]
+    fn relaxing(&self, duty: f64, shaft_rad_s: f64, shaft_rad_s2: f64) -> Torque {
+        let volt_s = self.motor.torque_constant_nm_per_a;
         Torque {
-            start_nm: motor.torque_constant_nm_per_a * self.current_a,
-            target_nm: motor.torque_constant_nm_per_a * volts / motor.resistance_ohm,
-            lag_s: motor.time_constant_s(),
+            start_nm: self.torque_nm,
+            target_nm: self.nm_per_volt * (duty * self.motor.supply_v - volt_s * shaft_rad_s),
+            target_rate_nm_s: -self.nm_per_volt * volt_s * shaft_rad_s2,
+            lag_s: self.lag_s,
         }
     }
 
-    /// Carries the current over `dt_s` of what [`Self::torque`] gave; its mean over that time, A.
+    /// Carries the current over the tick during which the shaft went from the first to the second speed; its mean, A.
     #[inline]
-    pub(crate) fn advance(&mut self, torque: Torque, dt_s: f64) -> f64 {
-        let per_nm = 1.0 / self.motor.torque_constant_nm_per_a;
-        let settled_a = torque.target_nm * per_nm;
-        let before_a = self.current_a;
-        self.current_a = torque.at(dt_s) * per_nm;
-        settled_a + (before_a - self.current_a) * torque.lag_s / dt_s
+    pub(crate) fn advance(&mut self, duty: f64, shaft_rad_s: [f64; 2]) -> f64 {
+        let acceleration = (shaft_rad_s[1] - shaft_rad_s[0]) / self.tick_s;
+        let torque = self.relaxing(duty, shaft_rad_s[0], acceleration);
+        let (end_nm, mean_nm) = torque.end_and_mean(self.tick_s, self.decay);
+        self.last = (mean_nm, acceleration);
+        self.torque_nm = end_nm;
+        mean_nm / self.motor.torque_constant_nm_per_a
     }
 }
 
@@ -71,12 +100,12 @@ mod tests {
     #[test]
     fn a_blocked_winding_relaxes_to_ohms_law() {
         let motor = presets::motor();
-        let mut winding = Winding::without_current(motor);
-        let tau_s = motor.time_constant_s();
-        let mean_a = winding.advance(winding.torque(0.5, 0.0), tau_s);
+        let mut winding = Winding::without_current(motor, 0.0, motor.time_constant_s());
+        let mean_a = winding.advance(0.5, [0.0; 2]);
         let settled_a = 12.0 / 10.6;
         let e = (-1.0f64).exp();
-        assert!((winding.current_a - settled_a * (1.0 - e)).abs() < 1e-12);
+        let current_a = winding.torque_nm / motor.torque_constant_nm_per_a;
+        assert!((current_a - settled_a * (1.0 - e)).abs() < 1e-12);
         // Mean of 1 − exp(−t/τ) over one time constant.
         assert!((mean_a - settled_a * e).abs() < 1e-12);
     }
@@ -84,8 +113,8 @@ mod tests {
     #[test]
     fn at_its_no_load_speed_it_draws_nothing() {
         let motor = presets::motor();
-        let winding = Winding::without_current(motor);
+        let mut winding = Winding::without_current(motor, 0.0, 1e-3);
         let no_load = 0.5 * motor.supply_v / motor.torque_constant_nm_per_a;
-        assert!(winding.torque(0.5, no_load).target_nm.abs() < 1e-15);
+        assert!(winding.advance(0.5, [no_load; 2]).abs() < 1e-12);
     }
 }

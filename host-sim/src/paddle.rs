@@ -76,7 +76,10 @@ pub struct Paddle {
     state: State,
     drive: Drive,
     line: DriveLine,
-    motor: MotorState,
+    /// `None` makes exactly the torque that it is told.
+    winding: Option<Winding>,
+    amperes_per_nm: f64,
+    current_a: f64,
     sensing: Sensing,
     reading: Reading,
     sensed: Sensor,
@@ -86,13 +89,8 @@ pub struct Paddle {
     noise: Noise,
     ratio: f64,
     parts_per_tick: u32,
+    share_of_part: f64,
     tick_s: f64,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum MotorState {
-    Ideal { amperes_per_nm: f64, current_a: f64 },
-    Bridge { winding: Winding, current_a: f64 },
 }
 
 impl Paddle {
@@ -100,100 +98,88 @@ impl Paddle {
     pub fn new(setup: &PaddleSetup, settings: &Settings, tick_s: f64) -> Self {
         let device = &setup.device;
         let plant = Plant::new(device.mechanics.clone());
+        let ratio = f64::from(settings.mechanism.ratio);
+        let parts_per_tick = setup.parts_per_tick.max(1);
+        let share_of_part = 1.0 / f64::from(parts_per_tick);
+        let part_s = tick_s * share_of_part;
         let reading = Reading::at_rest(&device.sensing, setup.start_rad);
-        let mut paddle = Self {
+        // The sensors start at rest on what they read, effects of sensing included.
+        let affected = device.sensing.curve(setup.start_rad) + device.sensing.jumped(setup.start_s);
+        let [encoder_rad, hall_rad] =
+            before_sensors(settings.estimate.sensor, setup.start_rad, affected);
+        Self {
             state: plant.state(setup.start_s, setup.start_rad, 0.0),
             plant,
             line: DriveLine::at_rest(&device.drive),
             drive: device.drive.clone(),
-            motor: match setup.actuator {
-                Actuator::Ideal => MotorState::Ideal {
-                    amperes_per_nm: 1.0 / f64::from(settings.motor.torque_constant_nm_per_a),
-                    current_a: 0.0,
-                },
-                Actuator::Bridge(motor) => MotorState::Bridge {
-                    winding: Winding::without_current(motor),
-                    current_a: 0.0,
-                },
+            winding: match setup.actuator {
+                Actuator::Ideal => None,
+                Actuator::Bridge(motor) => {
+                    let acceleration_per_nm = ratio * device.drive.ratio / device.mechanics.inertia;
+                    Some(Winding::without_current(motor, acceleration_per_nm, part_s))
+                }
             },
+            amperes_per_nm: 1.0 / f64::from(settings.motor.torque_constant_nm_per_a),
+            current_a: 0.0,
             sensing: device.sensing.clone(),
             reading,
             sensed: settings.estimate.sensor,
-            encoder: Encoder::new(&settings.mechanism, setup.start_rad, setup.encoder_count),
-            hall: HallReader::at_rest(setup.hall.clone(), setup.start_rad),
+            encoder: Encoder::new(&settings.mechanism, encoder_rad, setup.encoder_count),
+            hall: HallReader::at_rest(setup.hall.clone(), hall_rad),
             amplifier: setup.amplifier,
             noise: Noise::new(setup.seed),
-            ratio: f64::from(settings.mechanism.ratio),
-            parts_per_tick: setup.parts_per_tick.max(1),
+            ratio,
+            parts_per_tick,
+            share_of_part,
             tick_s,
-        };
-        // The sensors start at rest on what they read, effects of sensing included.
-        let [encoder_rad, hall_rad] = paddle.sensed_positions(0.0);
-        paddle.encoder = Encoder::new(&settings.mechanism, encoder_rad, setup.encoder_count);
-        paddle.hall = HallReader::at_rest(setup.hall.clone(), hall_rad);
-        paddle
-    }
-
-    /// Positions before the encoder and before the Hall sensor, rad.
-    #[inline]
-    fn sensed_positions(&mut self, dt_s: f64) -> [f64; 2] {
-        let (position, _) = self.plant.seen(&self.state);
-        let affected = self.reading.follow(&self.sensing, position, dt_s)
-            + self.sensing.jumped(self.state.time_s);
-        match self.sensed {
-            Sensor::Encoder => [affected, position],
-            Sensor::Hall => [position, affected],
         }
     }
 
     /// What the board reads now; call once a tick.
     #[inline]
     pub fn measure(&mut self) -> Measurement {
-        let [encoder_rad, hall_rad] = self.sensed_positions(self.tick_s);
-        let current_a = self.current_a();
+        let position_rad = self.position_rad();
+        let affected_rad = self
+            .reading
+            .follow(&self.sensing, position_rad, self.tick_s)
+            + self.sensing.jumped(self.state.time_s);
+        let [encoder_rad, hall_rad] = before_sensors(self.sensed, position_rad, affected_rad);
         Measurement {
             encoder_count: self.encoder.count(encoder_rad),
             hall_adc: self.hall.count(hall_rad, self.tick_s, &mut self.noise),
-            current_adc: self.amplifier.counts(current_a, &mut self.noise),
+            current_adc: self.amplifier.counts(self.current_a, &mut self.noise),
         }
     }
 
     /// Carries it over one tick of `command`.
     #[inline]
     pub fn advance(&mut self, command: Command) {
-        let part_s = self.tick_s / f64::from(self.parts_per_tick);
-        let mut charge = 0.0;
+        self.current_a = 0.0;
         for _ in 0..self.parts_per_tick {
-            charge += self.advance_part(command, part_s);
-        }
-        let mean_a = charge / f64::from(self.parts_per_tick);
-        match &mut self.motor {
-            MotorState::Ideal { current_a, .. } | MotorState::Bridge { current_a, .. } => {
-                *current_a = mean_a;
-            }
+            self.current_a += self.advance_part(command) * self.share_of_part;
         }
     }
 
     /// The mean current over the part, A.
     #[inline]
-    fn advance_part(&mut self, command: Command, part_s: f64) -> f64 {
+    fn advance_part(&mut self, command: Command) -> f64 {
         let now_s = self.state.time_s;
-        match &mut self.motor {
-            MotorState::Ideal { amperes_per_nm, .. } => {
-                let torque_nm = f64::from(command.torque_nm);
-                let current_a = torque_nm * *amperes_per_nm;
-                self.line.command(&self.drive, now_s, torque_nm);
-                self.carry(part_s);
-                current_a
+        let duty = f64::from(command.duty.0);
+        let torque_nm = f64::from(command.torque_nm);
+        let before_rad_s = self.ratio * self.state.velocity;
+        match &self.winding {
+            None => self.line.command(&self.drive, now_s, torque_nm),
+            Some(winding) => {
+                let made = winding.torque(duty, before_rad_s);
+                self.line
+                    .command_through(&self.drive, now_s, torque_nm, made);
             }
-            MotorState::Bridge { winding, .. } => {
-                let shaft_rad_s = self.ratio * self.state.velocity;
-                let torque = winding.torque(f64::from(command.duty.0), shaft_rad_s);
-                let mean_a = winding.advance(torque, part_s);
-                self.line.command_relaxing(&self.drive, now_s, torque);
-                self.carry(part_s);
-                mean_a
-            }
+        }
+        self.carry(self.tick_s * self.share_of_part);
+        let after_rad_s = self.ratio * self.state.velocity;
+        match &mut self.winding {
+            None => torque_nm * self.amperes_per_nm,
+            Some(winding) => winding.advance(duty, [before_rad_s, after_rad_s]),
         }
     }
 
@@ -226,8 +212,15 @@ impl Paddle {
     /// Mean motor current over the last tick, A.
     #[inline]
     pub fn current_a(&self) -> f64 {
-        match self.motor {
-            MotorState::Ideal { current_a, .. } | MotorState::Bridge { current_a, .. } => current_a,
-        }
+        self.current_a
+    }
+}
+
+/// Positions before the encoder and before the Hall sensor: the effects are on the one that regulates.
+#[inline]
+fn before_sensors(regulating: Sensor, position_rad: f64, affected_rad: f64) -> [f64; 2] {
+    match regulating {
+        Sensor::Encoder => [affected_rad, position_rad],
+        Sensor::Hall => [position_rad, affected_rad],
     }
 }

@@ -79,11 +79,7 @@ fn a_lagged_drive_breaks_away_within_a_step_at_the_instant_of_equality() {
         friction: Friction::coulomb(0.015),
         ..Mechanics::inertia(5.755e-4)
     };
-    let torque = Torque {
-        start_nm: 0.0,
-        target_nm: 0.03,
-        lag_s: 0.01,
-    };
+    let torque = Torque::relaxing(0.0, 0.03, 0.01);
     let end = |plant: Plant, parts: usize| {
         let mut state = plant.state(0.0, 0.0, 0.0);
         let mut torque = torque;

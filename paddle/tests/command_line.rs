@@ -226,7 +226,7 @@ fn a_hidden_effect_opens_the_gap_and_its_model_closes_it() {
             "sim",
             "multisine",
             "--amplitude",
-            "15",
+            "18",
             "--frequency",
             "0.5",
             "--out",

@@ -26,6 +26,13 @@ pub struct Friction {
     pub drift_per_s: f64,
 }
 
+/// Stribeck velocities beyond which the curve is flat to 1e-4.
+const FLAT_FROM: f64 = 3.0;
+/// Stribeck velocities beyond which nothing of the curve is left: exp(−36) is 2e-16.
+const GONE_FROM: f64 = 6.0;
+/// Share of the Stribeck velocity that a fourth-order step may gain: it then misses 1e-4 of the fall.
+const SLOPE_SHARE: f64 = 0.5;
+
 impl Friction {
     /// The same level in both directions, at rest and sliding.
     pub fn coulomb(level_nm: f64) -> Self {
@@ -56,6 +63,7 @@ impl Friction {
     }
 
     /// Sliding level against motion in `direction` (±1), N m.
+    #[inline]
     pub fn sliding(
         &self,
         direction: f64,
@@ -64,7 +72,9 @@ impl Friction {
         t_s: f64,
         drive_nm: f64,
     ) -> f64 {
-        let stribeck = if self.static_ratio != 1.0 && self.stribeck_velocity > 0.0 {
+        // Not beyond the reach of double precision, where most of the motion is.
+        let falling = self.static_ratio != 1.0 && speed < GONE_FROM * self.stribeck_velocity;
+        let stribeck = if falling {
             let x = speed / self.stribeck_velocity;
             1.0 + (self.static_ratio - 1.0) * (-x * x).exp()
         } else {
@@ -74,21 +84,32 @@ impl Friction {
     }
 
     /// Level that holds against a push in `direction` (±1) at rest, N m.
+    #[inline]
     pub fn holding(&self, direction: f64, position: f64, t_s: f64, drive_nm: f64) -> f64 {
         self.scaled(direction, position, t_s) * self.static_ratio + self.load_share * drive_nm.abs()
     }
 
-    /// The longest step of an inertia on the falling slope of the Stribeck curve, s.
-    pub(super) fn longest_step(&self, inertia: f64, velocity: f64, rate_step: f64) -> f64 {
-        // Beyond three Stribeck velocities the curve is flat to 1e-4.
-        if self.static_ratio == 1.0 || velocity.abs() > 3.0 * self.stribeck_velocity {
+    /// The longest step of an inertia on the falling slope of the Stribeck curve, s, with `push_nm` the most that
+    /// accelerates it.
+    ///
+    /// A step must neither be long for the slope nor leap over it.
+    #[inline]
+    pub(super) fn longest_step(&self, inertia: f64, speed: f64, push_nm: f64, share: f64) -> f64 {
+        if self.static_ratio == 1.0 {
             return f64::INFINITY;
+        }
+        let flat_from = FLAT_FROM * self.stribeck_velocity;
+        let leap = (speed - flat_from).max(SLOPE_SHARE * self.stribeck_velocity);
+        let reaching = leap * inertia / push_nm;
+        if speed > flat_from {
+            return reaching;
         }
         let level = self.level_nm[0].max(self.level_nm[1]);
         let slope = (self.static_ratio - 1.0).abs() * level / self.stribeck_velocity;
-        rate_step * inertia / slope
+        reaching.min(share * inertia / slope)
     }
 
+    #[inline]
     fn scaled(&self, direction: f64, position: f64, t_s: f64) -> f64 {
         let x = position - self.position_centre;
         let p = 1.0 + x * (self.position_slope + x * self.position_curve);

@@ -135,6 +135,22 @@ pub struct State {
     pub phase: Phase,
     touch: [Touch; BARRIERS],
     pendulum: Pendulum,
+    rest: Rest,
+}
+
+/// What pulls on a joint that rests, the drive apart: it changes with the position alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Rest {
+    position: f64,
+    pull_nm: f64,
+}
+
+impl Rest {
+    /// Of no position at all.
+    const UNKNOWN: Self = Self {
+        position: f64::INFINITY,
+        pull_nm: 0.0,
+    };
 }
 
 /// A plant that is ready to be stepped.
@@ -144,6 +160,8 @@ pub struct Plant {
     dry: bool,
     plain: bool,
     passing_barriers: bool,
+    /// Whether what holds a joint at rest depends on position and drive alone.
+    rest_is_steady: bool,
     inverse_inertia: [f64; 2],
     longest_step_s: f64,
 }
@@ -155,14 +173,21 @@ const RATE_STEP: f64 = 0.1;
 impl Plant {
     /// Steps as long as the mechanics allow.
     pub fn new(mechanics: Mechanics) -> Self {
+        let dry = !mechanics.friction.is_none();
+        let passing_barriers = mechanics
+            .barriers
+            .iter()
+            .flatten()
+            .any(|b| b.during_s.is_some());
         Self {
-            dry: !mechanics.friction.is_none(),
+            dry,
             plain: mechanics.friction.is_plain(),
-            passing_barriers: mechanics
-                .barriers
-                .iter()
-                .flatten()
-                .any(|b| b.during_s.is_some()),
+            passing_barriers,
+            rest_is_steady: dry
+                && !passing_barriers
+                && mechanics.link.is_none()
+                && mechanics.presliding.is_none()
+                && mechanics.friction.drift_per_s == 0.0,
             inverse_inertia: match &mechanics.link {
                 Some(link) => [
                     1.0 / (mechanics.inertia * (1.0 - link.load_share)),
@@ -202,6 +227,7 @@ impl Plant {
             phase: Phase::Stick,
             touch: [Touch::Free; BARRIERS],
             pendulum: Pendulum::about(position - self.mechanics.gravity_zero),
+            rest: Rest::UNKNOWN,
         };
         self.enter(&mut state);
         state

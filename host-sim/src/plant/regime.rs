@@ -2,7 +2,7 @@
 
 use super::pendulum::Pendulum;
 use super::runge_kutta::{self, Flow};
-use super::{BARRIERS, Mechanics, Phase, Plant, RATE_STEP, State, Torque, Touch};
+use super::{BARRIERS, Mechanics, Phase, Plant, RATE_STEP, Rest, State, Torque, Touch};
 
 /// A step is never divided further than this, however stiff the plant.
 const MOST_DIVISIONS: f64 = 256.0;
@@ -89,14 +89,7 @@ impl Plant {
     #[inline]
     fn phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
         let pull = self.mechanics.pull(state, drive_nm);
-        let friction = &self.mechanics.friction;
-        let holding = if self.plain {
-            friction.level_nm[usize::from(pull < 0.0)]
-        } else {
-            let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-            friction.holding(direction, state.position, state.time_s, drive_nm)
-        };
-        if pull.abs() <= holding {
+        if pull.abs() <= self.holding(state, pull, drive_nm) {
             Phase::Stick
         } else if pull > 0.0 {
             Phase::Forward
@@ -105,9 +98,25 @@ impl Plant {
         }
     }
 
+    /// Level that holds against `pull` at rest, N m.
+    #[inline]
+    fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
+        let friction = &self.mechanics.friction;
+        if self.plain {
+            friction.level_nm[usize::from(pull < 0.0)]
+        } else {
+            let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
+            friction.holding(direction, state.position, state.time_s, drive_nm)
+        }
+    }
+
     /// Carries `state` over `dt_s` under `torque`.
     #[inline]
     pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
+        if self.stays_at_rest(state, &torque, dt_s) {
+            state.time_s += dt_s;
+            return;
+        }
         match (
             self.mechanics.link.is_some(),
             self.mechanics.presliding.is_some(),
@@ -133,7 +142,9 @@ impl Plant {
             let taken = if state.phase == Phase::Stick && self.dry && !is_linked(N) {
                 self.hold(state, &torque, piece)
             } else {
-                let longest = self.longest_step(state).min(torque.longest_step());
+                let longest = self
+                    .longest_step(state, torque.at(0.0))
+                    .min(torque.longest_step());
                 let h = piece.min(longest.max(shortest_s));
                 let (taken, event) = self.flow::<N>(state, &torque, h, events < MOST_EVENTS);
                 events += usize::from(event);
@@ -164,6 +175,26 @@ impl Plant {
         left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
     }
 
+    /// True if the joint is at rest and nothing breaks it away within `dt_s`.
+    #[inline]
+    fn stays_at_rest(&self, state: &mut State, torque: &Torque, dt_s: f64) -> bool {
+        if !(self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0) {
+            return false;
+        }
+        if state.rest.position != state.position {
+            state.rest = Rest {
+                position: state.position,
+                pull_nm: self.mechanics.pull(state, 0.0),
+            };
+        }
+        let holds = |drive_nm: f64| {
+            let pull = state.rest.pull_nm + drive_nm;
+            pull.abs() <= self.holding(state, pull, drive_nm)
+        };
+        let [low, high] = torque.bounds(dt_s);
+        holds(low) && (low == high || holds(high))
+    }
+
     /// At rest: until the end of the step, or until a drive that grows within it breaks away.
     fn hold(&self, state: &State, torque: &Torque, left: f64) -> f64 {
         let breaks_at = |t: f64| {
@@ -173,8 +204,7 @@ impl Plant {
             };
             self.phase_at_rest(&later, torque.at(t)) != Phase::Stick
         };
-        let constant = torque.is_held() && self.mechanics.friction.drift_per_s == 0.0;
-        if constant || !breaks_at(left) {
+        if !breaks_at(left) {
             return left;
         }
         // The drive is monotone within a step, so that it breaks away once at most.
@@ -262,7 +292,7 @@ impl Plant {
 
     /// The longest step that the stiffest part in action allows, s.
     #[inline]
-    fn longest_step(&self, state: &State) -> f64 {
+    fn longest_step(&self, state: &State, drive_nm: f64) -> f64 {
         let m = &self.mechanics;
         let mut longest = self.longest_step_s;
         let load_inertia = m.link.map_or(1.0, |link| link.load_share) * m.inertia;
@@ -274,10 +304,14 @@ impl Plant {
             }
         }
         if !self.plain {
-            longest = longest.min(
-                m.friction
-                    .longest_step(m.inertia, state.velocity, RATE_STEP),
-            );
+            let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
+            let push = m.pull(state, drive_nm).abs() + level * m.friction.static_ratio;
+            longest = longest.min(m.friction.longest_step(
+                m.inertia,
+                state.velocity.abs(),
+                push,
+                RATE_STEP,
+            ));
         }
         if let (Phase::Bristle, Some(bristles)) = (state.phase, &m.presliding) {
             let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
@@ -384,7 +418,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
     }
 
     #[inline(always)]
-    fn guard(&self, x: &[f64; N]) -> f64 {
+    fn guard(&self, t: f64, x: &[f64; N]) -> f64 {
         let m = &self.plant.mechanics;
         let mut guard = if self.direction == 0.0 {
             f64::INFINITY
@@ -402,7 +436,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
         if is_linked(N) && self.held {
             let mut state = self.plant.state(self.time_s, 0.0, 0.0);
             unpack(x, &mut state);
-            let drive_nm = self.torque.target_nm;
+            let drive_nm = self.torque.at(t);
             let pull = m.pull(&state, drive_nm);
             let holding = m
                 .friction

@@ -5,8 +5,8 @@ pub(super) trait Flow<const N: usize> {
     /// Time derivative of the state `x`, `t` after the start of the step.
     fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N];
 
-    /// Positive while the regime lasts; continuous through its end.
-    fn guard(&self, x: &[f64; N]) -> f64;
+    /// Positive while the regime lasts, `t` after the start of the step; continuous through its end.
+    fn guard(&self, t: f64, x: &[f64; N]) -> f64;
 
     /// True where the guard may dip below zero inside a step whose end shows nothing of it: judged
     /// from the states and rates at both ends.
@@ -66,13 +66,13 @@ pub(super) fn advance<const N: usize>(
 ) -> Step<N> {
     let k1 = flow.rate(0.0, x);
     let (end, k4) = rk4(flow, x, &k1, h);
-    if watch && flow.guard(&end) < 0.0 {
+    if watch && flow.guard(h, &end) < 0.0 {
         return locate(flow, x, &k1, h);
     }
     if watch && flow.may_dip(h, [x, &end], [&k1, &k4]) {
         for i in 1..DIP_SAMPLES {
             let t = h * i as f64 / DIP_SAMPLES as f64;
-            if flow.guard(&rk4(flow, x, &k1, t).0) < 0.0 {
+            if flow.guard(t, &rk4(flow, x, &k1, t).0) < 0.0 {
                 return locate(flow, x, &k1, t);
             }
         }
@@ -91,7 +91,7 @@ fn locate<const N: usize>(flow: &impl Flow<N>, x: &[f64; N], k1: &[f64; N], h: f
     let at = |t: f64| rk4(flow, x, k1, t).0;
     let (mut low, mut high) = (0.0, h);
     let mut x_high = at(high);
-    let (mut g_low, mut g_high) = (flow.guard(x).max(0.0), flow.guard(&x_high));
+    let (mut g_low, mut g_high) = (flow.guard(0.0, x).max(0.0), flow.guard(h, &x_high));
     for iteration in 0..LOCATE_ITERATIONS {
         if high - low <= EVENT_TOLERANCE * h {
             break;
@@ -103,7 +103,7 @@ fn locate<const N: usize>(flow: &impl Flow<N>, x: &[f64; N], k1: &[f64; N], h: f
             secant
         };
         let x_t = at(t);
-        let g = flow.guard(&x_t);
+        let g = flow.guard(t, &x_t);
         if g > 0.0 {
             (low, g_low) = (t, g);
             g_high *= 0.5;

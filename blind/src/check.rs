@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use crate::case::{Case, CaseError, Mixture};
 use crate::diagnosis::{Diagnosis, Gap};
@@ -27,6 +28,8 @@ pub struct Check {
     pub withheld: Option<String>,
     /// How many cases at once.
     pub jobs: usize,
+    /// A diagnosis that takes longer than this has failed.
+    pub patience: Duration,
 }
 
 /// Why a check stops.
@@ -167,11 +170,33 @@ impl Check {
         if let Some(withheld) = &self.withheld {
             words.extend(["--without".into(), withheld.into()]);
         }
-        let output = self.program(&words)?;
-        let log = folder.join("diagnosis.log");
-        let said = [output.stdout, output.stderr].concat();
-        fs::write(&log, said).map_err(|source| CheckError::Write { path: log, source })?;
-        if !output.status.success() {
+        let path = folder.join("diagnosis.log");
+        let failed = |source| CheckError::Write {
+            path: path.clone(),
+            source,
+        };
+        let log = fs::File::create(&path).map_err(failed)?;
+        let mut child = Command::new(&self.program)
+            .args(&words)
+            .stdin(Stdio::null())
+            .stdout(log.try_clone().map_err(failed)?)
+            .stderr(log)
+            .spawn()
+            .map_err(self.not_run())?;
+        let begun = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().map_err(self.not_run())? {
+                break status;
+            }
+            if begun.elapsed() > self.patience {
+                // It may have ended this very moment, which is as good.
+                let _ = child.kill();
+                child.wait().map_err(self.not_run())?;
+                return Ok(None);
+            }
+            std::thread::sleep(POLL);
+        };
+        if !status.success() {
             return Ok(None);
         }
         Ok(fs::read(&json)
@@ -218,13 +243,20 @@ impl Check {
             .args(words)
             .stdin(Stdio::null())
             .output()
-            .map_err(|source| CheckError::Program {
-                path: self.program.clone(),
-                source,
-            })
+            .map_err(self.not_run())
+    }
+
+    fn not_run(&self) -> impl Fn(std::io::Error) -> CheckError {
+        let path = self.program.clone();
+        move |source| CheckError::Program {
+            path: path.clone(),
+            source,
+        }
     }
 }
 
+/// How often a running diagnosis is looked at: its own clock says how long it took.
+const POLL: Duration = Duration::from_millis(10);
 const RECORDING: &str = "recording";
 const FRESH: &str = "fresh";
 

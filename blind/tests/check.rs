@@ -3,6 +3,7 @@
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use blind::{Check, CheckError, Mixture};
 
@@ -27,13 +28,14 @@ fn check(folder: &std::path::Path, script: &str) -> Check {
         },
         withheld: None,
         jobs: 1,
+        patience: Duration::from_secs(600),
     }
 }
 
 /// Answers always the same, and fails where anything but the recording is there to be seen.
 const ALWAYS_OFFSET: &str = r#"
 [ "$1 $2 $4" = "gap diagnose --json" ] || exit 3
-[ "$(ls "$3/.." )" = recording ] || exit 4
+[ "$(ls "$3/.." | grep -v "^diagnosis.log$")" = recording ] || exit 4
 [ "$(ls "$3" | grep -v -e '^run-.*csv$' )" = recording.toml ] || exit 5
 cat > "$5" <<'END'
 {"format": 1, "verdict": "explained", "gap": {"before": 1, "floor": 0, "after": 0, "shrink": 1},
@@ -91,5 +93,16 @@ fn a_withheld_effect_is_passed_on() {
     check.run(|_| ()).unwrap();
     let log = std::fs::read_to_string(folder.join("cases/case-0001/diagnosis.log")).unwrap();
     assert_eq!(log, "--without torque_offset\n");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_diagnosis_without_end_is_given_up() {
+    let folder = folder("endless");
+    let mut check = check(&folder, "exec sleep 1000");
+    check.cases = 1;
+    check.patience = Duration::from_millis(50);
+    let summary = check.run(|_| ()).unwrap();
+    assert_eq!(summary.outcomes[0].answer, "failed");
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -6,6 +6,7 @@ use blind::{Check, Mixture};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Which set, and where it is kept.
 #[derive(Args)]
@@ -37,6 +38,9 @@ pub struct Arguments {
     /// How many cases at once.
     #[arg(long, default_value_t = 1)]
     jobs: usize,
+    /// A diagnosis that takes longer has failed.
+    #[arg(long, value_name = "SECONDS", default_value_t = 120)]
+    patience: u64,
     /// Leave recordings and truths, diagnose nothing.
     #[arg(long)]
     generate_only: bool,
@@ -61,6 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         },
         withheld: arguments.withhold.clone(),
         jobs: arguments.jobs,
+        patience: Duration::from_secs(arguments.patience),
     };
     let kept = format!("everything in {}\n", check.folder.display());
     let set = json!({ "seed": check.seed, "cases": check.cases, "folder": check.folder });

@@ -136,7 +136,9 @@ impl Check {
         let recording = folder.join(RECORDING);
         case.recording.write(&recording)?;
         let model = folder.join("model.toml");
+        let begun = Instant::now();
         let diagnosis = self.diagnose(&recording, &folder, &model)?;
+        let took_s = begun.elapsed().as_secs_f64();
         unseal(&case, &folder)?;
         let fresh = match &diagnosis {
             Some(found) if case.truth.fresh && !found.effects.is_empty() && model.exists() => {
@@ -144,12 +146,11 @@ impl Check {
             }
             _ => None,
         };
-        Ok(judge(
-            &case.truth,
-            diagnosis.as_ref(),
-            fresh,
-            self.withheld.as_deref(),
-        ))
+        let withheld = self.withheld.as_deref();
+        let mut outcome = judge(&case.truth, diagnosis.as_ref(), fresh, withheld);
+        // One that failed says nothing of its time, and must not pass for quick.
+        outcome.elapsed_s.get_or_insert(took_s);
+        Ok(outcome)
     }
 
     /// `None` if the program fails or says something else than the contract has it say.

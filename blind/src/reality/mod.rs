@@ -217,3 +217,68 @@ fn moved(from: Motion, v: f64, dt: f64) -> Motion {
         v,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pendulum(coulomb: f64) -> Model {
+        Model {
+            gravity: 0.015,
+            coulomb,
+            viscous: 2e-4,
+            ..Model::new(5e-4)
+        }
+    }
+
+    /// Position after `until_s` under a sine of `torque` that reverses the motion several times.
+    fn driven(model: &Model, torque: f64, until_s: f64, step_s: f64) -> f64 {
+        let reality = Reality::plain(model);
+        let times: Vec<f64> = (0..)
+            .map(|k| f64::from(k) * 1e-3)
+            .take_while(|t| *t < until_s)
+            .collect();
+        let values = times.iter().map(|t| torque * (6.0 * t).sin()).collect();
+        let input = InputSeries::new(times, values);
+        let mut state = reality.at_rest(0.0, 0.0);
+        reality.advance(&mut state, &input, 0, until_s, step_s);
+        reality.reading(&state, 0)
+    }
+
+    #[test]
+    fn steps_of_the_check_are_far_finer_than_a_sensor_can_tell() {
+        let model = pendulum(0.008);
+        let usual = driven(&model, 0.014, 4.0, 20e-6);
+        let finer = driven(&model, 0.014, 4.0, 1e-6);
+        assert!(usual.abs() > 0.05, "it moves: {usual}");
+        assert!((usual - finer).abs() < 2e-5, "{usual} {finer}");
+    }
+
+    #[test]
+    fn below_the_dry_level_nothing_moves_at_all() {
+        assert_eq!(driven(&pendulum(0.03), 0.029, 2.0, 20e-6), 0.0);
+        assert!(driven(&pendulum(0.03), 0.035, 0.3, 20e-6) > 0.0);
+    }
+
+    #[test]
+    fn two_inertias_held_stiffly_move_as_one() {
+        let model = pendulum(0.0);
+        let mut split = Reality::plain(&model);
+        split.mechanics.coupling = Some(Coupling {
+            half_gap: 0.0,
+            stiffness: 500.0,
+            damping: 0.05,
+            motor_share: 0.4,
+            motor_friction: 0.5,
+            sensor: Side::Load,
+        });
+        let input = InputSeries::new(vec![0.0], vec![0.01]);
+        let mut state = split.at_rest(0.0, 0.0);
+        split.advance(&mut state, &input, 0, 0.5, 5e-6);
+        let one = Reality::plain(&model);
+        let mut whole = one.at_rest(0.0, 0.0);
+        one.advance(&mut whole, &input, 0, 0.5, 5e-6);
+        let difference = (split.reading(&state, 0) - one.reading(&whole, 0)).abs();
+        assert!(difference < 1e-4 && whole.load.x > 0.1, "{difference}");
+    }
+}

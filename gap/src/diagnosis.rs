@@ -80,9 +80,11 @@ pub struct Region {
     pub name: Option<String>,
     /// Index of the run, where it lies in one.
     pub run: Option<usize>,
-    /// Of the squared residual.
+    /// Of the squared residual of short predictions, beyond noise.
     pub share_of_gap: f64,
-    /// Of the samples.
+    /// 95 %.
+    pub share_of_gap_interval: [f64; 2],
+    /// Of the samples; of the motion's power for a frequency.
     pub share_of_samples: f64,
 }
 

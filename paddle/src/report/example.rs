@@ -54,6 +54,7 @@ pub fn stribeck() -> Diagnosis {
             name: None,
             run: None,
             share_of_gap: 0.71,
+            share_of_gap_interval: [0.62, 0.79],
             share_of_samples: 0.12,
         }],
         candidates: vec![

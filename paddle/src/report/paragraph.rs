@@ -308,6 +308,7 @@ mod tests {
             name: None,
             run: Some(1),
             share_of_gap: 0.4,
+            share_of_gap_interval: [0.3, 0.5],
             share_of_samples: 0.04,
         };
         let text = paragraph(&diagnosis, &example::labels());

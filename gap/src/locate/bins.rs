@@ -1,0 +1,277 @@
+//! How an axis parts the gap: the stretch that carries more than its share, and what its course explains.
+
+/// Something measured at a place of an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Point {
+    /// On the axis.
+    pub at: f64,
+    /// Prediction window that it lies in: within one, nothing is independent.
+    pub block: usize,
+    /// Samples, or what stands for them.
+    pub weight: f64,
+    /// Of the gap, squared.
+    pub excess: f64,
+    /// What the model misses, with its sign, of unit variance if it misses nothing.
+    pub missing: f64,
+    /// The same along the motion: what friction changes there.
+    pub driving: f64,
+}
+
+/// Consecutive stretches of an axis with about the same weight each.
+#[derive(Clone, Debug)]
+pub(super) struct Bins {
+    /// In the order of the axis.
+    points: Vec<Point>,
+    /// Place among the points at which each bin begins, and their number.
+    bounds: Vec<usize>,
+    weight: f64,
+    excess: f64,
+}
+
+/// A stretch of an axis and what it carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    pub from: f64,
+    pub to: f64,
+    pub share_of_gap: f64,
+    pub share_of_weight: f64,
+}
+
+impl Stretch {
+    /// By how much the share of the gap is the larger.
+    pub(super) fn surplus(&self) -> f64 {
+        self.share_of_gap - self.share_of_weight
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        self.from < other.to && other.from < self.to
+    }
+}
+
+/// Resamplings for an interval.
+const RESAMPLINGS: usize = 200;
+
+impl Bins {
+    /// Some `count` bins; fewer where many points share a place. `None` without weight or without excess.
+    pub(super) fn new(mut points: Vec<Point>, count: usize) -> Option<Self> {
+        points.retain(|p| p.at.is_finite());
+        points.sort_by(|a, b| a.at.total_cmp(&b.at));
+        let weight: f64 = points.iter().map(|p| p.weight).sum();
+        let excess: f64 = points.iter().map(|p| p.excess).sum();
+        if !(weight > 0.0 && excess > 0.0) {
+            return None;
+        }
+        let mut bounds = vec![0];
+        let mut seen = 0.0;
+        for (i, pair) in points.windows(2).enumerate() {
+            seen += pair[0].weight;
+            if seen * count as f64 >= weight * bounds.len() as f64 && pair[1].at > pair[0].at {
+                bounds.push(i + 1);
+            }
+        }
+        bounds.push(points.len());
+        Some(Self {
+            points,
+            bounds,
+            weight,
+            excess,
+        })
+    }
+
+    /// Where bin `i` begins, half way between the points on either side.
+    fn edge(&self, i: usize) -> f64 {
+        let bound = self.bounds[i];
+        match (bound.checked_sub(1), self.points.get(bound)) {
+            (Some(before), Some(after)) => 0.5 * (self.points[before].at + after.at),
+            (None, Some(first)) => first.at,
+            (last, None) => last.map_or(0.0, |last| self.points[last].at),
+        }
+    }
+
+    /// The whole axis.
+    pub(super) fn whole(&self) -> Stretch {
+        Stretch {
+            from: self.points[0].at,
+            to: self.points[self.points.len() - 1].at,
+            share_of_gap: 1.0,
+            share_of_weight: 1.0,
+        }
+    }
+
+    /// What lies from `from` to `to`.
+    pub(super) fn stretch(&self, from: f64, to: f64) -> Stretch {
+        let inside = self.points.iter().filter(|p| p.at >= from && p.at <= to);
+        let (weight, excess) = inside.fold((0.0, 0.0), |(w, e), p| (w + p.weight, e + p.excess));
+        Stretch {
+            from,
+            to,
+            share_of_gap: excess / self.excess,
+            share_of_weight: weight / self.weight,
+        }
+    }
+
+    /// Shares of weight and gap of each bin.
+    fn sums(&self) -> Vec<[f64; 2]> {
+        let bins = self.bounds.windows(2).map(|b| {
+            let bin = self.points[b[0]..b[1]].iter();
+            let [w, e] = bin.fold([0.0; 2], |[w, e], p| [w + p.weight, e + p.excess]);
+            [w / self.weight, e / self.excess]
+        });
+        bins.collect()
+    }
+
+    /// Surplus of the `count` bins with the largest, wherever they lie.
+    pub(super) fn densest(&self, count: usize) -> f64 {
+        let mut surplus: Vec<f64> = self.sums().iter().map(|[w, e]| e - w).collect();
+        surplus.sort_by(|a, b| b.total_cmp(a));
+        surplus.iter().take(count).sum()
+    }
+
+    /// The stretch whose share of the gap is larger than that of the weight by most, clear of `taken`.
+    pub(super) fn best(&self, taken: Option<&Stretch>) -> Option<Stretch> {
+        let sums = self.sums();
+        let mut best: Option<Stretch> = None;
+        for i in 0..sums.len() {
+            let mut share = [0.0; 2];
+            for (j, sum) in sums.iter().enumerate().skip(i) {
+                share = [share[0] + sum[0], share[1] + sum[1]];
+                let stretch = Stretch {
+                    from: self.edge(i),
+                    to: self.edge(j + 1),
+                    share_of_gap: share[1],
+                    share_of_weight: share[0],
+                };
+                let most = best.map_or(0.0, |b| b.surplus());
+                if stretch.surplus() > most && !taken.is_some_and(|t| t.meets(&stretch)) {
+                    best = Some(stretch);
+                }
+            }
+        }
+        best
+    }
+
+    /// Share of what is missing that is a function of the place: the correlation ratio (Pearson, 1905),
+    /// less what noise alone would give.
+    pub(super) fn explained(&self) -> f64 {
+        self.between(|p| p.missing, 0.0)
+    }
+
+    /// The same for what is missing along the motion, a constant left out: friction that changes with the
+    /// place.
+    pub(super) fn explained_along(&self) -> f64 {
+        let mean = self.points.iter().map(|p| p.driving).sum::<f64>() / self.points.len() as f64;
+        self.between(|p| p.driving, mean)
+    }
+
+    fn between(&self, value: impl Fn(&Point) -> f64, level: f64) -> f64 {
+        let bins = self.bounds.windows(2).map(|b| {
+            let n = (b[1] - b[0]) as f64;
+            let mean = self.points[b[0]..b[1]].iter().map(&value).sum::<f64>() / n;
+            n * (mean - level).powi(2) - 1.0
+        });
+        let between: f64 = bins.sum();
+        let all = self.points.iter().map(|p| p.missing * p.missing - 1.0);
+        let all: f64 = all.sum();
+        if all > 0.0 {
+            (between / all).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// 95 % interval of the share of the gap that `stretch` carries, by resampling the windows.
+    pub(super) fn interval(&self, stretch: &Stretch) -> [f64; 2] {
+        let blocks = self.points.iter().map(|p| p.block).max().unwrap_or(0) + 1;
+        let mut sums = vec![[0.0; 2]; blocks];
+        for p in &self.points {
+            sums[p.block][1] += p.excess;
+            if p.at >= stretch.from && p.at <= stretch.to {
+                sums[p.block][0] += p.excess;
+            }
+        }
+        sums.retain(|s| s[1] != 0.0);
+        // A fixed multiplicative generator: the interval of a recording is always the same.
+        let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+        let mut draw = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            sums[(state >> 33) as usize % sums.len()]
+        };
+        let mut shares: Vec<f64> = (0..RESAMPLINGS)
+            .map(|_| {
+                let drawn = (0..sums.len()).map(|_| draw());
+                let [inside, all] = drawn.fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]);
+                if all > 0.0 {
+                    (inside / all).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        shares.sort_by(f64::total_cmp);
+        let at = |share: f64| shares[((RESAMPLINGS - 1) as f64 * share).round() as usize];
+        [at(0.025), at(0.975)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Hundred points from 0 to 99, each with a weight of one.
+    fn points(excess: impl Fn(f64) -> f64, missing: impl Fn(f64) -> f64) -> Vec<Point> {
+        let points = (0..100).map(|i| Point {
+            at: f64::from(i),
+            block: i as usize / 5,
+            weight: 1.0,
+            excess: excess(f64::from(i)),
+            missing: missing(f64::from(i)),
+            driving: missing(f64::from(i)),
+        });
+        points.collect()
+    }
+
+    #[test]
+    fn the_stretch_is_found_and_its_shares_add_up() {
+        let inside = |x: f64| if (40.0..50.0).contains(&x) { 9.0 } else { 0.1 };
+        let bins = Bins::new(points(inside, |_| 0.0), 50).unwrap();
+        let best = bins.best(None).unwrap();
+        assert!((best.from - 39.5).abs() < 1e-9 && (best.to - 49.5).abs() < 1e-9);
+        assert!((best.share_of_gap - 90.0 / 99.0).abs() < 1e-9);
+        assert!((best.share_of_weight - 0.1).abs() < 1e-9);
+        let [low, high] = bins.interval(&best);
+        assert!(
+            low < best.share_of_gap && best.share_of_gap < high,
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn the_next_stretch_lies_beside_the_first() {
+        let two = |x: f64| match x as i32 {
+            20..30 => 5.0,
+            70..75 => 6.0,
+            _ => 0.0,
+        };
+        let bins = Bins::new(points(two, |_| 0.0), 20).unwrap();
+        let first = bins.stretch(19.5, 29.5);
+        let second = bins.best(Some(&first)).unwrap();
+        assert!(second.from >= 29.5 && second.to >= 74.5, "{second:?}");
+    }
+
+    #[test]
+    fn a_function_of_the_place_is_explained_and_an_alternation_is_not() {
+        let course = Bins::new(points(|_| 1.0, |x| 0.2 * (x - 50.0)), 20).unwrap();
+        assert!(course.explained() > 0.9);
+        let sign = |x: f64| if x as i32 % 2 == 0 { 10.0 } else { -10.0 };
+        let alternation = Bins::new(points(|_| 1.0, sign), 10).unwrap();
+        assert!(alternation.explained() < 0.1);
+    }
+
+    #[test]
+    fn without_excess_there_is_nothing_to_part() {
+        assert!(Bins::new(points(|_| 0.0, |_| 0.0), 10).is_none());
+        assert!(Bins::new(Vec::new(), 10).is_none());
+    }
+}

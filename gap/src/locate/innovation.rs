@@ -1,0 +1,248 @@
+//! What a short prediction misses: the gap where it arises, before it has grown over a horizon.
+
+use crate::predict::Predictor;
+use crate::restart::Restart;
+use crate::series::{Series, Window, median_period};
+use crate::whitening::whitenings;
+use rayon::prelude::*;
+
+/// One short prediction against the measurement, with the motion during it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Innovation {
+    /// Prediction window in which it begins, by running index over all series.
+    pub window: usize,
+    /// Index of the run in the recording.
+    pub run: usize,
+    /// Middle, on the session's clock, s.
+    pub session_s: f64,
+    /// Mean, in the recording's units.
+    pub position: f64,
+    /// Mean, per s.
+    pub velocity: f64,
+    /// The slowest velocity from shortly before it on, 0 if the motion turned.
+    pub slowest: f64,
+    /// Mean, per s².
+    pub acceleration: f64,
+    /// Mean.
+    pub input: f64,
+    /// Mean of its second half less that of its first.
+    pub input_change: f64,
+    /// Samples.
+    pub samples: f64,
+    /// Squared whitened residual beyond that of noise alone, not below zero.
+    pub excess: f64,
+    /// The acceleration that the prediction misses, in its standard deviations.
+    pub missing: f64,
+}
+
+/// Shortest prediction, s.
+const SHORTEST_S: f64 = 0.02;
+/// And in samples: fewer do not tell a curvature from noise.
+const FEWEST_SAMPLES: f64 = 10.0;
+/// Each scale is this much longer than the one before.
+const GROWTH: f64 = 2.0;
+/// Scales from the shortest on.
+const SCALES: i32 = 4;
+/// A scale is long enough once this share of the squared innovation is no noise.
+const CLEAR_SHARE: f64 = 0.5;
+/// Innovations before one, at half a length each, in which a turn of the motion still counts as close.
+const BEFORE: usize = 2;
+/// Noise is known to within this factor of its variance.
+const NOISE_DOUBT: f64 = 1.5;
+/// Standard deviations of χ² that noise may add before an innovation counts.
+const NOISE_MARGIN: f64 = 2.0;
+
+/// The innovations of the shortest scale at which they stand out of the noise, or the clearest one.
+///
+/// Short predictions show where the gap arises, long ones carry it on; but what noise hides grows with the
+/// square of the length.
+pub(super) fn innovations(
+    predictor: &Predictor,
+    series: &[Series],
+    horizon_s: f64,
+    half_width_s: f64,
+) -> Vec<Innovation> {
+    let period_s = series
+        .iter()
+        .map(|s| median_period(&s.time))
+        .fold(0.0, f64::max);
+    let bases: Vec<usize> = series
+        .iter()
+        .scan(0, |next, s| {
+            let base = *next;
+            *next += s.windows.len();
+            Some(base)
+        })
+        .collect();
+    let shortest_s = SHORTEST_S.max(FEWEST_SAMPLES * period_s);
+    let mut clearest = (f64::NEG_INFINITY, Vec::new());
+    for scale in 0..SCALES {
+        let length_s = shortest_s * GROWTH.powi(scale);
+        if scale > 0 && length_s > horizon_s {
+            break;
+        }
+        let all: Vec<Innovation> = series
+            .par_iter()
+            .zip(&bases)
+            .flat_map_iter(|(s, base)| of_series(predictor, s, *base, length_s, half_width_s))
+            .collect();
+        let excess: f64 = all.iter().map(|i| i.excess).sum();
+        let samples: f64 = all.iter().map(|i| i.samples).sum();
+        let clear = excess / (excess + samples);
+        if clear > clearest.0 {
+            clearest = (clear, all);
+        }
+        if clear > CLEAR_SHARE {
+            break;
+        }
+    }
+    clearest.1
+}
+
+/// Innovations of `length_s` each, in two rows that overlap by half.
+fn of_series(
+    predictor: &Predictor,
+    series: &Series,
+    base: usize,
+    length_s: f64,
+    half_width_s: f64,
+) -> Vec<Innovation> {
+    let half_width_s = half_width_s.max(0.25 * length_s);
+    let mut all = Vec::new();
+    for delay_s in [0.0, 0.5 * length_s] {
+        let short = Series {
+            windows: windows(series, delay_s, length_s, half_width_s),
+            ..series.clone()
+        };
+        let predicted = predictor.predict(&short);
+        let whitenings = whitenings(predictor, &short, &predicted, |_| true);
+        for (window, whitening) in short.windows.iter().zip(whitenings.iter().flatten()) {
+            let rows = window.samples.clone();
+            let mut residual: Vec<f64> = rows
+                .clone()
+                .map(|i| series.position[i] - predicted[i])
+                .collect();
+            let since = |i: usize| series.time[i] - window.restart.time_s;
+            let mut parabola: Vec<f64> = rows.clone().map(|i| 0.5 * since(i).powi(2)).collect();
+            whitening.apply(&mut residual);
+            whitening.apply(&mut parabola);
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let n = rows.len() as f64;
+            let cost = dot(&residual, &residual);
+            let size = dot(&parabola, &parabola).sqrt();
+            let mean = |column: &[f64]| column[rows.clone()].iter().sum::<f64>() / n;
+            let half = rows.start + rows.len() / 2;
+            let part = |rows: core::ops::Range<usize>| {
+                series.input[rows.clone()].iter().sum::<f64>() / rows.len().max(1) as f64
+            };
+            let [velocity, acceleration] =
+                slopes(&series.time[rows.clone()], &series.position[rows.clone()]);
+            if !cost.is_finite() {
+                continue;
+            }
+            all.push(Innovation {
+                window: base
+                    + series
+                        .windows
+                        .partition_point(|w| w.samples.end <= rows.start),
+                run: series.run,
+                session_s: mean(&series.time) + series.session_offset_s,
+                position: mean(&series.position),
+                velocity,
+                slowest: velocity,
+                acceleration,
+                input: mean(&series.input),
+                input_change: part(half..rows.end) - part(rows.start..half),
+                samples: n,
+                excess: if cost > NOISE_DOUBT * n + NOISE_MARGIN * (2.0 * n).sqrt() {
+                    cost - n
+                } else {
+                    0.0
+                },
+                missing: if size > 0.0 {
+                    dot(&residual, &parabola) / size
+                } else {
+                    0.0
+                },
+            });
+        }
+    }
+    all.sort_by(|a, b| a.session_s.total_cmp(&b.session_s));
+    let slowest = slowest(&all);
+    for (innovation, slowest) in all.iter_mut().zip(slowest) {
+        innovation.slowest = slowest;
+    }
+    all
+}
+
+/// For each of consecutive innovations, the slowest velocity of it and the [`BEFORE`] ones before.
+fn slowest(all: &[Innovation]) -> Vec<f64> {
+    let velocities = (0..all.len()).map(|i| {
+        let recent = &all[i.saturating_sub(BEFORE)..=i];
+        if recent.iter().any(|r| r.velocity * all[i].velocity <= 0.0) {
+            return 0.0;
+        }
+        let recent = recent.iter().map(|r| r.velocity);
+        recent.fold(all[i].velocity, |least, v| {
+            if v.abs() < least.abs() { v } else { least }
+        })
+    });
+    velocities.collect()
+}
+
+fn windows(series: &Series, delay_s: f64, length_s: f64, half_width_s: f64) -> Vec<Window> {
+    let Some(&start_s) = series.time.first() else {
+        return Vec::new();
+    };
+    let mut all = Vec::new();
+    let mut within = series.windows.iter().peekable();
+    let mut first = series.time.partition_point(|&t| t < start_s + delay_s);
+    while first < series.time.len() {
+        let from_s = series.time[first];
+        let last = series
+            .time
+            .partition_point(|&t| t < from_s + length_s * (1.0 - 1e-9));
+        while within.peek().is_some_and(|w| w.samples.end <= first) {
+            within.next();
+        }
+        if let (Some(around), Some(restart)) = (
+            within.peek(),
+            Restart::fit(&series.time, &series.position, from_s, half_width_s),
+        ) {
+            all.push(Window {
+                samples: first..last,
+                restart,
+                noise: around.noise,
+                restart_noise: around.noise,
+            });
+        }
+        first = last;
+    }
+    all
+}
+
+/// Mean slope and curvature of a parabola by least squares.
+fn slopes(time: &[f64], position: &[f64]) -> [f64; 2] {
+    let n = time.len() as f64;
+    let mean_t = time.iter().sum::<f64>() / n;
+    let mean_x = position.iter().sum::<f64>() / n;
+    let moment = |k: i32| time.iter().map(|t| (t - mean_t).powi(k)).sum::<f64>();
+    let product = |k: i32| {
+        let pairs = time.iter().zip(position);
+        pairs
+            .map(|(t, x)| (t - mean_t).powi(k) * (x - mean_x))
+            .sum::<f64>()
+    };
+    let (m2, m3, m4) = (moment(2), moment(3), moment(4));
+    let (p1, p2) = (product(1), product(2));
+    let spread = m4 - m2 * m2 / n;
+    let determinant = m2 * spread - m3 * m3;
+    if determinant > 0.0 {
+        let slope = (p1 * spread - m3 * p2) / determinant;
+        [slope, 2.0 * (m2 * p2 - m3 * p1) / determinant]
+    } else if m2 > 0.0 {
+        [p1 / m2, 0.0]
+    } else {
+        [0.0, 0.0]
+    }
+}

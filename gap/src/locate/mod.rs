@@ -1,0 +1,367 @@
+//! Where the gap lies, from the data alone.
+
+mod bins;
+mod innovation;
+mod spectrum;
+
+use crate::diagnosis::Region;
+use crate::fit::{Fit, Problem};
+use crate::predict::Predictor;
+use crate::select::PERFECT;
+use crate::series::{Series, median_period};
+use bins::{Bins, Point, Stretch};
+use innovation::{Innovation, innovations};
+
+/// Bins of an axis.
+const BINS: usize = 40;
+/// Bins of time, where short events are looked for.
+const TIME_BINS: usize = 80;
+/// Bins in which a slow course over time is looked for.
+const COARSE_TIME_BINS: usize = 8;
+/// Axes that are told.
+const AXES: usize = 3;
+/// A surplus below this is no place: the gap then goes with the axis all along.
+const LEAST_SURPLUS: f64 = 0.1;
+/// Robust excess per window up to which there is no gap to locate.
+const NOTICEABLE: f64 = 0.01;
+/// The gap must be this share of the squared innovations; noise alone may pass for some.
+const LEAST_EXCESS: f64 = 0.1;
+/// Weight of a band of frequencies or of a run: some of them always stand out, as excitation is uneven.
+const UNEVEN_WEIGHT: f64 = 0.5;
+/// A stretch of time with at least this surplus holds an event, which no other axis can place.
+const EVENT_SURPLUS: f64 = 0.65;
+/// So do this many bins of time, wherever they lie.
+const EVENTS: usize = 4;
+/// What that is worth.
+const EVENT_STRENGTH: f64 = 0.5;
+/// Weight of a slow course of friction over time: what repeats itself has none.
+const COURSE_WEIGHT: f64 = 2.0;
+
+/// What speaks for an axis.
+struct Evidence {
+    axis: &'static str,
+    bins: Bins,
+    stretch: Stretch,
+    strength: f64,
+}
+
+/// Parts of the data that carry more of the gap than their share of the samples, the most telling first:
+/// three different axes, then what else stands out on them.
+///
+/// An axis speaks by a stretch that carries more than its share, and by what of the missing acceleration
+/// is a function of it. Motion couples the axes, so that the next best ones are told too.
+pub(crate) fn regions(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
+    if null.costs.mean_log() <= PERFECT + NOTICEABLE {
+        return Vec::new();
+    }
+    let recording = problem.recording;
+    let device = null
+        .hypothesis
+        .device(&recording.model, &problem.nudges, &null.x);
+    let predictor = Predictor::new(device, recording);
+    let all = innovations(
+        &predictor,
+        &problem.series,
+        recording.horizon,
+        recording.restart_half_width,
+    );
+    let (excess, samples) = all
+        .iter()
+        .fold((0.0, 0.0), |(e, n), i| (e + i.excess, n + i.samples));
+    if excess <= LEAST_EXCESS * (excess + samples) {
+        return Vec::new();
+    }
+    let mut axes: Vec<Evidence> = [
+        velocity(&all),
+        plain("position", &all, |i| i.position),
+        plain("input", &all, |i| i.input),
+        plain("acceleration", &all, |i| i.acceleration),
+        time(&all, &problem.series),
+        run(&all, &problem.series),
+        frequency(&all, problem, &predictor),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    axes.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    axes.truncate(AXES);
+    let second = axes.iter().filter_map(|e| {
+        let stretch = e.bins.best(Some(&e.stretch))?;
+        (stretch.surplus() > LEAST_SURPLUS).then_some((e, stretch))
+    });
+    let first = axes.iter().map(|e| (e, e.stretch));
+    first
+        .chain(second)
+        .map(|(e, stretch)| region(problem, e, stretch))
+        .collect()
+}
+
+fn points(all: &[Innovation], at: impl Fn(&Innovation) -> f64) -> Vec<Point> {
+    let points = all.iter().map(|i| Point {
+        at: at(i),
+        block: i.window,
+        weight: i.samples,
+        excess: i.excess,
+        missing: i.missing,
+        driving: i.missing * i.velocity.signum(),
+    });
+    points.collect()
+}
+
+fn plain(axis: &'static str, all: &[Innovation], at: fn(&Innovation) -> f64) -> Option<Evidence> {
+    let bins = Bins::new(points(all, at), BINS)?;
+    let best = bins.best(None).unwrap_or_else(|| bins.whole());
+    Some(Evidence {
+        axis,
+        strength: best.surplus() + bins.explained() + bins.explained_along(),
+        stretch: if best.surplus() < LEAST_SURPLUS {
+            bins.whole()
+        } else {
+            best
+        },
+        bins,
+    })
+}
+
+/// Velocity; what lags behind a reversal belongs to it, too.
+fn velocity(all: &[Innovation]) -> Option<Evidence> {
+    let now = plain("velocity", all, |i| i.velocity)?;
+    let Some(reversal) = plain("velocity", all, |i| i.slowest) else {
+        return Some(now);
+    };
+    let at_rest = reversal.stretch.from <= 0.0 && reversal.stretch.to >= 0.0;
+    if at_rest && reversal.stretch.surplus() > now.stretch.surplus() {
+        Some(Evidence {
+            strength: reversal.strength.max(now.strength),
+            ..reversal
+        })
+    } else {
+        Some(now)
+    }
+}
+
+/// Time, on the clock of the session, the best stretch cut to one run if the runs' own times overlap.
+fn time(all: &[Innovation], series: &[Series]) -> Option<Evidence> {
+    let bins = Bins::new(points(all, |i| i.session_s), TIME_BINS)?;
+    let coarse = Bins::new(points(all, |i| i.session_s), COARSE_TIME_BINS)?;
+    let mut stretch = bins.best(None)?;
+    let event = stretch.surplus().max(bins.densest(EVENTS)) > EVENT_SURPLUS;
+    let strength = stretch.surplus()
+        + COURSE_WEIGHT * coarse.explained_along()
+        + if event { EVENT_STRENGTH } else { 0.0 };
+    if series.iter().any(|s| s.session_offset_s != 0.0) {
+        let cut = series.iter().map(|s| {
+            let (from, to) = span(s);
+            bins.stretch(from.max(stretch.from), to.min(stretch.to))
+        });
+        stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
+    }
+    Some(Evidence {
+        axis: "time",
+        bins,
+        stretch,
+        strength,
+    })
+}
+
+/// First and last time of a series on the clock of the session, s.
+fn span(series: &Series) -> (f64, f64) {
+    let last = series.time.len().saturating_sub(1);
+    (series.session(0), series.session(last))
+}
+
+/// The run that carries most beyond its share.
+fn run(all: &[Innovation], series: &[Series]) -> Option<Evidence> {
+    let bins = Bins::new(points(all, |i| i.run as f64), BINS)?;
+    let runs = series
+        .iter()
+        .map(|s| bins.stretch(s.run as f64, s.run as f64));
+    let stretch = runs.max_by(|a, b| a.surplus().total_cmp(&b.surplus()))?;
+    (stretch.surplus() > LEAST_SURPLUS).then(|| Evidence {
+        axis: "run",
+        strength: UNEVEN_WEIGHT * stretch.surplus(),
+        bins,
+        stretch,
+    })
+}
+
+/// A band of frequencies; what goes with the change of the input is an error of phase and belongs here.
+fn frequency(all: &[Innovation], problem: &Problem<'_>, predictor: &Predictor) -> Option<Evidence> {
+    let series = &problem.series;
+    let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
+    let period_s = series
+        .iter()
+        .map(|s| median_period(&s.time))
+        .fold(0.0, f64::max);
+    let points = spectrum::points(series, &predictions, problem.recording.horizon, period_s);
+    let bins = Bins::new(points, BINS)?;
+    let stretch = bins.best(None)?;
+    let change = Bins::new(self::points(all, |i| i.input_change), BINS)?;
+    Some(Evidence {
+        axis: "frequency",
+        strength: UNEVEN_WEIGHT * stretch.surplus() + change.explained(),
+        bins,
+        stretch,
+    })
+}
+
+fn region(problem: &Problem<'_>, evidence: &Evidence, stretch: Stretch) -> Region {
+    let recording = problem.recording;
+    let mut region = Region {
+        axis: evidence.axis,
+        from: Some(stretch.from),
+        to: Some(stretch.to),
+        name: None,
+        run: None,
+        share_of_gap: stretch.share_of_gap,
+        share_of_gap_interval: evidence.bins.interval(&stretch),
+        share_of_samples: stretch.share_of_weight,
+    };
+    match evidence.axis {
+        "run" => {
+            let index = stretch.from as usize;
+            region.name = Some(recording.runs[index].file.clone());
+            region.run = Some(index);
+            (region.from, region.to) = (None, None);
+        }
+        "time" => {
+            let inside = problem.series.iter().find(|s| {
+                let (from, to) = span(s);
+                stretch.from >= from && stretch.to <= to
+            });
+            if let Some(series) = inside {
+                region.run = Some(series.run);
+                region.from = Some(stretch.from - series.session_offset_s);
+                region.to = Some(stretch.to - series.session_offset_s);
+            }
+        }
+        _ => {}
+    }
+    region
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::Part;
+    use crate::hypothesis::Hypothesis;
+    use crate::series;
+    use host_sim::device::Device;
+    use host_sim::drive::DriveLine;
+    use host_sim::effects::Effect;
+    use host_sim::plant::Plant;
+    use recording::{Drive, Model, Recording, Run, Sensor};
+
+    const PERIOD_S: f64 = 1e-3;
+    const RUN_S: f64 = 6.0;
+    const NOISE: f64 = 1e-4;
+
+    /// Two runs of a paddle under two sines, with the effects written in `effects`.
+    fn recording(effects: &[&str]) -> Recording {
+        let model = Model {
+            viscous: 1.78e-4,
+            coulomb: 0.004,
+            stiffness: 0.03,
+            ratio: 15.0,
+            ..Model::new(5.755e-4)
+        };
+        let mut device = Device::nominal(&model);
+        for effect in effects {
+            effect.parse::<Effect>().unwrap().install(&mut device);
+        }
+        let plant = Plant::new(device.mechanics.clone());
+        let mut recording = Recording::new("made for a test", 0.3, model);
+        let sensor = Sensor {
+            noise: NOISE,
+            ..Sensor::default()
+        };
+        recording.sensors.insert("position".into(), sensor);
+        let mut seed = 1_u64;
+        let mut uniform = || {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 53) as f64
+        };
+        for run in 0..2 {
+            let start_s = f64::from(run) * RUN_S;
+            let mut state = plant.state(start_s, 0.05, 0.0);
+            let mut line = DriveLine::at_rest(&device.drive);
+            let (mut time, mut input, mut position) = (vec![], vec![], vec![]);
+            for i in 0..(RUN_S / PERIOD_S) as usize {
+                let t = i as f64 * PERIOD_S;
+                let u = 0.0011 * (9.0 * t).sin() + 0.0008 * (4.3 * t + f64::from(run)).cos();
+                let noise = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+                time.push(start_s + t);
+                input.push(u);
+                position.push(device.sensing.curve(plant.seen(&state).0) + NOISE * noise);
+                line.command(&device.drive, t, u);
+                let (torque, dt_s) = line.piece(t, PERIOD_S);
+                plant.advance(&mut state, torque, dt_s);
+            }
+            let file = format!("run-{run}.csv");
+            recording
+                .runs
+                .push(Run::new(file, Drive::OpenLoop, time, input, position));
+        }
+        recording
+    }
+
+    fn found(effects: &[&str]) -> Vec<Region> {
+        let recording = recording(effects);
+        let problem = Problem {
+            recording: &recording,
+            series: series::coarse(&recording, recording.horizon),
+            nudges: Vec::new(),
+            quarter: Vec::new(),
+        };
+        let null = problem.fit(&Hypothesis { terms: Vec::new() }, Vec::new(), Part::All, 1);
+        regions(&problem, &null)
+    }
+
+    fn on<'a>(axis: &str, found: &'a [Region]) -> &'a Region {
+        let told = found.iter().take(AXES);
+        told.into_iter()
+            .find(|r| r.axis == axis)
+            .unwrap_or_else(|| panic!("no {axis} in {found:?}"))
+    }
+
+    #[test]
+    fn nothing_is_located_where_nothing_is_missing() {
+        assert_eq!(found(&[]), Vec::new());
+    }
+
+    #[test]
+    fn a_stop_is_a_stretch_of_position() {
+        let found = found(&["end_stop:lower=-9,upper=0.2,stiffness=5,damping=0.01"]);
+        let stop = on("position", &found);
+        assert!(
+            stop.from.unwrap() > 0.1 && stop.to.unwrap() > 0.2,
+            "{stop:?}"
+        );
+        assert!(
+            stop.share_of_gap > 0.8 && stop.share_of_samples < 0.5,
+            "{stop:?}"
+        );
+    }
+
+    #[test]
+    fn a_hand_is_a_stretch_of_time_in_one_run() {
+        let found =
+            found(&["contact:position=-9,side=1,stiffness=0.001,damping=0.01,from=8,to=8.4"]);
+        let hand = on("time", &found);
+        assert_eq!(hand.run, Some(1));
+        assert!(
+            hand.from.unwrap() > 7.7 && hand.to.unwrap() < 8.8,
+            "{hand:?}"
+        );
+        assert!(hand.share_of_gap > 0.8, "{hand:?}");
+    }
+
+    #[test]
+    fn friction_goes_with_velocity_and_gain_with_input() {
+        assert_eq!(found(&["viscous:coefficient=0.003"])[0].axis, "velocity");
+        assert_eq!(found(&["asymmetric_coulomb"])[0].axis, "velocity");
+        on("input", &found(&["torque_gain:gain=1.3"]));
+    }
+}

@@ -27,12 +27,14 @@ impl std::str::FromStr for JsonTo {
 }
 
 /// The result of a command, in two forms.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Answer {
     /// For people, lines ended.
     pub text: String,
-    /// For programs.
+    /// For programs; an array is written as JSON lines, one an element.
     pub json: Value,
+    /// Why a part of what was asked is missing, if it is.
+    pub amiss: Option<Failure>,
 }
 
 impl Answer {
@@ -41,7 +43,10 @@ impl Answer {
     /// # Errors
     /// [`Failure::Write`] if that cannot be written; a reader that has gone away is no failure.
     pub fn give(&self, json: Option<&JsonTo>) -> Result<(), Failure> {
-        let pretty = format!("{:#}\n", self.json);
+        let pretty = match &self.json {
+            Value::Array(lines) => lines.iter().map(|line| format!("{line}\n")).collect(),
+            whole => format!("{whole:#}\n"),
+        };
         let text = match json {
             Some(JsonTo::StandardOutput) => &pretty,
             Some(JsonTo::File(path)) => {

@@ -50,6 +50,20 @@ pub enum Failure {
     /// What stands there may be a measurement.
     #[error("{} holds a recording already, which would be lost; name another folder", .0.display())]
     HoldsRecording(PathBuf),
+    /// No recording where one is looked for.
+    #[error("{} holds no recording; name a folder with recording.toml in it or below it", .0.display())]
+    NoRecording(PathBuf),
+    /// Some recordings of a batch could not be used.
+    #[error("{failed} of {all} recordings could not be used; the others are done")]
+    Batch {
+        /// Those that could not.
+        failed: usize,
+        /// All.
+        all: usize,
+    },
+    /// The program is at fault.
+    #[error("the diagnosis broke off on a fault of the program; report it with the recording")]
+    Fault,
     /// A model file that is not as it should be.
     #[error("{}: {cause}", .path.display())]
     ModelFile {

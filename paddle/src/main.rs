@@ -39,8 +39,10 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(refusal) => return refuse(&refusal),
     };
-    let done =
-        progress::shown(|| cli.command.run()).and_then(|answer| answer.give(cli.json.as_ref()));
+    let done = progress::shown(|| cli.command.run()).and_then(|answer| {
+        answer.give(cli.json.as_ref())?;
+        answer.amiss.map_or(Ok(()), Err)
+    });
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

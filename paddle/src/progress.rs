@@ -1,6 +1,7 @@
 //! A sign of life on standard error.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::LazyLock;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
@@ -9,8 +10,17 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_secs(2);
 const TICK: Duration = Duration::from_millis(100);
 
+/// There is one standard error.
+static SPINNER: LazyLock<ProgressBar> = LazyLock::new(|| {
+    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    ProgressBar::new_spinner()
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
+        .with_message("working")
+});
+
 /// Does `work`, with the time that it takes shown on a terminal once it takes long.
 pub fn shown<T>(work: impl FnOnce() -> T) -> T {
+    SPINNER.reset_elapsed();
     let (working, done) = channel::<()>();
     thread::scope(|scope| {
         scope.spawn(move || {
@@ -18,17 +28,25 @@ pub fn shown<T>(work: impl FnOnce() -> T) -> T {
             if !goes_on(PATIENCE) {
                 return;
             }
-            let style = ProgressStyle::with_template("{spinner} working, {elapsed}");
-            let spinner = ProgressBar::new_spinner()
-                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
-                .with_elapsed(PATIENCE);
             while goes_on(TICK) {
-                spinner.tick();
+                SPINNER.tick();
             }
-            spinner.finish_and_clear();
+            SPINNER.finish_and_clear();
         });
         let result = work();
         drop(working);
         result
     })
+}
+
+/// Says on a terminal what is being done.
+pub fn doing(what: String) {
+    SPINNER.set_message(what);
+}
+
+/// Leaves a line about a part that is done, once the whole takes long.
+pub fn done(line: &str) {
+    if SPINNER.elapsed() >= PATIENCE {
+        SPINNER.suspend(|| eprintln!("{line}"));
+    }
 }

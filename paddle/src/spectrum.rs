@@ -34,18 +34,13 @@ pub fn amplitude_density(signal: &[f64], sample_hz: f64, length: usize) -> Vec<(
         .collect()
 }
 
-/// Squared magnitude of one bin of the discrete Fourier transform.
+/// Squared magnitude of one bin of the discrete Fourier transform (G. Goertzel, American Mathematical Monthly 65, 1958).
 fn power_at(segment: &[f64], bin: usize) -> f64 {
-    let length = segment.len();
-    let (re, im) = segment
-        .iter()
-        .enumerate()
-        .fold((0.0, 0.0), |(re, im), (i, x)| {
-            // The product is reduced first, so that long segments keep the angle's precision.
-            let (sin, cos) = (TAU * (i * bin % length) as f64 / length as f64).sin_cos();
-            (re + x * cos, im - x * sin)
-        });
-    re * re + im * im
+    let coefficient = 2.0 * (TAU * bin as f64 / segment.len() as f64).cos();
+    let (last, before) = segment.iter().fold((0.0, 0.0), |(last, before), x| {
+        (x + coefficient * last - before, last)
+    });
+    last * last + before * before - coefficient * last * before
 }
 
 #[cfg(test)]

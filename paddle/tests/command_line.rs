@@ -48,6 +48,7 @@ fn every_command_has_help_with_an_example() {
         &["demo"],
         &["effects"],
         &["gap", "measure"],
+        &["gap", "diagnose"],
         &["sim", "filter"],
     ];
     let shapes = [
@@ -397,4 +398,197 @@ fn the_filter_lowers_the_noise_and_allows_a_larger_derivative_gain() {
         let largest = "largest_stable_kd_nm_s_per_deg";
         assert!(value(with, largest) > 2.0 * value(without, largest));
     }
+}
+
+/// A short recording with `with` hidden in it, below `out`.
+fn recorded(out: &Path, name: &str, with: &[&str]) -> PathBuf {
+    let recording = out.join(name);
+    let plain = [
+        "sim",
+        "multisine",
+        "--amplitude",
+        "15",
+        "--frequency",
+        "0.5",
+        "--log-rate",
+        "950",
+        "--out",
+        out.to_str().unwrap(),
+        "--recording",
+        recording.to_str().unwrap(),
+    ];
+    json(&[&plain[..], with].concat());
+    recording
+}
+
+#[test]
+fn a_diagnosis_has_the_keys_of_the_format_and_leaves_the_files_that_were_asked_for() {
+    let out = folder("diagnosis");
+    let recording = recorded(&out, "hidden", &["--with", "stribeck:static_ratio=1.8"]);
+    let [model, page] = ["corrected.toml", "report.html"].map(|name| out.join(name));
+    let output = paddle(&[
+        "gap",
+        "diagnose",
+        recording.to_str().unwrap(),
+        "--json",
+        "-",
+        "--save-model",
+        model.to_str().unwrap(),
+        "--report",
+        page.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    let diagnosis: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let keys = |value: &Value| {
+        let mut keys: Vec<_> = value.as_object().unwrap().keys().cloned().collect();
+        keys.sort();
+        keys.join(" ")
+    };
+    assert_eq!(
+        keys(&diagnosis),
+        "candidates effects elapsed_s format gap next_experiment verdict warnings where"
+    );
+    assert_eq!(
+        keys(&diagnosis["gap"]),
+        "after before floor shrink shrink_interval unit"
+    );
+    assert_eq!(
+        keys(&diagnosis["effects"][0]),
+        "basis channel confidence name not_separable_from parameters shrink shrink_interval"
+    );
+    assert_eq!(diagnosis["effects"][0]["name"], "stribeck");
+    assert_eq!(keys(&diagnosis["candidates"][0]), "after name why_not");
+
+    let measured = ["gap", "measure", recording.to_str().unwrap()];
+    let nominal = json(&measured)["gap"]["before"].as_f64().unwrap();
+    let with_model = [&measured[..], &["--model", model.to_str().unwrap()]].concat();
+    let corrected = json(&with_model)["gap"]["before"].as_f64().unwrap();
+    assert_eq!(diagnosis["gap"]["before"], nominal);
+    assert!(corrected < 0.2 * nominal, "{corrected} of {nominal}");
+    let page = std::fs::read_to_string(&page).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.contains("Static friction"));
+}
+
+#[test]
+fn an_effect_that_is_left_out_is_not_named() {
+    let out = folder("without");
+    let recording = recorded(&out, "hidden", &["--with", "viscous:coefficient=4e-3"]);
+    let diagnosis = json(&[
+        "gap",
+        "diagnose",
+        recording.to_str().unwrap(),
+        "--without",
+        "viscous",
+    ]);
+    assert!(!diagnosis.to_string().contains("\"viscous\""));
+}
+
+#[test]
+fn a_model_of_one_moment_warns_on_another_recording() {
+    let out = folder("moment");
+    let recording = recorded(&out, "hidden", &[]);
+    let file = out.join("model.toml");
+    let text = "format = 1\n[model]\ninertia = 5.755e-4\n[[moments]]\nrecording = \"Monday\"\nfingerprint = \"0\"\n\
+                name = \"lost_counts\"\nparameters = { time = 0.5, jump = 0.1 }\n";
+    std::fs::write(&file, text).unwrap();
+    let measured = json(&[
+        "gap",
+        "measure",
+        recording.to_str().unwrap(),
+        "--model",
+        file.to_str().unwrap(),
+    ]);
+    let warnings = measured["warnings"].as_array().unwrap();
+    let warning = warnings.last().unwrap().as_str().unwrap();
+    assert!(warning.contains("lost_counts") && warning.contains("Monday"));
+    std::fs::write(&file, text.replace("lost_counts", "lost_count")).unwrap();
+    let arguments = [
+        "gap",
+        "measure",
+        recording.to_str().unwrap(),
+        "--model",
+        file.to_str().unwrap(),
+    ];
+    let line = refusal(&arguments);
+    assert!(
+        line.contains("model.toml") && line.contains("lost_count"),
+        "{line}"
+    );
+}
+
+#[test]
+fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_again() {
+    let out = folder("batch");
+    let cases = out.join("cases");
+    std::fs::create_dir_all(cases.join("broken")).unwrap();
+    std::fs::write(cases.join("broken/recording.toml"), "format = 1\n").unwrap();
+    let hidden = recorded(
+        &cases,
+        "tuesday/hidden",
+        &["--with", "stribeck:static_ratio=1.8"],
+    );
+    recorded(&cases, "wednesday", &[]);
+    let results = out.join("results");
+    let lines = || -> Vec<Value> {
+        let output = paddle(&[
+            "gap",
+            "diagnose",
+            "--batch",
+            cases.to_str().unwrap(),
+            "--out",
+            results.to_str().unwrap(),
+            "--json",
+            "-",
+        ]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(
+            text(&output.stderr)
+                .lines()
+                .last()
+                .unwrap()
+                .contains("1 of 3")
+        );
+        let lines = text(&output.stdout).lines();
+        lines
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect()
+    };
+    let first = lines();
+    assert_eq!(first.len(), 3);
+    assert!(
+        first[0]["error"]
+            .as_str()
+            .unwrap()
+            .contains("recording.toml")
+    );
+    assert_eq!(first[1]["effects"][0]["name"], "stribeck");
+    assert!(first[2]["verdict"].is_string());
+    for line in &first[1..] {
+        let recording = line["recording"].as_str().unwrap();
+        let place = results.join(&recording[1..]);
+        for extension in ["json", "html", "toml"] {
+            assert!(
+                place.with_extension(extension).is_file(),
+                "{}",
+                place.display()
+            );
+        }
+    }
+    // A second diagnosis would take another time to the last digit.
+    assert_eq!(lines(), first);
+
+    let touched = std::fs::read(hidden.join("recording.toml")).unwrap();
+    std::fs::write(hidden.join("recording.toml"), touched).unwrap();
+    let again = lines();
+    assert_eq!(again[2], first[2]);
+    assert_ne!(again[1]["elapsed_s"], first[1]["elapsed_s"]);
+}
+
+#[test]
+fn a_batch_of_nothing_is_refused() {
+    let out = folder("empty-batch");
+    let line = refusal(&["gap", "diagnose", "--batch", out.to_str().unwrap()]);
+    assert!(line.contains("no recording") && line.contains("recording.toml"));
+    assert!(refusal(&["gap", "diagnose"]).contains("RECORDING"));
+    assert!(refusal(&["gap", "diagnose", "nowhere", "--without", "stribek"]).contains("stribek"));
 }

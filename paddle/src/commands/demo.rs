@@ -58,5 +58,6 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(Answer {
         text,
         json: json!({ "step": step.json, "gap": gap, "files": files, "folder": arguments.out }),
+        ..Answer::default()
     })
 }

@@ -35,6 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             .collect::<Vec<_>>()
             .join("\n"),
         json: json!({ "effects": kinds.iter().map(|kind| json(kind)).collect::<Vec<_>>() }),
+        ..Answer::default()
     })
 }
 

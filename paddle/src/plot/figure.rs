@@ -14,7 +14,7 @@ pub struct Line {
     pub label: String,
     /// What it stands for.
     pub ink: Ink,
-    /// Abscissa and ordinate, the abscissa not falling.
+    /// Abscissa and ordinate, the abscissa not falling; an ordinate that is not a number interrupts the line.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -29,7 +29,7 @@ impl Line {
     }
 }
 
-/// A range of ordinates that is shaded.
+/// A range along an axis that is shaded.
 #[derive(Clone, Copy, Debug)]
 pub struct Band {
     /// Lower end.
@@ -66,8 +66,10 @@ pub struct Panel {
     pub y_scale: Scale,
     /// The lines, the last on top.
     pub lines: Vec<Line>,
-    /// Shaded range, if any.
+    /// Shaded range of ordinates, if any.
     pub band: Option<Band>,
+    /// Shaded ranges of abscissas.
+    pub regions: Vec<Band>,
     /// What is named.
     pub marks: Vec<Mark>,
 }
@@ -126,6 +128,20 @@ impl Panel {
             .y_label_area_size(LEFT * UNIT)
             .x_label_area_size(X_TICKS * UNIT)
             .build_cartesian_2d(x.clone(), y.clone())?;
+        chart.draw_series(self.regions.iter().filter_map(|region| {
+            let [from, to] = [region.from, region.to].map(|end| {
+                let place = x.scale.place(end);
+                // A logarithmic axis has no zero.
+                let place = if place.is_nan() {
+                    f64::NEG_INFINITY
+                } else {
+                    place
+                };
+                place.clamp(x.range.start, x.range.end)
+            });
+            let corners = [(from, y.range.start), (to, y.range.end)];
+            (to > from).then(|| Rectangle::new(corners, Ink::Guilty.color().mix(0.22).filled()))
+        }))?;
         if let Some(band) = self.band {
             chart.draw_series([Rectangle::new(
                 [
@@ -148,14 +164,15 @@ impl Panel {
             .draw()?;
         let columns = ((WIDTH - LEFT - RIGHT - legend) / COLUMN) as usize;
         for line in &self.lines {
-            let placed: Vec<_> = line
-                .points
-                .iter()
-                .map(|p| (x.scale.place(p.0), y.scale.place(p.1)))
-                .collect();
-            let thin = thin::envelope(&placed, [x.range.start, x.range.end], columns);
             let width = (1.4 * f64::from(UNIT)) as u32;
-            chart.draw_series(LineSeries::new(thin, line.ink.color().stroke_width(width)))?;
+            for piece in line.points.split(|p| p.1.is_nan()) {
+                let placed: Vec<_> = piece
+                    .iter()
+                    .map(|p| (x.scale.place(p.0), y.scale.place(p.1)))
+                    .collect();
+                let thin = thin::envelope(&placed, [x.range.start, x.range.end], columns);
+                chart.draw_series(LineSeries::new(thin, line.ink.color().stroke_width(width)))?;
+            }
         }
         let mut row = 0;
         let top = self.band.map_or(y.range.end, |band| y.scale.place(band.to));

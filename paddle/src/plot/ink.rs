@@ -11,6 +11,10 @@ pub enum Ink {
     Measured,
     /// What the nominal model says.
     Model,
+    /// What the corrected model says.
+    Corrected,
+    /// The part of the data that carries the gap.
+    Guilty,
     /// Any other line, by its place.
     Other(usize),
 }
@@ -28,6 +32,8 @@ impl Ink {
             Self::Setpoint => RGBColor(0x99, 0x99, 0x99),
             Self::Measured => RGBColor(0x22, 0x22, 0x22),
             Self::Model => RGBColor(0x00, 0x72, 0xB2),
+            Self::Corrected => RGBColor(0xD5, 0x5E, 0x00),
+            Self::Guilty => RGBColor(0xE6, 0x9F, 0x00),
             Self::Other(place) => OTHERS[place % OTHERS.len()],
         }
     }

@@ -10,7 +10,7 @@ mod thin;
 
 pub use axis::Scale;
 pub use bars::{Bar, Bars};
-pub use figure::{Figure, Line, Panel};
+pub use figure::{Band, Figure, Line, Panel};
 pub use ink::Ink;
 pub use sheet::PlotError;
 pub use step_response::step_response;

@@ -2,6 +2,7 @@
 
 use super::quantity::show;
 use gap::diagnosis::{Estimate, Finding};
+use host_sim::effects;
 
 /// Name in the vocabulary, what it is called in general, and what it is with its numbers.
 const WORDS: [(&str, &str, &str); 28] = [
@@ -172,10 +173,25 @@ fn shown(estimate: &Estimate) -> String {
     show(estimate.value, &estimate.unit)
 }
 
+/// What the parameter `name` of the effect `effect` means.
+pub fn parameter(effect: &str, name: &str) -> &'static str {
+    let Some(kind) = effects::kind(effect) else {
+        return "";
+    };
+    let base = |name: &str| kind.parameters.iter().find(|p| p.name == name);
+    base(name)
+        .or_else(|| base(name.rsplit_once('_')?.0))
+        .map_or("", |parameter| parameter.about)
+}
+
+/// What the effect does, in a sentence, and its equation.
+pub fn explained(name: &str) -> (&'static str, &'static str) {
+    effects::kind(name).map_or(("", ""), |kind| (kind.about, kind.equation))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_sim::effects;
     use std::collections::BTreeMap;
 
     fn finding(name: &'static str, numbers: &[(&str, f64, f64, &str)]) -> Finding {

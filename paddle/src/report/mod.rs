@@ -1,12 +1,17 @@
 //! A diagnosis for people: in words, on a terminal, and as a page with plots.
 
+mod bar;
+mod charts;
+mod course;
 mod effect;
 #[cfg(test)]
 mod example;
+mod page;
 mod paragraph;
 mod quantity;
 mod region;
 mod terminal;
 
+pub use page::page;
 pub use region::Labels;
 pub use terminal::text;

@@ -7,6 +7,8 @@ use gap::diagnosis::{Diagnosis, NextExperiment, Region, Verdict};
 
 /// Candidates that are said not to explain it.
 const RULED_OUT: usize = 2;
+/// Share of what was closed that they leave open at least.
+const LEFT_BY_RULED_OUT: f64 = 0.3;
 /// From this share on, "most of the gap".
 const MOST: f64 = 0.5;
 
@@ -90,7 +92,7 @@ fn located(region: &Region, labels: &Labels) -> String {
     format!("{part} sits {place}{samples}.")
 }
 
-/// The next best candidates that are not tied with what was found.
+/// The next best candidates that are not tied with what was found. Those that leave little were tried on top of it.
 fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
     let tied = |name: &str| {
         diagnosis
@@ -98,10 +100,12 @@ fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
             .iter()
             .any(|e| e.not_separable_from.contains(&name))
     };
+    let gap = &diagnosis.gap;
+    let least = gap.after + LEFT_BY_RULED_OUT * (gap.before - gap.after);
     let names: Vec<_> = diagnosis
         .candidates
         .iter()
-        .filter(|tried| !tied(tried.name))
+        .filter(|tried| !tied(tried.name) && tried.after > least)
         .take(RULED_OUT)
         .map(|tried| noun(tried.name))
         .collect();
@@ -296,6 +300,22 @@ mod tests {
             "{text}"
         );
         assert!(!text.contains("Presliding"), "{text}");
+    }
+
+    #[test]
+    fn what_was_tried_on_top_of_the_finding_is_not_ruled_out() {
+        let mut diagnosis = example::stribeck();
+        let on_top = Tried {
+            name: "lag",
+            after: 0.115f64.to_radians(),
+            why_not: String::new(),
+        };
+        diagnosis.candidates.insert(0, on_top);
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.contains("Viscous friction and delay do not."),
+            "{text}"
+        );
     }
 
     #[test]

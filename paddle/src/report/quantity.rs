@@ -36,6 +36,14 @@ impl Display {
         Self { factor, suffix }
     }
 
+    /// The unit alone, as for an axis.
+    pub fn unit(&self) -> &str {
+        match self.suffix.trim_start() {
+            "°" => "degrees",
+            unit => unit,
+        }
+    }
+
     /// `value` of the format's unit, with unit.
     pub fn show(&self, value: f64) -> String {
         format!(

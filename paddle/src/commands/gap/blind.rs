@@ -74,11 +74,13 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         return Ok(Answer {
             text: kept,
             json: set,
+            ..Answer::default()
         });
     }
     let summary = check.run(|outcome| eprintln!("{outcome}"))?;
     Ok(Answer {
         text: format!("seed {}\n{summary}{kept}", check.seed),
         json: json!({ "set": set, "summary": summary }),
+        ..Answer::default()
     })
 }

@@ -1,5 +1,6 @@
 //! `paddle gap diagnose`: where a gap lies, which effect causes it, how far it shrinks.
 
+use super::batch;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::report::{self, Labels};
@@ -13,20 +14,39 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap diagnose my-recording
-  paddle gap diagnose my-recording --save-model corrected.toml --json diagnosis.json
+  paddle gap diagnose my-recording --report report.html --save-model corrected.toml --json diagnosis.json
   paddle gap diagnose my-recording --without presliding
+  paddle gap diagnose --batch monday tuesday --json all.jsonl
 
 Each effect of `paddle effects` is fitted by simulation and judged on data that the fit has not seen. The exit status is
-0 whatever the verdict, 2 for a recording that cannot be used.")]
+0 whatever the verdict, 2 for a recording that cannot be used.
+
+A batch leaves diagnosis, report and corrected model of each recording in --out. Called again, it does what is missing:
+a result is kept if it is newer than its recording and this program and was made with the same --without.")]
 pub struct Arguments {
     /// Folder of the recording.
-    recording: PathBuf,
+    #[arg(required_unless_present = "batch", conflicts_with = "batch")]
+    recording: Option<PathBuf>,
+    /// Leave a page with plots here, one file that needs nothing else.
+    #[arg(long, value_name = "FILE.html", conflicts_with = "batch")]
+    report: Option<PathBuf>,
     /// Leave the corrected model here, for `paddle gap measure --model`.
-    #[arg(long, value_name = "FILE.toml")]
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "batch")]
     save_model: Option<PathBuf>,
     /// Do not try this effect; may be repeated.
     #[arg(long, value_name = "NAME")]
     without: Vec<String>,
+    /// Diagnose all recordings in these folders and below; one that fails stops none.
+    #[arg(long, value_name = "FOLDER", num_args = 1..)]
+    batch: Vec<PathBuf>,
+    /// Where a batch leaves its results.
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "batch",
+        default_value = "paddle-out/diagnoses"
+    )]
+    out: PathBuf,
 }
 
 /// Diagnoses.
@@ -35,16 +55,24 @@ pub struct Arguments {
 /// [`Failure`] for a recording that cannot be used, and for files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let options = options(&arguments.without)?;
-    let recording = Recording::read(&arguments.recording)?;
+    let Some(folder) = &arguments.recording else {
+        return batch::run(&arguments.batch, &arguments.out, &options);
+    };
+    let recording = Recording::read(folder)?;
     let outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
-    let files = Files {
-        model: arguments.save_model.as_deref(),
-    };
-    text.push_str(&files.leave(&recording, &outcome)?);
+    if let Some(path) = &arguments.save_model {
+        save_model(path, &recording, &outcome)?;
+        text.push_str(&format!("corrected model in {}\n", path.display()));
+    }
+    if let Some(path) = &arguments.report {
+        save_report(path, &recording, &outcome)?;
+        text.push_str(&format!("report in {}\n", path.display()));
+    }
     Ok(Answer {
         text,
         json: json(&outcome),
+        ..Answer::default()
     })
 }
 
@@ -59,29 +87,27 @@ fn options(without: &[String]) -> Result<Options, Failure> {
 }
 
 /// The diagnosis in the recording format's JSON.
-fn json(outcome: &Outcome) -> serde_json::Value {
-    // Maps with text keys and numbers cannot fail.
+pub(super) fn json(outcome: &Outcome) -> serde_json::Value {
+    // Keys are text and numbers are numbers: this cannot fail.
     serde_json::to_value(&outcome.diagnosis).unwrap_or_default()
 }
 
-/// What is left behind beside the answer.
-struct Files<'a> {
-    model: Option<&'a Path>,
+/// Leaves the corrected model in a file.
+pub(super) fn save_model(
+    path: &Path,
+    recording: &Recording,
+    outcome: &Outcome,
+) -> Result<(), Failure> {
+    let file = ModelFile::new(&outcome.model, recording);
+    std::fs::write(path, file.to_string()).map_err(Failure::write(path))
 }
 
-impl Files<'_> {
-    /// Writes them, and says where.
-    fn leave(&self, recording: &Recording, outcome: &Outcome) -> Result<String, Failure> {
-        let mut text = String::new();
-        let mut leave = |what: &str, path: &Path, content: &str| {
-            std::fs::write(path, content).map_err(Failure::write(path))?;
-            text.push_str(&format!("{what} in {}\n", path.display()));
-            Ok::<_, Failure>(())
-        };
-        if let Some(path) = self.model {
-            let file = ModelFile::new(&outcome.model, recording);
-            leave("corrected model", path, &file.to_string())?;
-        }
-        Ok(text)
-    }
+/// Leaves the page in a file.
+pub(super) fn save_report(
+    path: &Path,
+    recording: &Recording,
+    outcome: &Outcome,
+) -> Result<(), Failure> {
+    let page = report::page(recording, outcome)?;
+    std::fs::write(path, page).map_err(Failure::write(path))
 }

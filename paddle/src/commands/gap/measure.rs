@@ -64,6 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(Answer {
         text,
         json: json!({ "format": 1, "gap": gap, "warnings": warnings }),
+        ..Answer::default()
     })
 }
 

@@ -1,5 +1,6 @@
 //! `paddle gap`: how far a simulation is from a recording, and why.
 
+mod batch;
 pub mod blind;
 pub mod diagnose;
 pub mod measure;

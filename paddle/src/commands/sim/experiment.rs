@@ -119,7 +119,11 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
         let _ = writeln!(text, "  recording in {}", path.display());
         result["recording"] = json!(path);
     }
-    Ok(Answer { text, json: result })
+    Ok(Answer {
+        text,
+        json: result,
+        ..Answer::default()
+    })
 }
 
 /// The default step on the refitted paddle, left in `out`.

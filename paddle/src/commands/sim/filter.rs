@@ -99,6 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(Answer {
         text,
         json: json!({ "kd_nm_s_per_deg": arguments.kd, "cases": rows, "files": folder.files() }),
+        ..Answer::default()
     })
 }
 

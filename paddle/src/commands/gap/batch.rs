@@ -1,0 +1,221 @@
+//! `paddle gap diagnose --batch`: many recordings in one call, begun again where it stopped.
+
+use super::diagnose::{json, save_model, save_report};
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::progress;
+use gap::Options;
+use recording::Recording;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Component, Path, PathBuf};
+use std::time::SystemTime;
+
+const MANIFEST: &str = "recording.toml";
+
+/// A recording of the batch.
+struct Case {
+    folder: PathBuf,
+    /// Where its results go, less the extension.
+    results: PathBuf,
+}
+
+/// Diagnoses all recordings in `folders` and below.
+///
+/// # Errors
+/// [`Failure`] for a folder without recordings, and for results that cannot be written; a recording that cannot be used
+/// is a part of the answer.
+pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer, Failure> {
+    let cases = cases(folders, out)?;
+    let mut lines = Vec::with_capacity(cases.len());
+    let mut table = format!(
+        "{:<48}{:<18}{:>7}  effects\n",
+        "recording", "verdict", "shrink"
+    );
+    let mut failed = 0;
+    for (place, case) in cases.iter().enumerate() {
+        let of = format!(
+            "{} of {}, {}",
+            place + 1,
+            cases.len(),
+            case.folder.display()
+        );
+        progress::doing(of.clone());
+        let line = match kept(case, options) {
+            Some(line) => line,
+            None => match diagnosed(case, options) {
+                Ok(line) => line,
+                Err(failure @ (Failure::Recording(_) | Failure::Fault)) => {
+                    failed += 1;
+                    json!({ "recording": case.folder, "error": failure.to_string() })
+                }
+                Err(failure) => return Err(failure),
+            },
+        };
+        let row = row(case, &line);
+        progress::done(&format!("{}/{} {row}", place + 1, cases.len()));
+        // Writing to a String cannot fail.
+        let _ = writeln!(table, "{row}");
+        lines.push(line);
+    }
+    let _ = writeln!(table, "\n{}\nresults in {}", tally(&lines), out.display());
+    let all = cases.len();
+    Ok(Answer {
+        text: table,
+        json: Value::Array(lines),
+        amiss: (failed > 0).then_some(Failure::Batch { failed, all }),
+    })
+}
+
+/// The recordings in `folders` and below, each once, in the order of their names.
+fn cases(folders: &[PathBuf], out: &Path) -> Result<Vec<Case>, Failure> {
+    let mut all = Vec::new();
+    for folder in folders {
+        let mut found = Vec::new();
+        collect(folder, &mut found)?;
+        if found.is_empty() {
+            return Err(Failure::NoRecording(folder.clone()));
+        }
+        found.sort();
+        all.extend(found);
+    }
+    let mut cases: Vec<Case> = Vec::with_capacity(all.len());
+    for folder in all {
+        let folder = folder.canonicalize().map_err(Failure::read(&folder))?;
+        if cases.iter().all(|case| case.folder != folder) {
+            let results = out.join(relative(&folder));
+            cases.push(Case { folder, results });
+        }
+    }
+    Ok(cases)
+}
+
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
+    if folder.join(MANIFEST).is_file() {
+        found.push(folder.to_owned());
+        return Ok(());
+    }
+    let refused = || Failure::read(folder);
+    for entry in std::fs::read_dir(folder).map_err(refused())? {
+        let entry = entry.map_err(refused())?;
+        // A link could lead in circles.
+        if entry.file_type().map_err(refused())?.is_dir() {
+            collect(&entry.path(), found)?;
+        }
+    }
+    Ok(())
+}
+
+/// `folder` as seen from the working folder, else from the root: no two recordings share a place.
+fn relative(folder: &Path) -> PathBuf {
+    let here = std::env::current_dir().and_then(|here| here.canonicalize());
+    let below = here.ok().and_then(|here| folder.strip_prefix(here).ok());
+    let named = below.filter(|below| !below.as_os_str().is_empty());
+    let names = named.unwrap_or(folder).components();
+    names
+        .filter(|name| matches!(name, Component::Normal(_)))
+        .collect()
+}
+
+/// `path` with an extension added, whatever dots its name has.
+fn with(path: &Path, extension: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".");
+    name.push(extension);
+    name.into()
+}
+
+/// Diagnoses one recording and leaves its results; the JSON comes last, as it says that the others are there.
+fn diagnosed(case: &Case, options: &Options) -> Result<Value, Failure> {
+    let recording = Recording::read(&case.folder)?;
+    let diagnosis = AssertUnwindSafe(|| gap::diagnose(&recording, options));
+    let outcome = catch_unwind(diagnosis).map_err(|_| Failure::Fault)?;
+    let line = stamped(json(&outcome), case, options);
+    if let Some(parent) = case.results.parent() {
+        std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
+    }
+    save_model(&with(&case.results, "toml"), &recording, &outcome)?;
+    save_report(&with(&case.results, "html"), &recording, &outcome)?;
+    let (begun, whole) = (
+        with(&case.results, "json.part"),
+        with(&case.results, "json"),
+    );
+    std::fs::write(&begun, format!("{line:#}\n")).map_err(Failure::write(&begun))?;
+    std::fs::rename(&begun, &whole).map_err(Failure::write(&whole))?;
+    Ok(line)
+}
+
+/// A diagnosis with what it is of.
+fn stamped(mut diagnosis: Value, case: &Case, options: &Options) -> Value {
+    if let Value::Object(keys) = &mut diagnosis {
+        keys.insert("recording".into(), json!(case.folder));
+        keys.insert("without".into(), json!(options.without));
+    }
+    diagnosis
+}
+
+/// The result of an earlier call, if it is still what a new one would be.
+fn kept(case: &Case, options: &Options) -> Option<Value> {
+    let path = with(&case.results, "json");
+    let line: Value = serde_json::from_str(&std::fs::read_to_string(&path).ok()?).ok()?;
+    let of_this =
+        line["recording"] == json!(case.folder) && line["without"] == json!(options.without);
+    let made = changed(&path)?;
+    let files = std::fs::read_dir(&case.folder).ok()?;
+    let recorded = files.filter_map(|file| changed(&file.ok()?.path())).max()?;
+    let built = changed(&std::env::current_exe().ok()?)?;
+    (of_this && made > recorded && made > built).then_some(line)
+}
+
+fn changed(path: &Path) -> Option<SystemTime> {
+    path.metadata().ok()?.modified().ok()
+}
+
+/// A recording in one line of the table.
+fn row(case: &Case, line: &Value) -> String {
+    let name = relative(&case.folder).display().to_string();
+    if let Some(error) = line["error"].as_str() {
+        return format!("{name:<48}{:<18}{:>7}  {error}", "not used", "");
+    }
+    let effects = line["effects"].as_array().into_iter().flatten();
+    let names: Vec<_> = effects
+        .filter_map(|effect| effect["name"].as_str())
+        .collect();
+    let verdict = line["verdict"].as_str().unwrap_or_default();
+    let shrink = match (names.is_empty(), line["gap"]["shrink"].as_f64()) {
+        (false, Some(shrink)) => format!("{shrink:.2}"),
+        _ => String::new(),
+    };
+    format!("{name:<48}{verdict:<18}{shrink:>7}  {}", names.join(", "))
+        .trim_end()
+        .to_owned()
+}
+
+/// How many of which verdict.
+fn tally(lines: &[Value]) -> String {
+    const VERDICTS: [&str; 4] = ["no_gap", "explained", "partly_explained", "unexplained"];
+    let count = |verdict: &str| {
+        lines
+            .iter()
+            .filter(|line| line["verdict"] == verdict)
+            .count()
+    };
+    let mut parts: Vec<_> = VERDICTS
+        .iter()
+        .map(|verdict| (*verdict, count(verdict)))
+        .collect();
+    parts.push((
+        "not used",
+        lines
+            .iter()
+            .filter(|line| line.get("error").is_some())
+            .count(),
+    ));
+    parts.retain(|(_, count)| *count > 0);
+    let parts: Vec<_> = parts
+        .iter()
+        .map(|(verdict, count)| format!("{count} {verdict}"))
+        .collect();
+    parts.join(", ")
+}

@@ -30,6 +30,8 @@ struct Trace {
 pub struct Charts<'a> {
     /// The runs.
     pub courses: &'a [Course],
+    /// The same with predictions so short that the gap is seen where it arises.
+    pub arising: &'a [Course],
     /// What to mark.
     pub regions: &'a [Region],
     /// Units and names.
@@ -99,12 +101,12 @@ impl Charts<'_> {
         figures.collect()
     }
 
-    /// Root mean square residual along an axis, if it varies; `None` for an axis that has no samples.
+    /// Root mean square residual of short predictions along an axis, if it varies; `None` for an axis that has no samples.
     pub fn along(&self, axis: &str) -> Option<Result<String, PlotError>> {
         let unit = self.labels.unit(axis);
         let mut places = Vec::new();
         let mut residuals: Vec<Trace> = Vec::new();
-        for course in self.courses {
+        for course in self.arising {
             let velocity = || course.rate(&course.measured, self.half_width_s);
             places.extend(match axis {
                 "position" => course.measured.clone(),
@@ -123,7 +125,10 @@ impl Charts<'_> {
         let largest = places
             .iter()
             .fold(0.0, |most: f64, place| most.max(place.abs()));
-        let (across, up) = (Display::of(&unit, largest), self.residual_display());
+        let (across, up) = (
+            Display::of(&unit, largest),
+            residual_display(self.arising, &self.labels.position),
+        );
         let lines: Vec<_> = residuals
             .into_iter()
             .map(|trace| Line {
@@ -167,7 +172,7 @@ impl Charts<'_> {
         let duration_s = course.time.last()? - course.time.first()?;
         let sample_hz = (course.time.len() - 1) as f64 / duration_s;
         let length = PIECE.min(course.time.len() / 2);
-        let display = self.residual_display();
+        let display = residual_display(self.courses, &self.labels.position);
         let lines: Vec<_> = self
             .residuals(course)
             .into_iter()
@@ -200,7 +205,7 @@ impl Charts<'_> {
     }
 
     fn residual_panel(&self, course: &Course, rows: Range<usize>, residuals: &[Trace]) -> Panel {
-        let display = self.residual_display();
+        let display = residual_display(self.courses, &self.labels.position);
         let lines = residuals
             .iter()
             .map(|trace| self.line(trace, course, rows.clone(), &display));
@@ -266,12 +271,9 @@ impl Charts<'_> {
             all.fold(0.0, |most, x| x.abs().max(most)),
         )
     }
+}
 
-    fn residual_display(&self) -> Display {
-        let all = self.courses.iter().flat_map(Course::nominal_residual);
-        Display::of(
-            &self.labels.position,
-            all.fold(0.0, |most, x| x.abs().max(most)),
-        )
-    }
+fn residual_display(courses: &[Course], unit: &str) -> Display {
+    let all = courses.iter().flat_map(Course::nominal_residual);
+    Display::of(unit, all.fold(0.0, |most, x| x.abs().max(most)))
 }

@@ -23,7 +23,7 @@ pub struct Course {
     pub corrected: Option<Vec<f64>>,
 }
 
-/// All runs of `recording`.
+/// All runs of `recording`, predicted over its horizon.
 pub fn courses(recording: &Recording, outcome: &Outcome) -> Vec<Course> {
     let (_, nominal) = measure(recording, &Device::nominal(&recording.model));
     let corrected = (!outcome.diagnosis.effects.is_empty())
@@ -39,6 +39,29 @@ pub fn courses(recording: &Recording, outcome: &Outcome) -> Vec<Course> {
         nominal: predicted.predicted,
     })
     .collect()
+}
+
+/// Shortest prediction that shows where the gap arises, s.
+const SHORTEST_S: f64 = 0.02;
+/// Each length that is tried is this much longer than the one before.
+const GROWTH: f64 = 2.0;
+/// Over its floor, a gap that noise does not hide.
+const CLEAR: f64 = 1.5;
+
+/// All runs predicted over so short a time that the gap is seen where it arises, and that time in s: the shortest over
+/// which noise does not hide it.
+pub fn arising(recording: &Recording, outcome: &Outcome) -> (f64, Vec<Course>) {
+    let nominal = Device::nominal(&recording.model);
+    let mut short = recording.clone();
+    short.horizon = SHORTEST_S.min(recording.horizon);
+    while short.horizon < recording.horizon {
+        let (gap, _) = measure(&short, &nominal);
+        if gap.before > CLEAR * gap.floor {
+            break;
+        }
+        short.horizon = (GROWTH * short.horizon).min(recording.horizon);
+    }
+    (short.horizon, courses(&short, outcome))
 }
 
 impl Course {

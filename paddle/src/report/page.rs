@@ -2,7 +2,7 @@
 
 use super::bar::{Tone, bar};
 use super::charts::{Charts, RUNS};
-use super::course::courses;
+use super::course::{arising, courses};
 use super::effect;
 use super::paragraph::{experiment, headline, paragraph};
 use super::quantity::{Display, percent, show};
@@ -188,8 +188,10 @@ fn shrinks(diagnosis: &Diagnosis) -> String {
 fn plots(recording: &Recording, outcome: &Outcome, labels: &Labels) -> Result<String, PlotError> {
     let courses = courses(recording, outcome);
     let regions = &outcome.diagnosis.regions;
+    let (short_s, arising) = arising(recording, outcome);
     let charts = Charts {
         courses: &courses,
+        arising: &arising,
         regions,
         labels,
         horizon_s: recording.horizon,
@@ -222,6 +224,11 @@ fn plots(recording: &Recording, outcome: &Outcome, labels: &Labels) -> Result<St
             courses.len()
         ));
     }
+    body.push_str(&format!(
+        "<p class=\"note\">Along velocity and the like, predictions of {} show where the gap arises, before it has \
+         grown.</p>\n",
+        show(short_s, "s")
+    ));
     let more = MORE_AXES
         .into_iter()
         .filter(|axis| regions.iter().any(|region| region.axis == *axis));

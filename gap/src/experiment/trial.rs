@@ -1,0 +1,105 @@
+//! What the position sensor of a device would show under an excitation.
+
+use haptic_paddle::excitation::{Excitation, Generator};
+use host_sim::device::Device;
+use host_sim::drive::DriveLine;
+use host_sim::plant::Plant;
+use host_sim::sensing::Reading;
+
+/// Where and when a trial takes place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Setting {
+    /// Time of the session, s: past what is bound to moments of the recording.
+    pub start_s: f64,
+    /// Position of rest at the start.
+    pub rest: f64,
+    /// Positions that must not be left.
+    pub range: [f64; 2],
+    /// Between two readings, s.
+    pub tick_s: f64,
+}
+
+/// Readings of an ideal sensor, one a tick; `None` if the device leaves the range, or the excitation is
+/// none at this tick.
+pub(super) fn readings(device: &Device, excitation: &Excitation, at: &Setting) -> Option<Vec<f64>> {
+    let mut generator = Generator::new(excitation, at.tick_s as f32).ok()?;
+    let plant = Plant::new(device.mechanics.clone());
+    let mut state = plant.state(at.start_s, at.rest, 0.0);
+    let mut line = DriveLine::at_rest(&device.drive);
+    let mut reading = Reading::at_rest(&device.sensing, at.rest);
+    let ticks = (f64::from(excitation.duration_s) / at.tick_s).round() as usize;
+    let mut readings = Vec::with_capacity(ticks);
+    for tick in 0..ticks {
+        let (seen, _) = plant.seen(&state);
+        if !(at.range[0]..=at.range[1]).contains(&seen) {
+            return None;
+        }
+        let dt_s = if tick == 0 { 0.0 } else { at.tick_s };
+        let shown = reading.follow(&device.sensing, seen, dt_s);
+        readings.push(shown);
+        // A ramp ends once the device has broken away.
+        let input = generator.next(shown as f32).unwrap_or(0.0);
+        let (mut now_s, end_s) = (tick as f64 * at.tick_s, (tick + 1) as f64 * at.tick_s);
+        line.command(&device.drive, now_s, f64::from(input));
+        while now_s < end_s {
+            let (torque, piece_s) = line.piece(now_s, end_s - now_s);
+            plant.advance(&mut state, torque, piece_s);
+            let next_s = now_s + piece_s;
+            // The last piece ends on the tick itself, not beside it.
+            now_s = if next_s > now_s { next_s } else { end_s };
+        }
+    }
+    Some(readings)
+}
+
+/// Root mean square of the difference of two records, a constant left out.
+pub(super) fn difference(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len()).max(1) as f64;
+    let pairs = || a.iter().zip(b).map(|(a, b)| a - b);
+    let mean = pairs().sum::<f64>() / n;
+    (pairs().map(|d| (d - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use recording::Model;
+
+    const AT: Setting = Setting {
+        start_s: 100.0,
+        rest: 0.0,
+        range: [-10.0, 10.0],
+        tick_s: 1e-3,
+    };
+
+    fn step(input: f32) -> Excitation {
+        Excitation {
+            duration_s: 1.0,
+            ..Excitation::step(input)
+        }
+    }
+
+    #[test]
+    fn a_constant_torque_makes_a_parabola() {
+        let device = Device::nominal(&Model::new(2.0));
+        let readings = readings(&device, &step(4.0), &AT).unwrap();
+        assert_eq!(readings.len(), 1000);
+        assert!((readings[500] - 0.25).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_device_that_leaves_the_range_is_no_trial() {
+        let device = Device::nominal(&Model::new(2.0));
+        let narrow = Setting {
+            range: [-0.1, 0.1],
+            ..AT
+        };
+        assert_eq!(readings(&device, &step(4.0), &narrow), None);
+    }
+
+    #[test]
+    fn a_constant_is_no_difference() {
+        assert!(difference(&[1.0, 2.0, 3.0], &[0.0, 1.0, 2.0]) < 1e-12);
+        assert!((difference(&[1.0, -1.0], &[0.0, 0.0]) - 1.0).abs() < 1e-12);
+    }
+}

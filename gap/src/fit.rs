@@ -18,13 +18,13 @@ pub(crate) struct Problem<'a> {
 }
 
 /// Which windows take part, by running index over all series.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Part {
     All,
     /// One of two halves, by a sequence that no period fits.
     Half(bool),
-    /// A fourth, likewise.
-    Quarter,
+    /// A share of them, likewise.
+    Share(f64),
 }
 
 impl Part {
@@ -34,7 +34,7 @@ impl Part {
         match self {
             Self::All => true,
             Self::Half(first) => (turn < 0.5) == first,
-            Self::Quarter => turn < 0.25,
+            Self::Share(share) => turn < share,
         }
     }
 }
@@ -72,10 +72,15 @@ pub(crate) struct Fit {
 
 /// Weight of a squared standard deviation of tolerance against the robust cost of a window.
 const PRIOR_WEIGHT: f64 = 0.25;
-/// Finite difference of a coordinate; coordinates are scaled to be of order one.
-const DIFFERENCE: f64 = 0.02;
+/// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
+/// kinks of stick and slip, then narrow.
+const DIFFERENCES: [f64; 2] = [0.15, 0.02];
+/// Iterations with the wide difference.
+const WIDE: usize = 2;
 /// Longest move of a coordinate in one iteration.
 const LONGEST_MOVE: f64 = 1.5;
+/// Coordinates stay within this: a factor of 20 from where they start, or five of their scales.
+const REACH: f64 = 5.0;
 const FIRST_DAMPING: f64 = 1e-2;
 const MOST_DAMPING: f64 = 1e4;
 /// An iteration that gains less than this share of the cost is the last.
@@ -219,15 +224,16 @@ impl Problem<'_> {
     }
 
     /// Fits `hypothesis` from `x` on a part of the windows by Levenberg's and Marquardt's method with
-    /// iteratively re-weighted windows, `iterations` at most.
+    /// iteratively re-weighted windows, `iterations` at most. The first `held` coordinates stay.
     pub(crate) fn fit(
         &self,
         hypothesis: &Hypothesis,
         mut x: Vec<f64>,
+        held: usize,
         part: Part,
         iterations: usize,
     ) -> Fit {
-        let n = x.len();
+        let n = x.len() - held;
         let mut damping = FIRST_DAMPING;
         let mut predictor = self.predictor(hypothesis, &x);
         let mut residuals = self.residuals(&predictor, part);
@@ -237,14 +243,15 @@ impl Problem<'_> {
         let mut total = sum_log(&now) + self.prior(&x);
         let mut normal = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
-        for _ in 0..iterations {
+        for iteration in 0..iterations {
+            let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
             if n == 0 {
                 break;
             }
             let columns: Vec<Vec<Vec<f64>>> = (0..n)
                 .map(|i| {
                     let mut moved = x.clone();
-                    moved[i] += DIFFERENCE;
+                    moved[held + i] += difference;
                     let moved = self.residuals(&self.predictor(hypothesis, &moved), part);
                     self.whitened(&moved, &whitenings)
                 })
@@ -260,7 +267,7 @@ impl Problem<'_> {
                     .map(|c| {
                         c[w].iter()
                             .zip(base)
-                            .map(|(m, r)| (m - r) / DIFFERENCE)
+                            .map(|(m, r)| (m - r) / difference)
                             .collect()
                     })
                     .collect();
@@ -277,9 +284,9 @@ impl Problem<'_> {
                 for j in 0..i {
                     normal[(j, i)] = normal[(i, j)];
                 }
-                if i < self.nudges.len() {
+                if held + i < self.nudges.len() {
                     normal[(i, i)] += PRIOR_WEIGHT;
-                    gradient[i] += PRIOR_WEIGHT * x[i];
+                    gradient[i] += PRIOR_WEIGHT * x[held + i];
                 }
             }
             let mut improved = None;
@@ -292,11 +299,10 @@ impl Problem<'_> {
                     damping *= 10.0;
                     continue;
                 };
-                let trial: Vec<f64> = x
-                    .iter()
-                    .zip(&step)
-                    .map(|(x, dx)| x - dx.clamp(-LONGEST_MOVE, LONGEST_MOVE))
-                    .collect();
+                let mut trial = x.clone();
+                for (x, dx) in trial[held..].iter_mut().zip(&step) {
+                    *x = (*x - dx.clamp(-LONGEST_MOVE, LONGEST_MOVE)).clamp(-REACH, REACH);
+                }
                 let at = self.predictor(hypothesis, &trial);
                 let r = self.residuals(&at, part);
                 let w = self.whitened(&r, &whitenings);
@@ -309,6 +315,10 @@ impl Problem<'_> {
                 damping *= 8.0;
             }
             let Some((trial, at, r, trial_total)) = improved else {
+                if iteration < WIDE {
+                    damping = FIRST_DAMPING;
+                    continue;
+                }
                 break;
             };
             let small = total - trial_total < LEAST_GAIN * total;
@@ -317,11 +327,12 @@ impl Problem<'_> {
             whitened = self.whitened(&residuals, &whitenings);
             now = costs(&whitened);
             total = sum_log(&now) + self.prior(&x);
-            if small {
+            if small && iteration >= WIDE {
                 break;
             }
         }
-        let std = deviations(&normal, &scatter);
+        let mut std = vec![0.0; held];
+        std.extend(deviations(&normal, &scatter));
         Fit {
             hypothesis: hypothesis.clone(),
             x,

@@ -9,9 +9,12 @@ use recording::{Model, Recording};
 pub(crate) enum Scale {
     /// `start + scale · x`.
     Linear(f64),
-    /// `start · e^x`.
+    /// `start · e^(0.6 x)`.
     Log,
 }
+
+/// Logarithm that one unit of a coordinate stands for.
+const LOG_REACH: f64 = 0.6;
 
 /// One free parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +29,7 @@ impl Coordinate {
     pub(crate) fn value(&self, x: f64) -> f64 {
         match self.scale {
             Scale::Linear(scale) => self.start + scale * x,
-            Scale::Log => self.start * x.exp(),
+            Scale::Log => self.start * (LOG_REACH * x).exp(),
         }
     }
 
@@ -34,7 +37,7 @@ impl Coordinate {
     pub(crate) fn spread(&self, x: f64, std: f64) -> f64 {
         match self.scale {
             Scale::Linear(scale) => scale.abs() * std,
-            Scale::Log => self.value(x).abs() * std,
+            Scale::Log => LOG_REACH * self.value(x).abs() * std,
         }
     }
 }

@@ -31,7 +31,7 @@ impl Predictor {
     /// Predicts with `device` what the recording's `position` column shows.
     pub fn new(device: Device, recording: &Recording) -> Self {
         Self {
-            plant: Plant::new(device.mechanics.clone()),
+            plant: Plant::quick(device.mechanics.clone()),
             device,
             sensor: recording.sensor("position"),
         }
@@ -71,10 +71,12 @@ impl Predictor {
             next_input: 0,
         };
         for (index, window) in series.windows.iter().enumerate() {
-            if !remembers && !wanted(index) {
+            // One window before a wanted one is enough for what is carried over to settle.
+            let leads = remembers && wanted(index + 1);
+            if !wanted(index) && !leads {
                 continue;
             }
-            if remembers {
+            if remembers && (index == 0 || wanted(index - 1) || wanted(index)) {
                 self.follow_to(&mut running, series, window.restart.time_s);
             } else {
                 self.skip_to(&mut running, series, window.restart.time_s);

@@ -8,7 +8,13 @@ use rayon::prelude::*;
 
 /// Robust cost of a window whose residual is all noise: ln(1 + 1).
 pub(crate) const PERFECT: f64 = core::f64::consts::LN_2;
+/// Iterations from every start, and starts of an effect that go on from there.
+const FIRST_ITERATIONS: usize = 2;
+const STARTS_KEPT: usize = 2;
 const SCREENING_ITERATIONS: usize = 4;
+/// Samples that suffice to tell the promising effects from the others, and fewest windows.
+const SCREENING_SAMPLES: f64 = 5000.0;
+const SCREENING_WINDOWS: f64 = 12.0;
 const FITTING_ITERATIONS: usize = 14;
 const FOLD_ITERATIONS: usize = 5;
 /// Effects that are fitted on all windows after screening.
@@ -71,7 +77,7 @@ impl Selection {
 pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str]) -> Selection {
     let bare = Hypothesis { terms: Vec::new() };
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
-    let null = problem.fit(&bare, x, Part::All, FITTING_ITERATIONS);
+    let null = problem.fit(&bare, x, 0, Part::All, FITTING_ITERATIONS);
     let mut selection = Selection {
         null,
         rounds: Vec::new(),
@@ -121,25 +127,48 @@ fn round(problem: &Problem<'_>, known: &Fit, excluded: &[&str]) -> Option<(Round
         .into_iter()
         .filter(|c| !taken(c.kind.name) && !excluded.contains(&c.kind.name))
         .collect();
-    let screening = if problem.window_count() >= 16 {
-        Part::Quarter
-    } else {
-        Part::All
-    };
+    let screening = screening_part(problem);
     let mut screened: Vec<Rival> = tried
         .par_iter()
         .filter_map(|candidate| {
             // What is bound to a moment may lie outside any part.
+            let t0 = std::time::Instant::now();
             let part = if is_event(candidate.kind.name) {
                 Part::All
             } else {
                 screening
             };
-            let fits = candidate.starts.par_iter().map(|start| {
-                let (hypothesis, x) = extended(known, start);
-                problem.fit(&hypothesis, x, part, SCREENING_ITERATIONS)
+            let mut fits: Vec<Fit> = candidate
+                .starts
+                .par_iter()
+                .map(|start| {
+                    let (hypothesis, x) = extended(known, start);
+                    problem.fit(&hypothesis, x, known.x.len(), part, FIRST_ITERATIONS)
+                })
+                .collect();
+            fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
+            fits.truncate(STARTS_KEPT);
+            let fits = fits.into_par_iter().map(|fit| {
+                problem.fit(
+                    &fit.hypothesis,
+                    fit.x,
+                    known.x.len(),
+                    part,
+                    SCREENING_ITERATIONS,
+                )
             });
-            let fit = fits.min_by(|a, b| a.costs.mean_log().total_cmp(&b.costs.mean_log()))?;
+            let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "  screen {} -> {:.4} {:?}",
+                    candidate.kind.name,
+                    level(&fit),
+                    fit.hypothesis
+                        .terms
+                        .last()
+                        .map(|t| t.at(&fit.x[fit.x.len() - t.free.len()..]))
+                );
+            }
             Some(Rival {
                 name: candidate.kind.name,
                 fit,
@@ -151,14 +180,32 @@ fn round(problem: &Problem<'_>, known: &Fit, excluded: &[&str]) -> Option<(Round
         .into_par_iter()
         .enumerate()
         .filter(|(rank, rival)| *rank < FINALISTS || is_event(rival.name))
-        .map(|(_, rival)| Rival {
-            fit: problem.fit(
-                &rival.fit.hypothesis,
-                rival.fit.x.clone(),
-                Part::All,
-                FITTING_ITERATIONS,
-            ),
-            ..rival
+        .map(|(_, rival)| {
+            let t = std::time::Instant::now();
+            let r = Rival {
+                fit: problem.fit(
+                    &rival.fit.hypothesis,
+                    rival.fit.x.clone(),
+                    0,
+                    Part::All,
+                    FITTING_ITERATIONS,
+                ),
+                ..rival
+            };
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "  FINAL {} {:.4} -> {:.4} {:?}",
+                    r.name,
+                    t.elapsed().as_secs_f64(),
+                    r.fit.costs.mean_log(),
+                    r.fit
+                        .hypothesis
+                        .terms
+                        .last()
+                        .map(|t| t.at(&r.fit.x[r.fit.x.len() - t.free.len()..]))
+                );
+            }
+            r
         })
         .collect();
     let rivals = ranked(finalists, known)?;
@@ -187,6 +234,16 @@ fn round(problem: &Problem<'_>, known: &Fit, excluded: &[&str]) -> Option<(Round
                 LEAST_SHARE * excess
             })
         && no_worse_at_a_quarter(problem, known, &winner.fit);
+    if std::env::var("DBG").is_ok() {
+        eprintln!(
+            "ROUND null {:.4} held {:.4} {:.4} gain {gain:.4} sig {significance:.2} winner {} earned {earned} quarter {}",
+            known.costs.mean_log(),
+            held_out[0].mean_log(),
+            held_out[1].mean_log(),
+            winner.name,
+            no_worse_at_a_quarter(problem, known, &winner.fit)
+        );
+    }
     let round = Round {
         rivals,
         significance,
@@ -201,6 +258,18 @@ const EVENT_GAIN: f64 = 4.0;
 /// True for effects that are bound to a moment of one recording.
 pub(crate) fn is_event(name: &str) -> bool {
     matches!(name, "contact" | "lost_counts")
+}
+
+/// The share of the windows on which effects are screened.
+fn screening_part(problem: &Problem<'_>) -> Part {
+    let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
+    let share =
+        (SCREENING_SAMPLES / samples as f64).max(SCREENING_WINDOWS / problem.window_count() as f64);
+    if share < 1.0 {
+        Part::Share(share)
+    } else {
+        Part::All
+    }
 }
 
 fn level(fit: &Fit) -> f64 {
@@ -263,6 +332,7 @@ pub(crate) fn fold(problem: &Problem<'_>, fit: &Fit, half: bool) -> Fit {
     problem.fit(
         &fit.hypothesis,
         fit.x.clone(),
+        0,
         Part::Half(half),
         FOLD_ITERATIONS,
     )

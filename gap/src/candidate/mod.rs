@@ -74,8 +74,10 @@ fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, f64)]) -> T
 
 /// Relative damping of the springs that stand in for contacts whose damping is not looked for.
 const CONTACT_DAMPING: f64 = 0.1;
-/// Natural frequency of the flanks of a play, over the coarse sampling rate.
-const FLANK_FREQUENCY: f64 = 0.15;
+/// Natural frequency of bristles, in rad a coarse sample.
+const RESOLVED_RATE: f64 = 2.0;
+/// Natural frequency of the flanks of a play, over the coarse sampling rate: stiff beside what is seen.
+const FLANK_FREQUENCY: f64 = 0.06;
 
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -92,7 +94,9 @@ fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let damped = |k: f64, inertia: f64| 2.0 * CONTACT_DAMPING * (k * inertia).sqrt();
     match kind.name {
         "torque_gain" | "sensor_gain" => one(vec![log(0, 1.0)]),
-        "torque_offset" => one(vec![linear(0, 0.0, 0.2 * s.torque)]),
+        "torque_offset" => each(&[0.3, -0.3], &|f| {
+            vec![linear(0, f * s.friction, 0.2 * s.torque)]
+        }),
         "deadband" => each(&[0.03, 0.15, 0.5], &|f| vec![log(0, f * s.input)]),
         "saturation" => each(&[0.9, 0.7, 0.4], &|f| vec![log(0, f * s.largest_input)]),
         "lag" | "delay" | "sensor_lag" => each(&[1.0, 8.0], &|f| {
@@ -138,7 +142,9 @@ fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "presliding" if level > 0.0 => [0.003, 0.015, 0.06]
             .iter()
             .map(|f| {
-                let distance = f * s.span();
+                // Bristles that ring faster than samples follow are stick.
+                let stiffest = m.inertia * (RESOLVED_RATE / s.period_s.max(1e-3)).powi(2);
+                let distance = (f * s.span()).max(level / stiffest);
                 let damping = damped(level / distance, m.inertia) * 3.0;
                 term(kind, vec![log(0, distance), log(1, damping)], &[])
             })

@@ -163,16 +163,48 @@ pub struct Plant {
     /// Whether what holds a joint at rest depends on position and drive alone.
     rest_is_steady: bool,
     inverse_inertia: [f64; 2],
+    pace: Pace,
     longest_step_s: f64,
 }
 
-/// Product of the fastest rate of a regime and the step: a fourth-order step then errs by less than
-/// 1e-7 of what changes within it.
-const RATE_STEP: f64 = 0.1;
+/// How finely stiff parts are stepped.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// Product of the fastest rate of a regime and the step.
+    rate_step: f64,
+    /// A step is never divided further than this, however stiff the plant.
+    most_divisions: f64,
+    /// More events than this within one step are chatter of a degenerate plant (a static level below
+    /// the sliding one, say): the rest of the step is then taken without looking for more.
+    most_events: usize,
+}
+
+/// A fourth-order step then errs by less than 1e-7 of what changes within it.
+const EXACT: Pace = Pace {
+    rate_step: 0.1,
+    most_divisions: 256.0,
+    most_events: 64,
+};
+/// The same where 1e-4 is enough, and what is stiffer than a sensor can show may go astray.
+const QUICK: Pace = Pace {
+    rate_step: 0.4,
+    most_divisions: 12.0,
+    most_events: 6,
+};
 
 impl Plant {
     /// Steps as long as the mechanics allow.
     pub fn new(mechanics: Mechanics) -> Self {
+        Self::with_pace(mechanics, EXACT)
+    }
+
+    /// Takes longer steps where something is stiff, for what is compared with a noisy sensor: they err
+    /// by 1e-4 of what changes within them.
+    pub fn quick(mechanics: Mechanics) -> Self {
+        Self::with_pace(mechanics, QUICK)
+    }
+
+    fn with_pace(mechanics: Mechanics, pace: Pace) -> Self {
         let dry = !mechanics.friction.is_none();
         let passing_barriers = mechanics
             .barriers
@@ -195,7 +227,8 @@ impl Plant {
                 ],
                 None => [1.0 / mechanics.inertia; 2],
             },
-            longest_step_s: RATE_STEP / mechanics.fastest_rate(),
+            pace,
+            longest_step_s: pace.rate_step / mechanics.fastest_rate(),
             mechanics,
         }
     }

@@ -2,14 +2,11 @@
 
 use super::pendulum::Pendulum;
 use super::runge_kutta::{self, Flow};
-use super::{BARRIERS, Mechanics, Phase, Plant, RATE_STEP, Rest, State, Torque, Touch};
+use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
 
-/// A step is never divided further than this, however stiff the plant.
-const MOST_DIVISIONS: f64 = 256.0;
-
-/// More events than this within one step are chatter of a degenerate plant (a static level below
-/// the sliding one, say): the rest of the step is then taken without looking for more.
-const MOST_EVENTS: usize = 64;
+/// A joint that is about to break away is held for this share of a step at least, or rounding could
+/// hold it for ever.
+const LEAST_HOLD: f64 = 1e-6;
 
 /// Within one regime. The state is `[position, velocity]` of the motor side, then, for N of 4 and 5,
 /// those of the load side, then, for odd N, the deflection of the bristles.
@@ -131,7 +128,7 @@ impl Plant {
     #[inline(never)]
     fn advance_as<const N: usize>(&self, state: &mut State, mut torque: Torque, dt_s: f64) {
         let end_s = state.time_s + dt_s;
-        let shortest_s = dt_s / MOST_DIVISIONS;
+        let shortest_s = dt_s / self.pace.most_divisions;
         let mut left = dt_s;
         let mut events = 0;
         while left > 0.0 {
@@ -140,13 +137,20 @@ impl Plant {
                 state.phase = self.phase_at_rest(state, torque.at(0.0));
             }
             let taken = if state.phase == Phase::Stick && self.dry && !is_linked(N) {
-                self.hold(state, &torque, piece)
+                events += 1;
+                if events > self.pace.most_events {
+                    piece
+                } else {
+                    self.hold(state, &torque, piece)
+                        .max(LEAST_HOLD * dt_s)
+                        .min(piece)
+                }
             } else {
                 let longest = self
                     .longest_step(state, torque.at(0.0))
                     .min(torque.longest_step());
                 let h = piece.min(longest.max(shortest_s));
-                let (taken, event) = self.flow::<N>(state, &torque, h, events < MOST_EVENTS);
+                let (taken, event) = self.flow::<N>(state, &torque, h, events < self.pace.most_events);
                 events += usize::from(event);
                 taken
             };
@@ -300,7 +304,7 @@ impl Plant {
             if let (Touch::Pushing, Some(barrier)) = (touch, barrier) {
                 let natural = (barrier.stiffness / load_inertia).sqrt();
                 let damped = barrier.damping / load_inertia;
-                longest = longest.min(RATE_STEP / (natural + damped));
+                longest = longest.min(self.pace.rate_step / (natural + damped));
             }
         }
         if !self.plain {
@@ -310,7 +314,7 @@ impl Plant {
                 m.inertia,
                 state.velocity.abs(),
                 push,
-                RATE_STEP,
+                self.pace.rate_step,
             ));
         }
         if let (Phase::Bristle, Some(bristles)) = (state.phase, &m.presliding) {
@@ -318,7 +322,7 @@ impl Plant {
             let motor_inertia = m.link.map_or(1.0, |link| 1.0 - link.load_share) * m.inertia;
             // The bristles' own relaxation is slower than a step, or they count as sliding.
             let rate = bristles.fastest_rate(motor_inertia, level * m.friction.static_ratio);
-            longest = longest.min(2.0 * RATE_STEP / rate);
+            longest = longest.min(2.0 * self.pace.rate_step / rate);
         }
         longest
     }

@@ -4,7 +4,7 @@ use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
 use crate::fit::{Fit, Part, Problem};
 use crate::hypothesis::{Hypothesis, nudges};
 use crate::measure::measure;
-use crate::select::{self, PERFECT, Round, Selection};
+use crate::select::{self, PERFECT, QUIET_EXCESS, Round, Selection};
 use crate::series;
 use crate::{experiment, locate};
 use host_sim::device::Device;
@@ -62,10 +62,10 @@ impl CorrectedModel {
 const EXPLAINED: f64 = 0.15;
 /// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
 const MOST_LEFT: f64 = 0.7;
-/// Robust excess per window up to which nothing is missing: the noise is known to some 15 %.
-const QUIET_EXCESS: f64 = 0.15;
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
 const SURE: f64 = 6.0;
+/// Share of the gap that a further effect must close.
+const LEAST_SHRINK: f64 = 0.03;
 /// Resamplings of the windows for an interval.
 const RESAMPLINGS: usize = 400;
 
@@ -88,12 +88,18 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         selection.rounds.clear();
     }
 
+    let mut steps = closings(&problem, &selection);
+    // What does not close the gap by itself has no place, however well it suits the robust cost.
+    while steps.len() > 1 && steps.last().is_some_and(|step| step.own[0] < LEAST_SHRINK) {
+        steps.pop();
+        selection.last = selection.rounds.pop();
+    }
+
     let model = corrected(&problem, selection.fit());
     let nominal = Device::nominal(&recording.model);
     let (before, _) = measure(recording, &nominal);
     let (after, _) = measure(recording, &model.device());
     let floor = after.floor.min(before.before);
-    let steps = closings(&problem, &selection);
     let total = steps.last().map_or([0.0; 3], |step| step.total);
     let closing = Closing {
         before: before.before,

@@ -76,13 +76,10 @@ impl Series {
             let start = coarse.time.len();
             for first in window.samples.clone().step_by(group) {
                 let rows = first..(first + group).min(window.samples.end);
-                let n = rows.len() as f64;
-                let mean = |column: &[f64]| column[rows.clone()].iter().sum::<f64>() / n;
+                let mean =
+                    |column: &[f64]| column[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
                 coarse.time.push(mean(&self.time));
                 coarse.position.push(mean(&self.position));
-                // Held between the means: half a group later than the rows it stands for.
-                let late = rows.start + rows.len() / 2..rows.end + rows.len() / 2;
-                coarse.input.push(held_mean(&self.time, &self.input, late));
             }
             coarse.windows.push(Window {
                 samples: start..coarse.time.len(),
@@ -90,21 +87,31 @@ impl Series {
                 ..window.clone()
             });
         }
+        coarse.input = held_means(&self.time, &self.input, &coarse.time);
         coarse
     }
 }
 
-fn held_mean(time: &[f64], input: &[f64], rows: Range<usize>) -> f64 {
-    let rows = rows.start.min(input.len() - 1)..rows.end.min(input.len());
-    if rows.len() < 2 {
-        return input[rows.start];
+/// Means of an input that is held from each of `time` to the next, from each of `at` to the next.
+fn held_means(time: &[f64], input: &[f64], at: &[f64]) -> Vec<f64> {
+    let mut row = 0;
+    let mut impulse = 0.0;
+    // Integral of the input up to an instant; the instants do not go back.
+    let mut impulses = Vec::with_capacity(at.len());
+    for &t in at {
+        while time.get(row + 1).is_some_and(|&next| next <= t) {
+            impulse += input[row] * (time[row + 1] - time[row]);
+            row += 1;
+        }
+        impulses.push(impulse + input[row] * (t - time[row]));
     }
-    let width = |i: usize| match time.get(i + 1) {
-        Some(next) => next - time[i],
-        None => time[i] - time[i - 1],
-    };
-    let total: f64 = rows.clone().map(width).sum();
-    rows.map(|i| input[i] * width(i)).sum::<f64>() / total
+    let last = input.last().copied().unwrap_or(0.0);
+    (0..at.len())
+        .map(|i| match at.get(i + 1) {
+            Some(next) => (impulses[i + 1] - impulses[i]) / (next - at[i]),
+            None => last,
+        })
+        .collect()
 }
 
 /// Median difference of consecutive times, s.

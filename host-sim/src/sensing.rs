@@ -9,7 +9,7 @@ pub struct Jump {
     pub height: f64,
 }
 
-/// `y = jumps(t) + lag(play(g x + a x² + b x³))`.
+/// `y = jumps(t) + lag(play(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1)))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensing {
     /// g.
@@ -18,6 +18,10 @@ pub struct Sensing {
     pub quadratic: f64,
     /// b, 1/position².
     pub cubic: f64,
+    /// r and s, in units of position.
+    pub ripple: [f64; 2],
+    /// n, 1/position.
+    pub wave_number: f64,
     /// Width of the play, in units of position.
     pub hysteresis: f64,
     /// Time constant of the lag, s.
@@ -33,6 +37,8 @@ impl Sensing {
             gain: 1.0,
             quadratic: 0.0,
             cubic: 0.0,
+            ripple: [0.0; 2],
+            wave_number: 0.0,
             hysteresis: 0.0,
             lag_s: 0.0,
             jumps: Vec::new(),
@@ -47,20 +53,30 @@ impl Sensing {
     /// Reading of a resting position, jumps apart.
     #[inline]
     pub fn curve(&self, x: f64) -> f64 {
-        x * (self.gain + x * (self.quadratic + x * self.cubic))
+        let smooth = x * (self.gain + x * (self.quadratic + x * self.cubic));
+        if self.ripple == [0.0; 2] {
+            return smooth;
+        }
+        let (sin, cos) = (self.wave_number * x).sin_cos();
+        smooth + self.ripple[0] * sin + self.ripple[1] * (cos - 1.0)
     }
 
     /// Slope of the curve.
     #[inline]
     pub fn slope(&self, x: f64) -> f64 {
-        self.gain + x * (2.0 * self.quadratic + x * 3.0 * self.cubic)
+        let smooth = self.gain + x * (2.0 * self.quadratic + x * 3.0 * self.cubic);
+        if self.ripple == [0.0; 2] {
+            return smooth;
+        }
+        let (sin, cos) = (self.wave_number * x).sin_cos();
+        smooth + self.wave_number * (self.ripple[0] * cos - self.ripple[1] * sin)
     }
 
     /// The position whose curve reads `y`: Newton's method from the linear part, which suffices as
     /// long as the curve is monotone between the two.
     pub fn inverse(&self, y: f64) -> f64 {
         let mut x = y / self.gain;
-        if self.quadratic == 0.0 && self.cubic == 0.0 {
+        if self.quadratic == 0.0 && self.cubic == 0.0 && self.ripple == [0.0; 2] {
             return x;
         }
         for _ in 0..INVERSE_ITERATIONS {
@@ -126,7 +142,8 @@ impl Reading {
     pub fn follow(&mut self, sensing: &Sensing, x: f64, dt_s: f64) -> f64 {
         let y = sensing.curve(x);
         let half = 0.5 * sensing.hysteresis;
-        self.middle = self.middle.clamp(y - half, y + half);
+        // Not `clamp`: a position that has run away may be no number.
+        self.middle = self.middle.max(y - half).min(y + half);
         let y = self.middle;
         if sensing.lag_s > 0.0 {
             // Exact for a reading that runs straight between the two calls.

@@ -33,7 +33,10 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         let sizes: Vec<f64> = breaks.iter().map(|b| b.abs()).collect();
         let spread = (quantile(&sizes, 0.75) / UPPER_QUARTILE).max(e.scales.noise);
         for (i, height) in breaks.iter().enumerate() {
-            if height.abs() > STEP_RATIO * spread {
+            // A step shows in the slopes beside it too: the largest of neighbours is the step.
+            let near = &sizes[i.saturating_sub(2)..(i + 3).min(sizes.len())];
+            let largest = near.iter().all(|size| *size <= height.abs());
+            if largest && height.abs() > STEP_RATIO * spread {
                 jumps.push((series.session(i - 1), series.session(i), *height));
             }
         }
@@ -41,17 +44,38 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     if jumps.is_empty() || jumps.len() > MOST_JUMPS {
         return Vec::new();
     }
+    let persisting = term(kind, &jumps);
+    // A counter may also start anew with every run.
+    let mut anew = Vec::new();
+    for series in e.series {
+        let Some(last) = series.time.len().checked_sub(1) else {
+            continue;
+        };
+        let within = |t: f64| t >= series.session(0) && t <= series.session(last);
+        let mine: Vec<_> = jumps.iter().copied().filter(|j| within(j.0)).collect();
+        let sum: f64 = mine.iter().map(|j| j.2).sum();
+        anew.extend(mine);
+        if sum != 0.0 {
+            let end = series.session(last);
+            anew.push((end, end + 2.0 * e.scales.period_s, -sum));
+        }
+    }
+    vec![persisting, term(kind, &anew)]
+}
+
+/// A term of jumps, each between two instants and with a height.
+fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)]) -> Term {
     let mut values = Vec::new();
     let mut free = Vec::new();
     for (before, after, height) in jumps {
         values.push(0.5 * (before + after));
-        free.push(linear(values.len(), height, 0.1 * height.abs()));
-        values.push(height);
+        free.push(linear(values.len(), *height, 0.1 * height.abs()));
+        values.push(*height);
     }
-    vec![Term {
+    Term {
         kind,
         values,
         free,
         sensor_on_load: false,
-    }]
+    }
 }

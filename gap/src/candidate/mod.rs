@@ -3,6 +3,7 @@
 mod cogging;
 mod contact;
 mod jumps;
+mod regression;
 
 use crate::hypothesis::{Coordinate, Scale, Term};
 use crate::motion::{Motion, Scales, quantile};
@@ -10,6 +11,7 @@ use crate::series::Series;
 use core::f64::consts::TAU;
 use host_sim::device::Device;
 use host_sim::effects::{KINDS, Kind};
+use regression::{Moment, regress};
 
 /// What starting values are made from.
 pub(crate) struct Evidence<'a> {
@@ -80,6 +82,81 @@ const RESOLVED_RATE: f64 = 2.0;
 const FLANK_FREQUENCY: f64 = 0.06;
 
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let mut all = guesses(kind, e);
+    all.extend(spread(kind, e));
+    all
+}
+
+/// Starts from what the missing torque is made of, for effects that are linear in it.
+fn guesses(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let m = &e.device.mechanics;
+    let level = m.friction.level_nm;
+    let sign = |m: &Moment| m.velocity.signum();
+    // A coordinate's scale: that of the thing, or a share of a guess that is larger.
+    let scaled =
+        |parameter, start: f64, scale: f64| linear(parameter, start, scale.max(0.3 * start.abs()));
+    let free = match kind.name {
+        "torque_gain" => regress(e, |m| [m.drive_nm]).map(|[g]| vec![log(0, (1.0 + g).max(0.05))]),
+        "torque_offset" => regress(e, |_| [1.0]).map(|[t]| vec![scaled(0, t, 0.2 * s.torque)]),
+        "coulomb" => regress(e, |m| [-sign(m)])
+            .map(|[f]| vec![log(0, (level[0] + f).max(0.05 * s.friction))]),
+        "asymmetric_coulomb" => regress(e, |m| {
+            let forward = f64::from(m.velocity > 0.0);
+            [-forward, 1.0 - forward]
+        })
+        .map(|[p, n]| {
+            let least = 0.05 * s.friction;
+            vec![
+                log(0, (level[0] + p).max(least)),
+                log(1, (level[1] + n).max(least)),
+            ]
+        }),
+        "position_dependent_coulomb" if level[0] > 0.0 => regress(e, |m| {
+            let friction = -level[0] * sign(m);
+            [friction * m.position, friction * m.position * m.position]
+        })
+        .map(|[slope, curve]| {
+            let reach = s.position[0].abs().max(s.position[1].abs());
+            vec![
+                scaled(0, slope, 0.3 / reach),
+                scaled(1, curve, 0.3 / (reach * reach)),
+            ]
+        }),
+        "viscous" => regress(e, |m| [-m.velocity]).map(|[b]| {
+            vec![scaled(
+                0,
+                (m.viscous + b).max(0.0),
+                0.1 * s.torque / s.velocity,
+            )]
+        }),
+        "quadratic_drag" => regress(e, |m| [-m.velocity * m.velocity.abs()])
+            .map(|[q]| vec![scaled(0, q.max(0.0), 0.1 * s.torque / s.velocity.powi(2))]),
+        "load_dependent_friction" => regress(e, |m| [-m.drive_nm.abs() * sign(m)])
+            .map(|[share]| vec![log(0, share.max(0.01))]),
+        "friction_drift" if level[0] > 0.0 => regress(e, |m| [-level[0] * m.session_s * sign(m)])
+            .map(|[d]| vec![scaled(0, d, 0.3 / s.duration_s)]),
+        "inertia" => regress(e, |m| [-m.acceleration])
+            .map(|[j]| vec![log(0, (m.inertia + j).max(0.1 * m.inertia))]),
+        "spring" => regress(e, |m| [-m.position, 1.0]).map(|[k, t]| {
+            let stiffness = m.stiffness + k;
+            let zero = (t + m.stiffness * m.stiffness_zero) / stiffness;
+            let scale = 0.05 * s.torque / s.span();
+            vec![scaled(0, stiffness, scale), linear(1, zero, 0.2 * s.span())]
+        }),
+        "gravity" => regress(e, |m| [-m.position.sin(), m.position.cos()]).map(|[a, b]| {
+            let (sin, cos) = m.gravity_zero.sin_cos();
+            let (a, b) = (a + m.gravity * cos, b + m.gravity * sin);
+            let zero = b.atan2(a);
+            vec![scaled(0, a.hypot(b), 0.1 * s.torque), linear(1, zero, 0.1)]
+        }),
+        _ => None,
+    };
+    free.map(|free| term(kind, free, &[])).into_iter().collect()
+}
+
+/// Starts spread over the sizes that the recording could show.
+fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let m = &e.device.mechanics;
     let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
@@ -99,7 +176,7 @@ fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }),
         "deadband" => each(&[0.03, 0.15, 0.5], &|f| vec![log(0, f * s.input)]),
         "saturation" => each(&[0.9, 0.7, 0.4], &|f| vec![log(0, f * s.largest_input)]),
-        "lag" | "delay" | "sensor_lag" => each(&[1.0, 8.0], &|f| {
+        "lag" | "delay" | "sensor_lag" => each(&[1.0, 6.0, 30.0], &|f| {
             vec![log(
                 0,
                 f * s.period_s.min(0.01 * s.horizon_s).max(0.002 * s.horizon_s),
@@ -241,10 +318,22 @@ fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "sensor_nonlinearity" => {
             let reach = s.position[0].abs().max(s.position[1].abs());
-            one(vec![
+            let mut all = one(vec![
                 linear(0, 0.0, 0.1 / reach),
                 linear(1, 0.0, 0.1 / (reach * reach)),
-            ])
+            ]);
+            // An eccentric disk or poles show as a ripple, of which one period or a few are passed.
+            for turns in [0.5, 1.0, 2.0] {
+                let wave_number = turns * TAU / s.span();
+                let amplitude = 0.1 / wave_number;
+                let free = vec![
+                    linear(2, 0.0, amplitude),
+                    linear(3, amplitude, amplitude),
+                    linear(4, wave_number, 0.2 * wave_number),
+                ];
+                all.push(term(kind, free, &[(0, 0.0), (1, 0.0)]));
+            }
+            all
         }
         "sensor_hysteresis" => each(&[3.0 * s.noise / s.span(), 0.02, 0.06], &|f| {
             vec![log(0, f * s.span())]

@@ -150,7 +150,8 @@ impl Plant {
                     .longest_step(state, torque.at(0.0))
                     .min(torque.longest_step());
                 let h = piece.min(longest.max(shortest_s));
-                let (taken, event) = self.flow::<N>(state, &torque, h, events < self.pace.most_events);
+                let (taken, event) =
+                    self.flow::<N>(state, &torque, h, events < self.pace.most_events);
                 events += usize::from(event);
                 taken
             };

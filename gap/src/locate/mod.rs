@@ -315,7 +315,13 @@ mod tests {
             nudges: Vec::new(),
             quarter: Vec::new(),
         };
-        let null = problem.fit(&Hypothesis { terms: Vec::new() }, Vec::new(), Part::All, 1);
+        let null = problem.fit(
+            &Hypothesis { terms: Vec::new() },
+            Vec::new(),
+            0,
+            Part::All,
+            1,
+        );
         regions(&problem, &null)
     }
 

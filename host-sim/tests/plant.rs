@@ -1,7 +1,7 @@
 //! What the plant must do whatever its numbers: hold without creep, stop where mechanics says,
 //! converge at fourth order through its events, and never create energy.
 
-use host_sim::plant::{Barrier, Friction, Mechanics, Phase, Plant, Torque};
+use host_sim::plant::{Barrier, Friction, Mechanics, Phase, Plant, Presliding, Torque};
 use proptest::prelude::*;
 
 fn paddle() -> Mechanics {
@@ -196,4 +196,26 @@ proptest! {
             last = state.velocity;
         }
     }
+}
+
+#[test]
+fn bristles_bent_to_their_limit_let_go_of_a_restart_at_rest() {
+    let bristles = Presliding {
+        distance: 1e-3,
+        damping: 0.01,
+    };
+    let plant = Plant::new(Mechanics {
+        presliding: Some(bristles),
+        ..paddle()
+    });
+    let mut state = plant.state(0.0, 0.0, 0.0);
+    while state.deflection < bristles.distance {
+        plant.advance(&mut state, Torque::held(0.05), 1e-4);
+        if state.phase == Phase::Forward {
+            state.deflection = bristles.distance;
+        }
+    }
+    let mut state = plant.restart(&state, state.time_s, 0.1, 0.0);
+    plant.advance(&mut state, Torque::held(0.05), 1e-2);
+    assert!(state.velocity > 0.0 && state.position > 0.1);
 }

@@ -296,7 +296,8 @@ impl Plant {
     fn enter(&self, state: &mut State) {
         let slid = state.deflection * state.velocity.signum();
         state.phase = match self.mechanics.presliding {
-            Some(bristles) if slid < bristles.distance => Phase::Bristle,
+            // At rest bristles bend, however far they are bent: there is no sliding to go on with.
+            Some(bristles) if state.velocity == 0.0 || slid < bristles.distance => Phase::Bristle,
             _ if state.velocity > 0.0 => Phase::Forward,
             _ if state.velocity < 0.0 => Phase::Backward,
             _ => Phase::Stick,

@@ -90,9 +90,10 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let mut steps = closings(&problem, &selection);
     // What does not close the gap by itself has no place, however well it suits the robust cost.
-    while steps.len() > 1 && steps.last().is_some_and(|step| step.own[0] < LEAST_SHRINK) {
-        steps.pop();
-        selection.last = selection.rounds.pop();
+    let idle = (1..steps.len()).find(|&i| steps[i].own[0] < LEAST_SHRINK);
+    if let Some(first) = idle {
+        steps.truncate(first);
+        selection.last = selection.rounds.drain(first..).next();
     }
 
     let model = corrected(&problem, selection.fit());

@@ -35,7 +35,7 @@ const EVENTS: usize = 4;
 /// What that is worth.
 const EVENT_STRENGTH: f64 = 0.5;
 /// Weight of a slow course of friction over time: what repeats itself has none.
-const COURSE_WEIGHT: f64 = 2.0;
+const COURSE_WEIGHT: f64 = 2.5;
 
 /// What speaks for an axis.
 struct Evidence {

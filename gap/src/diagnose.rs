@@ -130,7 +130,11 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
-        regions: locate::regions(&problem, &selection.null),
+        regions: if verdict == Verdict::NoGap {
+            Vec::new()
+        } else {
+            locate::regions(&problem, &selection.null)
+        },
         candidates: tried(&problem, &selection, &names),
         gap: closing,
         effects,

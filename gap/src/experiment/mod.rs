@@ -6,7 +6,7 @@ mod trial;
 use crate::diagnosis::NextExperiment;
 use crate::fit::{Fit, Problem};
 use crate::motion::rms;
-use crate::select::{PERFECT, Rival, Selection, ties};
+use crate::select::{PERFECT, QUIET_EXCESS, Rival, Selection, ties};
 use haptic_paddle::excitation::{Excitation, Shape};
 use host_sim::device::Device;
 use rayon::prelude::*;
@@ -20,8 +20,6 @@ const MOST_RIVALS: usize = 4;
 /// By how much of its span on either side the positions of the recording may be left, where no travel is
 /// stated.
 const MARGIN: f64 = 0.5;
-/// Robust excess per window below which nothing is missing.
-const QUIET_EXCESS: f64 = 0.15;
 
 /// The best excitation for what the selection leaves open; `None` if nothing is, or if every excitation
 /// would drive one of the rivals out of its travel.

@@ -18,6 +18,9 @@ pub struct Predictor {
 /// Displacement of every restart state, in standard deviations of the fit of value and slope.
 pub type Shift = [f64; 2];
 
+/// A slope within this many standard deviations of zero is that of a reading that stands.
+const STANDING: f64 = 3.0;
+
 struct Running {
     line: DriveLine,
     state: State,
@@ -185,7 +188,9 @@ impl Predictor {
         // Where in the play the position stands cannot be seen.
         let inside = (sensing.curve(seen) - running.reading.middle).clamp(-half, half);
         let x = sensing.inverse(behind + inside);
-        let v = if half > 0.0 && inside.abs() < half {
+        // A reading that stands within the play says nothing of the speed.
+        let stands = slope.abs() <= STANDING * sd(1);
+        let v = if half > 0.0 && inside.abs() < half && stands {
             seen_rate
         } else {
             rate / sensing.slope(x)

@@ -69,14 +69,21 @@ const LEAST_SHRINK: f64 = 0.03;
 /// Resamplings of the windows for an interval.
 const RESAMPLINGS: usize = 400;
 
+/// Coarse samples that rival models are fitted to: more would not tell them apart better, only later.
+const MOST_SAMPLES: usize = 60_000;
+
+fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
+    series::thinned(series::coarse(recording, horizon_s), MOST_SAMPLES)
+}
+
 /// Diagnoses a recording.
 pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
     let problem = Problem {
         recording,
-        series: series::coarse(recording, recording.horizon),
+        series: few(recording, recording.horizon),
         nudges: nudges(recording),
-        quarter: series::coarse(recording, 0.25 * recording.horizon),
+        quarter: few(recording, 0.25 * recording.horizon),
     };
     let excluded: Vec<&str> = options.without.iter().map(String::as_str).collect();
     let mut selection = select::select(&problem, &excluded);

@@ -111,9 +111,9 @@ pub(crate) fn perfect_variance(
         for i in window.samples.clone() {
             let [a, b] = sensitivity[i];
             let restart = a * a + b * b + 2.0 * correlation * a * b;
-            let common = if (fit.samples[0]..fit.samples[1]).contains(&i) {
+            let common = if fit.covers(series.time[i]) {
                 let [value, slope] = fit.influence(series.time[i]);
-                2.0 * window.noise * (a * value / sd[0] + b * slope / sd[1])
+                2.0 * window.restart_noise * (a * value / sd[0] + b * slope / sd[1])
             } else {
                 0.0
             };

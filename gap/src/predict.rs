@@ -73,6 +73,10 @@ impl Predictor {
             now_s: start_s,
             next_input: 0,
         };
+        // Up to the first sample, which may lie a little later: what it says is the nearest.
+        running
+            .line
+            .command(&self.device.drive, start_s, series.input[0]);
         for (index, window) in series.windows.iter().enumerate() {
             // One window before a wanted one is enough for what is carried over to settle.
             let leads = remembers && wanted(index + 1);

@@ -79,6 +79,11 @@ impl Restart {
         self.samples[1] - self.samples[0] - CUBIC
     }
 
+    /// True if a sample at `time_s` takes part in the fit.
+    pub fn covers(&self, time_s: f64) -> bool {
+        (time_s - self.time_s).abs() <= self.scale_s
+    }
+
     /// How much value and slope move with the sample at `time_s`, one of those in the fit.
     pub fn influence(&self, time_s: f64) -> [f64; 2] {
         let weights = self.inverse * powers((time_s - self.time_s) / self.scale_s);

@@ -57,6 +57,30 @@ impl Series {
         self.time[i] + self.session_offset_s
     }
 
+    /// Some of its windows as a series of their own.
+    fn block(&self, windows: Range<usize>) -> Self {
+        let windows = &self.windows[windows];
+        let (Some(first), Some(last)) = (windows.first(), windows.last()) else {
+            return Self {
+                windows: Vec::new(),
+                ..self.clone()
+            };
+        };
+        let rows = first.samples.start..last.samples.end;
+        let windows = windows.iter().map(|window| Window {
+            samples: window.samples.start - rows.start..window.samples.end - rows.start,
+            ..window.clone()
+        });
+        Self {
+            run: self.run,
+            windows: windows.collect(),
+            time: self.time[rows.clone()].to_vec(),
+            input: self.input[rows.clone()].to_vec(),
+            position: self.position[rows].to_vec(),
+            session_offset_s: self.session_offset_s,
+        }
+    }
+
     /// Puts samples together to about [`FINE_PERIOD_S`], input and position averaged; the restarts stay
     /// as they are. What moves faster than that carries no torque that a device of inertia shows.
     fn coarsened(self) -> Self {
@@ -164,8 +188,34 @@ pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
 
 /// All runs at about a millisecond, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
-    let full = full(recording, horizon_s);
-    full.into_iter().map(Series::coarsened).collect()
+    let offsets = session_offsets(recording);
+    // One run at a time, so that a long session is never held twice at full rate.
+    (0..recording.runs.len())
+        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened())
+        .collect()
+}
+
+/// Windows that stay together where a long recording is thinned, so that what is carried from window to
+/// window can settle.
+const BLOCK: usize = 8;
+
+/// Blocks of windows spread evenly over `series`, of about `most` samples in all; everything if that is
+/// no more.
+pub fn thinned(series: Vec<Series>, most: usize) -> Vec<Series> {
+    let total: usize = series.iter().map(|s| s.time.len()).sum();
+    if total <= most {
+        return series;
+    }
+    let share = most as f64 / total as f64;
+    let blocks = series.iter().flat_map(|whole| {
+        let count = whole.windows.len().div_ceil(BLOCK);
+        let kept = ((count as f64 * share).round() as usize).max(1);
+        (0..kept).map(move |k| {
+            let block = (2 * k + 1) * count / (2 * kept);
+            whole.block(block * BLOCK..((block + 1) * BLOCK).min(whole.windows.len()))
+        })
+    });
+    blocks.collect()
 }
 
 /// What to add to each run's time for one clock of the session, s: nothing if the runs' times do not

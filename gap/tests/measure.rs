@@ -99,3 +99,22 @@ fn a_wrong_model_is_above_it_and_the_predictions_say_where() {
     let rms = (squares.sum::<f64>() / runs[0].time.len() as f64).sqrt();
     assert!((rms - gap.before).abs() < 1e-12);
 }
+
+#[test]
+fn a_thinned_recording_is_predicted_as_the_whole_one() {
+    let recording = recording(&paddle(), paddle(), 1e-4, 0.0, 7);
+    let whole = gap::series::coarse(&recording, 0.05);
+    let some = gap::series::thinned(whole.clone(), 3000);
+    let samples: usize = some.iter().map(|s| s.time.len()).sum();
+    assert!((1500..4500).contains(&samples), "{samples}");
+    let predictor = gap::predict::Predictor::new(Device::nominal(&paddle()), &recording);
+    let all = predictor.predict(&whole[0]);
+    for block in &some {
+        let at = whole[0].time.partition_point(|t| *t < block.time[0]);
+        let predicted = predictor.predict(block);
+        // The input just before a block is taken to be that of its first sample.
+        for (i, p) in predicted.iter().enumerate() {
+            assert!((p - all[at + i]).abs() < 1e-4, "{i}: {p} {}", all[at + i]);
+        }
+    }
+}

@@ -175,19 +175,7 @@ fn linear(draw: &mut Draw) -> Plant {
         motion_hz,
         tick_s,
         ticks_per_row,
-        sensor: if draw.chance(0.5) {
-            Sensor {
-                resolution: 2.0 * noise,
-                noise: 0.0,
-                cutoff_hz: None,
-            }
-        } else {
-            Sensor {
-                resolution: 0.0,
-                noise,
-                cutoff_hz: None,
-            }
-        },
+        sensor: coarse_or_noisy(draw, noise),
         horizon_s: horizon(draw, motion_hz),
     };
     load_with_friction(&mut plant, draw);
@@ -201,6 +189,16 @@ fn linear(draw: &mut Draw) -> Plant {
         plant.model.stop_damping = 0.4 * (plant.model.stop_stiffness * plant.model.inertia).sqrt();
     }
     plant
+}
+
+/// A sensor that is quantised and quiet, or continuous and noisy, of about the same error.
+fn coarse_or_noisy(draw: &mut Draw, noise: f64) -> Sensor {
+    let coarse = draw.chance(0.5);
+    Sensor {
+        resolution: if coarse { 2.0 * noise } else { 0.0 },
+        noise: if coarse { 0.0 } else { noise },
+        cutoff_hz: None,
+    }
 }
 
 fn direct_drive(draw: &mut Draw) -> Plant {
@@ -218,19 +216,7 @@ fn direct_drive(draw: &mut Draw) -> Plant {
         motion_hz,
         tick_s,
         ticks_per_row,
-        sensor: if draw.chance(0.5) {
-            Sensor {
-                resolution: 2.0 * noise,
-                noise: 0.0,
-                cutoff_hz: None,
-            }
-        } else {
-            Sensor {
-                resolution: 0.0,
-                noise,
-                cutoff_hz: None,
-            }
-        },
+        sensor: coarse_or_noisy(draw, noise),
         horizon_s: horizon(draw, motion_hz),
     };
     load_with_friction(&mut plant, draw);

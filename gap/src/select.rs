@@ -199,43 +199,41 @@ fn round(problem: &Problem<'_>, known: &Fit, excluded: &[&str]) -> Option<(Round
         Part::All,
         POLISHING_ITERATIONS,
     );
-    let winner = &rivals[0];
-    let held_out = [held_out(problem, known), held_out(problem, &winner.fit)];
-    let gains: Vec<f64> = (0..problem.window_count())
-        .map(|w| held_out[0].log(w) - held_out[1].log(w))
-        .collect();
-    let (gain, error) = mean_and_error(&gains);
-    let significance = gain / error.max(f64::MIN_POSITIVE);
-    let excess = (held_out[0].mean_log() - PERFECT).max(0.0);
-    let significant = if is_event(winner.name) {
-        // A moment cannot be held out: what is searched over many places and instants must gain much.
-        let total: f64 = (0..problem.window_count())
-            .map(|w| known.costs.log(w) - winner.fit.costs.log(w))
-            .sum();
-        total > EVENT_GAIN
-    } else if harmless(&gains) {
-        true
-    } else {
-        significance
-            > if gain > LARGE_SHARE * excess {
-                LARGE_SIGNIFICANCE
-            } else {
-                LEAST_SIGNIFICANCE
-            }
-    };
-    let earned = significant
-        && gain
-            > LEAST_GAIN.max(if is_event(winner.name) {
-                0.0
-            } else {
-                LEAST_SHARE * excess
-            })
-        && (is_event(winner.name) || no_worse_at_a_quarter(problem, known, &winner.fit));
+    let (significance, earned) = earns_its_place(problem, known, &rivals[0]);
     let round = Round {
         rivals,
         significance,
     };
     Some((round, earned))
+}
+
+/// Whether `winner` is better than what was known on windows that neither fit has seen: its gain there
+/// over the gain's standard error, and the verdict.
+fn earns_its_place(problem: &Problem<'_>, known: &Fit, winner: &Rival) -> (f64, bool) {
+    let windows = 0..problem.window_count();
+    let unseen = [held_out(problem, known), held_out(problem, &winner.fit)];
+    let gains: Vec<f64> = windows
+        .clone()
+        .map(|w| unseen[0].log(w) - unseen[1].log(w))
+        .collect();
+    let (gain, error) = mean_and_error(&gains);
+    let significance = gain / error.max(f64::MIN_POSITIVE);
+    let earned = if is_event(winner.name) {
+        // A moment cannot be held out: what is searched over many places and instants must gain much.
+        let seen = windows.map(|w| known.costs.log(w) - winner.fit.costs.log(w));
+        seen.sum::<f64>() > EVENT_GAIN && gain > LEAST_GAIN
+    } else {
+        let excess = (unseen[0].mean_log() - PERFECT).max(0.0);
+        let least = if gain > LARGE_SHARE * excess {
+            LARGE_SIGNIFICANCE
+        } else {
+            LEAST_SIGNIFICANCE
+        };
+        (harmless(&gains) || significance > least)
+            && gain > LEAST_GAIN.max(LEAST_SHARE * excess)
+            && no_worse_at_a_quarter(problem, known, &winner.fit)
+    };
+    (significance, earned)
 }
 
 /// True if the windows that get worse are nothing beside those that get better: luck does both alike. It

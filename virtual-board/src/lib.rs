@@ -1,0 +1,5 @@
+//! A virtual board: the image that is flashed, on a simulated STM32F407, wired to the simulated paddle.
+//!
+//! [`cpu`] is the processor core; it reaches everything else through its [`cpu::Bus`].
+
+pub mod cpu;

@@ -5,6 +5,7 @@ pub mod device;
 pub mod drive;
 pub mod effects;
 pub mod experiment;
+pub mod lab_model;
 pub mod motor;
 pub mod paddle;
 pub mod plant;

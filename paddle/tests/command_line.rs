@@ -50,6 +50,7 @@ fn every_command_has_help_with_an_example() {
         &["gap", "measure"],
         &["gap", "diagnose"],
         &["sim", "filter"],
+        &["sim", "lab"],
     ];
     let shapes = [
         "step",
@@ -108,6 +109,8 @@ fn bad_input_is_refused_in_one_line_with_status_2() {
         (&["sim", "step", "--plant", &massless], "inertia"),
         (&["sim", "step", "--plant", &wrong_setting], "pid.kp"),
         (&["sim", "step", "--plant", &wrong_effect], "stribek"),
+        (&["sim", "lab", "--seconds", "0"], "duration"),
+        (&["sim", "lab", "--amplitude", "NaN"], "--amplitude"),
         (&["sim", "steep"], "steep"),
         (&["gap", "measure"], "RECORDING"),
         (&["gap", "measure", "nowhere"], "nowhere"),
@@ -467,6 +470,21 @@ fn a_diagnosis_has_the_keys_of_the_format_and_leaves_the_files_that_were_asked_f
     assert!(corrected < 0.2 * nominal, "{corrected} of {nominal}");
     let page = std::fs::read_to_string(&page).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains("Static friction"));
+}
+
+#[test]
+fn the_labs_simulink_model_is_told_that_its_dry_friction_does_not_act() {
+    let out = folder("lab");
+    let recording = out.join("recording");
+    let [out, recording] = [&out, &recording].map(|path| path.to_str().unwrap());
+    let lab = json(&["sim", "lab", "--out", out, "--recording", recording]);
+    assert_eq!(lab["friction_acts"], false);
+    let diagnosis = json(&["gap", "diagnose", recording]);
+    assert_eq!(diagnosis["verdict"], "explained");
+    let effect = &diagnosis["effects"][0];
+    assert_eq!(effect["name"], "coulomb");
+    // Of the 15 mN m at the joint that the model was meant to have.
+    assert!(effect["parameters"]["level"]["value"].as_f64().unwrap() < 1e-3);
 }
 
 #[test]

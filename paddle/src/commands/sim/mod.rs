@@ -2,6 +2,7 @@
 
 mod experiment;
 mod filter;
+mod lab;
 mod rig;
 
 use crate::answer::Answer;
@@ -50,6 +51,8 @@ pub enum Command {
     Triangle(Arguments),
     /// What the filter on the position is for: torque noise and largest stable derivative gain, without and with it.
     Filter(filter::Arguments),
+    /// The lab's own Simulink model, whose dry friction never acts.
+    Lab(lab::Arguments),
 }
 
 impl Command {
@@ -67,6 +70,7 @@ impl Command {
             Self::Ramp(arguments) => experiment::run(Shape::Ramp, arguments),
             Self::Triangle(arguments) => experiment::run(Shape::Triangle, arguments),
             Self::Filter(arguments) => filter::run(arguments),
+            Self::Lab(arguments) => lab::run(arguments),
         }
     }
 }

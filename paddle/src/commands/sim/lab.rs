@@ -1,0 +1,158 @@
+//! `paddle sim lab`: the lab's own Simulink model, whose dry friction never acts.
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::files::{self, Folder};
+use crate::plot::{Figure, Ink, Line, Panel};
+use clap::Args;
+use host_sim::experiment::ExperimentError;
+use host_sim::lab_model::{FRICTION_FROM_RAD_S, LabDrive, LabModel, LabSample};
+use host_sim::presets;
+use recording::{Drive, Recording, Run};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Under which torque.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "Example: paddle sim lab --amplitude 0.0011 --recording lab-2018, then paddle gap diagnose lab-2018
+
+The model of the report's figures 1 to 4, with the two slips of its dry friction: the torque passes in every second step
+of 10 ms while it is above 1 mN m, and not at all below, and friction acts above 20 rad/s alone. The recording has the
+torque that the model let through, its motor_torque scope, as input, and the lab's numbers with 1 mN m of dry friction
+as the nominal model."
+)]
+pub struct Arguments {
+    /// Of the torque sine, N m at the motor.
+    #[arg(long, default_value_t = 0.0011, value_name = "N m")]
+    amplitude: f64,
+    /// Of the torque sine.
+    #[arg(long, default_value_t = 1.0, value_name = "Hz")]
+    frequency: f64,
+    /// How long.
+    #[arg(long, default_value_t = 20.0, value_name = "s")]
+    seconds: f64,
+    /// Leave plot and CSV in this folder.
+    #[arg(long, default_value = "paddle-out", value_name = "DIR")]
+    out: PathBuf,
+    /// Leave a recording in this folder, for `paddle gap`.
+    #[arg(long, value_name = "DIR")]
+    recording: Option<PathBuf>,
+}
+
+/// Longest simulation, s.
+const LONGEST_S: f64 = 3600.0;
+
+/// Simulates.
+///
+/// # Errors
+/// [`Failure`] for numbers that make no experiment, or files that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    let &Arguments {
+        amplitude,
+        frequency,
+        seconds,
+        ..
+    } = arguments;
+    if !(seconds > 0.0 && seconds <= LONGEST_S) {
+        return Err(ExperimentError::Duration(seconds).into());
+    }
+    if !(amplitude.is_finite() && frequency.is_finite()) {
+        return Err(Failure::Setting(
+            "--amplitude and --frequency must be finite numbers".into(),
+        ));
+    }
+    let drive = LabDrive::Sine {
+        amplitude_nm: amplitude,
+        frequency_hz: frequency,
+    };
+    let samples = LabModel::at_rest(presets::nominal(), drive).run(seconds);
+    let column = |of: fn(&LabSample) -> f64| samples.iter().map(of).collect::<Vec<f64>>();
+    let time = column(|s| s.time_s);
+    let position_deg = column(|s| s.position_rad.to_degrees());
+    let motor_nm = column(|s| s.motor_nm);
+    let lowest = position_deg.iter().copied().fold(0.0, f64::min);
+    let highest = position_deg.iter().copied().fold(0.0, f64::max);
+    let fastest = column(|s| s.velocity_rad_s.abs())
+        .into_iter()
+        .fold(0.0, f64::max);
+    let acts = fastest > FRICTION_FROM_RAD_S;
+
+    let title = format!(
+        "The lab's Simulink model: torque sine of {} mN m, {frequency} Hz",
+        files::logged(1e3 * amplitude)
+    );
+    let scaled: Vec<_> = motor_nm.iter().map(|nm| 1e3 * nm).collect();
+    let panel = |y_label: &str, ink, y: &[f64]| Panel {
+        y_label: y_label.into(),
+        lines: vec![Line::new(y_label, ink, &time, y)],
+        ..Panel::default()
+    };
+    let figure = Figure {
+        title: title.clone(),
+        x_label: "time, s".into(),
+        panels: vec![
+            panel("position, degrees", Ink::Model, &position_deg),
+            panel("torque that it let through, mN m", Ink::Other(0), &scaled),
+        ],
+        ..Figure::default()
+    };
+    let mut folder = Folder::make(&arguments.out)?;
+    folder.put("lab.svg", &figure.svg()?)?;
+    folder.put(
+        "lab.csv",
+        &files::csv(&[
+            ("time_s", &time),
+            ("command_nm", &column(|s| s.command_nm)),
+            ("motor_nm", &motor_nm),
+            ("position_deg", &position_deg),
+            ("velocity_deg_s", &column(|s| s.velocity_rad_s.to_degrees())),
+        ]),
+    )?;
+    let mut text = format!(
+        "{title}\n  position      {lowest:>8.2} to {highest:.2}°\n  fastest       {:>8.0}°/s; its dry friction acts above {:.0}°/s: {}\n",
+        fastest.to_degrees(),
+        FRICTION_FROM_RAD_S.to_degrees(),
+        if acts { "at times" } else { "never" }
+    );
+    for file in folder.files() {
+        let _ = writeln!(text, "  {}", file.display());
+    }
+    if let Some(path) = &arguments.recording {
+        record(path, &samples)?;
+        let _ = writeln!(text, "  recording in {}", path.display());
+    }
+    Ok(Answer {
+        text,
+        json: json!({
+            "experiment": "lab",
+            "title": title,
+            "position_deg": [lowest, highest],
+            "fastest_deg_s": fastest.to_degrees(),
+            "friction_acts": acts,
+            "files": folder.files(),
+            "recording": arguments.recording,
+        }),
+        ..Answer::default()
+    })
+}
+
+/// Prediction window of the recording, s.
+const HORIZON_S: f64 = 0.5;
+
+fn record(path: &Path, samples: &[LabSample]) -> Result<(), Failure> {
+    let column = |of: fn(&LabSample) -> f64| -> Vec<f64> {
+        samples.iter().map(|s| files::logged(of(s))).collect()
+    };
+    let mut recording = Recording::new("The lab's Simulink model", HORIZON_S, presets::nominal());
+    recording.runs.push(Run::new(
+        "lab.csv",
+        Drive::OpenLoop,
+        column(|s| s.time_s),
+        column(|s| s.motor_nm),
+        column(|s| s.position_rad),
+    ));
+    let folder = Folder::make_beside_recordings(path)?;
+    Ok(recording.write(folder.path())?)
+}

@@ -9,10 +9,12 @@ use haptic_paddle::settings::Settings;
 /// How often the core runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
-    /// Period of the core's `step`, s.
+    /// Period of the core's `step` by the board's clock, s.
     pub tick_s: f64,
     /// Ticks in a period of the position loop.
     pub divider: u16,
+    /// True time in a second of the board's clock, s.
+    pub true_s_per_s: f64,
 }
 
 impl Rates {
@@ -20,15 +22,23 @@ impl Rates {
     pub const FIRMWARE: Self = Self {
         tick_s: 50e-6,
         divider: 2,
+        true_s_per_s: 1.0,
     };
 
     /// The lab's position loop: 350 µs.
     pub const LAB: Self = Self {
         tick_s: 350e-6,
         divider: 1,
+        true_s_per_s: 1.0,
     };
 
-    /// Period of the position loop, s.
+    /// The lab's board: what it counts as 350 µs takes 351.
+    pub const LAB_BOARD: Self = Self {
+        true_s_per_s: 351.0 / 350.0,
+        ..Self::LAB
+    };
+
+    /// Period of the position loop by the board's clock, s.
     pub fn position_tick_s(&self) -> f64 {
         self.tick_s * f64::from(self.divider.max(1))
     }
@@ -71,7 +81,7 @@ const BRIDGE_PARTS_PER_TICK: u32 = 2;
 /// What was there at the start of a tick, and what acts during it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
-    /// Since the start of the session, s.
+    /// Since the start of the session by the board's clock, s.
     pub time_s: f64,
     /// True position, rad.
     pub position_rad: f64,
@@ -104,7 +114,8 @@ impl ClosedLoop {
         let rates = setup.rates;
         let rate = TickRate::new((1.0 / rates.tick_s) as f32, rates.divider);
         let mut controller = Controller::new(&setup.settings, rate);
-        let mut paddle = Paddle::new(&setup.paddle, &setup.settings, rates.tick_s);
+        let true_tick_s = rates.tick_s * rates.true_s_per_s;
+        let mut paddle = Paddle::new(&setup.paddle, &setup.settings, true_tick_s);
         // One period of the position loop, so that the next tick begins one.
         for _ in 0..rates.divider.max(1) {
             controller.step(&paddle.measure());
@@ -154,7 +165,7 @@ impl ClosedLoop {
         tick
     }
 
-    /// Of the next tick, since the start of the session, s.
+    /// Of the next tick, since the start of the session by the board's clock, s.
     pub fn time_s(&self) -> f64 {
         self.start_s + self.ticks as f64 * self.rates.tick_s
     }

@@ -139,7 +139,7 @@ pub enum ExperimentError {
 pub struct Trace {
     /// Torque or position.
     pub mode: Mode,
-    /// Since the start of the session, s.
+    /// Since the start of the session by the board's clock, s.
     pub time_s: Vec<f64>,
     /// Torque told to the actuator, N m at the motor.
     pub input_nm: Vec<f64>,

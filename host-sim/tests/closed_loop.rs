@@ -87,7 +87,7 @@ fn without_damping_the_loop_swings_with_the_period_of_the_log() {
     let mut setup = LoopSetup::ideal(presets::refit(), settings);
     setup.rates = Rates {
         tick_s: 351e-6,
-        divider: 1,
+        ..Rates::LAB
     };
     let trace = step_for(&setup, 2.0);
     let middle = f64::from(STEP_RAD);

@@ -3,27 +3,21 @@
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::Excitation;
 use haptic_paddle::settings::Settings;
-use host_sim::closed_loop::{ClosedLoop, LoopSetup, Rates};
+use host_sim::closed_loop::ClosedLoop;
 use host_sim::presets;
-
-const LAB: Rates = Rates {
-    tick_s: 351e-6,
-    divider: 1,
-};
 
 fn step(kp: f32, ki: f32, kd: f32, seconds: f64) -> ClosedLoop {
     let mut settings = Settings::default();
     settings.pid.kp_nm_per_deg = kp;
     settings.pid.ki_nm_per_deg_s = ki;
     settings.pid.kd_nm_s_per_deg = kd;
-    let mut setup = LoopSetup::ideal(presets::refit(), settings);
-    setup.rates = LAB;
+    let setup = presets::lab(settings);
     let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position).unwrap();
     let controller = closed_loop.controller_mut();
     controller
         .start(&Excitation::step(10f32.to_radians()))
         .unwrap();
-    for _ in 0..(seconds / LAB.tick_s) as usize {
+    for _ in 0..(seconds / setup.rates.tick_s) as usize {
         closed_loop.tick();
     }
     closed_loop

@@ -1,6 +1,7 @@
 //! Why a command cannot do what it is asked, in one line with the mend.
 
 use crate::plot::PlotError;
+use haptic_paddle::safety::Fault;
 use haptic_paddle::settings::field::{FIELDS, SettingError};
 use std::path::{Path, PathBuf};
 
@@ -44,6 +45,27 @@ pub enum Failure {
     /// An experiment that cannot be carried out.
     #[error(transparent)]
     Experiment(#[from] host_sim::experiment::ExperimentError),
+    /// The controller stopped an experiment whose end is needed.
+    #[error("the paddle stopped at {:.0} ms: {fault}", 1e3 * .time_s)]
+    Stopped {
+        /// When, s.
+        time_s: f64,
+        /// Why.
+        fault: Fault,
+    },
+    /// A loop that no proportional gain keeps swinging.
+    #[error(
+        "no proportional gain up to {0} N m/deg keeps it swinging; raise --amplitude, or lower the friction"
+    )]
+    NeverSwings(f64),
+    /// Rows of the reproduced report that miss their bars.
+    #[error("{missed} of {barred} rows with a bar miss it")]
+    Missed {
+        /// Those that do.
+        missed: usize,
+        /// All with a bar.
+        barred: usize,
+    },
     /// The blind check cannot go on.
     #[error(transparent)]
     Blind(#[from] blind::CheckError),
@@ -82,7 +104,20 @@ pub enum Failure {
     },
 }
 
+/// Exit status for input that could not be used.
+pub const BAD_INPUT: u8 = 2;
+/// Exit status of a check that found something amiss.
+const CHECK_MISSED: u8 = 1;
+
 impl Failure {
+    /// Exit status of the program.
+    pub fn status(&self) -> u8 {
+        match self {
+            Self::Missed { .. } => CHECK_MISSED,
+            _ => BAD_INPUT,
+        }
+    }
+
     /// The setting called `name` was refused.
     pub fn setting(name: &str, error: SettingError) -> Self {
         Self::Setting(match error {

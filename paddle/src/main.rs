@@ -10,15 +10,14 @@ mod plot;
 mod progress;
 mod report;
 mod spectrum;
+mod tuning;
 
 use answer::JsonTo;
 use clap::Parser;
 use commands::Command;
+use failure::BAD_INPUT;
 use std::io::Write;
 use std::process::ExitCode;
-
-/// Exit status for input that could not be used.
-const BAD_INPUT: u8 = 2;
 
 /// Place in the help of what all commands have.
 const LAST: usize = 900;
@@ -47,7 +46,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             complain(&failure.to_string());
-            ExitCode::from(BAD_INPUT)
+            ExitCode::from(failure.status())
         }
     }
 }

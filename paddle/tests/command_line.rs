@@ -47,10 +47,12 @@ fn every_command_has_help_with_an_example() {
         &[],
         &["demo"],
         &["effects"],
+        &["reproduce"],
         &["gap", "measure"],
         &["gap", "diagnose"],
         &["sim", "filter"],
         &["sim", "lab"],
+        &["sim", "zn"],
     ];
     let shapes = [
         "step",
@@ -111,6 +113,7 @@ fn bad_input_is_refused_in_one_line_with_status_2() {
         (&["sim", "step", "--plant", &wrong_effect], "stribek"),
         (&["sim", "lab", "--seconds", "0"], "duration"),
         (&["sim", "lab", "--amplitude", "NaN"], "--amplitude"),
+        (&["sim", "zn", "--with", "coulomb:level=0.5"], "--amplitude"),
         (&["sim", "steep"], "steep"),
         (&["gap", "measure"], "RECORDING"),
         (&["gap", "measure", "nowhere"], "nowhere"),
@@ -388,6 +391,75 @@ fn the_demo_leaves_the_files_that_it_names_and_shows_a_gap() {
         if file.as_str().unwrap().ends_with(".svg") {
             assert!(content.starts_with("<svg") && content.trim_end().ends_with("</svg>"));
         }
+    }
+}
+
+#[test]
+fn the_report_comes_out_on_one_plant_and_not_on_a_heavier_one() {
+    let out = folder("reproduce");
+    let check = |with: &[&str]| {
+        let plain = [
+            "reproduce",
+            "--check",
+            "--out",
+            out.to_str().unwrap(),
+            "--json",
+            "-",
+        ];
+        let output = paddle(&[&plain[..], with].concat());
+        let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (output.status.code(), said)
+    };
+    let (status, said) = check(&[]);
+    assert_eq!(status, Some(0), "{said:#}");
+    let rows = said["rows"].as_array().unwrap();
+    for row in rows {
+        for key in ["name", "report", "ours", "unit", "bar", "ok"] {
+            assert!(row.get(key).is_some(), "{key}: {row}");
+        }
+        assert_eq!(row["bar"].is_null(), row["ok"].is_null(), "{row}");
+    }
+    assert!(rows.iter().filter(|row| row["ok"] == true).count() >= 15);
+    for figure in [3, 4, 6, 7, 8, 9] {
+        assert!(out.join(format!("figure-{figure}.svg")).is_file());
+    }
+
+    let (status, said) = check(&["--with", "inertia:inertia=6.072e-4"]);
+    assert_eq!(status, Some(1), "10 % more inertia: {said:#}");
+    let period = |row: &&Value| row["name"].as_str().unwrap().contains("Tu");
+    let rows = said["rows"].as_array().unwrap();
+    assert_eq!(rows.iter().find(period).unwrap()["ok"], false);
+}
+
+#[test]
+fn ziegler_nichols_on_the_firmware_comes_near_the_labs_ultimate_gain() {
+    let out = folder("zn");
+    let arguments = [
+        "sim",
+        "zn",
+        "--plant",
+        "refit",
+        "--current-loop",
+        "--out",
+        out.to_str().unwrap(),
+    ];
+    let found = json(&arguments);
+    // The lab found 0.05 N m/° and 86.7 ms by hand, with half the rate.
+    assert!(
+        (found["ku_nm_per_deg"].as_f64().unwrap() / 0.05 - 1.0).abs() < 0.1,
+        "{found}"
+    );
+    assert!(
+        (found["tu_ms"].as_f64().unwrap() / 86.7 - 1.0).abs() < 0.1,
+        "{found}"
+    );
+    for line in found["console"].as_array().unwrap() {
+        let words: Vec<_> = line.as_str().unwrap().split(' ').collect();
+        let mut settings = haptic_paddle::settings::Settings::default();
+        assert!(
+            words[0] == "set" && settings.set(words[1], words[2]).is_ok(),
+            "{line}"
+        );
     }
 }
 

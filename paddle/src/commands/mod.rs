@@ -3,6 +3,7 @@
 pub mod demo;
 pub mod effects;
 pub mod gap;
+pub mod reproduce;
 pub mod sim;
 
 use crate::answer::Answer;
@@ -20,6 +21,8 @@ pub enum Command {
     /// Measure the gap between a simulation and a recording.
     #[command(subcommand)]
     Gap(gap::Command),
+    /// Every number and figure of the lab report against ours.
+    Reproduce(reproduce::Arguments),
     /// List the effects that can be switched into the simulated paddle.
     Effects(effects::Arguments),
 }
@@ -34,6 +37,7 @@ impl Command {
             Self::Demo(arguments) => demo::run(arguments),
             Self::Sim(command) => command.run(),
             Self::Gap(command) => command.run(),
+            Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Effects(arguments) => effects::run(arguments),
         }
     }

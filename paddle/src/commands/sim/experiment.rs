@@ -242,7 +242,7 @@ fn name(shape: Shape) -> &'static str {
 }
 
 /// The metrics for people.
-fn table(report: &StepReport, settings: &Settings) -> String {
+pub fn table(report: &StepReport, settings: &Settings) -> String {
     let time = |seconds: Option<f32>| match seconds {
         Some(seconds) => format!("{:>8.1} ms", 1e3 * seconds),
         None => format!("{:>8}", "never"),
@@ -258,7 +258,7 @@ fn table(report: &StepReport, settings: &Settings) -> String {
 }
 
 /// The metrics for programs; a time that is never reached is null.
-fn metrics(report: &StepReport) -> Value {
+pub fn metrics(report: &StepReport) -> Value {
     let ms = |seconds: Option<f32>| seconds.map(|s| 1e3 * s);
     json!({
         "overshoot_deg": report.overshoot_rad.to_degrees(),

@@ -1,0 +1,251 @@
+//! Table 1 and the gains of Ziegler and Nichols: figures 7, 8 and 9.
+
+use super::apparatus::{Apparatus, Response, Step, TARGET_DEG};
+use super::row::Row;
+use crate::failure::Failure;
+use crate::plot::{Band, Figure, Ink, Line, Panel, step_response};
+use haptic_paddle::settings::Sensor;
+
+/// What ours is held against.
+#[derive(Clone, Copy)]
+enum Bar {
+    /// The number of the report.
+    Report,
+    /// What an independent simulation of the refitted paddle gives.
+    Refit(f64),
+    /// Nothing, and why.
+    None(&'static str),
+}
+
+/// Overshoot, rise and settling in degrees and ms; what is never reached is infinite.
+struct Setting {
+    name: &'static str,
+    step: Step,
+    report: [f64; 3],
+    bars: [Bar; 3],
+}
+
+const fn step(sensor: Sensor, gains: [f32; 3], start_deg: f64) -> Step {
+    Step {
+        sensor,
+        gains,
+        start_deg,
+        seconds: 1.0,
+    }
+}
+
+/// The report's integral gain is 0.0001 a sample.
+const KI: f32 = 0.0001 / 350e-6;
+const NEVER: f64 = f64::INFINITY;
+
+const ARTEFACT: Bar =
+    Bar::None("9.85 ms is an artefact of the log: the paddle creeps into the band and rests there");
+const KNIFE_EDGE: Bar = Bar::None(
+    "it hangs on a hundredth of a degree: the paddle comes to rest about as far off as the band is wide",
+);
+const REFITTED: &str =
+    "the bar is what an independent simulation of the same refitted paddle gives, not the report";
+
+/// Each starts where its log does; where no log is left, at 0.
+const SETTINGS: [Setting; 9] = [
+    Setting {
+        name: "Hall 1",
+        step: step(Sensor::Hall, [0.01, 0.0, 0.0003], 0.582),
+        report: [0.0, NEVER, NEVER],
+        bars: [Bar::Report; 3],
+    },
+    Setting {
+        name: "Hall 2",
+        step: step(Sensor::Hall, [0.05, 0.0, 0.0003], 0.183),
+        report: [4.42, 22.05, 135.80],
+        bars: [Bar::Refit(4.55), Bar::Refit(23.8), KNIFE_EDGE],
+    },
+    Setting {
+        name: "Hall 3",
+        step: step(Sensor::Hall, [0.05, 0.0, 0.0008], 0.0),
+        report: [0.52, 36.05, 66.85],
+        bars: [Bar::Refit(0.47), Bar::Refit(37.5), Bar::Refit(69.0)],
+    },
+    Setting {
+        name: "Hall 4",
+        step: step(Sensor::Hall, [0.05, KI, 0.0008], 0.0),
+        report: [1.59, 31.15, 296.45],
+        bars: [Bar::Refit(1.51), Bar::Refit(32.2), Bar::Refit(317.0)],
+    },
+    Setting {
+        name: "encoder 1",
+        step: step(Sensor::Encoder, [0.01, 0.0, 0.0003], -0.228),
+        report: [0.0, NEVER, 9.85],
+        bars: [Bar::Report, Bar::Report, ARTEFACT],
+    },
+    Setting {
+        name: "encoder 2",
+        step: step(Sensor::Encoder, [0.05, 0.0, 0.0003], -0.192),
+        report: [4.69, 25.90, NEVER],
+        bars: [Bar::Report, Bar::Report, KNIFE_EDGE],
+    },
+    Setting {
+        name: "encoder 3",
+        step: step(Sensor::Encoder, [0.05, 0.0, 0.0008], 0.336),
+        report: [0.65, 40.95, 75.60],
+        bars: [Bar::Report; 3],
+    },
+    Setting {
+        name: "encoder 4",
+        step: step(Sensor::Encoder, [0.05, KI, 0.0008], 0.0),
+        report: [1.82, 35.00, 325.50],
+        bars: [Bar::Report; 3],
+    },
+    Setting {
+        name: "Ziegler-Nichols",
+        step: step(Sensor::Hall, [0.03, 0.692, 0.000325], -1.831),
+        report: [10.2, 21.0, 341.25],
+        bars: [Bar::Refit(9.0), Bar::Refit(28.0), Bar::Refit(321.0)],
+    },
+];
+
+const HALL: std::ops::Range<usize> = 0..4;
+const ENCODER: std::ops::Range<usize> = 4..8;
+const ENCODER_1: usize = 4;
+const ZIEGLER_NICHOLS: usize = 8;
+
+/// Encoder 2 from 0°, for the rest error of its log, degrees.
+const FROM_ZERO: Step = step(Sensor::Encoder, [0.05, 0.0, 0.0003], 0.0);
+const REST_ERROR_DEG: f64 = 0.208;
+const REST_ERROR_BAR_DEG: f64 = 0.03;
+
+const OVERSHOOT_BAR_DEG: f64 = 0.2;
+const TIME_BAR_SHARE: f64 = 0.1;
+/// Half width of the band in which the paddle counts as settled, degrees.
+const BAND_DEG: f64 = 0.2;
+
+/// The steps, made.
+pub struct Gains {
+    responses: Vec<Response>,
+    from_zero: Response,
+}
+
+impl Gains {
+    /// Makes them on `apparatus`.
+    ///
+    /// # Errors
+    /// [`Failure`] if the controller refuses or stops.
+    pub fn run(apparatus: &Apparatus) -> Result<Self, Failure> {
+        let responses = SETTINGS.iter().map(|setting| apparatus.step(&setting.step));
+        Ok(Self {
+            responses: responses.collect::<Result<_, _>>()?,
+            from_zero: apparatus.step(&FROM_ZERO)?,
+        })
+    }
+
+    /// Overshoot, rise and settling of each, then rest errors.
+    pub fn rows(&self) -> Vec<Row> {
+        let steps = SETTINGS.iter().zip(&self.responses);
+        let rest_error =
+            |response: &Response| f64::from(response.metrics.steady_state_error_rad.to_degrees());
+        let in_band = rest_error(&self.responses[ENCODER_1]);
+        let from_zero = rest_error(&self.from_zero);
+        steps
+            .flat_map(|(setting, response)| rows(setting, response))
+            .chain([
+                Row::new("encoder 1, rest error", None, in_band, "°").within(BAND_DEG, 0.0),
+                Row::new(
+                    "encoder 2 from 0°, rest error",
+                    Some(REST_ERROR_DEG),
+                    from_zero,
+                    "°",
+                )
+                .within(REST_ERROR_BAR_DEG, REST_ERROR_DEG),
+            ])
+            .collect()
+    }
+
+    /// Figures 7, 8 and 9.
+    pub fn figures(&self) -> [(&'static str, Figure); 3] {
+        let compared = |title: &str, which: std::ops::Range<usize>| {
+            let steps = SETTINGS[which.clone()].iter().zip(&self.responses[which]);
+            Figure {
+                title: title.into(),
+                x_label: "time, ms".into(),
+                panels: vec![Panel {
+                    y_label: "position, degrees".into(),
+                    band: Some(Band {
+                        from: TARGET_DEG - BAND_DEG,
+                        to: TARGET_DEG + BAND_DEG,
+                    }),
+                    lines: steps
+                        .enumerate()
+                        .map(|(place, (setting, response))| Line {
+                            label: setting.label(),
+                            ink: Ink::Other(place),
+                            points: response.points(SHOWN_S),
+                        })
+                        .collect(),
+                    ..Panel::default()
+                }],
+                ..Figure::default()
+            }
+        };
+        let last = &self.responses[ZIEGLER_NICHOLS];
+        let ziegler_nichols = Figure {
+            title: "Figure 9: gains by Ziegler and Nichols, Hall sensor".into(),
+            x_label: "time, ms".into(),
+            panels: vec![step_response(
+                last.points(SHOWN_S),
+                TARGET_DEG,
+                BAND_DEG,
+                &last.metrics,
+            )],
+            ..Figure::default()
+        };
+        [
+            (
+                "figure-7.svg",
+                compared("Figure 7: step by the Hall sensor", HALL),
+            ),
+            (
+                "figure-8.svg",
+                compared("Figure 8: step by the encoder", ENCODER),
+            ),
+            ("figure-9.svg", ziegler_nichols),
+        ]
+    }
+}
+
+/// Of a step, in the figures, s.
+const SHOWN_S: f64 = 0.5;
+
+fn rows(setting: &Setting, response: &Response) -> [Row; 3] {
+    let ms = |seconds: Option<f32>| seconds.map_or(NEVER, |s| 1e3 * f64::from(s));
+    let metrics = &response.metrics;
+    let overshoot_deg = f64::from(metrics.overshoot_rad.to_degrees());
+    let row = |place: usize, quantity: &str, ours: f64, unit: &'static str| {
+        let name = format!("{}, {quantity}", setting.name);
+        let row = Row::new(name, Some(setting.report[place]), ours, unit);
+        let about = |row: Row, centre: f64| match place {
+            0 => row.within(OVERSHOOT_BAR_DEG, centre),
+            _ => row.within_share(TIME_BAR_SHARE, centre),
+        };
+        match setting.bars[place] {
+            Bar::Report => about(row, setting.report[place]),
+            Bar::Refit(centre) => about(row, centre).remarked(REFITTED),
+            Bar::None(why) => row.remarked(why),
+        }
+    };
+    [
+        row(0, "overshoot", overshoot_deg, "°"),
+        row(1, "rise", ms(metrics.rise_s), "ms"),
+        row(2, "settling", ms(metrics.settling_s), "ms"),
+    ]
+}
+
+impl Setting {
+    /// Its gains.
+    fn label(&self) -> String {
+        let [kp, ki, kd] = self.step.gains;
+        match ki > 0.0 {
+            true => format!("{kp} {ki:.3} {kd}"),
+            false => format!("{kp} 0 {kd}"),
+        }
+    }
+}

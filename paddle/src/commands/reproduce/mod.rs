@@ -1,0 +1,97 @@
+//! `paddle reproduce`: the lab report, row by row.
+
+mod apparatus;
+mod gains;
+mod row;
+mod simulated_step;
+mod sinusoid;
+mod ultimate;
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::files::Folder;
+use apparatus::Apparatus;
+use clap::Args;
+use gains::Gains;
+use host_sim::effects::Effect;
+use recording::Recording;
+use serde_json::json;
+use simulated_step::SimulatedSteps;
+use sinusoid::Sinusoids;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Where to, and how strictly.
+#[derive(Args)]
+#[command(after_help = "Example: paddle reproduce --check --json report.json
+
+Every number of the lab report against ours. The closed-loop rows are all run on one plant: the paddle as refitted to the
+encoder logs, on the lab's board, whose 350 µs take 351, through the control core. Each step starts where its log does.
+Times are the board's, metrics those of the filtered position. Torque sines run on the lab's own Simulink model.")]
+pub struct Arguments {
+    /// End with status 1 if a row with a bar misses it.
+    #[arg(long)]
+    check: bool,
+    /// Switch an effect into the plant, to see what the rows make of it; may be repeated.
+    #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
+    with: Vec<Effect>,
+    /// Folder of the lab's recorded torque sine, shown beside ours if it is there.
+    #[arg(
+        long,
+        default_value = "../shared/data/epfl-paddle/sine-0011",
+        value_name = "DIR"
+    )]
+    recorded: PathBuf,
+    /// Leave the figures in this folder.
+    #[arg(long, default_value = "paddle-out/reproduce", value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Reproduces.
+///
+/// # Errors
+/// [`Failure`] for a recording that cannot be used, or files that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    let recorded = match arguments.recorded.exists() {
+        true => Some(Recording::read(&arguments.recorded)?),
+        false => None,
+    };
+    let apparatus = Apparatus {
+        with: arguments.with.clone(),
+    };
+    let gains = Gains::run(&apparatus)?;
+    let sinusoids = Sinusoids::run(recorded.as_ref())?;
+    let simulated = SimulatedSteps::run();
+    let mut rows = gains.rows();
+    rows.extend(ultimate::rows(&apparatus)?);
+    rows.extend(sinusoids.rows());
+    rows.extend(simulated.rows());
+
+    let mut folder = Folder::make(&arguments.out)?;
+    let figure_6 = [("figure-6.svg", simulated.figure())];
+    let figures = sinusoids.figures().into_iter().chain(figure_6);
+    for (name, figure) in figures.chain(gains.figures()) {
+        folder.put(name, &figure.svg()?)?;
+    }
+
+    let verdicts: Vec<_> = rows.iter().filter_map(row::Row::ok).collect();
+    let missed = verdicts.iter().filter(|ok| !**ok).count();
+    let barred = verdicts.len();
+    let mut text = row::table(&rows);
+    let _ = writeln!(
+        text,
+        "{} of {barred} rows with a bar clear it",
+        barred - missed
+    );
+    for file in folder.files() {
+        let _ = writeln!(text, "  {}", file.display());
+    }
+    Ok(Answer {
+        text,
+        json: json!({
+            "rows": rows.iter().map(row::Row::json).collect::<Vec<_>>(),
+            "files": folder.files(),
+        }),
+        amiss: (arguments.check && missed > 0).then_some(Failure::Missed { missed, barred }),
+    })
+}

@@ -1,0 +1,46 @@
+//! The ultimate gain and period of Ziegler and Nichols.
+
+use super::apparatus::{Apparatus, Step, TARGET_DEG};
+use super::row::Row;
+use crate::failure::Failure;
+use crate::tuning::oscillation::{Oscillation, SUSTAINED};
+use haptic_paddle::settings::Sensor;
+
+/// The lab's ultimate gain alone, from where its log starts.
+const STEP: Step = Step {
+    sensor: Sensor::Hall,
+    gains: [0.05, 0.0, 0.0],
+    start_deg: 0.645,
+    seconds: 2.0,
+};
+const TU_MS: f64 = 86.7;
+const TU_BAR_SHARE: f64 = 0.05;
+/// The lab's period is a mean over this many.
+const CYCLES: usize = 20;
+
+/// Rows of the oscillation at the lab's ultimate gain.
+///
+/// # Errors
+/// [`Failure`] if the controller refuses or stops.
+pub fn rows(apparatus: &Apparatus) -> Result<[Row; 2], Failure> {
+    let response = apparatus.step(&STEP)?;
+    let all = Oscillation::about(TARGET_DEG, &response.time_s, &response.position_deg);
+    let oscillation = all.first(CYCLES);
+    let tu_ms = 1e3 * oscillation.period_s().unwrap_or(f64::INFINITY);
+    Ok([
+        Row::new(
+            "Kp 0.05 alone, 20th swing over the first",
+            Some(1.0),
+            if oscillation.swings.len() == CYCLES {
+                oscillation.kept()
+            } else {
+                0.0
+            },
+            "1",
+        )
+        .between([SUSTAINED, f64::INFINITY])
+        .remarked("sustained: it grows until the torque limit holds it"),
+        Row::new("Kp 0.05 alone, period Tu", Some(TU_MS), tu_ms, "ms")
+            .within_share(TU_BAR_SHARE, TU_MS),
+    ])
+}

@@ -2,8 +2,8 @@
 
 /// One completed run of an exception handler.
 ///
-/// Instructions and cycles are the handler's own, without those of exceptions that preempted it. Entry and exit count
-/// as cycles of the handler.
+/// Instructions and cycles are the handler's own, without those of exceptions that preempted it. Entry and return
+/// count as cycles of the handler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Activation {
     /// Exception number, 16 + the interrupt line.
@@ -35,4 +35,96 @@ pub struct Totals {
     pub most_cycles: u64,
     /// Longest time from pending to the first instruction, cycles.
     pub longest_wait: u64,
+}
+
+/// A moment: cycles and instructions so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Now {
+    pub cycle: u64,
+    pub instructions: u64,
+}
+
+/// The books: handlers that have begun and not returned, and what the completed ones took.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Account {
+    open: Vec<Activation>,
+    charged: Now,
+    totals: Vec<Totals>,
+    pub record: bool,
+    pub completed: Vec<Activation>,
+}
+
+impl Account {
+    /// Charges what has passed to the handler that is on top.
+    fn charge(&mut self, now: Now) {
+        if let Some(top) = self.open.last_mut() {
+            top.instructions += now.instructions - self.charged.instructions;
+            top.cycles += now.cycle - self.charged.cycle;
+        }
+        self.charged = now;
+    }
+
+    /// A handler's entry begins.
+    pub fn open(&mut self, exception: u16, pended: u64, now: Now) {
+        self.charge(now);
+        self.open.push(Activation {
+            exception,
+            pended,
+            entered: now.cycle,
+            left: 0,
+            instructions: 0,
+            cycles: 0,
+        });
+    }
+
+    /// The entry that has begun turns out to be that of another exception.
+    pub fn take_over(&mut self, exception: u16, pended: u64) {
+        if let Some(top) = self.open.last_mut() {
+            top.exception = exception;
+            top.pended = pended;
+        }
+    }
+
+    /// The first instruction of the handler begins.
+    pub fn entered(&mut self, cycle: u64) {
+        if let Some(top) = self.open.last_mut() {
+            top.entered = cycle;
+        }
+    }
+
+    /// The handler on top has returned.
+    pub fn close(&mut self, now: Now) {
+        self.charge(now);
+        let Some(mut done) = self.open.pop() else {
+            return;
+        };
+        done.left = now.cycle;
+        let number = usize::from(done.exception);
+        if self.totals.len() <= number {
+            self.totals.resize(number + 1, Totals::default());
+        }
+        let totals = &mut self.totals[number];
+        totals.count += 1;
+        totals.instructions += done.instructions;
+        totals.cycles += done.cycles;
+        totals.most_instructions = totals.most_instructions.max(done.instructions);
+        totals.most_cycles = totals.most_cycles.max(done.cycles);
+        totals.longest_wait = totals.longest_wait.max(done.entered - done.pended);
+        if self.record {
+            self.completed.push(done);
+        }
+    }
+
+    /// A reset ends all handlers without their return.
+    pub fn reset(&mut self, now: Now) {
+        self.charge(now);
+        self.open.clear();
+    }
+
+    pub fn totals(&self, exception: u16) -> Totals {
+        self.totals
+            .get(usize::from(exception))
+            .copied()
+            .unwrap_or_default()
+    }
 }

@@ -1,11 +1,15 @@
 //! The wires between board and core beside the data: time, interrupt lines, wait states.
 
+use super::exceptions::{INTERRUPT_0, NMI, Set};
+
 /// What the board may say to the core at any moment, in an access or between two runs.
 #[derive(Debug, Clone, Default)]
 pub struct Signals {
     pub(super) cycle: u64,
-    pub(super) levels: Lines,
-    pub(super) rises: Lines,
+    /// Exceptions whose line is high.
+    pub(super) levels: Set,
+    /// Exceptions whose line has risen since the core last looked.
+    pub(super) rises: Set,
     pub(super) risen: bool,
     pub(super) board_called: bool,
     pub(super) wait_cycles: u32,
@@ -22,17 +26,26 @@ impl Signals {
     /// Sets interrupt line `line` (0 to 239, the number of the vector table less 16). A line that rises pends its
     /// interrupt; one that is still high when its handler returns pends it again.
     pub fn set_line(&mut self, line: usize, high: bool) {
-        if high && !self.levels.contains(line) {
-            self.rises.insert(line);
-            self.risen = true;
-        }
-        self.levels.set(line, high);
+        self.set_level(number_of(line), high);
     }
 
     /// Level of interrupt line `line`.
     #[must_use]
     pub fn line(&self, line: usize) -> bool {
-        self.levels.contains(line)
+        self.levels.contains(number_of(line))
+    }
+
+    /// Sets the line of the non-maskable interrupt.
+    pub fn set_nmi(&mut self, high: bool) {
+        self.set_level(NMI, high);
+    }
+
+    fn set_level(&mut self, number: u16, high: bool) {
+        if high && !self.levels.contains(number) {
+            self.rises.set(number, true);
+            self.risen = true;
+        }
+        self.levels.set(number, high);
     }
 
     /// Makes the run end after the present instruction, with [`super::Stop::Event`].
@@ -51,6 +64,13 @@ impl Signals {
     }
 }
 
+/// Exception of an interrupt line; one that does not exist for a line that does not.
+fn number_of(line: usize) -> u16 {
+    u16::try_from(line)
+        .unwrap_or(u16::MAX)
+        .saturating_add(INTERRUPT_0)
+}
+
 /// How long flash makes the core wait: the FLASH_ACR of an STM32F4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FlashTiming {
@@ -62,26 +82,4 @@ pub struct FlashTiming {
     pub instruction_cache: bool,
     /// The data cache is on (DCEN).
     pub data_cache: bool,
-}
-
-/// A set of interrupt lines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Lines([u32; 8]);
-
-impl Lines {
-    pub fn contains(&self, line: usize) -> bool {
-        self.0
-            .get(line / 32)
-            .is_some_and(|word| word >> (line % 32) & 1 == 1)
-    }
-
-    pub fn insert(&mut self, line: usize) {
-        self.set(line, true);
-    }
-
-    pub fn set(&mut self, line: usize, member: bool) {
-        if let Some(word) = self.0.get_mut(line / 32) {
-            *word = *word & !(1 << (line % 32)) | u32::from(member) << (line % 32);
-        }
-    }
 }

@@ -1,0 +1,225 @@
+//! Loads, stores and fetches: memories at once, all else by where it is.
+
+use super::fault::Fault;
+use super::{Bus, Cpu, Memories, Refusal, Stop, Trap, Unmodelled, Width};
+
+/// Where peripherals begin; below is memory, which may be read at any alignment.
+const PERIPHERALS: u32 = 0x4000_0000;
+
+/// What an address of the private peripheral bus or of a bit-band alias stands for.
+enum Place {
+    Private,
+    /// One bit of the word at an address.
+    Bit(u32, u32),
+    Board,
+}
+
+impl Place {
+    fn of(address: u32) -> Self {
+        let bit = |base: u32| Self::Bit(base | address >> 5 & 0xF_FFFC, address >> 2 & 31);
+        match address >> 20 {
+            0xE00 => Self::Private,
+            0x220..=0x23F => bit(0x2000_0000),
+            0x420..=0x43F => bit(PERIPHERALS),
+            _ => Self::Board,
+        }
+    }
+}
+
+impl Cpu {
+    /// Loads a zero-extended value.
+    #[inline]
+    pub(super) fn read<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        address: u32,
+        width: Width,
+    ) -> Result<u32, Trap> {
+        if address & (width.bytes() - 1) != 0 {
+            self.check_unaligned(address)?;
+        }
+        if let Some(value) = bus.memories().read(address, width) {
+            if address < Memories::CCM {
+                self.wait_for_flash_data(address);
+            }
+            return Ok(value);
+        }
+        self.read_elsewhere(bus, address, width)
+    }
+
+    /// Stores the lowest bits of a value.
+    #[inline]
+    pub(super) fn write<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        address: u32,
+        width: Width,
+        value: u32,
+    ) -> Result<(), Trap> {
+        if address & (width.bytes() - 1) != 0 {
+            self.check_unaligned(address)?;
+        }
+        if bus.memories().write(address, width, value).is_some() {
+            return Ok(());
+        }
+        self.write_elsewhere(bus, address, width, value)
+    }
+
+    /// Loads a word as LDM, LDRD and exclusives do, which must be aligned.
+    #[inline]
+    pub(super) fn read_word<B: Bus>(&mut self, bus: &mut B, address: u32) -> Result<u32, Trap> {
+        self.check_aligned(address, Width::Word)?;
+        self.read(bus, address, Width::Word)
+    }
+
+    /// Stores a word as STM, STRD and exclusives do, which must be aligned.
+    #[inline]
+    pub(super) fn write_word<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        address: u32,
+        value: u32,
+    ) -> Result<(), Trap> {
+        self.check_aligned(address, Width::Word)?;
+        self.write(bus, address, Width::Word, value)
+    }
+
+    #[inline]
+    pub(super) fn check_aligned(&self, address: u32, width: Width) -> Result<(), Trap> {
+        if address & (width.bytes() - 1) != 0 {
+            return Err(Trap::Fault(Fault::Unaligned));
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn check_unaligned(&self, address: u32) -> Result<(), Trap> {
+        if self.system.traps_unaligned() || address >= PERIPHERALS {
+            return Err(Trap::Fault(Fault::Unaligned));
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn wait_for_flash_data(&mut self, address: u32) {
+        let line = address >> 4;
+        if line != self.data_line {
+            self.data_line = line;
+            let timing = self.signals.flash_timing;
+            self.spent += self.accelerator.read(line, self.signals.cycle, timing);
+        }
+    }
+
+    #[cold]
+    fn read_elsewhere<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        address: u32,
+        width: Width,
+    ) -> Result<u32, Trap> {
+        match Place::of(address) {
+            Place::Private => self.read_private(address, width),
+            Place::Bit(word, bit) => {
+                Ok(self.read_word_of_bit(bus, word, address, width)? >> bit & 1)
+            }
+            Place::Board => {
+                let answer = bus.read(address, width, &mut self.signals);
+                self.after_board();
+                answer.map_err(|refusal| self.refused(refusal, address, width, None))
+            }
+        }
+    }
+
+    #[cold]
+    fn write_elsewhere<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        address: u32,
+        width: Width,
+        value: u32,
+    ) -> Result<(), Trap> {
+        let value = match width {
+            Width::Byte => value & 0xFF,
+            Width::Half => value & 0xFFFF,
+            Width::Word => value,
+        };
+        match Place::of(address) {
+            Place::Private => self.write_private(address, width, value),
+            Place::Bit(word, bit) => {
+                let old = self.read_word_of_bit(bus, word, address, width)?;
+                let new = old & !(1 << bit) | (value & 1) << bit;
+                self.write(bus, word, Width::Word, new)
+            }
+            Place::Board => {
+                let answer = bus.write(address, width, value, &mut self.signals);
+                self.after_board();
+                match answer {
+                    Err(Refusal::BusFault) if self.system.buffers_writes() => {
+                        self.pend_imprecise_bus_fault();
+                        Ok(())
+                    }
+                    answer => {
+                        answer.map_err(|refusal| self.refused(refusal, address, width, Some(value)))
+                    }
+                }
+            }
+        }
+    }
+
+    /// The word that a bit-band alias is a bit of. The alias itself is accessed like any device.
+    fn read_word_of_bit<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        word: u32,
+        address: u32,
+        width: Width,
+    ) -> Result<u32, Trap> {
+        self.check_aligned(address, width)?;
+        self.read(bus, word, Width::Word)
+    }
+
+    /// What the board may have said during an access.
+    fn after_board(&mut self) {
+        self.spent += std::mem::take(&mut self.signals.wait_cycles);
+        if self.signals.risen || self.signals.board_called {
+            self.attend_soon();
+        }
+    }
+
+    fn refused(&self, refusal: Refusal, address: u32, width: Width, written: Option<u32>) -> Trap {
+        match refusal {
+            Refusal::BusFault => Trap::Fault(Fault::PreciseBus(address)),
+            Refusal::Unmodelled(register) => self.unmodelled(register, address, width, written),
+        }
+    }
+
+    /// An access that ends the run.
+    pub(super) fn unmodelled(
+        &self,
+        register: String,
+        address: u32,
+        width: Width,
+        written: Option<u32>,
+    ) -> Trap {
+        Trap::Stop(Box::new(Stop::Unmodelled(Unmodelled::Access {
+            register,
+            address,
+            width,
+            written,
+            pc: self.instruction_address,
+        })))
+    }
+
+    /// One halfword of code.
+    pub(super) fn fetch<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u16, Trap> {
+        let executable = match address >> 29 {
+            0 | 1 | 3 | 4 => !(Memories::CCM..Memories::SRAM).contains(&address),
+            _ => return Err(Trap::Fault(Fault::InstructionAccess)),
+        };
+        let half = bus.memories().read(address, Width::Half);
+        match half.filter(|_| executable) {
+            Some(half) => Ok(half as u16),
+            None => Err(Trap::Fault(Fault::InstructionBus)),
+        }
+    }
+}

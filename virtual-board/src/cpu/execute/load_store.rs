@@ -1,0 +1,307 @@
+//! Loads and stores of core registers.
+
+use super::super::fault::Fault;
+use super::super::instruction::{Access, Index, PC, Reg};
+use super::super::{Bus, NO_REGISTER, Trap, Width};
+use crate::cpu::Cpu;
+
+impl Access {
+    #[inline]
+    fn width(self) -> Width {
+        match self {
+            Self::Byte | Self::SignedByte => Width::Byte,
+            Self::Half | Self::SignedHalf => Width::Half,
+            Self::Word => Width::Word,
+        }
+    }
+
+    #[inline]
+    fn extend(self, value: u32) -> u32 {
+        match self {
+            Self::SignedByte => value as i8 as u32,
+            Self::SignedHalf => value as i16 as u32,
+            _ => value,
+        }
+    }
+}
+
+/// Address of an access, and what the base becomes if it is written back.
+#[inline]
+fn addresses(base: u32, offset: i32, index: Index) -> (u32, Option<u32>) {
+    let moved = base.wrapping_add_signed(offset);
+    match index {
+        Index::Offset => (moved, None),
+        Index::Pre => (moved, Some(moved)),
+        Index::Post => (base, Some(moved)),
+    }
+}
+
+impl Cpu {
+    /// Spends the second cycle of a single access, unless it follows another one whose result it needs not.
+    #[inline]
+    pub(super) fn time_access(&mut self, base: Reg, loads: Reg) {
+        let follows = self.last_access + 1 == self.instructions && self.last_loaded != base;
+        self.spent += u32::from(!follows);
+        self.last_access = self.instructions;
+        self.last_loaded = loads;
+    }
+
+    #[inline]
+    pub(super) fn load_into<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        kind: Access,
+        t: Reg,
+        address: u32,
+    ) -> Result<(), Trap> {
+        let value = self.read(bus, address, kind.width())?;
+        if t == PC {
+            self.load_pc(bus, address, value)
+        } else {
+            self.set(t, kind.extend(value));
+            Ok(())
+        }
+    }
+
+    fn load_pc<B: Bus>(&mut self, bus: &mut B, address: u32, value: u32) -> Result<(), Trap> {
+        // A load to PC is one of a word, and that is to be aligned.
+        if address & 3 != 0 {
+            return Err(Trap::Fault(Fault::Unaligned));
+        }
+        self.write_pc(bus, value);
+        Ok(())
+    }
+
+    #[inline]
+    pub(super) fn load<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        kind: Access,
+        t: Reg,
+        n: Reg,
+        offset: i32,
+        index: Index,
+    ) -> Result<(), Trap> {
+        let (address, new_base) = addresses(self.get(n), offset, index);
+        self.time_access(n, t);
+        let Some(new_base) = new_base else {
+            return self.load_into(bus, kind, t, address);
+        };
+        let old_base = self.get(n);
+        // Before the load: what goes to PC may be the end of the handler.
+        self.set(n, new_base);
+        let result = self.load_into(bus, kind, t, address);
+        if result.is_err() {
+            self.set(n, old_base);
+        }
+        result
+    }
+
+    #[inline]
+    pub(super) fn load_register<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        kind: Access,
+        t: Reg,
+        n: Reg,
+        m: Reg,
+        shift: u8,
+    ) -> Result<(), Trap> {
+        let address = self.get(n).wrapping_add(self.get(m) << shift);
+        self.time_access(n, t);
+        self.load_into(bus, kind, t, address)
+    }
+
+    #[inline]
+    pub(super) fn store<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        kind: Access,
+        t: Reg,
+        n: Reg,
+        offset: i32,
+        index: Index,
+    ) -> Result<(), Trap> {
+        let (address, new_base) = addresses(self.get(n), offset, index);
+        self.time_access(n, NO_REGISTER);
+        self.write(bus, address, kind.width(), self.get(t))?;
+        if let Some(new_base) = new_base {
+            self.set(n, new_base);
+        }
+        Ok(())
+    }
+
+    #[inline]
+    pub(super) fn store_register<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        kind: Access,
+        t: Reg,
+        n: Reg,
+        m: Reg,
+        shift: u8,
+    ) -> Result<(), Trap> {
+        let address = self.get(n).wrapping_add(self.get(m) << shift);
+        self.time_access(n, NO_REGISTER);
+        self.write(bus, address, kind.width(), self.get(t))
+    }
+
+    #[inline]
+    pub(super) fn load_double<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        t: Reg,
+        t2: Reg,
+        n: Reg,
+        offset: i16,
+        index: Index,
+    ) -> Result<(), Trap> {
+        let (address, new_base) = addresses(self.get(n), offset.into(), index);
+        self.load_double_from(bus, t, t2, address)?;
+        if let Some(new_base) = new_base {
+            self.set(n, new_base);
+        }
+        Ok(())
+    }
+
+    pub(super) fn load_double_from<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        t: Reg,
+        t2: Reg,
+        address: u32,
+    ) -> Result<(), Trap> {
+        self.spent += 2;
+        let low = self.read_word(bus, address)?;
+        let high = self.read_word(bus, address.wrapping_add(4))?;
+        self.set(t, low);
+        self.set(t2, high);
+        Ok(())
+    }
+
+    #[inline]
+    pub(super) fn store_double<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        t: Reg,
+        t2: Reg,
+        n: Reg,
+        offset: i16,
+        index: Index,
+    ) -> Result<(), Trap> {
+        let (address, new_base) = addresses(self.get(n), offset.into(), index);
+        self.spent += 2;
+        self.write_word(bus, address, self.get(t))?;
+        self.write_word(bus, address.wrapping_add(4), self.get(t2))?;
+        if let Some(new_base) = new_base {
+            self.set(n, new_base);
+        }
+        Ok(())
+    }
+
+    pub(super) fn load_multiple<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        n: Reg,
+        list: u16,
+        down: bool,
+        writeback: bool,
+    ) -> Result<(), Trap> {
+        let base = self.get(n);
+        let size = 4 * list.count_ones();
+        let (mut address, end) = if down {
+            (base.wrapping_sub(size), base.wrapping_sub(size))
+        } else {
+            (base, base.wrapping_add(size))
+        };
+        self.spent += list.count_ones();
+        let mut values = [0; 16];
+        let mut left = list;
+        while left != 0 {
+            let register = left.trailing_zeros() as usize;
+            left &= left - 1;
+            values[register] = self.read_word(bus, address)?;
+            address = address.wrapping_add(4);
+        }
+        let mut left = list & !(1 << PC);
+        while left != 0 {
+            let register = left.trailing_zeros() as Reg;
+            left &= left - 1;
+            self.set(register, values[usize::from(register)]);
+        }
+        if writeback {
+            self.set(n, end);
+        }
+        if list >> PC & 1 == 1 {
+            self.write_pc(bus, values[usize::from(PC)]);
+        }
+        Ok(())
+    }
+
+    pub(super) fn store_multiple<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        n: Reg,
+        list: u16,
+        down: bool,
+        writeback: bool,
+    ) -> Result<(), Trap> {
+        let base = self.get(n);
+        let size = 4 * list.count_ones();
+        let (mut address, end) = if down {
+            (base.wrapping_sub(size), base.wrapping_sub(size))
+        } else {
+            (base, base.wrapping_add(size))
+        };
+        self.spent += list.count_ones();
+        let mut left = list;
+        while left != 0 {
+            let register = left.trailing_zeros() as Reg;
+            left &= left - 1;
+            self.write_word(bus, address, self.get(register))?;
+            address = address.wrapping_add(4);
+        }
+        if writeback {
+            self.set(n, end);
+        }
+        Ok(())
+    }
+
+    pub(super) fn load_exclusive<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        kind: Access,
+        t: Reg,
+        n: Reg,
+        offset: u16,
+    ) -> Result<(), Trap> {
+        let address = self.get(n).wrapping_add(offset.into());
+        self.check_aligned(address, kind.width())?;
+        self.spent += 1;
+        let value = self.read(bus, address, kind.width())?;
+        self.set(t, value);
+        self.exclusive = true;
+        Ok(())
+    }
+
+    pub(super) fn store_exclusive<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        kind: Access,
+        d: Reg,
+        t: Reg,
+        n: Reg,
+        offset: u16,
+    ) -> Result<(), Trap> {
+        let address = self.get(n).wrapping_add(offset.into());
+        self.check_aligned(address, kind.width())?;
+        self.spent += 1;
+        let granted = self.exclusive;
+        if granted {
+            self.write(bus, address, kind.width(), self.get(t))?;
+        }
+        self.exclusive = false;
+        self.set(d, u32::from(!granted));
+        Ok(())
+    }
+}

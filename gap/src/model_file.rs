@@ -138,6 +138,22 @@ impl ModelFile {
         &self,
         recording: &Recording,
     ) -> Result<(CorrectedModel, Vec<LeftOut>), ModelFileError> {
+        self.of_moments(Some(&fingerprint(recording)))
+    }
+
+    /// The model apart from any recording, and what belongs to a moment of one.
+    ///
+    /// # Errors
+    /// As [`Self::on`].
+    pub fn apart(&self) -> Result<(CorrectedModel, Vec<LeftOut>), ModelFileError> {
+        self.of_moments(None)
+    }
+
+    /// With what belongs to moments of the recording of this fingerprint.
+    fn of_moments(
+        &self,
+        here: Option<&str>,
+    ) -> Result<(CorrectedModel, Vec<LeftOut>), ModelFileError> {
         check(&self.model)?;
         let mut all = Vec::new();
         for entry in &self.effects {
@@ -146,11 +162,10 @@ impl ModelFile {
                 sensor_on_load: entry.sensor_on_load,
             });
         }
-        let here = fingerprint(recording);
         let mut left_out = Vec::new();
         for moment in &self.moments {
             let effect = effect(&moment.name, &moment.parameters)?;
-            if moment.fingerprint == here {
+            if Some(moment.fingerprint.as_str()) == here {
                 all.push(CorrectedEffect {
                     effect,
                     sensor_on_load: false,

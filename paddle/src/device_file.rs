@@ -11,6 +11,7 @@
 //! ```
 
 use crate::failure::Failure;
+use gap::ModelFile;
 use haptic_paddle::settings::Settings;
 use host_sim::device::Device;
 use host_sim::effects::Effect;
@@ -58,7 +59,6 @@ impl DeviceFile {
                             .push(text.parse().map_err(|e| wrong(format!("with: {e}")))?);
                     }
                 }
-                ("format", _) => {}
                 _ => {
                     return Err(wrong(format!(
                         "`{key}` is not understood; it may hold [model], [settings] and with = [\"effect\"]"
@@ -122,6 +122,29 @@ impl DeviceFile {
         }
         Ok(())
     }
+}
+
+/// Whether the file is what `paddle gap diagnose --save-model` wrote, which has a `format` and stands alone.
+///
+/// # Errors
+/// [`Failure::Read`].
+pub fn stands_alone(path: &Path) -> Result<bool, Failure> {
+    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+    Ok(text
+        .parse::<Table>()
+        .is_ok_and(|table| table.contains_key("format")))
+}
+
+/// A model that `paddle gap diagnose --save-model` wrote.
+///
+/// # Errors
+/// [`Failure`] for a file that cannot be used.
+pub fn saved_model(path: &Path) -> Result<ModelFile, Failure> {
+    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+    text.parse().map_err(|cause| Failure::ModelFile {
+        path: path.to_owned(),
+        cause,
+    })
 }
 
 /// Dotted names with their values as the console takes them.

@@ -58,6 +58,11 @@ pub enum Failure {
         "no proportional gain up to {0} N m/deg keeps it swinging; raise --amplitude, or lower the friction"
     )]
     NeverSwings(f64),
+    /// A specification that no gains meet.
+    #[error(
+        "no gains were found that meet the specification; the best miss it as shown: ask for less, or narrow the spread"
+    )]
+    OutOfReach,
     /// Rows of the reproduced report that miss their bars.
     #[error("{missed} of {barred} rows with a bar miss it")]
     Missed {
@@ -106,14 +111,14 @@ pub enum Failure {
 
 /// Exit status for input that could not be used.
 pub const BAD_INPUT: u8 = 2;
-/// Exit status of a check that found something amiss.
+/// Exit status of a check or a search that found something amiss.
 const CHECK_MISSED: u8 = 1;
 
 impl Failure {
     /// Exit status of the program.
     pub fn status(&self) -> u8 {
         match self {
-            Self::Missed { .. } => CHECK_MISSED,
+            Self::Missed { .. } | Self::OutOfReach => CHECK_MISSED,
             _ => BAD_INPUT,
         }
     }

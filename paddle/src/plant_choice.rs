@@ -1,6 +1,6 @@
 //! Which paddle is simulated.
 
-use crate::device_file::DeviceFile;
+use crate::device_file::{self, DeviceFile};
 use crate::failure::Failure;
 use haptic_paddle::settings::Settings;
 use host_sim::device::Device;
@@ -17,7 +17,7 @@ pub enum PlantChoice {
     Nominal,
     /// The model refitted to the lab's step logs.
     Refit,
-    /// What differs from the nominal model.
+    /// A saved model, or what differs from the nominal one.
     File(PathBuf),
 }
 
@@ -52,6 +52,8 @@ pub struct Plant {
     pub model: Model,
     /// Of the control core.
     pub settings: Settings,
+    /// What of a file could not be used, lines ended.
+    pub warnings: String,
 }
 
 impl PlantChoice {
@@ -62,9 +64,23 @@ impl PlantChoice {
     pub fn load(&self) -> Result<Plant, Failure> {
         let model = presets::nominal();
         let mut settings = Settings::default();
+        let mut warnings = String::new();
         let (device, model) = match self {
             Self::Nominal => (Device::nominal(&model), model),
             Self::Refit => (presets::refit(), model),
+            Self::File(path) if device_file::stands_alone(path)? => {
+                let (corrected, left_out) =
+                    device_file::saved_model(path)?.apart().map_err(|cause| {
+                        Failure::ModelFile {
+                            path: path.clone(),
+                            cause,
+                        }
+                    })?;
+                for effect in left_out {
+                    warnings.push_str(&format!("warning: {effect}\n"));
+                }
+                (corrected.device(), corrected.model)
+            }
             Self::File(path) => {
                 let file = DeviceFile::read(path)?;
                 file.apply(&mut settings)?;
@@ -75,6 +91,7 @@ impl PlantChoice {
             device,
             model,
             settings,
+            warnings,
         })
     }
 }

@@ -53,6 +53,7 @@ fn every_command_has_help_with_an_example() {
         &["sim", "filter"],
         &["sim", "lab"],
         &["sim", "zn"],
+        &["sim", "tune"],
     ];
     let shapes = [
         "step",
@@ -114,6 +115,11 @@ fn bad_input_is_refused_in_one_line_with_status_2() {
         (&["sim", "lab", "--seconds", "0"], "duration"),
         (&["sim", "lab", "--amplitude", "NaN"], "--amplitude"),
         (&["sim", "zn", "--with", "coulomb:level=0.5"], "--amplitude"),
+        (&["sim", "tune", "--rise", "0"], "--rise"),
+        (
+            &["sim", "tune", "--friction-spread", "100"],
+            "--friction-spread",
+        ),
         (&["sim", "steep"], "steep"),
         (&["gap", "measure"], "RECORDING"),
         (&["gap", "measure", "nowhere"], "nowhere"),
@@ -461,6 +467,66 @@ fn ziegler_nichols_on_the_firmware_comes_near_the_labs_ultimate_gain() {
             "{line}"
         );
     }
+}
+
+#[test]
+fn tuned_gains_meet_the_reports_specification_when_typed() {
+    let out = folder("tune");
+    let out = out.to_str().unwrap();
+    let tuned = json(&["sim", "tune", "--plant", "refit", "--out", out]);
+    assert_eq!(tuned["meets"], true, "{tuned}");
+    assert_eq!(tuned["cases"].as_array().unwrap().len(), 5);
+    let typed = tuned["console"].as_array().unwrap().iter();
+    let typed: Vec<_> = typed
+        .map(|line| {
+            line.as_str()
+                .unwrap()
+                .strip_prefix("set ")
+                .unwrap()
+                .replacen(' ', "=", 1)
+        })
+        .collect();
+    let mut step = vec!["sim", "step", "--plant", "refit", "--out", out];
+    for setting in &typed {
+        step.extend(["--set", setting]);
+    }
+    let metrics = &json(&step)["metrics"];
+    let metric = |name: &str| metrics[name].as_f64().unwrap();
+    assert!(
+        metric("overshoot_deg") <= 2.5 && metric("rise_ms") <= 100.0,
+        "{metrics}"
+    );
+    assert!(metric("settling_ms") <= 350.0, "{metrics}");
+}
+
+#[test]
+fn a_specification_out_of_reach_ends_with_status_1_and_shows_what_is_missed() {
+    let out = folder("tune-out-of-reach");
+    let out = out.to_str().unwrap();
+    let output = paddle(&["sim", "tune", "--rise", "10", "--out", out]);
+    assert_eq!(output.status.code(), Some(1));
+    let rise = text(&output.stdout)
+        .lines()
+        .find(|line| line.starts_with("rise"));
+    assert!(rise.unwrap().contains("MISSED"));
+}
+
+#[test]
+fn a_saved_model_is_a_plant_apart_from_what_belongs_to_a_moment() {
+    let out = folder("saved-model");
+    let file = out.join("corrected.toml");
+    let model = "format = 1\n[model]\ninertia = 1.2e-3\nratio = 15.0\n[[effects]]\nname = \"viscous\"\n\
+                 parameters = { coefficient = 4e-3 }\n[[moments]]\nrecording = \"Monday\"\nfingerprint = \"0\"\n\
+                 name = \"lost_counts\"\nparameters = { time = 0.1, jump = 0.1 }\n";
+    std::fs::write(&file, model).unwrap();
+    let [out, file] = [&out, &file].map(|path| path.to_str().unwrap());
+    let output = paddle(&["sim", "tune", "--plant", file, "--out", out]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&output.stdout);
+    assert!(
+        said.starts_with("warning: lost_counts belongs") && said.contains("set kp"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -27,6 +27,16 @@ impl Gains {
         }
     }
 
+    /// A gain on the term at `place` alone: proportional, integral, derivative.
+    pub fn only(place: usize, gain: f64) -> Self {
+        let at = |other| if place == other { gain } else { 0.0 };
+        Self {
+            kp: at(0),
+            ki: at(1),
+            kd: at(2),
+        }
+    }
+
     /// With as many digits as are worth typing.
     pub fn rounded(self) -> Self {
         let Self { kp, ki, kd } = self;

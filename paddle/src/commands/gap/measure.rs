@@ -1,13 +1,13 @@
 //! `paddle gap measure`: the gap of one model on one recording.
 
 use crate::answer::Answer;
-use crate::device_file::DeviceFile;
+use crate::device_file::{self, DeviceFile};
 use crate::failure::Failure;
 use crate::files::{self, Folder};
 use crate::plot::{Figure, Ink, Line, Panel};
 use clap::Args;
 use gap::model_file::LeftOut;
-use gap::{Gap, ModelFile, PredictedRun};
+use gap::{Gap, PredictedRun};
 use host_sim::device::Device;
 use recording::Recording;
 use serde_json::json;
@@ -71,20 +71,15 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 /// The device of a file, and what of it belongs to a moment of another recording. A file with `format` is what
 /// `paddle gap diagnose --save-model` wrote and stands alone; any other says what differs from the recording's model.
 fn device(path: &Path, recording: &Recording) -> Result<(Device, Vec<LeftOut>), Failure> {
-    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
-    let stands_alone = text
-        .parse::<toml::Table>()
-        .is_ok_and(|table| table.contains_key("format"));
-    if !stands_alone {
+    if !device_file::stands_alone(path)? {
         let device = DeviceFile::read(path)?.device(&recording.model)?;
         return Ok((device, Vec::new()));
     }
-    let wrong = |cause| Failure::ModelFile {
+    let on_recording = device_file::saved_model(path)?.on(recording);
+    let (corrected, left_out) = on_recording.map_err(|cause| Failure::ModelFile {
         path: path.to_owned(),
         cause,
-    };
-    let file: ModelFile = text.parse().map_err(wrong)?;
-    let (corrected, left_out) = file.on(recording).map_err(wrong)?;
+    })?;
     Ok((corrected.device(), left_out))
 }
 

@@ -1,6 +1,6 @@
 //! `paddle sim step` and its like: one excitation, its plot and its log.
 
-use super::rig::Rig;
+use super::rig::{Assembly, GainChoice, Rig};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::{self, Folder};
@@ -23,6 +23,8 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     #[command(flatten)]
     rig: Rig,
+    #[command(flatten)]
+    gains: GainChoice,
     /// Open loop: the excitation is a torque. A ramp always is.
     #[arg(long)]
     torque: bool,
@@ -66,7 +68,12 @@ const RAMP_NM: f64 = 0.003;
 /// # Errors
 /// [`Failure`] for options that make no experiment, or files that cannot be written.
 pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
-    let (setup, model) = arguments.rig.assemble()?;
+    let Assembly {
+        mut setup,
+        model,
+        warnings,
+    } = arguments.rig.assemble()?;
+    arguments.gains.apply(&mut setup.settings)?;
     let experiment = arguments.experiment(shape);
     let mut closed_loop = ClosedLoop::armed(&setup, experiment.mode)?;
     let trace = experiment.run(&mut closed_loop)?;
@@ -74,7 +81,7 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
     let name = name(shape);
     let title = arguments.title(shape, &setup.settings);
 
-    let mut text = format!("{title}\n");
+    let mut text = format!("{warnings}{title}\n");
     let mut result = json!({ "experiment": name, "title": title });
     if let Some(report) = controller.metrics() {
         text.push_str(&table(&report, &setup.settings));
@@ -133,6 +140,7 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
 pub fn step_of_refit(out: &Path) -> Result<Answer, Failure> {
     let arguments = Arguments {
         rig: Rig::default(),
+        gains: GainChoice::default(),
         torque: false,
         amplitude: None,
         offset: 0.0,

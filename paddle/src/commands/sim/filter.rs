@@ -1,6 +1,6 @@
 //! `paddle sim filter`: what the low-pass on the position is for (report, section 3.2.2).
 
-use super::rig::{Rig, SensorChoice};
+use super::rig::{GainChoice, Rig, SensorChoice};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
@@ -112,12 +112,17 @@ fn case(
     let with_kd = |kd: f32| {
         let rig = Rig {
             sensor: Some(choice),
-            kd: Some(kd),
             cutoff: Some(cutoff_hz),
             current_loop: arguments.current_loop,
             ..Rig::default()
         };
-        rig.assemble().map(|(setup, _)| setup)
+        let gains = GainChoice {
+            kd: Some(kd),
+            ..GainChoice::default()
+        };
+        let mut setup = rig.assemble()?.setup;
+        gains.apply(&mut setup.settings)?;
+        Ok::<_, Failure>(setup)
     };
     let setup = with_kd(arguments.kd)?;
     let torque_nm = follow(&setup)?.input_nm;

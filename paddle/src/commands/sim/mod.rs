@@ -4,6 +4,7 @@ mod experiment;
 mod filter;
 mod lab;
 mod rig;
+mod tune;
 mod zn;
 
 use crate::answer::Answer;
@@ -52,6 +53,8 @@ pub enum Command {
     Triangle(Arguments),
     /// What the filter on the position is for: torque noise and largest stable derivative gain, without and with it.
     Filter(filter::Arguments),
+    /// Gains for a specification, with margins and the worst case over a spread of paddles.
+    Tune(tune::Arguments),
     /// Gains by the report's Ziegler-Nichols procedure.
     Zn(zn::Arguments),
     /// The lab's own Simulink model, whose dry friction never acts.
@@ -73,6 +76,7 @@ impl Command {
             Self::Ramp(arguments) => experiment::run(Shape::Ramp, arguments),
             Self::Triangle(arguments) => experiment::run(Shape::Triangle, arguments),
             Self::Filter(arguments) => filter::run(arguments),
+            Self::Tune(arguments) => tune::run(arguments),
             Self::Zn(arguments) => zn::run(arguments),
             Self::Lab(arguments) => lab::run(arguments),
         }

@@ -9,10 +9,11 @@ use host_sim::effects::Effect;
 use host_sim::presets;
 use recording::Model;
 
-/// The paddle, its effects, and the regulator on it.
+/// The paddle, its effects, and the board on it.
 #[derive(Args, Clone, Debug)]
 pub struct Rig {
-    /// `nominal`, `refit`, or a TOML file with what differs from nominal: [model], [settings] and with = ["effect"].
+    /// `nominal`, `refit`, what `paddle gap diagnose --save-model` left, or a TOML file with what differs from nominal:
+    /// [model], [settings] and with = ["effect"].
     #[arg(
         long,
         default_value = "nominal",
@@ -25,15 +26,6 @@ pub struct Rig {
     /// Sensor that feeds the regulator.
     #[arg(long, value_enum)]
     pub sensor: Option<SensorChoice>,
-    /// Proportional gain, N m per degree at the paddle.
-    #[arg(long, value_name = "N m/deg")]
-    pub kp: Option<f32>,
-    /// Integral gain, N m per degree and second at the paddle.
-    #[arg(long, value_name = "N m/(deg s)")]
-    pub ki: Option<f32>,
-    /// Derivative gain, N m s per degree at the paddle.
-    #[arg(long, value_name = "N m s/deg")]
-    pub kd: Option<f32>,
     /// Cutoff of the low-pass on the position, Hz; 0 is none.
     #[arg(long, value_name = "Hz")]
     pub cutoff: Option<f32>,
@@ -48,6 +40,31 @@ pub struct Rig {
     pub seed: u64,
 }
 
+/// Gains of the regulator, where they are not the default ones.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct GainChoice {
+    /// Proportional gain, N m per degree at the paddle.
+    #[arg(long, value_name = "N m/deg")]
+    pub kp: Option<f32>,
+    /// Integral gain, N m per degree and second at the paddle.
+    #[arg(long, value_name = "N m/(deg s)")]
+    pub ki: Option<f32>,
+    /// Derivative gain, N m s per degree at the paddle.
+    #[arg(long, value_name = "N m s/deg")]
+    pub kd: Option<f32>,
+}
+
+/// A loop that is ready to be run.
+#[derive(Debug)]
+pub struct Assembly {
+    /// The loop.
+    pub setup: LoopSetup,
+    /// What a recording of it states as nominal.
+    pub model: Model,
+    /// What the user should know of the files that it came from, lines ended.
+    pub warnings: String,
+}
+
 /// A sensor by name: the encoder on the motor, or the Hall sensor on the paddle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SensorChoice {
@@ -56,15 +73,12 @@ pub enum SensorChoice {
 }
 
 impl Default for Rig {
-    /// The lab's paddle as refitted, with the default gains.
+    /// The lab's paddle as refitted.
     fn default() -> Self {
         Self {
             plant: PlantChoice::Refit,
             with: Vec::new(),
             sensor: None,
-            kp: None,
-            ki: None,
-            kd: None,
             cutoff: None,
             set: Vec::new(),
             current_loop: false,
@@ -74,15 +88,16 @@ impl Default for Rig {
 }
 
 impl Rig {
-    /// The loop, and the model that a recording of it states as nominal.
+    /// The loop.
     ///
     /// # Errors
     /// [`Failure`] for a file or a setting that cannot be used.
-    pub fn assemble(&self) -> Result<(LoopSetup, Model), Failure> {
+    pub fn assemble(&self) -> Result<Assembly, Failure> {
         let Plant {
             mut device,
             model,
             mut settings,
+            warnings,
         } = self.plant.load()?;
         for effect in &self.with {
             effect.install(&mut device);
@@ -93,30 +108,22 @@ impl Rig {
             false => LoopSetup::ideal(device, settings),
         };
         setup.paddle.seed = self.seed;
-        Ok((setup, model))
+        Ok(Assembly {
+            setup,
+            model,
+            warnings,
+        })
     }
 
     fn apply(&self, settings: &mut Settings) -> Result<(), Failure> {
-        let mut set = |name: &str, value: &str| match settings.set(name, value) {
-            Ok(_) => Ok(()),
-            Err(error) => Err(Failure::setting(name, error)),
-        };
-        let gains = [
-            ("pid.kp", self.kp),
-            ("pid.ki", self.ki),
-            ("pid.kd", self.kd),
-            ("estimate.cutoff", self.cutoff),
-        ];
-        for (name, value) in gains {
-            if let Some(value) = value {
-                set(name, &value.to_string())?;
-            }
+        if let Some(cutoff) = self.cutoff {
+            set(settings, "estimate.cutoff", &cutoff.to_string())?;
         }
         for setting in &self.set {
             let (name, value) = setting
                 .split_once('=')
                 .ok_or_else(|| Failure::NotASetting(setting.clone()))?;
-            set(name.trim(), value.trim())?;
+            set(settings, name.trim(), value.trim())?;
         }
         if let Some(sensor) = self.sensor {
             settings.estimate.sensor = match sensor {
@@ -139,5 +146,32 @@ impl Rig {
             title.push_str(effect.kind.name);
         }
         title
+    }
+}
+
+impl GainChoice {
+    /// Puts those that are given into `settings`.
+    ///
+    /// # Errors
+    /// [`Failure`] for one that is refused.
+    pub fn apply(&self, settings: &mut Settings) -> Result<(), Failure> {
+        let named = [
+            ("pid.kp", self.kp),
+            ("pid.ki", self.ki),
+            ("pid.kd", self.kd),
+        ];
+        for (name, value) in named {
+            if let Some(value) = value {
+                set(settings, name, &value.to_string())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn set(settings: &mut Settings, name: &str, value: &str) -> Result<(), Failure> {
+    match settings.set(name, value) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Failure::setting(name, error)),
     }
 }

@@ -1,7 +1,7 @@
 //! `paddle sim zn`: gains by the report's Ziegler-Nichols procedure.
 
 use super::experiment::{metrics, table};
-use super::rig::Rig;
+use super::rig::{Assembly, Rig};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
@@ -41,7 +41,9 @@ const SHOWN_MS: f64 = 1000.0;
 /// # Errors
 /// [`Failure`] for a loop that cannot be made, never keeps swinging, or swings out of its travel.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let (setup, _) = arguments.rig.assemble()?;
+    let Assembly {
+        setup, warnings, ..
+    } = arguments.rig.assemble()?;
     let amplitude_deg = arguments.amplitude;
     let ultimate = Ultimate::find(&setup, amplitude_deg)?;
     let gains = ultimate.pid();
@@ -75,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     folder.put("zn.svg", &figure.svg()?)?;
 
     let mut text = format!(
-        "{title}\n  Ku {} N m/°, Tu {:.1} ms, after {} gains\n\n{}\n",
+        "{warnings}{title}\n  Ku {} N m/°, Tu {:.1} ms, after {} gains\n\n{}\n",
         ultimate.gain,
         1e3 * ultimate.period_s,
         ultimate.tried,

@@ -3,3 +3,4 @@
 //! [`cpu`] is the processor core; it reaches everything else through its [`cpu::Bus`].
 
 pub mod cpu;
+pub mod peripherals;

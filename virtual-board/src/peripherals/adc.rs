@@ -1,0 +1,244 @@
+//! One analog-to-digital converter: a single regular channel, once or over and over, started by software or by TIM8.
+
+use super::{Answer, Lack, bit, field, require};
+
+const SR: u32 = 0x00;
+const CR1: u32 = 0x04;
+const CR2: u32 = 0x08;
+const SMPR1: u32 = 0x0C;
+const SMPR2: u32 = 0x10;
+const SQR1: u32 = 0x2C;
+const SQR2: u32 = 0x30;
+const SQR3: u32 = 0x34;
+/// The data register, which DMA reads.
+pub const DR: u32 = 0x4C;
+
+const EOC: u32 = 1 << 1;
+const STRT: u32 = 1 << 4;
+const OVR: u32 = 1 << 5;
+const ADON: u32 = 0;
+const CONT: u32 = 1;
+const DMA: u32 = 8;
+const ALIGN: u32 = 11;
+const SWSTART: u32 = 30;
+const TIM8_TRGO: u32 = 0b1110;
+const RISING: u32 = 0b01;
+
+/// Where the common registers of all converters begin, and the one that divides their clock.
+pub const COMMON: u32 = 0x300;
+/// Common control register.
+pub const CCR: u32 = COMMON + 0x04;
+
+/// One converter.
+#[derive(Debug, Clone, Default)]
+pub struct Adc {
+    sr: u32,
+    cr1: u32,
+    cr2: u32,
+    smpr: [u32; 2],
+    sqr: [u32; 3],
+    dr: u32,
+    /// Cycle at which the running conversion ends.
+    ends_at: Option<u64>,
+    /// Cycles of the core in one clock of the converter.
+    divider: u32,
+}
+
+impl Adc {
+    /// Reads a register; all conversions that have ended must have been [delivered](Self::deliver).
+    #[inline]
+    pub fn read(&mut self, offset: u32) -> Answer<u32> {
+        Ok(match offset {
+            DR => {
+                self.sr &= !EOC;
+                self.dr
+            }
+            SR => self.sr,
+            CR1 => self.cr1,
+            CR2 => self.cr2,
+            SMPR1 => self.smpr[0],
+            SMPR2 => self.smpr[1],
+            SQR1..=SQR3 => self.sqr[(offset - SQR1) as usize / 4],
+            _ => return Err(Lack::Register),
+        })
+    }
+
+    /// Writes a register at cycle `now`, with so many cycles in a clock of the converter.
+    pub fn write(&mut self, offset: u32, value: u32, now: u64, divider: u32) -> Answer {
+        match offset {
+            SR => self.sr &= value,
+            CR1 => {
+                require(
+                    value == 0,
+                    "scans, interrupts, watchdogs and lower resolutions",
+                )?;
+                self.cr1 = value;
+            }
+            CR2 => {
+                require(!bit(value, ALIGN), "left alignment")?;
+                require(field(value, 20, 2) == 0, "injected channels")?;
+                let edge = field(value, 28, 2);
+                require(
+                    edge == 0 || edge == RISING && field(value, 24, 4) == TIM8_TRGO,
+                    "an external trigger other than the rise of TIM8's",
+                )?;
+                self.cr2 = value & !(1 << SWSTART);
+                if !bit(value, ADON) {
+                    self.ends_at = None;
+                } else if bit(value, SWSTART) {
+                    self.start(now, divider);
+                }
+            }
+            SMPR1 => self.smpr[0] = value,
+            SMPR2 => self.smpr[1] = value,
+            SQR1 => {
+                require(value == 0, "a sequence of more than one channel")?;
+                self.sqr[0] = value;
+            }
+            SQR2 | SQR3 => self.sqr[(offset - SQR1) as usize / 4] = value,
+            _ => return Err(Lack::Register),
+        }
+        Ok(())
+    }
+
+    /// TIM8's trigger at cycle `at`.
+    pub fn trigger(&mut self, at: u64, divider: u32) {
+        let waits = bit(self.cr2, ADON) && field(self.cr2, 28, 2) == RISING;
+        if waits && self.ends_at.is_none() {
+            self.start(at, divider);
+        }
+    }
+
+    fn start(&mut self, at: u64, divider: u32) {
+        self.divider = divider;
+        self.sr |= STRT;
+        self.ends_at = Some(at + self.conversion_cycles());
+    }
+
+    /// Channel that is converted.
+    pub fn channel(&self) -> usize {
+        field(self.sqr[2], 0, 5) as usize
+    }
+
+    /// Cycles of the core in a conversion: sampling, and 12 clocks for the bits.
+    fn conversion_cycles(&self) -> u64 {
+        const SAMPLING: [u32; 8] = [3, 15, 28, 56, 84, 112, 144, 480];
+        const BITS: u32 = 12;
+        let channel = self.channel() as u32;
+        let code = match channel.checked_sub(10) {
+            Some(place) => field(self.smpr[0], 3 * place, 3),
+            None => field(self.smpr[1], 3 * channel, 3),
+        };
+        u64::from((SAMPLING[code as usize] + BITS) * self.divider)
+    }
+
+    /// Whether a conversion has ended by cycle `now`; the next one then runs, if there is to be one.
+    #[inline]
+    pub fn ended(&mut self, now: u64) -> bool {
+        match self.ends_at {
+            Some(end) if end <= now => {
+                // An overrun stops the converter's DMA, not the converter.
+                self.ends_at = bit(self.cr2, CONT).then(|| end + self.conversion_cycles());
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// Lets all conversions that have ended by cycle `now` pass but the last. For converters whose results nobody
+    /// collects. Returns whether one has ended.
+    pub fn skip_to_last(&mut self, now: u64) -> bool {
+        let Some(end) = self.ends_at.filter(|end| *end <= now) else {
+            return false;
+        };
+        if bit(self.cr2, CONT) {
+            let each = self.conversion_cycles();
+            self.ends_at = Some(end + ((now - end) / each + 1) * each);
+        } else {
+            self.ends_at = None;
+        }
+        true
+    }
+
+    /// Puts the result of an ended conversion into the data register. Returns whether DMA is to collect it.
+    #[inline]
+    pub fn deliver(&mut self, counts: u16) -> bool {
+        if self.sr & OVR != 0 && self.collected() {
+            return false;
+        }
+        self.dr = u32::from(counts);
+        self.sr |= EOC;
+        self.collected()
+    }
+
+    /// Whether results go to DMA.
+    pub fn collected(&self) -> bool {
+        bit(self.cr2, DMA)
+    }
+
+    /// DMA has read the data register.
+    #[inline]
+    pub fn taken(&mut self) {
+        self.sr &= !EOC;
+    }
+
+    /// Nobody took the result.
+    pub fn overrun(&mut self) {
+        self.sr |= OVR;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn continuous(channel: u32) -> Adc {
+        let mut adc = Adc::default();
+        for (offset, value) in [
+            (SQR3, channel),
+            (
+                CR2,
+                1 << ADON | 1 << CONT | 1 << DMA | TIM8_TRGO << 24 | RISING << 28,
+            ),
+        ] {
+            adc.write(offset, value, 0, 8).unwrap();
+        }
+        adc
+    }
+
+    #[test]
+    fn seventy_conversions_fit_a_control_period() {
+        let mut adc = continuous(3);
+        adc.trigger(1000, 8);
+        let ended = std::iter::from_fn(|| adc.ended(1000 + 8400).then_some(())).count();
+        assert_eq!(ended, 70);
+        assert_eq!(adc.ends_at, Some(1000 + 8400 + 120));
+    }
+
+    #[test]
+    fn it_waits_for_its_trigger_and_then_no_more() {
+        let mut adc = continuous(9);
+        assert!(!adc.ended(1_000_000));
+        adc.trigger(1_000_000, 8);
+        adc.trigger(1_000_050, 8);
+        assert_eq!(adc.ends_at, Some(1_000_000 + 120));
+    }
+
+    #[test]
+    fn skipping_leaves_the_last() {
+        let mut adc = continuous(9);
+        adc.trigger(0, 8);
+        assert!(adc.skip_to_last(1000));
+        assert_eq!(adc.ends_at, Some(1080));
+        assert!(!adc.skip_to_last(1079));
+    }
+
+    #[test]
+    fn an_overrun_stops_the_collecting() {
+        let mut adc = continuous(3);
+        assert!(adc.deliver(1));
+        adc.overrun();
+        assert!(!adc.deliver(2));
+        assert_eq!(adc.read(DR).unwrap(), 1);
+    }
+}

@@ -1,0 +1,309 @@
+//! The flash interface: wait states, and programming and erasing that take their time and may be cut short.
+
+use super::{Answer, Lack, NEVER, bit, field, require};
+use crate::cpu::{FlashTiming, Width};
+
+const ACR: u32 = 0x00;
+const KEYR: u32 = 0x04;
+const OPTKEYR: u32 = 0x08;
+const SR: u32 = 0x0C;
+const CR: u32 = 0x10;
+const OPTCR: u32 = 0x14;
+
+const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
+
+const EOP: u32 = 1 << 0;
+const WRPERR: u32 = 1 << 4;
+const PGAERR: u32 = 1 << 5;
+const PGPERR: u32 = 1 << 6;
+const PGSERR: u32 = 1 << 7;
+const BSY: u32 = 1 << 16;
+const PG: u32 = 0;
+const SER: u32 = 1;
+const MER: u32 = 2;
+const STRT: u32 = 16;
+const LOCK: u32 = 31;
+
+/// Time to program an item, and to erase a sector of 16, 64 or 128 KiB, s (data sheet, typical, 32 bits at a time).
+const PROGRAM_S: f64 = 16e-6;
+const ERASE_S: [(u32, f64); 3] = [(16, 0.25), (64, 0.55), (128, 1.0)];
+
+/// A change of the flash.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Change {
+    /// Bits of an item go from one to zero.
+    Program {
+        /// From the beginning of the flash.
+        at: u32,
+        /// Of the item.
+        width: Width,
+        /// Its bits that are zero.
+        value: u32,
+    },
+    /// All bits of a span go to one.
+    Erase {
+        /// From the beginning of the flash.
+        at: u32,
+        /// Length.
+        bytes: u32,
+    },
+}
+
+/// FLASH, as far as one bank of the STM32F407 goes.
+#[derive(Debug, Clone)]
+pub struct Flash {
+    acr: u32,
+    sr: u32,
+    cr: u32,
+    keys_given: usize,
+    /// What runs, and when it ends.
+    busy: Option<(Change, u64)>,
+}
+
+impl Default for Flash {
+    fn default() -> Self {
+        Self {
+            acr: 0,
+            sr: 0,
+            cr: 1 << LOCK,
+            keys_given: 0,
+            busy: None,
+        }
+    }
+}
+
+impl Flash {
+    /// Reads a register.
+    pub fn read(&self, offset: u32) -> Answer<u32> {
+        /// Option bytes as delivered: nothing is protected.
+        const OPTIONS: u32 = 0x0FFF_AAED;
+        Ok(match offset {
+            ACR => self.acr,
+            KEYR | OPTKEYR => 0,
+            SR => self.sr | if self.busy.is_some() { BSY } else { 0 },
+            CR => self.cr,
+            OPTCR => OPTIONS,
+            _ => return Err(Lack::Register),
+        })
+    }
+
+    /// Writes a register at cycle `now` of a core at this rate. Returns the change that begins, if one does.
+    pub fn write(
+        &mut self,
+        offset: u32,
+        value: u32,
+        now: u64,
+        hclk_hz: f64,
+    ) -> Answer<Option<Change>> {
+        match offset {
+            ACR => {
+                const RESETS: u32 = 0b11 << 11;
+                self.acr = value & !RESETS;
+            }
+            KEYR => {
+                let expected = KEYS.get(self.keys_given);
+                require(expected == Some(&value), "a wrong key, which locks until a reset")?;
+                self.keys_given += 1;
+                if self.keys_given == KEYS.len() {
+                    self.keys_given = 0;
+                    self.cr &= !(1 << LOCK);
+                }
+            }
+            SR => self.sr &= !(value & (EOP | WRPERR | PGAERR | PGPERR | PGSERR)),
+            CR => {
+                require(value & (1 << 24 | 1 << 25) == 0, "interrupts of the flash")?;
+                if bit(self.cr, LOCK) || self.busy.is_some() {
+                    return Ok(None);
+                }
+                self.cr = value & !(1 << STRT);
+                if bit(value, STRT) {
+                    require(!bit(value, MER), "erasing everything, program included")?;
+                    require(bit(value, SER), "a start without anything to do")?;
+                    return self.erase(field(value, 3, 4), now, hclk_hz).map(Some);
+                }
+            }
+            _ => return Err(Lack::Register),
+        }
+        Ok(None)
+    }
+
+    fn erase(&mut self, sector: u32, now: u64, hclk_hz: f64) -> Answer<Change> {
+        let kib = match sector {
+            0..4 => 16,
+            4 => 64,
+            5..12 => 128,
+            _ => return Err(Lack::Use("a sector that is not there")),
+        };
+        let first_kib = match sector {
+            0..=4 => 16 * sector,
+            _ => 128 * (sector - 4),
+        };
+        let seconds = ERASE_S
+            .iter()
+            .find(|(size, _)| *size == kib)
+            .map_or(0.0, |(_, seconds)| *seconds);
+        let change = Change::Erase {
+            at: first_kib * 1024,
+            bytes: kib * 1024,
+        };
+        self.begin(change, now, seconds * hclk_hz);
+        Ok(change)
+    }
+
+    fn begin(&mut self, change: Change, now: u64, cycles: f64) {
+        self.busy = Some((change, now + cycles as u64));
+    }
+
+    /// The program writes `value` at byte `at` of the flash. Returns whether programming has begun; if not, the status
+    /// register says why.
+    pub fn program(
+        &mut self,
+        at: u32,
+        width: Width,
+        value: u32,
+        now: u64,
+        hclk_hz: f64,
+    ) -> Answer<bool> {
+        require(self.busy.is_none(), "programming while it is busy")?;
+        let parallelism = match field(self.cr, 8, 2) {
+            0 => Width::Byte,
+            1 => Width::Half,
+            2 => Width::Word,
+            _ => return Err(Lack::Use("programming 64 bits at a time")),
+        };
+        if bit(self.cr, LOCK) || !bit(self.cr, PG) {
+            self.sr |= PGSERR;
+        } else if parallelism != width {
+            self.sr |= PGPERR;
+        } else {
+            self.begin(
+                Change::Program { at, width, value },
+                now,
+                PROGRAM_S * hclk_hz,
+            );
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// Cycle at which the running change ends.
+    pub fn next_done(&self) -> u64 {
+        self.busy.map_or(NEVER, |(_, end)| end)
+    }
+
+    /// Ends the running change, which is to be carried out now.
+    pub fn done(&mut self) -> Option<Change> {
+        self.busy.take().map(|(change, _)| change)
+    }
+
+    /// How the core must wait.
+    pub fn timing(&self) -> FlashTiming {
+        FlashTiming {
+            wait_states: field(self.acr, 0, 3) as u8,
+            prefetch: bit(self.acr, 8),
+            instruction_cache: bit(self.acr, 9),
+            data_cache: bit(self.acr, 10),
+        }
+    }
+}
+
+impl Change {
+    /// Carries it out on the flash.
+    pub fn apply(self, flash: &mut [u8]) {
+        match self {
+            Self::Program { at, width, value } => {
+                let bytes = value.to_le_bytes();
+                let item = flash[at as usize..]
+                    .iter_mut()
+                    .zip(bytes)
+                    .take(width.bytes() as usize);
+                for (cell, byte) in item {
+                    *cell &= byte;
+                }
+            }
+            Self::Erase { at, bytes } => {
+                flash[at as usize..(at + bytes) as usize].fill(0xFF);
+            }
+        }
+    }
+
+    /// Leaves the flash as when the supply goes in the middle: cells that were to change read as `noise` says.
+    pub fn interrupt(self, flash: &mut [u8], mut noise: impl FnMut() -> u8) {
+        let mut after = flash.to_vec();
+        self.apply(&mut after);
+        for (cell, after) in flash.iter_mut().zip(after) {
+            let changing = *cell ^ after;
+            if changing != 0 {
+                *cell ^= changing & noise();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HCLK_HZ: f64 = 168e6;
+
+    fn unlocked() -> Flash {
+        let mut flash = Flash::default();
+        for key in KEYS {
+            flash.write(KEYR, key, 0, HCLK_HZ).unwrap();
+        }
+        flash
+    }
+
+    #[test]
+    fn programming_takes_its_time_and_only_clears_bits() {
+        let mut flash = unlocked();
+        flash.write(CR, 1 << PG | 2 << 8, 0, HCLK_HZ).unwrap();
+        assert!(flash.program(8, Width::Word, 0x1234_5678, 1000, HCLK_HZ).unwrap());
+        assert_eq!(flash.read(SR).unwrap() & BSY, BSY);
+        assert_eq!(flash.next_done(), 1000 + 2688);
+        let mut cells = vec![0xF0; 16];
+        flash.done().unwrap().apply(&mut cells);
+        assert_eq!(cells[7..13], [0xF0, 0x70, 0x50, 0x30, 0x10, 0xF0]);
+        assert_eq!(flash.read(SR).unwrap() & BSY, 0);
+    }
+
+    #[test]
+    fn a_locked_flash_says_so() {
+        let mut flash = Flash::default();
+        assert!(!flash.program(0, Width::Word, 0, 0, HCLK_HZ).unwrap());
+        assert_eq!(flash.read(SR).unwrap(), PGSERR);
+    }
+
+    #[test]
+    fn a_sector_takes_its_time_to_erase() {
+        let mut flash = unlocked();
+        let change = flash
+            .write(CR, 1 << SER | 5 << 3 | 1 << STRT, 0, HCLK_HZ)
+            .unwrap();
+        assert_eq!(
+            change,
+            Some(Change::Erase {
+                at: 128 * 1024,
+                bytes: 128 * 1024
+            })
+        );
+        assert_eq!(flash.next_done(), 168_000_000);
+    }
+
+    #[test]
+    fn a_change_cut_short_touches_nothing_but_its_own_cells() {
+        let mut cells = vec![0; 32 * 1024];
+        let erase = Change::Erase {
+            at: 16 * 1024,
+            bytes: 16 * 1024,
+        };
+        let mut turn = 0u8;
+        erase.interrupt(&mut cells, || {
+            turn = turn.wrapping_add(1);
+            turn
+        });
+        assert!(cells[..16 * 1024].iter().all(|cell| *cell == 0));
+        let erased = cells[16 * 1024..].iter().filter(|cell| **cell == 0xFF);
+        assert!((1..16 * 1024).contains(&erased.count()));
+    }
+}

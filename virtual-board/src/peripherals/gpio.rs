@@ -1,0 +1,178 @@
+//! General-purpose pins.
+
+use super::{Answer, Lack, bit, field};
+
+/// Pins of a port.
+pub const PINS: usize = 16;
+
+const MODER: u32 = 0x00;
+const OTYPER: u32 = 0x04;
+const OSPEEDR: u32 = 0x08;
+const PUPDR: u32 = 0x0C;
+const IDR: u32 = 0x10;
+const ODR: u32 = 0x14;
+const BSRR: u32 = 0x18;
+const LCKR: u32 = 0x1C;
+const AFRL: u32 = 0x20;
+const AFRH: u32 = 0x24;
+
+/// What a pin is set up for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Read by the program.
+    Input,
+    /// Driven by the program.
+    Output,
+    /// Given to the peripheral of this number.
+    Alternate(u8),
+    /// Given to the converters.
+    Analog,
+}
+
+/// One port.
+#[derive(Debug, Clone)]
+pub struct Gpio {
+    moder: u32,
+    otyper: u32,
+    ospeedr: u32,
+    pupdr: u32,
+    odr: u32,
+    afr: [u32; 2],
+    /// Level from outside; `None` is not connected.
+    outside: [Option<bool>; PINS],
+}
+
+impl Gpio {
+    /// Port number `port`, counted from A, after a reset.
+    pub fn reset(port: usize) -> Self {
+        // The debug pins of ports A and B keep their function.
+        let (moder, ospeedr, pupdr) = match port {
+            0 => (0xA800_0000, 0x0C00_0000, 0x6400_0000),
+            1 => (0x0000_0280, 0x0000_00C0, 0x0000_0100),
+            _ => (0, 0, 0),
+        };
+        Self {
+            moder,
+            otyper: 0,
+            ospeedr,
+            pupdr,
+            odr: 0,
+            afr: [0; 2],
+            outside: [None; PINS],
+        }
+    }
+
+    /// As after a reset, with what is connected from outside still there.
+    pub fn reset_registers(&mut self, port: usize) {
+        let outside = self.outside;
+        *self = Self::reset(port);
+        self.outside = outside;
+    }
+
+    /// Reads a register.
+    pub fn read(&self, offset: u32) -> Answer<u32> {
+        Ok(match offset {
+            MODER => self.moder,
+            OTYPER => self.otyper,
+            OSPEEDR => self.ospeedr,
+            PUPDR => self.pupdr,
+            IDR => (0..PINS).fold(0, |levels, pin| {
+                levels | u32::from(self.level(pin)) << pin
+            }),
+            ODR => self.odr,
+            AFRL | AFRH => self.afr[(offset - AFRL) as usize / 4],
+            _ => return Err(Lack::Register),
+        })
+    }
+
+    /// Writes a register.
+    pub fn write(&mut self, offset: u32, value: u32) -> Answer {
+        match offset {
+            MODER => self.moder = value,
+            OTYPER => self.otyper = value & 0xFFFF,
+            OSPEEDR => self.ospeedr = value,
+            PUPDR => self.pupdr = value,
+            ODR => self.odr = value & 0xFFFF,
+            // Where a pin is both set and reset, it is set.
+            BSRR => self.odr = self.odr & !(value >> 16) | value & 0xFFFF,
+            LCKR => return Err(Lack::Use("locking of pins")),
+            AFRL | AFRH => self.afr[(offset - AFRL) as usize / 4] = value,
+            _ => return Err(Lack::Register),
+        }
+        Ok(())
+    }
+
+    /// What `pin` is set up for.
+    pub fn mode(&self, pin: usize) -> Mode {
+        match field(self.moder, 2 * pin as u32, 2) {
+            0 => Mode::Input,
+            1 => Mode::Output,
+            2 => Mode::Alternate(field(self.afr[pin / 8], 4 * (pin as u32 % 8), 4) as u8),
+            _ => Mode::Analog,
+        }
+    }
+
+    /// Level that the program drives on `pin`; `None` if it does not.
+    pub fn driven(&self, pin: usize) -> Option<bool> {
+        let high = bit(self.odr, pin as u32);
+        let open = bit(self.otyper, pin as u32) && high;
+        (self.mode(pin) == Mode::Output && !open).then_some(high)
+    }
+
+    /// Level of `pin`, as the input register reads it. A pin that nothing drives or pulls is low; an analog one reads 0.
+    pub fn level(&self, pin: usize) -> bool {
+        if self.mode(pin) == Mode::Analog {
+            return false;
+        }
+        let pulled_up = field(self.pupdr, 2 * pin as u32, 2) == 0b01;
+        self.driven(pin).or(self.outside[pin]).unwrap_or(pulled_up)
+    }
+
+    /// Connects `pin` to a level from outside, or to nothing.
+    pub fn connect(&mut self, pin: usize, level: Option<bool>) {
+        self.outside[pin] = level;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn set_wins_over_reset() {
+        let mut port = Gpio::reset(2);
+        port.write(BSRR, 1 << 8 | 1 << (8 + 16) | 1 << 9).unwrap();
+        assert_eq!(port.read(ODR).unwrap(), 1 << 8 | 1 << 9);
+        port.write(BSRR, 1 << (9 + 16)).unwrap();
+        assert_eq!(port.read(ODR).unwrap(), 1 << 8);
+    }
+
+    #[test]
+    fn an_input_follows_the_outside_and_else_its_pull() {
+        let mut port = Gpio::reset(3);
+        assert!(!port.level(15));
+        port.write(PUPDR, 0b01 << 30).unwrap();
+        assert!(port.level(15));
+        port.connect(15, Some(false));
+        assert_eq!(port.read(IDR).unwrap() >> 15, 0);
+    }
+
+    #[test]
+    fn an_open_drain_pulls_down_only() {
+        let mut port = Gpio::reset(3);
+        port.write(MODER, 0b01).unwrap();
+        port.write(OTYPER, 1).unwrap();
+        port.write(ODR, 1).unwrap();
+        assert_eq!(port.driven(0), None);
+        port.write(ODR, 0).unwrap();
+        assert_eq!(port.driven(0), Some(false));
+    }
+
+    #[test]
+    fn alternate_functions_have_numbers() {
+        let mut port = Gpio::reset(2);
+        port.write(MODER, 0b10 << 12).unwrap();
+        port.write(AFRL, 3 << 24).unwrap();
+        assert_eq!(port.mode(6), Mode::Alternate(3));
+    }
+}

@@ -1,0 +1,425 @@
+//! TIM8, an advanced timer: counts up or up and down, repeats, reloads what was preloaded at its update, and drives
+//! pulse-width modulated outputs.
+
+use super::{Answer, Lack, NEVER, bit, field, require};
+
+const CR1: u32 = 0x00;
+const CR2: u32 = 0x04;
+const SMCR: u32 = 0x08;
+const DIER: u32 = 0x0C;
+const SR: u32 = 0x10;
+const EGR: u32 = 0x14;
+const CCMR1: u32 = 0x18;
+const CCMR2: u32 = 0x1C;
+const CCER: u32 = 0x20;
+const CNT: u32 = 0x24;
+const PSC: u32 = 0x28;
+const ARR: u32 = 0x2C;
+const RCR: u32 = 0x30;
+const CCR1: u32 = 0x34;
+const CCR4: u32 = 0x40;
+const BDTR: u32 = 0x44;
+
+const CEN: u32 = 0;
+const UDIS: u32 = 1;
+const URS: u32 = 2;
+const ARPE: u32 = 7;
+const UIF: u32 = 1;
+const MOE: u32 = 15;
+const MMS_UPDATE: u32 = 0b010;
+const PWM_MODE_1: u32 = 0b110;
+const PWM_MODE_2: u32 = 0b111;
+
+/// Capture/compare channels.
+const CHANNELS: usize = 4;
+
+/// What acts until the next update.
+#[derive(Debug, Clone, Copy, Default)]
+struct Active {
+    psc: u32,
+    arr: u32,
+    ccr: [u32; CHANNELS],
+}
+
+/// TIM8. Channels are outputs; the flags of their compares are set at the update, for all that matched since the last.
+#[derive(Debug, Clone)]
+pub struct Tim8 {
+    cr1: u32,
+    cr2: u32,
+    dier: u32,
+    sr: u32,
+    ccmr: [u32; 2],
+    ccer: u32,
+    psc: u32,
+    arr: u32,
+    rcr: u32,
+    ccr: [u32; CHANNELS],
+    bdtr: u32,
+    active: Active,
+    /// Turning points until the update, this one counted in.
+    turns_left: u32,
+    /// Core cycles in one clock of the timer.
+    divider: u32,
+    /// Cycle of the last turning point; while it stands still, unused.
+    turned_at: u64,
+    /// Whether it counts up from there.
+    up: bool,
+    /// Value while it stands still.
+    stopped_at: u32,
+}
+
+impl Default for Tim8 {
+    fn default() -> Self {
+        Self {
+            cr1: 0,
+            cr2: 0,
+            dier: 0,
+            sr: 0,
+            ccmr: [0; 2],
+            ccer: 0,
+            psc: 0,
+            arr: 0xFFFF,
+            rcr: 0,
+            ccr: [0; CHANNELS],
+            bdtr: 0,
+            active: Active {
+                arr: 0xFFFF,
+                ..Active::default()
+            },
+            turns_left: 1,
+            divider: 1,
+            turned_at: 0,
+            up: true,
+            stopped_at: 0,
+        }
+    }
+}
+
+impl Tim8 {
+    /// Reads a register at cycle `now`.
+    pub fn read(&self, offset: u32, now: u64) -> Answer<u32> {
+        Ok(match offset {
+            CR1 => self.cr1,
+            CR2 => self.cr2,
+            SMCR => 0,
+            DIER => self.dier,
+            SR => self.sr,
+            EGR => 0,
+            CCMR1 | CCMR2 => self.ccmr[(offset - CCMR1) as usize / 4],
+            CCER => self.ccer,
+            CNT => self.count(now),
+            PSC => self.psc,
+            ARR => self.arr,
+            RCR => self.rcr,
+            CCR1..=CCR4 => self.ccr[(offset - CCR1) as usize / 4],
+            BDTR => self.bdtr,
+            _ => return Err(Lack::Register),
+        })
+    }
+
+    /// Writes a register at cycle `now`, with so many cycles in a clock of the timer. Returns whether this made an
+    /// update.
+    pub fn write(&mut self, offset: u32, value: u32, now: u64, divider: u32) -> Answer<bool> {
+        match offset {
+            CR1 => return self.control(value, now, divider).map(|()| false),
+            CR2 => {
+                const MMS: u32 = 0b111 << 4;
+                require(value & !MMS == 0, "preloaded enables and idle states")?;
+                require(
+                    matches!(field(value, 4, 3), 0 | MMS_UPDATE),
+                    "a trigger output other than reset and update",
+                )?;
+                self.cr2 = value;
+            }
+            SMCR => require(value == 0, "slave modes")?,
+            DIER => {
+                require(value & !1 == 0, "interrupts and DMA other than the update's")?;
+                self.dier = value;
+            }
+            SR => self.sr &= value,
+            EGR => {
+                require(value & !1 == 0, "events other than the update")?;
+                if bit(value, 0) {
+                    if !bit(self.cr1, URS) {
+                        self.sr |= UIF;
+                    }
+                    self.reload();
+                    self.stopped_at = 0;
+                    self.turned_at = now;
+                    self.up = true;
+                    return Ok(true);
+                }
+            }
+            CCMR1 | CCMR2 => {
+                for channel in [field(value, 0, 8), field(value, 8, 8)] {
+                    require(channel & 0b11 == 0, "inputs")?;
+                    let mode = field(channel, 4, 3);
+                    require(
+                        matches!(mode, 0 | PWM_MODE_1 | PWM_MODE_2),
+                        "an output mode other than PWM",
+                    )?;
+                }
+                self.ccmr[(offset - CCMR1) as usize / 4] = value;
+            }
+            CCER => {
+                const COMPLEMENTARY: u32 = 0x0CCC;
+                require(value & COMPLEMENTARY == 0, "complementary outputs")?;
+                self.ccer = value;
+            }
+            CNT => {
+                require(!self.runs(), "setting the count while it runs")?;
+                self.stopped_at = value & 0xFFFF;
+            }
+            PSC => self.psc = value & 0xFFFF,
+            ARR => {
+                self.arr = value & 0xFFFF;
+                if !bit(self.cr1, ARPE) {
+                    require(!self.runs(), "a new top without preload while it runs")?;
+                    self.active.arr = self.arr;
+                }
+            }
+            RCR => self.rcr = value & 0xFF,
+            CCR1..=CCR4 => {
+                let channel = (offset - CCR1) as usize / 4;
+                self.ccr[channel] = value & 0xFFFF;
+                if !self.preloaded(channel) {
+                    self.active.ccr[channel] = self.ccr[channel];
+                }
+            }
+            BDTR => {
+                const BREAK: u32 = 1 << 12;
+                const LOCK: u32 = 0b11 << 8;
+                const DEAD_TIME: u32 = 0xFF;
+                require(value & BREAK == 0, "the break input")?;
+                require(value & (LOCK | DEAD_TIME) == 0, "lock levels and dead time")?;
+                self.bdtr = value;
+            }
+            _ => return Err(Lack::Register),
+        }
+        Ok(false)
+    }
+
+    fn control(&mut self, value: u32, now: u64, divider: u32) -> Answer {
+        const KNOWN: u32 = 1 << CEN | 1 << UDIS | 1 << URS | 0b11 << 5 | 1 << ARPE;
+        require(
+            value & !KNOWN == 0,
+            "one-pulse mode, counting down and clock division",
+        )?;
+        let starts = bit(value, CEN) && !self.runs();
+        let stops = !bit(value, CEN) && self.runs();
+        require(
+            !self.runs() || stops || (value ^ self.cr1) & 0b11 << 5 == 0,
+            "a change of the counting mode while it runs",
+        )?;
+        if stops {
+            self.stopped_at = self.count(now);
+        }
+        self.cr1 = value;
+        if starts {
+            require(self.active.arr > 0, "counting to 0")?;
+            require(
+                self.stopped_at <= self.active.arr,
+                "starting beyond the top",
+            )?;
+            self.divider = divider;
+            self.up = true;
+            self.turned_at = now - u64::from(self.stopped_at * self.clock_cycles()).min(now);
+        }
+        Ok(())
+    }
+
+    fn runs(&self) -> bool {
+        bit(self.cr1, CEN)
+    }
+
+    /// Whether the active edge is in the middle: it counts up and down.
+    fn centre_aligned(&self) -> bool {
+        field(self.cr1, 5, 2) != 0
+    }
+
+    fn preloaded(&self, channel: usize) -> bool {
+        bit(self.ccmr[channel / 2], 8 * (channel as u32 % 2) + 3)
+    }
+
+    /// Core cycles in one count.
+    fn clock_cycles(&self) -> u32 {
+        (self.active.psc + 1) * self.divider
+    }
+
+    /// Core cycles from one turning point to the next.
+    fn turn_cycles(&self) -> u64 {
+        let counts = if self.centre_aligned() {
+            self.active.arr
+        } else {
+            self.active.arr + 1
+        };
+        u64::from(counts) * u64::from(self.clock_cycles())
+    }
+
+    fn count(&self, now: u64) -> u32 {
+        if !self.runs() {
+            return self.stopped_at;
+        }
+        let since = now.saturating_sub(self.turned_at);
+        let turns = since / self.turn_cycles();
+        let counted = (since % self.turn_cycles()) as u32 / self.clock_cycles();
+        if self.centre_aligned() && (turns % 2 == 0) != self.up {
+            self.active.arr - counted
+        } else {
+            counted
+        }
+    }
+
+    /// Takes over what was preloaded, and starts the repetitions anew.
+    fn reload(&mut self) {
+        self.active = Active {
+            psc: self.psc,
+            arr: self.arr,
+            ccr: self.ccr,
+        };
+        self.turns_left = self.rcr + 1;
+    }
+
+    /// Cycle of the next update.
+    pub fn next_update(&self) -> u64 {
+        if self.runs() {
+            self.turned_at + u64::from(self.turns_left) * self.turn_cycles()
+        } else {
+            NEVER
+        }
+    }
+
+    /// Core cycles between updates as they are set.
+    pub fn update_cycles(&self) -> u64 {
+        u64::from(self.rcr + 1) * self.turn_cycles()
+    }
+
+    /// Carries the update out, at its cycle. Returns whether it was one, and not disabled.
+    pub fn update(&mut self) -> bool {
+        let turns = self.turns_left;
+        self.turned_at = self.next_update();
+        if self.centre_aligned() && turns % 2 == 1 {
+            self.up = !self.up;
+        }
+        if bit(self.cr1, UDIS) {
+            self.turns_left = self.rcr + 1;
+            return false;
+        }
+        for (channel, compare) in self.active.ccr.iter().enumerate() {
+            if *compare <= self.active.arr {
+                self.sr |= 1 << (channel + 1);
+            }
+        }
+        self.sr |= UIF;
+        self.reload();
+        true
+    }
+
+    /// Whether the update asks for an interrupt.
+    pub fn requests_update_interrupt(&self) -> bool {
+        self.sr & self.dier & UIF != 0
+    }
+
+    /// Whether updates go out as trigger.
+    pub fn triggers_by_update(&self) -> bool {
+        field(self.cr2, 4, 3) == MMS_UPDATE
+    }
+
+    /// Share of the time, 0 to 1, for which output `channel` (from 0) is high; `None` if it is not driven.
+    pub fn high_share(&self, channel: usize) -> Option<f64> {
+        let (number, place) = (channel as u32 / 2, channel as u32 % 2);
+        let mode = field(self.ccmr[number as usize], 8 * place + 4, 3);
+        let enabled = bit(self.ccer, 4 * channel as u32) && bit(self.bdtr, MOE) && self.runs();
+        if !enabled || mode < PWM_MODE_1 {
+            return None;
+        }
+        let share = (f64::from(self.active.ccr[channel]) / f64::from(self.active.arr)).min(1.0);
+        let inverted = (mode == PWM_MODE_2) != bit(self.ccer, 4 * channel as u32 + 1);
+        Some(if inverted { 1.0 - share } else { share })
+    }
+
+    /// What the program wrote last to the compare register of `channel` (from 0); it acts from the next update on.
+    pub fn compare(&self, channel: usize) -> u32 {
+        self.ccr[channel]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Centre-aligned up to 2100, update at every fourth turning point, channels 1 and 2 of opposite polarity.
+    fn bridge(started_at: u64) -> Tim8 {
+        let mut timer = Tim8::default();
+        for (offset, value) in [
+            (ARR, 2100),
+            (RCR, 3),
+            (CCMR1, 0x6868),
+            (CCER, 0b11_0001),
+            (CR2, MMS_UPDATE << 4),
+            (CR1, 1 << 5 | 1 << ARPE),
+            (CCR1, 1050),
+            (CCR1 + 4, 1050),
+            (EGR, 1),
+            (BDTR, 1 << MOE),
+            (SR, !UIF),
+            (CR1, 1 << 5 | 1 << ARPE | 1 << CEN),
+        ] {
+            timer.write(offset, value, started_at, 1).unwrap();
+        }
+        timer
+    }
+
+    #[test]
+    fn every_fourth_turning_point_updates() {
+        let mut timer = bridge(1000);
+        assert_eq!(timer.next_update(), 1000 + 8400);
+        assert!(timer.update());
+        assert_eq!(timer.next_update(), 1000 + 2 * 8400);
+        assert_eq!(timer.read(SR, 0).unwrap() & UIF, UIF);
+    }
+
+    #[test]
+    fn it_counts_up_and_down() {
+        let timer = bridge(1000);
+        for (after, count) in [(0, 0), (100, 100), (2100, 2100), (2200, 2000), (4200, 0), (4300, 100)] {
+            assert_eq!(timer.read(CNT, 1000 + after).unwrap(), count, "{after}");
+        }
+    }
+
+    #[test]
+    fn a_preloaded_compare_acts_from_the_update_on() {
+        let mut timer = bridge(0);
+        timer.write(CCR1, 2100, 10, 1).unwrap();
+        assert_eq!(timer.high_share(0), Some(0.5));
+        timer.update();
+        assert_eq!(timer.high_share(0), Some(1.0));
+        assert_eq!(timer.high_share(1), Some(0.5), "inverted half");
+    }
+
+    #[test]
+    fn without_main_output_enable_nothing_is_driven() {
+        let mut timer = bridge(0);
+        timer.write(BDTR, 0, 10, 1).unwrap();
+        assert_eq!(timer.high_share(0), None);
+    }
+
+    #[test]
+    fn writing_zero_clears_a_flag_and_one_leaves_it() {
+        let mut timer = bridge(0);
+        timer.update();
+        timer.write(DIER, 1, 9000, 1).unwrap();
+        assert!(timer.requests_update_interrupt());
+        timer.write(SR, !0, 9000, 1).unwrap();
+        assert!(timer.requests_update_interrupt());
+        timer.write(SR, !UIF, 9000, 1).unwrap();
+        assert!(!timer.requests_update_interrupt());
+    }
+
+    #[test]
+    fn what_it_cannot_do_is_refused() {
+        let mut timer = Tim8::default();
+        assert!(matches!(timer.write(BDTR, 1 << 12, 0, 1), Err(Lack::Use(_))));
+        assert!(matches!(timer.write(0x4C, 0, 0, 1), Err(Lack::Register)));
+    }
+}

@@ -1,0 +1,228 @@
+//! A serial port: one byte in the shifter and one behind it each way, at the pace of its baud rate.
+
+use super::{Answer, Lack, NEVER, bit, require};
+
+const SR: u32 = 0x00;
+const DR: u32 = 0x04;
+const BRR: u32 = 0x08;
+const CR1: u32 = 0x0C;
+const CR2: u32 = 0x10;
+const CR3: u32 = 0x14;
+
+const ORE: u32 = 1 << 3;
+const RXNE: u32 = 1 << 5;
+const TC: u32 = 1 << 6;
+const TXE: u32 = 1 << 7;
+
+const RE: u32 = 2;
+const TE: u32 = 3;
+const RXNEIE: u32 = 5;
+const TCIE: u32 = 6;
+const TXEIE: u32 = 7;
+const UE: u32 = 13;
+const OVER8: u32 = 15;
+
+/// Start bit, eight data bits, stop bit.
+pub const FRAME_BITS: u64 = 10;
+
+/// A USART, without modem lines, parity and DMA.
+#[derive(Debug, Clone)]
+pub struct Usart {
+    sr: u32,
+    brr: u32,
+    cr1: u32,
+    received: u8,
+    /// Waits for the shifter.
+    behind: Option<u8>,
+    /// In the shifter, and when its stop bit ends.
+    shifting: Option<(u8, u64)>,
+    /// A read of the status register, followed by one of the data register, clears the overrun.
+    overrun_seen: bool,
+}
+
+impl Default for Usart {
+    fn default() -> Self {
+        Self {
+            sr: TXE | TC,
+            brr: 0,
+            cr1: 0,
+            received: 0,
+            behind: None,
+            shifting: None,
+            overrun_seen: false,
+        }
+    }
+}
+
+impl Usart {
+    /// Reads a register.
+    pub fn read(&mut self, offset: u32) -> Answer<u32> {
+        Ok(match offset {
+            SR => {
+                self.overrun_seen = self.sr & ORE != 0;
+                self.sr
+            }
+            DR => {
+                self.sr &= !RXNE;
+                if self.overrun_seen {
+                    self.sr &= !ORE;
+                    self.overrun_seen = false;
+                }
+                u32::from(self.received)
+            }
+            BRR => self.brr,
+            CR1 => self.cr1,
+            CR2 | CR3 => 0,
+            _ => return Err(Lack::Register),
+        })
+    }
+
+    /// Writes a register at cycle `now`, with so many cycles in a clock of the port's bus.
+    pub fn write(&mut self, offset: u32, value: u32, now: u64, divider: u32) -> Answer {
+        match offset {
+            SR => {
+                const CLEARED_BY_ZERO: u32 = TC | RXNE;
+                self.sr &= value | !CLEARED_BY_ZERO;
+            }
+            DR => {
+                require(
+                    bit(self.cr1, UE) && bit(self.cr1, TE),
+                    "sending while it is off",
+                )?;
+                require(self.behind.is_none(), "overwriting a byte that waits")?;
+                self.behind = Some(value as u8);
+                self.sr &= !(TXE | TC);
+                self.feed_shifter(now, divider);
+            }
+            BRR => self.brr = value & 0xFFFF,
+            CR1 => {
+                const KNOWN: u32 = 1 << RE
+                    | 1 << TE
+                    | 1 << RXNEIE
+                    | 1 << TCIE
+                    | 1 << TXEIE
+                    | 1 << UE
+                    | 1 << OVER8;
+                require(
+                    value & !KNOWN == 0,
+                    "parity, 9 bits, breaks, wake-up and the idle interrupt",
+                )?;
+                self.cr1 = value;
+            }
+            CR2 => require(value == 0, "stop bits other than one, clocks and LIN")?,
+            CR3 => require(value == 0, "DMA, flow control and error interrupts")?,
+            _ => return Err(Lack::Register),
+        }
+        Ok(())
+    }
+
+    fn feed_shifter(&mut self, now: u64, divider: u32) {
+        if self.shifting.is_none()
+            && let Some(byte) = self.behind.take()
+        {
+            self.shifting = Some((byte, now + FRAME_BITS * self.bit_cycles(divider)));
+            self.sr |= TXE;
+        }
+    }
+
+    /// Core cycles of a bit.
+    pub fn bit_cycles(&self, divider: u32) -> u64 {
+        let clocks = if bit(self.cr1, OVER8) {
+            // Three bits of fraction, of clocks eight times as fast.
+            (self.brr >> 4) * 8 + (self.brr & 0b111)
+        } else {
+            self.brr
+        };
+        u64::from(clocks.max(1) * divider)
+    }
+
+    /// Whether it listens.
+    pub fn receives(&self) -> bool {
+        bit(self.cr1, UE) && bit(self.cr1, RE)
+    }
+
+    /// Cycle at which the byte in the shifter is out.
+    pub fn next_sent(&self) -> u64 {
+        self.shifting.map_or(NEVER, |(_, end)| end)
+    }
+
+    /// Ends the byte in the shifter, and begins the next. Returns it.
+    pub fn sent(&mut self, divider: u32) -> Option<u8> {
+        let (byte, end) = self.shifting.take()?;
+        self.feed_shifter(end, divider);
+        if self.shifting.is_none() {
+            self.sr |= TC;
+        }
+        Some(byte)
+    }
+
+    /// A byte has come in. One that finds the last one still there is lost, and the overrun flag says so.
+    pub fn receive(&mut self, byte: u8) {
+        if !self.receives() {
+            return;
+        }
+        if self.sr & RXNE != 0 {
+            self.sr |= ORE;
+        } else {
+            self.received = byte;
+            self.sr |= RXNE;
+        }
+    }
+
+    /// Whether it asks for an interrupt.
+    pub fn requests_interrupt(&self) -> bool {
+        let asks = |flags: u32, enable: u32| self.sr & flags != 0 && bit(self.cr1, enable);
+        asks(RXNE | ORE, RXNEIE) || asks(TXE, TXEIE) || asks(TC, TCIE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DIVIDER: u32 = 4;
+
+    fn port() -> Usart {
+        let mut port = Usart::default();
+        port.write(BRR, 91, 0, DIVIDER).unwrap();
+        let on = 1 << UE | 1 << TE | 1 << RE | 1 << RXNEIE;
+        port.write(CR1, on, 0, DIVIDER).unwrap();
+        port
+    }
+
+    #[test]
+    fn bytes_go_out_one_after_the_other() {
+        let mut port = port();
+        port.write(DR, 1, 1000, DIVIDER).unwrap();
+        assert!(port.sr & TXE != 0, "the shifter took it");
+        port.write(DR, 2, 1001, DIVIDER).unwrap();
+        assert!(port.sr & TXE == 0);
+        let frame = 10 * 91 * 4;
+        assert_eq!(port.next_sent(), 1000 + frame);
+        assert_eq!(port.sent(DIVIDER), Some(1));
+        assert_eq!(port.next_sent(), 1000 + 2 * frame);
+        assert_eq!(port.sr & TC, 0);
+        assert_eq!(port.sent(DIVIDER), Some(2));
+        assert_eq!(port.sr & TC, TC);
+        assert_eq!(port.next_sent(), NEVER);
+    }
+
+    #[test]
+    fn a_byte_that_is_not_fetched_makes_the_next_one_lost() {
+        let mut port = port();
+        port.receive(b'a');
+        assert!(port.requests_interrupt());
+        port.receive(b'b');
+        assert_eq!(port.read(SR).unwrap() & ORE, ORE);
+        assert_eq!(port.read(DR).unwrap(), u32::from(b'a'));
+        assert_eq!(port.read(SR).unwrap() & (ORE | RXNE), 0);
+    }
+
+    #[test]
+    fn oversampling_by_eight_has_three_bits_of_fraction() {
+        let mut port = Usart::default();
+        port.write(CR1, 1 << OVER8, 0, 1).unwrap();
+        port.write(BRR, 0x53, 0, 1).unwrap();
+        assert_eq!(port.bit_cycles(1), 5 * 8 + 3);
+    }
+}

@@ -59,6 +59,12 @@ impl Winding {
         }
     }
 
+    /// No way is left for the current: it is gone.
+    pub(crate) fn open(&mut self) {
+        self.torque_nm = 0.0;
+        self.last = (0.0, 0.0);
+    }
+
     /// Torque on the shaft while the bridge holds `duty` over the next tick, from the shaft's speed on.
     #[inline]
     pub(crate) fn torque(&self, duty: f64, shaft_rad_s: f64) -> Torque {

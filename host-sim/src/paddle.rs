@@ -160,6 +160,17 @@ impl Paddle {
         }
     }
 
+    /// Carries it over one tick with the bridge's outputs off: no current, so neither drive nor brake. What the winding
+    /// carried is taken to be gone at once; it takes 30 µs at the motor's rated current.
+    pub fn coast(&mut self) {
+        self.current_a = 0.0;
+        if let Some(winding) = &mut self.winding {
+            winding.open();
+        }
+        self.line.command(&self.drive, self.state.time_s, 0.0);
+        self.carry(self.tick_s);
+    }
+
     /// The mean current over the part, A.
     #[inline]
     fn advance_part(&mut self, command: Command) -> f64 {

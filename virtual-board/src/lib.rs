@@ -2,5 +2,12 @@
 //!
 //! [`cpu`] is the processor core; it reaches everything else through its [`cpu::Bus`].
 
+pub mod board;
+pub mod chip;
+pub mod clock;
 pub mod cpu;
+pub mod image;
+pub mod log;
 pub mod peripherals;
+pub mod terminal;
+pub mod wiring;

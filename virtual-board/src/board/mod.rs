@@ -1,0 +1,390 @@
+//! The board: core, chip and paddle in one virtual time, with a terminal and a debug probe on it.
+//!
+//! Time is counted in cycles of the core. The core runs up to the next event, which then happens at exactly its cycle;
+//! a core that waits for an interrupt jumps there.
+
+mod step;
+
+pub use step::Step;
+
+use crate::chip::{Chip, Pin};
+use crate::cpu::{Cpu, Memories, Stop, Unmodelled};
+use crate::image::{Image, ImageError};
+use crate::log::{Entry, Log};
+use crate::peripherals::NEVER;
+use crate::peripherals::rcc::ResetCause;
+use crate::terminal::Terminal;
+use crate::wiring::{STEP_S, Wires, Wiring};
+use haptic_paddle::settings::Settings;
+use host_sim::paddle::PaddleSetup;
+
+/// Pins of the bridge beside its two inputs.
+const BRIDGE_ENABLES: [Pin; 2] = [Pin(2, 8), Pin(2, 9)];
+const BRIDGE_NSLEEP: Pin = Pin(3, 14);
+const BRIDGE_NFAULT: Pin = Pin(3, 15);
+
+/// Steps between two looks of the debug probe at the log.
+const STEPS_PER_LOOK: u64 = 20;
+
+/// Why the board can go no further.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Halt {
+    /// The image did what this board has no model of.
+    #[error("at {time_s:.6} s: {what}")]
+    Unmodelled {
+        /// When, s.
+        time_s: f64,
+        /// What.
+        what: Unmodelled,
+    },
+    /// What the image has set up did what this board has no model of.
+    #[error("at {time_s:.6} s: {what} is not modelled")]
+    Uncovered {
+        /// When, s.
+        time_s: f64,
+        /// What.
+        what: String,
+    },
+    /// The core has locked up, and no watchdog runs that would reset it.
+    #[error("at {time_s:.6} s the core locked up at {pc:#010x}, and no watchdog runs")]
+    Lockup {
+        /// When, s.
+        time_s: f64,
+        /// Address of the instruction that could not go on.
+        pc: u32,
+    },
+}
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pause {
+    /// The time asked for is reached.
+    Time,
+    /// The core is about to execute the instruction at a breakpoint.
+    Breakpoint(u32),
+}
+
+/// A board.
+pub struct Board {
+    /// The core. What it executes may be looked at and changed between two runs.
+    pub cpu: Cpu,
+    chip: Chip,
+    wiring: Wiring,
+    /// On the serial port.
+    pub terminal: Terminal,
+    log: Log,
+    entries: Vec<Entry>,
+    resets: Vec<(f64, ResetCause)>,
+    steps: Option<Vec<Step>>,
+    steps_done: u64,
+    /// Cycle at which the paddle has been carried a step further.
+    next_step: u64,
+    /// Of the instruction at which the core locked up.
+    locked_up: Option<u32>,
+}
+
+impl Board {
+    /// A board with `image` in its flash and the paddle of `setup` at rest, whose supply has just come. Of `settings` it
+    /// takes what the sensors on it are by default.
+    ///
+    /// # Errors
+    /// [`ImageError`] if the image does not fit the flash.
+    pub fn new(
+        image: &Image,
+        setup: &PaddleSetup,
+        settings: &Settings,
+        wires: Wires,
+    ) -> Result<Self, ImageError> {
+        let mut chip = Chip::new();
+        image.flash(
+            crate::cpu::Bus::memories(&mut chip).flash_mut(),
+            Memories::FLASH,
+        )?;
+        let mut board = Self {
+            cpu: Cpu::new(),
+            chip,
+            wiring: Wiring::new(setup, settings, wires),
+            terminal: Terminal::default(),
+            log: Log::new(image),
+            entries: Vec::new(),
+            resets: Vec::new(),
+            steps: None,
+            steps_done: 0,
+            next_step: 0,
+            locked_up: None,
+        };
+        board.next_step = board.step_cycles();
+        board
+            .chip
+            .connect(BRIDGE_NFAULT, None, &mut board.cpu.signals);
+        board.cpu.reset(&mut board.chip);
+        Ok(board)
+    }
+
+    /// Runs until `time_s` since power-on, or to a breakpoint.
+    ///
+    /// # Errors
+    /// [`Halt`].
+    pub fn run_until(&mut self, time_s: f64) -> Result<Pause, Halt> {
+        loop {
+            let end = self.chip.clock().cycle_at(time_s);
+            let now = self.cpu.signals.cycle();
+            if now >= end {
+                return Ok(Pause::Time);
+            }
+            let deadline = end.min(self.next_event());
+            self.chip.deadline = deadline;
+            let stop = self.cpu.run(&mut self.chip, deadline);
+            match stop {
+                Stop::Deadline | Stop::Event => {}
+                Stop::Breakpoint(address) => {
+                    self.catch_up()?;
+                    return Ok(Pause::Breakpoint(address));
+                }
+                Stop::Reset => self.reset(ResetCause::Software),
+                Stop::Lockup { pc } => self.locked_up = Some(pc),
+                Stop::Unmodelled(what) => {
+                    let time_s = self.time_s();
+                    return Err(Halt::Unmodelled { time_s, what });
+                }
+            }
+            self.catch_up()?;
+        }
+    }
+
+    fn next_event(&self) -> u64 {
+        self.chip
+            .next_event()
+            .min(self.next_step)
+            .min(self.next_arrival())
+    }
+
+    /// Cycle at which the next typed byte arrives.
+    fn next_arrival(&self) -> u64 {
+        match self.terminal.next_arrival_s() {
+            Some(at_s) => self.chip.clock().cycle_at(at_s),
+            None => NEVER,
+        }
+    }
+
+    /// Lets happen what is due, in the order of its time. What the paddle did comes before what the timer takes over
+    /// at the same cycle.
+    fn catch_up(&mut self) -> Result<(), Halt> {
+        let now = self.cpu.signals.cycle();
+        self.keep_pace()?;
+        while self.next_event() <= now {
+            let due = self.chip.next_event().min(self.next_step);
+            let arrives = self.next_arrival() < due;
+            let signals = &mut self.cpu.signals;
+            if arrives {
+                self.arrive()?;
+            } else if self.next_step == due {
+                self.step();
+            } else if self.chip.tim8.next_update() == due {
+                self.chip.update_tim8(signals);
+            } else if self.chip.usart2.next_sent() == due {
+                if let Some(byte) = self.chip.take_sent(signals) {
+                    self.terminal.receive(byte);
+                }
+            } else if self.chip.watchdog_expired(due) {
+                self.reset(ResetCause::IndependentWatchdog);
+            } else {
+                self.chip.finish_flash_change();
+            }
+            self.keep_pace()?;
+        }
+        match self.chip.take_trouble() {
+            None => Ok(()),
+            Some(what) => Err(self.uncovered(what)),
+        }
+    }
+
+    fn uncovered(&self, what: String) -> Halt {
+        let time_s = self.time_s();
+        Halt::Uncovered { time_s, what }
+    }
+
+    fn arrive(&mut self) -> Result<(), Halt> {
+        /// A receiver that samples the middle of ten bits finds the right ones up to this deviation.
+        const TOLERANCE: f64 = 0.03;
+        if let Some(byte) = self.terminal.arrive()
+            && self.chip.usart2.receives()
+        {
+            let baud = self.chip.clock().hz() / self.chip.usart2_bit_cycles() as f64;
+            if (baud / crate::terminal::BAUD - 1.0).abs() > TOLERANCE {
+                let terminal = crate::terminal::BAUD;
+                return Err(self.uncovered(format!(
+                    "a byte at {baud:.0} baud from a terminal of {terminal} baud"
+                )));
+            }
+            self.chip.receive(byte, &mut self.cpu.signals);
+        }
+        Ok(())
+    }
+
+    /// Cycles of the core in a step of the paddle.
+    fn step_cycles(&self) -> u64 {
+        (self.chip.clock().hz() * STEP_S).round() as u64
+    }
+
+    /// Lets the paddle's steps end with the timer's updates. The step in which the timer starts is cut to that length,
+    /// in which a paddle that is not driven does not show it.
+    fn keep_pace(&mut self) -> Result<(), Halt> {
+        let update = self.chip.tim8.next_update();
+        if update == NEVER || update == self.next_step {
+            return Ok(());
+        }
+        if self.chip.tim8.update_cycles() == self.step_cycles() {
+            self.next_step = update;
+            Ok(())
+        } else if self.bridge_duty().is_none() {
+            Ok(())
+        } else {
+            Err(self.uncovered(format!(
+                "a drive that changes every {} cycles, where the paddle's step takes {},",
+                self.chip.tim8.update_cycles(),
+                self.step_cycles()
+            )))
+        }
+    }
+
+    /// Carries the paddle a step further.
+    fn step(&mut self) {
+        let at = self.next_step;
+        let cycles = self.step_cycles();
+        let duty = self.bridge_duty();
+        let sensed = self.wiring.step(duty);
+        self.chip.follow_encoder(sensed.encoder_counts, cycles);
+        self.chip.sense(sensed.current_counts, sensed.hall_counts, at);
+        self.next_step = at + cycles;
+        self.steps_done += 1;
+        let delivered = self.chip.take_delivered();
+        let time_s = self.chip.clock().seconds(at);
+        if let Some(steps) = &mut self.steps {
+            steps.push(Step {
+                time_s,
+                cycle: at,
+                duty,
+                position_rad: self.wiring.paddle().position_rad(),
+                velocity_rad_s: self.wiring.paddle().velocity_rad_s(),
+                torque_nm: self.wiring.torque_nm(),
+                encoder_count: self.chip.encoder_count(),
+                hall_counts: sensed.hall_counts,
+                current: delivered,
+                compare: self.chip.tim8.compare(0),
+            });
+        }
+        if self.steps_done.is_multiple_of(STEPS_PER_LOOK) {
+            self.fetch_log();
+        }
+    }
+
+    fn fetch_log(&mut self) {
+        let time_s = self.time_s();
+        let memories = crate::cpu::Bus::memories(&mut self.chip);
+        self.log.fetch(memories, time_s, &mut self.entries);
+    }
+
+    /// Share of the supply that the bridge puts on the motor, from -1 to 1; `None` if its outputs are off. The enable
+    /// pins count for a whole step as they stand at its end: the control interrupt sets them at its beginning.
+    pub fn bridge_duty(&self) -> Option<f64> {
+        let high = |pin| self.chip.driven(pin) == Some(true);
+        if BRIDGE_ENABLES.into_iter().all(high) && high(BRIDGE_NSLEEP) {
+            self.chip.half_bridges()
+        } else {
+            None
+        }
+    }
+
+    fn reset(&mut self, cause: ResetCause) {
+        self.fetch_log();
+        let now = self.cpu.signals.cycle();
+        self.resets.push((self.chip.clock().seconds(now), cause));
+        self.chip.reset(cause, now, &mut self.cpu.signals);
+        self.cpu.reset(&mut self.chip);
+        self.log.reset();
+        self.locked_up = None;
+        self.next_step = now + self.step_cycles();
+    }
+
+    /// Pulls the reset pin.
+    pub fn press_reset(&mut self) {
+        self.reset(ResetCause::Pin);
+    }
+
+    /// Takes the supply away for so many seconds: RAM forgets, the paddle coasts, a change of the flash is cut short.
+    pub fn interrupt_supply(&mut self, seconds: f64) {
+        let back_s = self.time_s() + seconds;
+        for _ in 0..(seconds / STEP_S).round() as u64 {
+            let sensed = self.wiring.step(None);
+            let cycles = self.step_cycles();
+            self.chip.follow_encoder(sensed.encoder_counts, cycles);
+        }
+        let now = self.cpu.signals.cycle();
+        self.fetch_log();
+        self.chip.lose_power_until(back_s, now);
+        self.reset(ResetCause::Power);
+    }
+
+    /// Pulls the bridge's nFAULT low, or lets it go.
+    pub fn set_bridge_fault(&mut self, on: bool) {
+        let level = on.then_some(false);
+        self.chip
+            .connect(BRIDGE_NFAULT, level, &mut self.cpu.signals);
+    }
+
+    /// Stops the crystal, or lets it run.
+    pub fn set_crystal(&mut self, runs: bool) {
+        let now = self.cpu.signals.cycle();
+        let seen = self.chip.set_crystal(runs, now);
+        self.cpu.signals.set_nmi(seen);
+        self.next_step = self.next_step.min(now + self.step_cycles());
+    }
+
+    /// Changes how the paddle is wired.
+    pub fn wires_mut(&mut self) -> &mut Wires {
+        &mut self.wiring.wires
+    }
+
+    /// Types `text` on the terminal.
+    pub fn type_in(&mut self, text: &str) {
+        let now_s = self.time_s();
+        self.terminal.send(text.as_bytes(), now_s);
+    }
+
+    /// Since power-on, s.
+    pub fn time_s(&self) -> f64 {
+        self.chip.clock().seconds(self.cpu.signals.cycle())
+    }
+
+    /// The paddle on the board.
+    pub fn wiring(&self) -> &Wiring {
+        &self.wiring
+    }
+
+    /// The chip's memories.
+    pub fn memories(&mut self) -> &mut Memories {
+        crate::cpu::Bus::memories(&mut self.chip)
+    }
+
+    /// The log since the last call.
+    pub fn take_log(&mut self) -> Vec<Entry> {
+        self.fetch_log();
+        std::mem::take(&mut self.entries)
+    }
+
+    /// Resets since power-on: when, s, and why.
+    pub fn resets(&self) -> &[(f64, ResetCause)] {
+        &self.resets
+    }
+
+    /// Starts or ends keeping every step of the paddle.
+    pub fn record_steps(&mut self, on: bool) {
+        self.steps = on.then(Vec::new);
+    }
+
+    /// The steps since the last call, if they are kept.
+    pub fn take_steps(&mut self) -> Vec<Step> {
+        self.steps.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+}

@@ -88,6 +88,15 @@ pub enum Failure {
         /// All.
         all: usize,
     },
+    /// The virtual board cannot be run as asked.
+    #[error("{0}")]
+    Board(String),
+    /// The image cannot be used.
+    #[error(transparent)]
+    Image(#[from] virtual_board::image::ImageError),
+    /// The virtual board can go no further.
+    #[error(transparent)]
+    Halt(#[from] virtual_board::board::Halt),
     /// The program is at fault.
     #[error("the diagnosis broke off on a fault of the program; report it with the recording")]
     Fault,

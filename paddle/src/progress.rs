@@ -1,6 +1,7 @@
 //! A sign of life on standard error.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use std::io::Write;
 use std::sync::LazyLock;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
@@ -49,4 +50,10 @@ pub fn done(line: &str) {
     if SPINNER.elapsed() >= PATIENCE {
         SPINNER.suspend(|| eprintln!("{line}"));
     }
+}
+
+/// Leaves a line on standard output.
+pub fn say(line: &str) {
+    // Nobody is left to be told if standard output is closed.
+    SPINNER.suspend(|| drop(writeln!(std::io::stdout(), "{line}")));
 }

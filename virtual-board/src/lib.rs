@@ -9,5 +9,6 @@ pub mod cpu;
 pub mod image;
 pub mod log;
 pub mod peripherals;
+pub mod script;
 pub mod terminal;
 pub mod wiring;

@@ -82,7 +82,11 @@ impl Wiring {
     pub fn step(&mut self, duty: Option<f64>) -> Sensed {
         match duty.filter(|_| !self.wires.motor_cut) {
             Some(duty) => {
-                let duty = if self.wires.motor_swapped { -duty } else { duty };
+                let duty = if self.wires.motor_swapped {
+                    -duty
+                } else {
+                    duty
+                };
                 self.paddle.advance(Command {
                     duty: Duty(duty as f32),
                     torque_nm: self.told_nm() as f32,
@@ -99,13 +103,20 @@ impl Wiring {
         self.encoder_count = encoder_count;
         Sensed {
             encoder_counts: match self.wires {
-                Wires { encoder_cut: true, .. } => 0,
-                Wires { encoder_swapped: true, .. } => -moved,
+                Wires {
+                    encoder_cut: true, ..
+                } => 0,
+                Wires {
+                    encoder_swapped: true,
+                    ..
+                } => -moved,
                 _ => moved,
             },
             hall_counts: match self.wires {
                 Wires { hall_cut: true, .. } => 0,
-                Wires { hall_swapped: true, .. } => ADC_FULL_SCALE - hall_adc,
+                Wires {
+                    hall_swapped: true, ..
+                } => ADC_FULL_SCALE - hall_adc,
                 _ => hall_adc,
             },
             current_counts: f64::from(if self.wires.motor_swapped {

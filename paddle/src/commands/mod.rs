@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+pub mod board;
 pub mod demo;
 pub mod effects;
 pub mod gap;
@@ -18,6 +19,8 @@ pub enum Command {
     /// Run the control core on the simulated paddle.
     #[command(subcommand)]
     Sim(sim::Command),
+    /// Run the flashed image on a virtual board that is wired to the simulated paddle.
+    Board(board::Arguments),
     /// Measure the gap between a simulation and a recording.
     #[command(subcommand)]
     Gap(gap::Command),
@@ -36,6 +39,7 @@ impl Command {
         match self {
             Self::Demo(arguments) => demo::run(arguments),
             Self::Sim(command) => command.run(),
+            Self::Board(arguments) => board::run(arguments),
             Self::Gap(command) => command.run(),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Effects(arguments) => effects::run(arguments),

@@ -255,7 +255,8 @@ impl Board {
         let duty = self.bridge_duty();
         let sensed = self.wiring.step(duty);
         self.chip.follow_encoder(sensed.encoder_counts, cycles);
-        self.chip.sense(sensed.current_counts, sensed.hall_counts, at);
+        self.chip
+            .sense(sensed.current_counts, sensed.hall_counts, at);
         self.next_step = at + cycles;
         self.steps_done += 1;
         let delivered = self.chip.take_delivered();

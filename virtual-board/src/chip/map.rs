@@ -41,7 +41,12 @@ const GPIOA: u32 = 0x4002_0000;
 /// Peripherals by name, first address and first address behind; modelled ones with their unit.
 const MAP: [(&str, u32, u32, Option<Unit>); 67] = [
     ("system memory", 0x1FFF_0000, 0x1FFF_7A10, None),
-    ("factory words", 0x1FFF_7A10, 0x1FFF_7A30, Some(Unit::Factory)),
+    (
+        "factory words",
+        0x1FFF_7A10,
+        0x1FFF_7A30,
+        Some(Unit::Factory),
+    ),
     ("option bytes", 0x1FFF_C000, 0x1FFF_C010, None),
     ("TIM2", 0x4000_0000, 0x4000_0400, None),
     ("TIM3", 0x4000_0400, 0x4000_0800, None),

@@ -62,8 +62,7 @@ mod line {
 }
 
 /// Streams and channels of DMA2 that serve each converter.
-const ADC_STREAMS: [[(usize, u32); 2]; 3] =
-    [[(0, 0), (4, 0)], [(2, 1), (3, 1)], [(0, 2), (1, 2)]];
+const ADC_STREAMS: [[(usize, u32); 2]; 3] = [[(0, 0), (4, 0)], [(2, 1), (3, 1)], [(0, 2), (1, 2)]];
 const ADC_BASE: u32 = 0x4001_2000;
 const CONVERTERS: usize = 3;
 const CONVERTER_BYTES: u32 = 0x100;
@@ -200,12 +199,7 @@ impl Chip {
     /// Fills RAM with what nobody wrote.
     fn forget(&mut self, seed: u64) {
         let mut noise = noise(seed);
-        for cell in self
-            .memories
-            .sram
-            .iter_mut()
-            .chain(&mut self.memories.ccm)
-        {
+        for cell in self.memories.sram.iter_mut().chain(&mut self.memories.ccm) {
             *cell = noise();
         }
     }
@@ -273,10 +267,7 @@ impl Chip {
         if self.tim8.update() {
             self.trigger(at);
         }
-        signals.set_line(
-            line::TIM8_UP_TIM13,
-            self.tim8.requests_update_interrupt(),
-        );
+        signals.set_line(line::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
     }
 
     fn trigger(&mut self, at: u64) {
@@ -447,10 +438,7 @@ impl Chip {
     }
 
     fn show_lines(&mut self, signals: &mut Signals) {
-        signals.set_line(
-            line::TIM8_UP_TIM13,
-            self.tim8.requests_update_interrupt(),
-        );
+        signals.set_line(line::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
         self.show_usart2(signals);
         self.show_exti(signals);
         self.show_dma2(signals);
@@ -511,13 +499,7 @@ impl Chip {
         self.adc[number].read(offset % CONVERTER_BYTES)
     }
 
-    fn write_unit(
-        &mut self,
-        unit: Unit,
-        offset: u32,
-        value: u32,
-        signals: &mut Signals,
-    ) -> Answer {
+    fn write_unit(&mut self, unit: Unit, offset: u32, value: u32, signals: &mut Signals) -> Answer {
         let now = signals.cycle();
         let apb1 = self.clocks.apb1_divider;
         match unit {
@@ -526,10 +508,7 @@ impl Chip {
                 if self.tim8.write(offset, value, now, divider)? {
                     self.trigger(now);
                 }
-                signals.set_line(
-                    line::TIM8_UP_TIM13,
-                    self.tim8.requests_update_interrupt(),
-                );
+                signals.set_line(line::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
                 // A timer that starts sets the pace of the paddle too.
                 self.expect(self.tim8.next_update(), signals);
             }
@@ -588,10 +567,12 @@ impl Chip {
         }
         let divider = self.adc_divider();
         let number = (offset / CONVERTER_BYTES) as usize;
-        self.adc
-            .get_mut(number)
-            .ok_or(Lack::Register)?
-            .write(offset % CONVERTER_BYTES, value, now, divider)
+        self.adc.get_mut(number).ok_or(Lack::Register)?.write(
+            offset % CONVERTER_BYTES,
+            value,
+            now,
+            divider,
+        )
     }
 
     fn write_gpio(
@@ -604,7 +585,11 @@ impl Chip {
         const INPUTS: u32 = 0x10;
         // Only pins with an interrupt can tell; a write to the port may change their levels.
         let watched = (0..PIN_LINES).any(|pin| self.syscfg.port_of_line(pin) == port && port != 0);
-        let before = if watched { self.gpio[port].read(INPUTS)? } else { 0 };
+        let before = if watched {
+            self.gpio[port].read(INPUTS)?
+        } else {
+            0
+        };
         self.gpio[port].write(offset, value)?;
         if watched {
             let after = self.gpio[port].read(INPUTS)?;

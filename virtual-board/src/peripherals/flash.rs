@@ -102,7 +102,10 @@ impl Flash {
             }
             KEYR => {
                 let expected = KEYS.get(self.keys_given);
-                require(expected == Some(&value), "a wrong key, which locks until a reset")?;
+                require(
+                    expected == Some(&value),
+                    "a wrong key, which locks until a reset",
+                )?;
                 self.keys_given += 1;
                 if self.keys_given == KEYS.len() {
                     self.keys_given = 0;
@@ -258,7 +261,11 @@ mod tests {
     fn programming_takes_its_time_and_only_clears_bits() {
         let mut flash = unlocked();
         flash.write(CR, 1 << PG | 2 << 8, 0, HCLK_HZ).unwrap();
-        assert!(flash.program(8, Width::Word, 0x1234_5678, 1000, HCLK_HZ).unwrap());
+        assert!(
+            flash
+                .program(8, Width::Word, 0x1234_5678, 1000, HCLK_HZ)
+                .unwrap()
+        );
         assert_eq!(flash.read(SR).unwrap() & BSY, BSY);
         assert_eq!(flash.next_done(), 1000 + 2688);
         let mut cells = vec![0xF0; 16];

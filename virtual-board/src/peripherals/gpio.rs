@@ -76,9 +76,7 @@ impl Gpio {
             OTYPER => self.otyper,
             OSPEEDR => self.ospeedr,
             PUPDR => self.pupdr,
-            IDR => (0..PINS).fold(0, |levels, pin| {
-                levels | u32::from(self.level(pin)) << pin
-            }),
+            IDR => (0..PINS).fold(0, |levels, pin| levels | u32::from(self.level(pin)) << pin),
             ODR => self.odr,
             AFRL | AFRH => self.afr[(offset - AFRL) as usize / 4],
             _ => return Err(Lack::Register),

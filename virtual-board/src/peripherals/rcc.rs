@@ -355,12 +355,8 @@ mod tests {
         let mut rcc = started();
         rcc.write(CFGR, 2, 50_000).unwrap();
         assert!(!rcc.clone().set_crystal(false), "not watched");
-        rcc.write(
-            CR,
-            0x83 | 1 << HSEON | 1 << PLLON | 1 << CSSON,
-            50_000,
-        )
-        .unwrap();
+        rcc.write(CR, 0x83 | 1 << HSEON | 1 << PLLON | 1 << CSSON, 50_000)
+            .unwrap();
         assert!(rcc.set_crystal(false));
         assert_eq!(rcc.clocks().hclk_hz, HSI_HZ);
         assert!(rcc.clock_failed());

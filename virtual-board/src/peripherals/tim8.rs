@@ -133,7 +133,10 @@ impl Tim8 {
             }
             SMCR => require(value == 0, "slave modes")?,
             DIER => {
-                require(value & !1 == 0, "interrupts and DMA other than the update's")?;
+                require(
+                    value & !1 == 0,
+                    "interrupts and DMA other than the update's",
+                )?;
                 self.dier = value;
             }
             SR => self.sr &= value,
@@ -382,7 +385,14 @@ mod tests {
     #[test]
     fn it_counts_up_and_down() {
         let timer = bridge(1000);
-        for (after, count) in [(0, 0), (100, 100), (2100, 2100), (2200, 2000), (4200, 0), (4300, 100)] {
+        for (after, count) in [
+            (0, 0),
+            (100, 100),
+            (2100, 2100),
+            (2200, 2000),
+            (4200, 0),
+            (4300, 100),
+        ] {
             assert_eq!(timer.read(CNT, 1000 + after).unwrap(), count, "{after}");
         }
     }
@@ -419,7 +429,10 @@ mod tests {
     #[test]
     fn what_it_cannot_do_is_refused() {
         let mut timer = Tim8::default();
-        assert!(matches!(timer.write(BDTR, 1 << 12, 0, 1), Err(Lack::Use(_))));
+        assert!(matches!(
+            timer.write(BDTR, 1 << 12, 0, 1),
+            Err(Lack::Use(_))
+        ));
         assert!(matches!(timer.write(0x4C, 0, 0, 1), Err(Lack::Register)));
     }
 }

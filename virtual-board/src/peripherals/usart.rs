@@ -96,13 +96,8 @@ impl Usart {
             }
             BRR => self.brr = value & 0xFFFF,
             CR1 => {
-                const KNOWN: u32 = 1 << RE
-                    | 1 << TE
-                    | 1 << RXNEIE
-                    | 1 << TCIE
-                    | 1 << TXEIE
-                    | 1 << UE
-                    | 1 << OVER8;
+                const KNOWN: u32 =
+                    1 << RE | 1 << TE | 1 << RXNEIE | 1 << TCIE | 1 << TXEIE | 1 << UE | 1 << OVER8;
                 require(
                     value & !KNOWN == 0,
                     "parity, 9 bits, breaks, wake-up and the idle interrupt",

@@ -14,6 +14,7 @@ use haptic_paddle::excitation::Shape;
 
 use experiment::Arguments;
 pub use experiment::step_of_refit;
+pub use rig::SensorChoice;
 
 /// What is simulated.
 #[derive(Subcommand)]

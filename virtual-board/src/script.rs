@@ -1,0 +1,210 @@
+//! A script: what a user types, and what happens to the board, and when.
+//!
+//! ```text
+//! # seconds since power-on, then a line to type
+//! 0.1  zero hall
+//! 0.2  arm
+//! # or, after an exclamation mark, something that happens to the board
+//! 1.5  !bridge-fault on
+//! 1.6  !bridge-fault off
+//! 2.0  !supply-off 0.3
+//! ```
+
+use crate::board::{Board, Halt, Pause};
+use crate::wiring::Wires;
+
+/// What happens at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// A line is typed, with the return key behind it.
+    Type(String),
+    /// The bridge pulls nFAULT low, or lets it go.
+    BridgeFault(bool),
+    /// The supply is gone for so many seconds.
+    SupplyOff(f64),
+    /// The reset button is pressed.
+    Reset,
+    /// The crystal stops.
+    CrystalStop,
+    /// A wire changes.
+    Wire(String),
+}
+
+/// A script, in the order of time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Script {
+    lines: Vec<(f64, Action)>,
+}
+
+/// Why a script cannot be understood.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ScriptError {
+    /// No time.
+    #[error("line {line} of the script begins with '{found}'; write seconds, then what to type")]
+    Time {
+        /// From 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+    },
+    /// Earlier than the line before.
+    #[error("line {line} of the script goes back in time; put its lines in order")]
+    Order {
+        /// From 1.
+        line: usize,
+    },
+    /// No such thing happens.
+    #[error(
+        "line {line} of the script: nothing like '!{found}' happens; there are !bridge-fault on|off, \
+         !supply-off SECONDS, !reset, !crystal-stop, and !wire {}",
+        Wires::NAMED.map(|(name, _)| name).join("|")
+    )]
+    Action {
+        /// From 1.
+        line: usize,
+        /// What stands there.
+        found: String,
+    },
+}
+
+impl Script {
+    /// The script of this text.
+    ///
+    /// # Errors
+    /// [`ScriptError`] that names the line.
+    pub fn parse(text: &str) -> Result<Self, ScriptError> {
+        let mut script = Self::default();
+        for (index, words) in text.lines().enumerate() {
+            let line = index + 1;
+            let words = words.trim();
+            if words.is_empty() || words.starts_with('#') {
+                continue;
+            }
+            let (first, rest) = words.split_once(char::is_whitespace).unwrap_or((words, ""));
+            let time_s = first
+                .parse()
+                .ok()
+                .filter(|time_s: &f64| time_s.is_finite() && *time_s >= 0.0)
+                .ok_or_else(|| ScriptError::Time {
+                    line,
+                    found: first.into(),
+                })?;
+            if script.end_s() > time_s {
+                return Err(ScriptError::Order { line });
+            }
+            let action = match rest.trim().strip_prefix('!') {
+                None => Action::Type(rest.trim().into()),
+                Some(event) => Action::of(event).ok_or_else(|| ScriptError::Action {
+                    line,
+                    found: event.into(),
+                })?,
+            };
+            script.lines.push((time_s, action));
+        }
+        Ok(script)
+    }
+
+    /// Time of the last line, s.
+    pub fn end_s(&self) -> f64 {
+        self.lines.last().map_or(0.0, |(time_s, _)| *time_s)
+    }
+
+    /// Runs `board` through it, and on until `until_s`. Lines after that are left.
+    ///
+    /// # Errors
+    /// [`Halt`].
+    pub fn run(&self, board: &mut Board, until_s: f64) -> Result<(), Halt> {
+        for (time_s, action) in &self.lines {
+            if *time_s > until_s {
+                break;
+            }
+            run_through(board, *time_s)?;
+            action.take(board);
+        }
+        run_through(board, until_s)
+    }
+}
+
+/// Runs on through breakpoints.
+fn run_through(board: &mut Board, until_s: f64) -> Result<(), Halt> {
+    while board.run_until(until_s)? != Pause::Time {}
+    Ok(())
+}
+
+impl Action {
+    fn of(text: &str) -> Option<Self> {
+        let mut words = text.split_whitespace();
+        let action = match (words.next()?, words.next()) {
+            ("bridge-fault", Some("on")) => Self::BridgeFault(true),
+            ("bridge-fault", Some("off")) => Self::BridgeFault(false),
+            ("supply-off", Some(seconds)) => Self::SupplyOff(
+                seconds
+                    .parse()
+                    .ok()
+                    .filter(|s: &f64| (0.0..=LONGEST_OUTAGE_S).contains(s))?,
+            ),
+            ("reset", None) => Self::Reset,
+            ("crystal-stop", None) => Self::CrystalStop,
+            ("wire", Some(name)) if Wires::default().change(name) => Self::Wire(name.into()),
+            _ => return None,
+        };
+        words.next().is_none().then_some(action)
+    }
+
+    /// Does it.
+    pub fn take(&self, board: &mut Board) {
+        match self {
+            Self::Type(line) => board.type_in(&format!("{line}\r")),
+            Self::BridgeFault(on) => board.set_bridge_fault(*on),
+            Self::SupplyOff(seconds) => board.interrupt_supply(*seconds),
+            Self::Reset => board.press_reset(),
+            Self::CrystalStop => board.set_crystal(false),
+            Self::Wire(name) => {
+                board.wires_mut().change(name);
+            }
+        }
+    }
+}
+
+const LONGEST_OUTAGE_S: f64 = 60.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_typed_and_events_happen() {
+        let script = Script::parse(
+            "# a comment\n\n0.1 zero hall\n0.1\tarm\n1.5 !bridge-fault on\n2 !supply-off 0.3\n2.5 !wire motor-cut",
+        )
+        .unwrap();
+        assert_eq!(
+            script.lines,
+            [
+                (0.1, Action::Type("zero hall".into())),
+                (0.1, Action::Type("arm".into())),
+                (1.5, Action::BridgeFault(true)),
+                (2.0, Action::SupplyOff(0.3)),
+                (2.5, Action::Wire("motor-cut".into())),
+            ]
+        );
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        for (text, line) in [
+            ("arm", "line 1 of the script begins with 'arm'"),
+            ("-1 arm", "line 1"),
+            ("0.2 arm\n0.1 zero", "line 2 of the script goes back"),
+            (
+                "0.2 !explode",
+                "line 1 of the script: nothing like '!explode'",
+            ),
+            ("0.2 !reset now", "line 1"),
+            ("0.2 !wire blue", "line 1"),
+        ] {
+            let error = Script::parse(text).unwrap_err().to_string();
+            assert!(error.contains(line), "{error}");
+        }
+    }
+}

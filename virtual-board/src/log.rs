@@ -69,7 +69,10 @@ impl Log {
             };
             self.frame.push(byte as u8);
             if byte as u8 == END_OF_FRAME {
-                entries.push(decode(table, &self.frame, now_s));
+                // The logger ends what may have been under way before it starts; nothing was.
+                if self.frame.len() > 1 {
+                    entries.push(decode(table, &self.frame, now_s));
+                }
                 self.frame.clear();
             }
             read = (read + 1) % size;

@@ -80,6 +80,9 @@ mod tests {
         terminal.send(b"a", 1.0);
         terminal.arrive();
         terminal.send(b"b", 1.0);
-        assert_eq!(terminal.next_arrival_s(), Some(1.0 + 20.0 / BAUD));
+        assert_eq!(
+            terminal.next_arrival_s(),
+            Some(1.0 + 10.0 / BAUD + 10.0 / BAUD)
+        );
     }
 }

@@ -178,10 +178,13 @@ impl Board {
             let signals = &mut self.cpu.signals;
             if arrives {
                 self.arrive()?;
-            } else if self.next_step == due {
-                self.step();
-            } else if self.chip.tim8.next_update() == due {
-                self.chip.update_tim8(signals);
+            } else if self.next_step == due || self.chip.tim8.next_update() == due {
+                if self.next_step == due {
+                    self.step();
+                }
+                if self.chip.tim8.next_update() == due {
+                    self.chip.update_tim8(&mut self.cpu.signals);
+                }
             } else if self.chip.usart2.next_sent() == due {
                 if let Some(byte) = self.chip.take_sent(signals) {
                     self.terminal.receive(byte);

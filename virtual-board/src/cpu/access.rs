@@ -6,6 +6,9 @@ use super::{Bus, Cpu, Memories, Refusal, Stop, Trap, Unmodelled, Width};
 /// Where peripherals begin; below is memory, which may be read at any alignment.
 const PERIPHERALS: u32 = 0x4000_0000;
 
+/// The chip's own debug support, which its maker put on the private peripheral bus.
+const DEBUG_SUPPORT: u32 = 0xE004_2000;
+
 /// What an address of the private peripheral bus or of a bit-band alias stands for.
 enum Place {
     Private,
@@ -18,7 +21,7 @@ impl Place {
     fn of(address: u32) -> Self {
         let bit = |base: u32| Self::Bit(base | address >> 5 & 0xF_FFFC, address >> 2 & 31);
         match address >> 20 {
-            0xE00 => Self::Private,
+            0xE00 if address & !0x3FF != DEBUG_SUPPORT => Self::Private,
             0x220..=0x23F => bit(0x2000_0000),
             0x420..=0x43F => bit(PERIPHERALS),
             _ => Self::Board,

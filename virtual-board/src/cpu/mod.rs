@@ -440,6 +440,9 @@ impl Cpu {
             self.pend_all(&systick);
         }
         if let Some(stop) = &self.halted {
+            if matches!(stop, Stop::Lockup { .. }) {
+                self.signals.cycle = self.signals.cycle.max(until);
+            }
             return Some(stop.clone());
         }
         if std::mem::take(&mut self.signals.board_called) {

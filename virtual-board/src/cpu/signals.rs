@@ -14,7 +14,6 @@ pub struct Signals {
     pub(super) board_called: bool,
     pub(super) wait_cycles: u32,
     pub(super) flash_timing: FlashTiming,
-    pub(super) nmi: bool,
 }
 
 impl Signals {
@@ -47,11 +46,6 @@ impl Signals {
             self.risen = true;
         }
         self.levels.set(number, high);
-    }
-
-    /// Sets the line of the non-maskable interrupt; its rise pends it.
-    pub fn set_nmi(&mut self, high: bool) {
-        self.nmi = high;
     }
 
     /// Makes the run end after the present instruction, with [`super::Stop::Event`].

@@ -13,7 +13,7 @@ pub enum Stop {
     Breakpoint(u32),
     /// The image asked for a reset (AIRCR.SYSRESETREQ). The core does nothing more until [`super::Cpu::reset`].
     Reset,
-    /// A fault came where none can be taken. The core does nothing more until [`super::Cpu::reset`].
+    /// A fault came where none can be taken. The core lets time pass and does nothing more until [`super::Cpu::reset`].
     Lockup {
         /// Address of the instruction that could not go on.
         pc: u32,

@@ -45,6 +45,7 @@ fn refusal(arguments: &[&str]) -> String {
 fn every_command_has_help_with_an_example() {
     let mut commands: Vec<&[&str]> = vec![
         &[],
+        &["board"],
         &["demo"],
         &["effects"],
         &["reproduce"],

@@ -26,9 +26,12 @@ pub struct Wires {
     pub hall_cut: bool,
 }
 
+/// A way to wire wrongly, by name.
+pub type WireFault = (&'static str, fn(&mut Wires));
+
 impl Wires {
     /// Changes by name.
-    pub const NAMED: [(&'static str, fn(&mut Self)); 6] = [
+    pub const NAMED: [WireFault; 6] = [
         ("motor-swapped", |wires| wires.motor_swapped = true),
         ("motor-cut", |wires| wires.motor_cut = true),
         ("encoder-swapped", |wires| wires.encoder_swapped = true),

@@ -724,7 +724,9 @@ impl Bus for Chip {
         let (unit, offset) = self.find(address & !3)?;
         // These have 16 bits; the bridge to APB makes a word of what is narrower, in a way that the others would show.
         let of_16_bits = matches!(unit, Unit::Usart2 | Unit::Tim8 | Unit::Iwdg | Unit::Syscfg);
-        if width == Width::Byte || width == Width::Half && (!of_16_bits || address % 4 != 0) {
+        if width == Width::Byte
+            || width == Width::Half && (!of_16_bits || !address.is_multiple_of(4))
+        {
             let narrow = Lack::Use("a write narrower than the register");
             return Err(refusal(unit, offset, narrow));
         }

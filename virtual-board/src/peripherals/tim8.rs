@@ -266,7 +266,7 @@ impl Tim8 {
         let since = now.saturating_sub(self.turned_at);
         let turns = since / self.turn_cycles();
         let counted = (since % self.turn_cycles()) as u32 / self.clock_cycles();
-        if self.centre_aligned() && (turns % 2 == 0) != self.up {
+        if self.centre_aligned() && turns.is_multiple_of(2) != self.up {
             self.active.arr - counted
         } else {
             counted

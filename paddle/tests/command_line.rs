@@ -369,7 +369,7 @@ fn a_damaged_recording_is_refused_by_file_and_line() {
 }
 
 #[test]
-fn the_demo_leaves_the_files_that_it_names_and_shows_a_gap() {
+fn the_demo_leaves_the_files_that_it_names_and_closes_a_gap() {
     let out = folder("demo");
     let output = paddle(&["demo", "--out", out.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -381,6 +381,9 @@ fn the_demo_leaves_the_files_that_it_names_and_shows_a_gap() {
     assert!(
         demo["gap"]["before"].as_f64() > demo["gap"]["floor"].as_f64().map(|floor| 10.0 * floor)
     );
+    let diagnosis = &demo["diagnosis"];
+    assert_eq!(diagnosis["verdict"], "explained");
+    assert_eq!(diagnosis["effects"][0]["name"], "stribeck");
     let files = demo["files"].as_array().unwrap().iter();
     let files: Vec<_> = files
         .chain(demo["step"]["files"].as_array().unwrap())
@@ -395,6 +398,9 @@ fn the_demo_leaves_the_files_that_it_names_and_shows_a_gap() {
     for file in files {
         let content = std::fs::read_to_string(file.as_str().unwrap()).unwrap();
         assert!(said.contains(file.as_str().unwrap()) && !content.is_empty());
+        if file.as_str().unwrap().ends_with(".html") {
+            assert!(content.starts_with("<!DOCTYPE html>"));
+        }
         if file.as_str().unwrap().ends_with(".svg") {
             assert!(content.starts_with("<svg") && content.trim_end().ends_with("</svg>"));
         }

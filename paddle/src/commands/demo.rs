@@ -1,11 +1,13 @@
-//! `paddle demo`: a step response and a gap.
+//! `paddle demo`: a step response, and a gap with its diagnosis.
 
-use super::gap::measure;
+use super::gap::{diagnose, measure};
 use super::sim;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::report::{self, Labels};
 use clap::Args;
+use gap::{ModelFile, Options};
 use host_sim::device::Device;
 use recording::Recording;
 use serde_json::json;
@@ -15,9 +17,10 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_help = "Example: paddle demo
 
-The recording was made by `paddle sim` with something hidden in it that its nominal model does not have.")]
+A step of the simulated paddle, and a recording that was made by `paddle sim` with something hidden in it that its nominal
+model does not have: how large the gap is, what causes it, and the model that closes it.")]
 pub struct Arguments {
-    /// Leave plots, CSVs and the recording in this folder.
+    /// Leave plots, CSVs, the recording and its report in this folder.
     #[arg(long, default_value = "paddle-out/demo", value_name = "DIR")]
     out: PathBuf,
 }
@@ -33,31 +36,49 @@ const RECORDING: [(&str, &str); 2] = [
 /// # Errors
 /// [`Failure`] for files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let step = sim::step_of_refit(&arguments.out)?;
-    let mut folder = Folder::make(&arguments.out.join("recording"))?;
+    let out = &arguments.out;
+    let step = sim::step_of_refit(out)?;
+    let mut folder = Folder::make(&out.join("recording"))?;
     for (name, text) in RECORDING {
         folder.put(name, text)?;
     }
     let recording = Recording::read(folder.path())?;
     let (gap, runs) = gap::measure(&recording, &Device::nominal(&recording.model));
-    let mut predictions = Folder::make(&arguments.out.join("gap"))?;
+    let mut predictions = Folder::make(&out.join("gap"))?;
     for run in &runs {
         measure::leave(&mut predictions, run, &gap)?;
     }
-    let files: Vec<_> = folder.files().iter().chain(predictions.files()).collect();
+    let outcome = gap::diagnose(&recording, &Options::default());
+    let mut diagnosis = Folder::make(out)?;
+    diagnosis.put("report.html", &report::page(&recording, &outcome)?)?;
+    diagnosis.put(
+        "corrected.toml",
+        &ModelFile::new(&outcome.model, &recording).to_string(),
+    )?;
+
+    let folders = [&folder, &predictions, &diagnosis];
+    let files: Vec<_> = folders.into_iter().flat_map(Folder::files).collect();
     let listed: String = files
         .iter()
         .map(|file| format!("  {}\n", file.display()))
         .collect();
     let text = format!(
-        "{}\nThe nominal model on the bundled recording, which has something hidden in it\n  {}{listed}\nEverything is in {}\n",
+        "{}\nThe nominal model on the bundled recording, which has something hidden in it\n  {}\n{}{listed}\nEverything is in {}; open {}\n",
         step.text,
         measure::sentence(&gap),
-        arguments.out.display()
+        report::text(&outcome.diagnosis, &Labels::of(&recording)),
+        out.display(),
+        out.join("report.html").display(),
     );
     Ok(Answer {
         text,
-        json: json!({ "step": step.json, "gap": gap, "files": files, "folder": arguments.out }),
+        json: json!({
+            "step": step.json,
+            "gap": gap,
+            "diagnosis": diagnose::json(&outcome),
+            "files": files,
+            "folder": out,
+        }),
         ..Answer::default()
     })
 }

@@ -14,7 +14,7 @@ use clap::Subcommand;
 /// What can be asked.
 #[derive(Subcommand)]
 pub enum Command {
-    /// A step response and a gap, in one minute.
+    /// A step response, and a gap with its diagnosis, in seconds.
     Demo(demo::Arguments),
     /// Run the control core on the simulated paddle.
     #[command(subcommand)]

@@ -87,7 +87,7 @@ fn options(without: &[String]) -> Result<Options, Failure> {
 }
 
 /// The diagnosis in the recording format's JSON.
-pub(super) fn json(outcome: &Outcome) -> serde_json::Value {
+pub fn json(outcome: &Outcome) -> serde_json::Value {
     // Keys are text and numbers are numbers: this cannot fail.
     serde_json::to_value(&outcome.diagnosis).unwrap_or_default()
 }

@@ -4,7 +4,7 @@ use super::experiment::metrics;
 use super::rig::{Assembly, Rig};
 use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::files::{self, Folder};
+use crate::files::Folder;
 use crate::plot::{Band, Figure, Ink, Line, Panel};
 use crate::tuning::assessment::{Bench, Case, met};
 use crate::tuning::search;
@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let Assembly {
         setup, warnings, ..
     } = arguments.rig.assemble()?;
-    let band_deg = files::logged(f64::from(setup.settings.metrics.band_deg));
+    let band_deg = in_decimals(setup.settings.metrics.band_deg);
     let (specification, variants) = arguments.demands(band_deg)?;
     let bench = Bench::new(&setup, specification, arguments.amplitude, &variants)?;
     let gains = search::least(|gains| bench.cost(gains))?.rounded();
@@ -76,7 +76,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 
     let title = format!("Tuned: {}", arguments.rig.title(&setup.settings));
     let mut folder = Folder::make(&arguments.out)?;
-    let figure = figure(&title, &cases, arguments.amplitude, band_deg);
+    let figure = figure(
+        &title,
+        &cases,
+        [arguments.amplitude, band_deg],
+        arguments.settling,
+    );
     folder.put("tune.svg", &figure.svg()?)?;
 
     let mut text = format!("{warnings}{title}\n\n{}\n", gains.lines());
@@ -186,6 +191,12 @@ impl Arguments {
     }
 }
 
+/// The decimal that a person typed for this setting.
+fn in_decimals(setting: f32) -> f64 {
+    // What a float is written as reads back as a number.
+    setting.to_string().parse().unwrap_or(f64::from(setting))
+}
+
 fn ms(seconds: Option<f32>) -> f64 {
     seconds.map_or(f64::INFINITY, |s| 1e3 * f64::from(s))
 }
@@ -220,18 +231,21 @@ impl Bound {
             }
         };
         let known = values.first().copied().unwrap_or(f64::NAN);
+        let unit = match self.unit {
+            "°" => "°".to_owned(),
+            unit => format!(" {unit}"),
+        };
         let shown = |value: f64| match value.is_finite() {
-            true if self.unit == "°" && value.abs() < 10.0 => format!("{value:.2} °"),
-            true => format!("{value:.1} {}", self.unit),
+            true if value.abs() < 10.0 => format!("{value:.2}{unit}"),
+            true => format!("{value:.1}{unit}"),
             false => "∞".into(),
         };
         format!(
-            "{:<14} {:>12} {:>12}   {asked} {} {}{}\n",
+            "{:<14} {:>12} {:>12}   {asked} {}{unit}{}\n",
             self.name,
             shown(known),
             shown(worst),
             self.bound,
-            self.unit,
             if missed { "  MISSED" } else { "" }
         )
     }
@@ -250,8 +264,8 @@ fn case(case: &Case) -> Value {
     })
 }
 
-/// All steps in one panel.
-fn figure(title: &str, cases: &[Case], target_deg: f64, band_deg: f64) -> Figure {
+/// All steps in one panel, until they must have settled.
+fn figure(title: &str, cases: &[Case], [target_deg, band_deg]: [f64; 2], shown_ms: f64) -> Figure {
     let percent = |factor: f64| format!("{:+.0} %", 100.0 * (factor - 1.0));
     let lines = cases.iter().enumerate().map(|(place, case)| Line {
         label: match place {
@@ -266,7 +280,12 @@ fn figure(title: &str, cases: &[Case], target_deg: f64, band_deg: f64) -> Figure
             0 => Ink::Measured,
             other => Ink::Other(other - 1),
         },
-        points: case.trial.points(),
+        points: case
+            .trial
+            .points()
+            .into_iter()
+            .take_while(|(ms, _)| *ms <= shown_ms)
+            .collect(),
     });
     Figure {
         title: title.into(),

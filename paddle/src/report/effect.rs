@@ -1,6 +1,7 @@
 //! What an effect is called in a sentence.
 
 use super::quantity::show;
+use super::region::Labels;
 use gap::diagnosis::{Estimate, Finding};
 use host_sim::effects;
 
@@ -130,8 +131,11 @@ pub fn noun(name: &str) -> &str {
     known.map_or(name, |(_, noun, _)| noun)
 }
 
+/// Share of the nominal level below which dry friction does not act.
+const INERT: f64 = 0.01;
+
 /// What was found, with its numbers.
-pub fn phrase(finding: &Finding) -> String {
+pub fn phrase(finding: &Finding, labels: &Labels) -> String {
     let name = finding.name;
     let Some((_, noun, template)) = WORDS.iter().find(|(known, ..)| *known == name) else {
         return name.to_owned();
@@ -145,6 +149,14 @@ pub fn phrase(finding: &Finding) -> String {
                 [one] => format!("a hard stop at {}", shown(one)),
                 [one, other] => format!("hard stops at {} and {}", shown(one), shown(other)),
                 _ => (*noun).to_owned(),
+            }
+        }
+        "coulomb" if labels.coulomb > 0.0 && finding.parameters.contains_key("level") => {
+            let level = &finding.parameters["level"];
+            let nominal = show(labels.coulomb, &level.unit);
+            match level.value < INERT * labels.coulomb {
+                true => format!("dry friction that does not act (none of the {nominal})"),
+                false => format!("dry friction of {} in place of {nominal}", shown(level)),
             }
         }
         "lost_counts" if !finding.parameters.contains_key("jump") => {
@@ -191,6 +203,7 @@ pub fn explained(name: &str) -> (&'static str, &'static str) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::example::labels;
     use super::*;
     use std::collections::BTreeMap;
 
@@ -219,7 +232,7 @@ mod tests {
                 .iter()
                 .map(|p| (p.name, 0.25, 0.1, "1"))
                 .collect();
-            let phrase = phrase(&finding(kind.name, &numbers));
+            let phrase = phrase(&finding(kind.name, &numbers), &labels());
             assert!(!phrase.contains('{') && phrase != kind.name, "{phrase}");
             let (_, _, template) = WORDS.iter().find(|(n, ..)| *n == kind.name).unwrap();
             assert_eq!(
@@ -232,7 +245,24 @@ mod tests {
     #[test]
     fn only_the_stop_that_was_met_is_named() {
         let numbers = [("lower", -2.0, 0.0, "rad"), ("upper", 0.576, 0.001, "rad")];
-        assert_eq!(phrase(&finding("end_stop", &numbers)), "a hard stop at 33°");
+        assert_eq!(
+            phrase(&finding("end_stop", &numbers), &labels()),
+            "a hard stop at 33°"
+        );
+    }
+
+    #[test]
+    fn dry_friction_is_held_against_that_of_the_model() {
+        let labels = Labels {
+            coulomb: 0.015,
+            ..labels()
+        };
+        let phrase = |level: f64| {
+            let numbers = [("level", level, 1e-5, "N m")];
+            phrase(&finding("coulomb", &numbers), &labels)
+        };
+        assert_eq!(phrase(0.02), "dry friction of 20 mN m in place of 15 mN m");
+        assert!(phrase(0.0).starts_with("dry friction that does not act"));
     }
 
     #[test]
@@ -243,7 +273,7 @@ mod tests {
             ("jump_2", 0.1, 0.01, "rad"),
         ];
         assert_eq!(
-            phrase(&finding("lost_counts", &numbers)),
+            phrase(&finding("lost_counts", &numbers), &labels()),
             "a sensor that jumps 2 times"
         );
     }

@@ -11,6 +11,7 @@ pub fn labels() -> Labels {
         position: "rad".into(),
         input: "N m".into(),
         runs: vec!["sine.csv".into(), "step.csv".into()],
+        coulomb: 0.0,
     }
 }
 

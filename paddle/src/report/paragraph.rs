@@ -39,7 +39,8 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     if let Some(region) = diagnosis.regions.first() {
         sentences.push(located(region, labels));
     }
-    let found: Vec<_> = diagnosis.effects.iter().map(phrase).collect();
+    let effects = diagnosis.effects.iter();
+    let found: Vec<_> = effects.map(|effect| phrase(effect, labels)).collect();
     if found.is_empty() {
         sentences.push(format!(
             "The gap is {before} where a perfect model would leave {floor}, and no effect of the library makes it \

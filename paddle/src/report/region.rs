@@ -13,6 +13,8 @@ pub struct Labels {
     pub input: String,
     /// Files of the runs.
     pub runs: Vec<String>,
+    /// Dry friction of the nominal model, torque at the joint.
+    pub coulomb: f64,
 }
 
 impl Labels {
@@ -22,6 +24,7 @@ impl Labels {
             position: recording.units.position.clone(),
             input: recording.units.input.clone(),
             runs: recording.runs.iter().map(|run| run.file.clone()).collect(),
+            coulomb: recording.model.coulomb,
         }
     }
 

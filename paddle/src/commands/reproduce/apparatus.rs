@@ -5,7 +5,7 @@ use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::{Excitation, ExcitationError};
 use haptic_paddle::metrics::StepReport;
 use haptic_paddle::settings::{PidSettings, Sensor, Settings};
-use host_sim::closed_loop::ClosedLoop;
+use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::effects::Effect;
 use host_sim::experiment::{Experiment, ExperimentError};
 use host_sim::presets;
@@ -45,11 +45,8 @@ pub struct Response {
 pub const TARGET_DEG: f64 = 10.0;
 
 impl Apparatus {
-    /// Makes the step.
-    ///
-    /// # Errors
-    /// [`Failure`] if the controller refuses, as it may with effects switched in.
-    pub fn step(&self, step: &Step) -> Result<Response, Failure> {
+    /// The loop, with the paddle where the step starts.
+    pub fn setup(&self, step: &Step) -> LoopSetup {
         let [kp_nm_per_deg, ki_nm_per_deg_s, kd_nm_s_per_deg] = step.gains;
         let mut settings = Settings {
             pid: PidSettings {
@@ -70,6 +67,15 @@ impl Apparatus {
             Sensor::Encoder => reading_rad,
             Sensor::Hall => setup.paddle.hall.sensing.inverse(reading_rad),
         };
+        setup
+    }
+
+    /// Makes the step.
+    ///
+    /// # Errors
+    /// [`Failure`] if the controller refuses, as it may with effects switched in.
+    pub fn step(&self, step: &Step) -> Result<Response, Failure> {
+        let setup = self.setup(step);
         let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
         let to_target = Experiment {
             reference: Some(0.0),

@@ -5,6 +5,7 @@ use super::row::Row;
 use crate::failure::Failure;
 use crate::plot::{Band, Figure, Ink, Line, Panel, step_response};
 use haptic_paddle::settings::Sensor;
+use recording::{Recording, Run};
 
 /// What ours is held against.
 #[derive(Clone, Copy)]
@@ -160,9 +161,11 @@ impl Gains {
             .collect()
     }
 
-    /// Figures 7, 8 and 9.
-    pub fn figures(&self) -> [(&'static str, Figure); 3] {
-        let compared = |title: &str, which: std::ops::Range<usize>| {
+    /// Figures 7, 8 and 9; `recorded` are the lab's steps by the encoder.
+    pub fn figures(&self, recorded: Option<&Recording>) -> [(&'static str, Figure); 3] {
+        let runs = recorded.iter().flat_map(|recording| &recording.runs);
+        let recorded: Vec<_> = runs.filter_map(since_switched_on).collect();
+        let compared = |title: &str, which: std::ops::Range<usize>, recorded: &[Line]| {
             let steps = SETTINGS[which.clone()].iter().zip(&self.responses[which]);
             Figure {
                 title: title.into(),
@@ -173,13 +176,14 @@ impl Gains {
                         from: TARGET_DEG - BAND_DEG,
                         to: TARGET_DEG + BAND_DEG,
                     }),
-                    lines: steps
-                        .enumerate()
-                        .map(|(place, (setting, response))| Line {
+                    lines: recorded
+                        .iter()
+                        .cloned()
+                        .chain(steps.enumerate().map(|(place, (setting, response))| Line {
                             label: setting.label(),
                             ink: Ink::Other(place),
                             points: response.points(SHOWN_S),
-                        })
+                        }))
                         .collect(),
                     ..Panel::default()
                 }],
@@ -201,11 +205,11 @@ impl Gains {
         [
             (
                 "figure-7.svg",
-                compared("Figure 7: step by the Hall sensor", HALL),
+                compared("Figure 7: step by the Hall sensor", HALL, &[]),
             ),
             (
                 "figure-8.svg",
-                compared("Figure 8: step by the encoder", ENCODER),
+                compared("Figure 8: step by the encoder", ENCODER, &recorded),
             ),
             ("figure-9.svg", ziegler_nichols),
         ]
@@ -214,6 +218,22 @@ impl Gains {
 
 /// Of a step, in the figures, s.
 const SHOWN_S: f64 = 0.5;
+
+/// The measured line of a run whose setpoint jumps, from that jump on. The recordings have the board's filter undone.
+fn since_switched_on(run: &Run) -> Option<Line> {
+    let setpoint = run.setpoint.as_ref()?;
+    let jump = setpoint.windows(2).position(|pair| pair[0] != pair[1])? + 1;
+    let began_s = run.time[jump];
+    let samples = run.time[jump..].iter().zip(&run.position[jump..]);
+    Some(Line {
+        label: format!("recorded {}", run.file.trim_end_matches(".csv")),
+        ink: Ink::Measured,
+        points: samples
+            .map(|(t, x)| (1e3 * (t - began_s), x.to_degrees()))
+            .take_while(|(ms, _)| *ms <= 1e3 * SHOWN_S)
+            .collect(),
+    })
+}
 
 fn rows(setting: &Setting, response: &Response) -> [Row; 3] {
     let ms = |seconds: Option<f32>| seconds.map_or(NEVER, |s| 1e3 * f64::from(s));

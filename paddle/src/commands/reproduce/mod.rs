@@ -35,12 +35,8 @@ pub struct Arguments {
     /// Switch an effect into the plant, to see what the rows make of it; may be repeated.
     #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
     with: Vec<Effect>,
-    /// Folder of the lab's recorded torque sine, shown beside ours if it is there.
-    #[arg(
-        long,
-        default_value = "../shared/data/epfl-paddle/sine-0011",
-        value_name = "DIR"
-    )]
+    /// Folder of the lab's recordings `sine-0011` and `steps-encoder`, shown beside ours if they are there.
+    #[arg(long, default_value = "../shared/data/epfl-paddle", value_name = "DIR")]
     recorded: PathBuf,
     /// Leave the figures in this folder.
     #[arg(long, default_value = "paddle-out/reproduce", value_name = "DIR")]
@@ -52,15 +48,19 @@ pub struct Arguments {
 /// # Errors
 /// [`Failure`] for a recording that cannot be used, or files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let recorded = match arguments.recorded.exists() {
-        true => Some(Recording::read(&arguments.recorded)?),
-        false => None,
+    let recorded = |name: &str| {
+        let folder = arguments.recorded.join(name);
+        folder
+            .exists()
+            .then(|| Recording::read(&folder))
+            .transpose()
     };
+    let (sine, steps) = (recorded("sine-0011")?, recorded("steps-encoder")?);
     let apparatus = Apparatus {
         with: arguments.with.clone(),
     };
     let gains = Gains::run(&apparatus)?;
-    let sinusoids = Sinusoids::run(recorded.as_ref())?;
+    let sinusoids = Sinusoids::run(sine.as_ref())?;
     let simulated = SimulatedSteps::run();
     let mut rows = gains.rows();
     rows.extend(ultimate::rows(&apparatus)?);
@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let mut folder = Folder::make(&arguments.out)?;
     let figure_6 = [("figure-6.svg", simulated.figure())];
     let figures = sinusoids.figures().into_iter().chain(figure_6);
-    for (name, figure) in figures.chain(gains.figures()) {
+    for (name, figure) in figures.chain(gains.figures(steps.as_ref())) {
         folder.put(name, &figure.svg()?)?;
     }
 

@@ -88,7 +88,7 @@ impl Sinusoids {
     pub fn rows(&self) -> Vec<Row> {
         let [breakaway_nm, refit_nm] = self.breakaway_nm;
         let [lowest, highest] = range(&positions(&self.high));
-        let [_, settled] = range(&positions(&self.low)[self.low.len() / 2..]);
+        let [_, settled] = range(&positions(&self.low)[self.low.len() / 6 * 5..]);
         let settled_s = settling_s(&self.high);
         let genuine_deg = self.genuine.each_ref().map(|points| {
             let [lowest, highest] = range(&points[points.len() / 2..]);

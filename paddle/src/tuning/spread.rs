@@ -19,12 +19,14 @@ impl Variant {
             inertia: 1.0,
         }];
         for (f, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-            all.push(Self {
+            let corner = Self {
                 friction: 1.0 + f * friction,
                 inertia: 1.0 + j * inertia,
-            });
+            };
+            if !all.contains(&corner) {
+                all.push(corner);
+            }
         }
-        all.dedup();
         all
     }
 
@@ -37,5 +39,17 @@ impl Variant {
             *level_nm *= self.friction;
         }
         mechanics.friction.load_share *= self.friction;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spread_of_one_quantity_has_no_paddle_twice() {
+        assert_eq!(Variant::of(0.3, 0.1).len(), 5);
+        assert_eq!(Variant::of(0.3, 0.0).len(), 3);
+        assert_eq!(Variant::of(0.0, 0.0).len(), 1);
     }
 }

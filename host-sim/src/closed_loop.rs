@@ -93,6 +93,7 @@ pub struct Tick {
 ///
 /// The duty that the core computes from the sample at one tick acts on the bridge from the next tick on, as on the board,
 /// where the converter, the core and the preloaded compare register take up the tick between. Ideal torque acts at once.
+/// A controller that is off lets the bridge go at once, and the paddle coasts.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop {
     controller: Controller,
@@ -150,17 +151,23 @@ impl ClosedLoop {
             duty: self.controller.step(&measurement),
             torque_nm: self.controller.torque_command_nm(),
         };
-        let acting = if self.delayed {
-            std::mem::replace(&mut self.computed, computed)
-        } else {
-            computed
+        let released = self.delayed && self.controller.mode() == Mode::Off;
+        let acting = match self.delayed {
+            true if released => Command::default(),
+            true => self.computed,
+            false => computed,
         };
+        self.computed = computed;
         let tick = Tick {
             time_s: self.time_s(),
             position_rad: self.paddle.position_rad(),
             acting,
         };
-        self.paddle.advance(acting);
+        if released {
+            self.paddle.coast();
+        } else {
+            self.paddle.advance(acting);
+        }
         self.ticks += 1;
         tick
     }

@@ -17,7 +17,7 @@ use crate::peripherals::syscfg::Syscfg;
 use crate::peripherals::tim5::Tim5;
 use crate::peripherals::tim8::Tim8;
 use crate::peripherals::usart::Usart;
-use crate::peripherals::{Answer, Lack, NEVER};
+use crate::peripherals::{Answer, Lack, NEVER, bit};
 use map::{PORTS, Place, Unit};
 
 const FLASH_BYTES: usize = 1024 * 1024;
@@ -67,22 +67,36 @@ const ADC_BASE: u32 = 0x4001_2000;
 const CONVERTERS: usize = 3;
 const CONVERTER_BYTES: u32 = 0x100;
 
-/// What stands at a pin for the converters: counts, and what rounding has left over.
-#[derive(Debug, Clone, Copy, Default)]
+/// What stands at a pin for the converters: parts of a count, and what rounding has left over.
+#[derive(Debug, Clone, Copy)]
 struct Level {
-    counts: f64,
-    left_over: f64,
+    parts: u32,
+    left_over: u32,
 }
 
 impl Level {
+    const PARTS_PER_COUNT: u32 = 1 << 16;
+
+    fn set(&mut self, counts: f64) {
+        self.parts = (counts * f64::from(Self::PARTS_PER_COUNT)) as u32;
+    }
+
     /// The next conversion. The signal's noise is far above one count where it is not a whole number, so that the mean
     /// of many conversions has no steps: what rounding leaves over goes into the next.
     #[inline]
     fn convert(&mut self) -> u16 {
-        let wanted = self.counts + self.left_over;
-        let converted = (wanted + 0.5) as u16;
-        self.left_over = wanted - f64::from(converted);
-        converted
+        let wanted = self.parts + self.left_over;
+        self.left_over = wanted % Self::PARTS_PER_COUNT;
+        (wanted / Self::PARTS_PER_COUNT) as u16
+    }
+}
+
+impl Default for Level {
+    fn default() -> Self {
+        Self {
+            parts: 0,
+            left_over: Self::PARTS_PER_COUNT / 2,
+        }
     }
 }
 
@@ -344,8 +358,8 @@ impl Chip {
 
     /// Sets what stands at the converters' pins, counts, and lets DMA carry away what was converted up to cycle `now`.
     pub fn sense(&mut self, current_counts: f64, hall_counts: u16, now: u64) {
-        self.levels[CURRENT].1.counts = current_counts;
-        self.levels[HALL].1.counts = f64::from(hall_counts);
+        self.levels[CURRENT].1.set(current_counts);
+        self.levels[HALL].1.set(f64::from(hall_counts));
         for number in 0..CONVERTERS {
             if self.adc[number].collected() {
                 self.deliver(number, now);
@@ -370,26 +384,32 @@ impl Chip {
 
     /// Converts up to cycle `now`.
     fn deliver(&mut self, number: usize, now: u64) {
-        let channel = self.adc[number].channel();
-        if !self.adc[number].collected() {
-            if self.adc[number].skip_to_last(now)
-                && let Some(counts) = self.convert(number, channel)
-            {
-                self.adc[number].deliver(counts);
+        let adc = &mut self.adc[number];
+        let channel = adc.channel();
+        let Some((_, level)) = connected(&mut self.levels, &self.gpio, channel) else {
+            if adc.ended(now) {
+                self.trouble = Some(format!(
+                    "what channel {channel} of ADC{} converts, at no analog pin that is connected,",
+                    number + 1
+                ));
+            }
+            return;
+        };
+        if !adc.collected() {
+            if adc.skip_to_last(now) {
+                adc.deliver(level.convert());
             }
             return;
         }
-        while self.adc[number].ended(now) {
-            let Some(counts) = self.convert(number, channel) else {
-                return;
-            };
-            if !self.adc[number].deliver(counts) {
+        let from = ADC_BASE + CONVERTER_BYTES * number as u32 + adc::DR;
+        while adc.ended(now) {
+            let counts = level.convert();
+            if !adc.deliver(counts) {
                 continue;
             }
-            let from = ADC_BASE + CONVERTER_BYTES * number as u32 + adc::DR;
             match self.dma2.request(from, &ADC_STREAMS[number]) {
                 Some(to) => {
-                    self.adc[number].taken();
+                    adc.taken();
                     let in_sram = to.address >> 24 == Memories::SRAM >> 24;
                     let written = in_sram
                         .then(|| self.memories.write(to.address, to.width, counts.into()))
@@ -403,31 +423,7 @@ impl Chip {
                     self.delivered.sum += u32::from(counts);
                     self.delivered.conversions += 1;
                 }
-                None => self.adc[number].overrun(),
-            }
-        }
-    }
-
-    /// A conversion of what stands at the pin of `channel`.
-    #[inline]
-    fn convert(&mut self, number: usize, channel: usize) -> Option<u16> {
-        let pin = match channel {
-            0..8 => Pin(PORT_A, channel),
-            8..10 => Pin(PORT_B, channel - 8),
-            10..16 => Pin(PORT_C, channel - 10),
-            _ => Pin(PORTS, channel),
-        };
-        let level = self.levels.iter_mut().find(|(known, _)| *known == pin);
-        match level {
-            Some((Pin(port, place), level)) if self.gpio[*port].mode(*place) == Mode::Analog => {
-                Some(level.convert())
-            }
-            _ => {
-                self.trouble = Some(format!(
-                    "what channel {channel} of ADC{} converts, at no analog pin that is connected,",
-                    number + 1
-                ));
-                None
+                None => adc.overrun(),
             }
         }
     }
@@ -582,21 +578,17 @@ impl Chip {
         value: u32,
         signals: &mut Signals,
     ) -> Answer {
-        const INPUTS: u32 = 0x10;
-        // Only pins with an interrupt can tell; a write to the port may change their levels.
-        let watched = (0..PIN_LINES).any(|pin| self.syscfg.port_of_line(pin) == port && port != 0);
-        let before = if watched {
-            self.gpio[port].read(INPUTS)?
-        } else {
-            0
-        };
+        let watched = self.exti.watched();
+        let mut before = [false; PIN_LINES];
+        for (pin, level) in before.iter_mut().enumerate() {
+            *level = bit(watched, pin as u32) && self.gpio[port].level(pin);
+        }
         self.gpio[port].write(offset, value)?;
-        if watched {
-            let after = self.gpio[port].read(INPUTS)?;
-            for pin in 0..PIN_LINES {
-                self.edge(port, pin, before >> pin & 1 == 1, after >> pin & 1 == 1);
+        for (pin, before) in before.into_iter().enumerate() {
+            if bit(watched, pin as u32) {
+                self.edge(port, pin, before, self.gpio[port].level(pin));
+                self.show_exti(signals);
             }
-            self.show_exti(signals);
         }
         Ok(())
     }
@@ -733,6 +725,23 @@ impl Bus for Chip {
         self.write_unit(unit, offset, value, signals)
             .map_err(|lack| refusal(unit, offset, lack))
     }
+}
+
+/// What stands at the pin of a converter's channel, if that is an analog one.
+fn connected<'a>(
+    levels: &'a mut [(Pin, Level)],
+    gpio: &[Gpio],
+    channel: usize,
+) -> Option<&'a mut (Pin, Level)> {
+    let pin = match channel {
+        0..8 => Pin(PORT_A, channel),
+        8..10 => Pin(PORT_B, channel - 8),
+        10..16 => Pin(PORT_C, channel - 10),
+        _ => return None,
+    };
+    levels
+        .iter_mut()
+        .find(|(known, _)| *known == pin && gpio[pin.0].mode(pin.1) == Mode::Analog)
 }
 
 /// Offset of the counter of TIM5.

@@ -52,6 +52,11 @@ impl Exti {
         }
     }
 
+    /// Lines of which an edge counts.
+    pub fn watched(&self) -> u32 {
+        self.rising | self.falling
+    }
+
     /// Whether any of these lines asks for an interrupt.
     pub fn requests(&self, lines: std::ops::RangeInclusive<u32>) -> bool {
         let asked = self.pending & self.mask;

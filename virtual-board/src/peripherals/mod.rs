@@ -40,7 +40,7 @@ fn require(holds: bool, otherwise: &'static str) -> Answer {
 }
 
 /// Whether bit `number` of `word` is set.
-const fn bit(word: u32, number: u32) -> bool {
+pub(crate) const fn bit(word: u32, number: u32) -> bool {
     word >> number & 1 == 1
 }
 

@@ -287,6 +287,12 @@ impl Board {
         let time_s = self.time_s();
         let memories = crate::cpu::Bus::memories(&mut self.chip);
         self.log.fetch(memories, time_s, &mut self.entries);
+        let remarks = self.chip.take_remarks().into_iter();
+        self.entries.extend(remarks.map(|message| Entry {
+            time_s,
+            level: "BOARD".into(),
+            message,
+        }));
     }
 
     /// Share of the supply that the bridge puts on the motor, from -1 to 1; `None` if its outputs are off. The enable

@@ -127,6 +127,8 @@ pub struct Chip {
     dbgmcu: Dbgmcu,
     /// What an event could not do, as for [`Refusal::Unmodelled`].
     trouble: Option<String>,
+    /// What the chip lets pass, and a program does not mean.
+    remarks: Vec<String>,
     /// Until when the core runs if nobody calls.
     pub deadline: u64,
 }
@@ -171,6 +173,7 @@ impl Chip {
             iwdg: Iwdg::default(),
             dbgmcu: Dbgmcu::default(),
             trouble: None,
+            remarks: Vec::new(),
             deadline: 0,
         };
         chip.forget(0);
@@ -200,6 +203,7 @@ impl Chip {
             self.dbgmcu = Dbgmcu::default();
         }
         self.show_lines(signals);
+        signals.set_nmi(false);
         signals.set_flash_timing(self.flash.timing());
     }
 
@@ -375,6 +379,18 @@ impl Chip {
     /// The count that a program reads from the encoder's timer now.
     pub fn encoder_count(&self) -> u32 {
         self.tim5.read(TIM5_CNT).unwrap_or_default()
+    }
+
+    fn remark(&mut self, remark: String) {
+        // Once is enough for a loop that does it all the time.
+        if !self.remarks.contains(&remark) {
+            self.remarks.push(remark);
+        }
+    }
+
+    /// What a program did since the last call that has no effect on the chip, and that it does not mean.
+    pub fn take_remarks(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.remarks)
     }
 
     /// What cannot go on, if there is something.
@@ -652,17 +668,17 @@ impl Chip {
         }
     }
 
-    /// The modelled register at `address`, if its clock is on.
+    /// Whether a peripheral has a clock, without which it neither answers nor takes anything.
     #[inline]
-    fn find(&self, address: u32) -> Result<(Unit, u32), Refusal> {
+    fn has_clock(&self, unit: Unit) -> bool {
+        gate(unit).is_none_or(|gate| self.rcc.enabled(gate))
+    }
+
+    /// The modelled register at `address`.
+    #[inline]
+    fn find(address: u32) -> Result<(Unit, u32), Refusal> {
         match map::place(address) {
-            Place::Modelled(unit, offset) => match gate(unit) {
-                Some(gate) if !self.rcc.enabled(gate) => Err(Refusal::Unmodelled(format!(
-                    "{} without its clock",
-                    map::register(unit, offset)
-                ))),
-                _ => Ok((unit, offset)),
-            },
+            Place::Modelled(unit, offset) => Ok((unit, offset)),
             Place::Known(name, offset) => {
                 Err(Refusal::Unmodelled(format!("{name} + {offset:#04x}")))
             }
@@ -684,7 +700,10 @@ impl Bus for Chip {
     }
 
     fn read(&mut self, address: u32, width: Width, signals: &mut Signals) -> Result<u32, Refusal> {
-        let (unit, offset) = self.find(address & !3)?;
+        let (unit, offset) = Self::find(address & !3)?;
+        if !self.has_clock(unit) {
+            return Err(refusal(unit, offset, Lack::Use("a read without its clock")));
+        }
         let word = self
             .read_unit(unit, offset, signals)
             .map_err(|lack| refusal(unit, offset, lack))?;
@@ -713,7 +732,12 @@ impl Bus for Chip {
             self.stall_while_flash_is_busy(signals);
             return Ok(());
         }
-        let (unit, offset) = self.find(address & !3)?;
+        let (unit, offset) = Self::find(address & !3)?;
+        if !self.has_clock(unit) {
+            let register = map::register(unit, offset);
+            self.remark(format!("a write to {register} without its clock is lost"));
+            return Ok(());
+        }
         // These have 16 bits; the bridge to APB makes a word of what is narrower, in a way that the others would show.
         let of_16_bits = matches!(unit, Unit::Usart2 | Unit::Tim8 | Unit::Iwdg | Unit::Syscfg);
         if width == Width::Byte

@@ -1,0 +1,73 @@
+//! From power-on to a console.
+
+use crate::bench::{Bench, image};
+
+#[test]
+fn it_is_disarmed_within_a_tenth_of_a_second_with_the_bridge_off_all_along() {
+    let Some(image) = image("boot") else { return };
+    let mut bench = Bench::new(image);
+    bench.board.record_steps(true);
+    bench.run(0.1);
+    let greeting = bench.wait_for("> ");
+    assert!(greeting.contains("disarmed"), "{greeting}");
+    assert!(bench.board.time_s() < 0.1 + 1e-6);
+    assert!(
+        bench
+            .board
+            .take_steps()
+            .iter()
+            .all(|step| step.duty.is_none())
+    );
+    let log = bench.board.take_log();
+    assert!(
+        log.iter()
+            .any(|entry| entry.level == "INFO" && entry.message == "disarmed, control at 20000 Hz"),
+        "{log:?}"
+    );
+    assert!(log.iter().all(|entry| entry.level != "ERROR"), "{log:?}");
+}
+
+#[test]
+fn two_runs_are_identical() {
+    let Some(image) = image("two_runs_are_identical") else {
+        return;
+    };
+    let run = || {
+        let mut bench = Bench::new(image.clone());
+        bench.boot();
+        bench.board.record_steps(true);
+        let said: Vec<_> = ["zero hall", "arm", "step 10", "status"]
+            .map(|line| bench.command(line))
+            .into();
+        (
+            said,
+            bench.board.take_steps(),
+            bench.board.cpu.instructions(),
+            bench.board.cpu.signals.cycle(),
+        )
+    };
+    assert!(run() == run());
+}
+
+#[test]
+fn a_loss_of_the_supply_leaves_nothing_behind() {
+    let Some(image) = image("a_loss_of_the_supply_leaves_nothing_behind") else {
+        return;
+    };
+    let mut bench = Bench::armed(image);
+    bench.command("set kp 0.06");
+    bench.command("ref 15");
+    bench.run(0.005);
+    assert!(bench.drives());
+    bench.board.interrupt_supply(0.05);
+    assert!(!bench.drives());
+    let greeting = bench.boot();
+    assert!(
+        greeting.contains("disarmed") && !greeting.contains("reset"),
+        "{greeting}"
+    );
+    let kp = bench.command("get kp");
+    assert!(kp.contains("pid.kp = 0.05 "), "{kp}");
+    let refusal = bench.command("arm");
+    assert!(refusal.contains("zero"), "{refusal}");
+}

@@ -1,0 +1,82 @@
+//! The console over the serial port, and what it refuses.
+
+use crate::bench::{Bench, image, setup};
+use host_sim::presets;
+use virtual_board::wiring::Wires;
+
+#[test]
+fn it_answers() {
+    let Some(image) = image("console") else {
+        return;
+    };
+    let mut bench = Bench::new(image);
+    bench.boot();
+    let help = bench.command("help");
+    for name in ["zero", "arm", "step", "status"] {
+        assert!(help.contains(name), "{help}");
+    }
+    assert!(
+        bench
+            .command("set kp 0.06")
+            .contains("pid.kp = 0.06 N m/deg")
+    );
+    assert!(bench.command("get kp").contains("pid.kp = 0.06 N m/deg"));
+    assert!(
+        bench
+            .command("get kq\x7fp")
+            .contains("pid.kp = 0.06 N m/deg")
+    );
+    assert!(bench.command("fly").contains("no such command"));
+    assert!(bench.command("set kp high").contains("pid.kp"));
+}
+
+#[test]
+fn a_flood_of_input_is_reported_and_harms_nothing() {
+    let Some(image) = image("a_flood_of_input_is_reported") else {
+        return;
+    };
+    let mut bench = Bench::armed(image);
+    bench.board.type_in(&"get\r".repeat(400));
+    bench.run(1.0);
+    let said = bench.wait_for("> ");
+    assert!(said.contains("input lost: send slower"), "{said}");
+    assert!(said.contains("pid.kp"), "{said}");
+    assert!(bench.command("status").contains("mode position"));
+}
+
+#[test]
+fn arming_wants_a_zero() {
+    let Some(image) = image("arming_wants_a_zero") else {
+        return;
+    };
+    let mut bench = Bench::new(image);
+    bench.boot();
+    let refusal = bench.command("arm");
+    assert!(refusal.contains("zero"), "{refusal}");
+    assert!(bench.command("status").contains("mode off"));
+    assert!(!bench.drives());
+}
+
+#[test]
+fn arming_finds_a_wrong_wire_and_names_it() {
+    let Some(image) = image("arming_finds_a_wrong_wire") else {
+        return;
+    };
+    for (fault, named) in [
+        ("motor-swapped", "motor"),
+        ("motor-cut", "motor"),
+        ("encoder-swapped", "encoder"),
+        ("encoder-cut", "encoder"),
+        ("hall-swapped", "Hall"),
+    ] {
+        let mut wires = Wires::default();
+        assert!(wires.change(fault));
+        let mut bench = Bench::with(image.clone(), &setup(presets::refit()), wires);
+        bench.boot();
+        bench.command("zero hall");
+        let refusal = bench.command("arm");
+        assert!(refusal.contains(named), "{fault}: {refusal}");
+        assert!(bench.command("status").contains("mode off"), "{fault}");
+        assert!(!bench.drives(), "{fault}");
+    }
+}

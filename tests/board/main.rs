@@ -1,0 +1,12 @@
+//! The image that is flashed, on the virtual board.
+//!
+//! `cargo xtask test` builds the image first. Where there is none, these tests are skipped with a line that says so.
+
+mod bench;
+mod boot;
+mod console;
+mod control_interrupt;
+mod emergencies;
+// mod lends;
+// mod replay;
+mod step_response;

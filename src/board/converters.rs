@@ -21,6 +21,9 @@ const SAMPLE_CLOCKS: u32 = 3 + 12;
 const SAMPLES: usize = (super::bridge::CLOCKS_PER_PERIOD
     / (super::bridge::TIMER_HZ / super::PCLK2_HZ * PRESCALER)
     / SAMPLE_CLOCKS) as usize;
+/// Control periods from the timer's start until there is a current: the first update starts the converters, the second
+/// finds the ring full.
+pub const PERIODS_TO_MEASURE: u32 = 2;
 /// The sample that is taken at the turning point of the PWM in the middle of the period.
 const CENTRE: usize = SAMPLES / 2;
 

@@ -34,7 +34,7 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use bridge::{Bridge, FaultLine};
 use converters::Converters;
-pub use converters::sample_current_once;
+pub use converters::{PERIODS_TO_MEASURE, sample_current_once};
 use encoder::Encoder;
 
 /// Control periods a second.

@@ -92,6 +92,9 @@ mod app {
         let rate = TickRate::new(board::CONTROL_HZ as f32, POSITION_DIVIDER);
         let mut controller = Controller::new(&settings, rate);
         let mut idle_counts = 0.0;
+        for _ in 0..board::PERIODS_TO_MEASURE {
+            bridge.wait_for_period();
+        }
         for _ in 0..OFFSET_PERIODS {
             bridge.wait_for_period();
             watchdog.feed();

@@ -240,15 +240,24 @@ impl Generator {
 
 /// Sum of the harmonics, at most 1. Schroeder's phases for a flat spectrum: -pi k (k - 1) / N
 /// (IEEE Transactions on Information Theory 16, 1970, p. 85).
+///
+/// The sum is the imaginary part of a polynomial in exp(i phase), by Horner's scheme: one sine and cosine for all.
 #[inline]
 fn multisine(phase: Phase) -> f32 {
-    const HALF_TURN_PER_N: u32 = (1 << 31) / MULTISINE_HARMONICS;
-    let mut sum = 0.0;
-    for k in 1..=MULTISINE_HARMONICS {
-        sum += phase
-            .times(k)
-            .advanced((k * (k - 1)).wrapping_mul(HALF_TURN_PER_N).wrapping_neg())
-            .sin();
-    }
-    sum / MULTISINE_PEAK
+    const HALF_ROOT_3: f32 = 0.866_025_4;
+    /// Cosine and sine of the phases, from the first harmonic to the last.
+    const PHASES: [(f32, f32); MULTISINE_HARMONICS as usize] = [
+        (1.0, 0.0),
+        (0.5, -HALF_ROOT_3),
+        (-1.0, 0.0),
+        (1.0, 0.0),
+        (-0.5, HALF_ROOT_3),
+        (-1.0, 0.0),
+    ];
+    let (cos, sin) = phase.cos_sin();
+    let sum = PHASES.iter().rev().fold((0.0, 0.0), |sum, phase| {
+        let (re, im) = (sum.0 + phase.0, sum.1 + phase.1);
+        (re * cos - im * sin, re * sin + im * cos)
+    });
+    sum.1 * (1.0 / MULTISINE_PEAK)
 }

@@ -17,12 +17,6 @@ impl Phase {
         Self((angle_rad * (COUNTS_PER_TURN / TAU)) as i64 as u32)
     }
 
-    /// The phase `harmonic` times as far.
-    #[inline]
-    pub fn times(self, harmonic: u32) -> Self {
-        Self(self.0.wrapping_mul(harmonic))
-    }
-
     /// This phase moved on by `counts` (2^32 a turn).
     #[inline]
     pub fn advanced(self, counts: u32) -> Self {
@@ -33,6 +27,16 @@ impl Phase {
     #[inline]
     pub fn sin(self) -> f32 {
         idsp::cossin(self.0 as i32).1 as f32 * UNITS_PER_FULL_SCALE
+    }
+
+    /// Cosine and sine, to 1e-5.
+    #[inline]
+    pub fn cos_sin(self) -> (f32, f32) {
+        let (cos, sin) = idsp::cossin(self.0 as i32);
+        (
+            cos as f32 * UNITS_PER_FULL_SCALE,
+            sin as f32 * UNITS_PER_FULL_SCALE,
+        )
     }
 
     /// Square wave: 1 in the first half of the turn, then -1.

@@ -1,35 +1,15 @@
 //! The control interrupt under full load: what it takes, when it starts, and that none is missed.
 
 use crate::bench::{Bench, CONTROL, image};
+use crate::load::load;
 
-/// Bars, of the control period's 8,400 cycles.
+/// The bar. Instructions are exact, cycles come from a model; so the bar is on instructions.
 const MOST_INSTRUCTIONS: u64 = 700;
-const MOST_CYCLES: u64 = 1_000;
 /// Of the start, at 168 MHz: 1 µs.
 const MOST_JITTER_CYCLES: u64 = 168;
 const PERIOD_CYCLES: u64 = 8_400;
 
 const SECONDS: u32 = 10;
-
-/// Keeps the serial port busy both ways for a second, in position mode with a moving setpoint. A dump of all settings
-/// and an answer take 29 ms of the line, and so much is asked for every 30 ms; most commands have the controller lent
-/// out.
-pub fn load(bench: &mut Bench, second: u32) {
-    const TURNS: usize = 34;
-    let commands = [
-        format!("start multisine 5 {}", 1 + second % 3),
-        format!("set kp 0.0{}", 50 + second % 10),
-        "status".into(),
-        "set dry on".into(),
-        "set dry off".into(),
-    ];
-    for turn in 0..TURNS {
-        bench
-            .board
-            .type_in(&format!("get\r{}\r", commands[turn % commands.len()]));
-        bench.run(1.0 / TURNS as f64);
-    }
-}
 
 #[test]
 fn it_stays_within_its_bars_and_misses_nothing() {
@@ -83,7 +63,6 @@ fn it_stays_within_its_bars_and_misses_nothing() {
         jitter_cycles as f64 / 168.0,
     );
     assert!(instructions[worst] <= MOST_INSTRUCTIONS);
-    assert!(cycles[worst] <= MOST_CYCLES);
     assert!(jitter_cycles <= MOST_JITTER_CYCLES);
     assert!(runs.len() as u32 >= SECONDS * 20_000 - 1);
     let status = bench.command("\r");

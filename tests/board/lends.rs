@@ -1,0 +1,86 @@
+//! When the console reached for the controller, as the image did it.
+//!
+//! Between two control periods the console loop borrows the controller under a lock, which raises BASEPRI. The place
+//! of the instruction that does so tells who borrows: the look that is taken once a millisecond, or a typed command.
+
+use std::collections::VecDeque;
+
+use crate::bench::Bench;
+use virtual_board::board::Pause;
+use virtual_board::cpu::Width;
+
+/// `msr basepri_max, rN`, without N, which stands in the lowest bits of the first halfword.
+const RAISE_BASEPRI: [u16; 2] = [0xF380, 0x8812];
+
+/// Once, the controller was lent out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lend {
+    /// Control periods before it, since boot.
+    pub tick: u32,
+    /// Whether a command wanted it.
+    pub by_command: bool,
+}
+
+/// Watches a bench for lends.
+pub struct Watch {
+    commands: std::ops::Range<u32>,
+    ticks: u32,
+    lends: VecDeque<Lend>,
+}
+
+impl Watch {
+    /// From now on.
+    pub fn new(bench: &mut Bench) -> Self {
+        let function = |parts: &[&str]| {
+            let symbol = bench
+                .image
+                .symbol(|name| parts.iter().all(|part| name.contains(part)))
+                .unwrap_or_else(|| panic!("no function {parts:?} in the image"));
+            symbol.address..symbol.address + symbol.size
+        };
+        let commands = function(&["console", "session", "Session", "obey"]);
+        let idle = function(&["firmware", "app", "idle"]);
+        let ticks = bench.address_of(&["firmware", "5TICKS"]);
+        for address in idle.chain(commands.clone()).step_by(2) {
+            let mut half = |at| bench.board.memories().read(at, Width::Half);
+            let word = [half(address), half(address + 2)];
+            if word
+                == [
+                    word[0].map(|first| u32::from(RAISE_BASEPRI[0]) | first & 0xF),
+                    Some(RAISE_BASEPRI[1].into()),
+                ]
+            {
+                bench.board.cpu.set_breakpoint(address, true);
+            }
+        }
+        Self {
+            commands,
+            ticks,
+            lends: VecDeque::new(),
+        }
+    }
+
+    /// Runs until `time_s`.
+    pub fn run_until(&mut self, bench: &mut Bench, time_s: f64) {
+        while let Pause::Breakpoint(address) = bench.board.run_until(time_s).unwrap() {
+            self.lends.push_back(Lend {
+                tick: self.ticks(bench),
+                by_command: self.commands.contains(&address),
+            });
+        }
+    }
+
+    /// Control periods since boot.
+    pub fn ticks(&self, bench: &mut Bench) -> u32 {
+        bench
+            .board
+            .memories()
+            .read(self.ticks, Width::Word)
+            .unwrap()
+    }
+
+    /// The lends so far, oldest first.
+    pub fn into_lends(self) -> VecDeque<Lend> {
+        self.lends
+    }
+}

@@ -1,0 +1,298 @@
+//! What runs in the image is what runs on the host: the same inputs lead to the same state, bit for bit, and the same
+//! session on the simulator's closed loop leads the paddle the same way.
+
+use std::collections::{VecDeque, vec_deque};
+use std::slice;
+
+use crate::bench::{Bench, CONTROL, image, quiet, setup};
+use crate::lends::{Lend, Watch};
+use haptic_paddle::console::{Lender, Session};
+use haptic_paddle::controller::{Controller, Duty, Measurement, Mode, TickRate};
+use haptic_paddle::sensing::current::OffsetError;
+use haptic_paddle::settings::Settings;
+use host_sim::closed_loop::{ClosedLoop, LoopSetup};
+use host_sim::presets;
+use virtual_board::board::{Pause, Step};
+use virtual_board::cpu::Width;
+use virtual_board::wiring::Wires;
+
+/// The firmware's.
+const RATE: TickRate = TickRate::new(20_000.0, 2);
+const OFFSET_PERIODS: usize = 1024;
+const SAMPLES: u32 = 70;
+const LOOK_S: f32 = 1e-3;
+
+/// A session, typed a line every so often.
+const LINES: [&str; 9] = [
+    "zero hall",
+    "arm",
+    "set kp 0.02",
+    "set ki 0.1",
+    "ref 2",
+    "start triangle 3 1",
+    "start multisine 6 2",
+    "set compensation.dry on",
+    "step 5",
+];
+const LINE_EVERY_S: f64 = 0.3;
+
+/// What the image saw and did from the first control interrupt on.
+struct Recorded {
+    bench: Bench,
+    /// Current readings from which the offset was taken, counts.
+    idle: Vec<f32>,
+    /// One for each control interrupt, with what it saw.
+    steps: Vec<Step>,
+    lends: VecDeque<Lend>,
+}
+
+/// The session on the board.
+fn on_the_board(test: &str, setup: &LoopSetup) -> Option<Recorded> {
+    let mut bench = Bench::with(image(test)?, setup, Wires::default());
+    let handler = bench.address_of(&["TIM8_UP_TIM13"]);
+    let current = bench.address_of(&["Converters", "current_counts"]);
+    bench.board.record_steps(true);
+    bench.board.cpu.set_breakpoint(current, true);
+    bench.board.cpu.set_breakpoint(handler, true);
+    let mut steps = Vec::new();
+    let mut idle = Vec::new();
+    loop {
+        let Pause::Breakpoint(address) = bench.board.run_until(0.1).unwrap() else {
+            panic!("no control interrupt");
+        };
+        steps.append(&mut bench.board.take_steps());
+        if address == handler {
+            break;
+        }
+        idle.push(current_counts(steps.last().unwrap()));
+    }
+    bench.board.cpu.set_breakpoint(current, false);
+    bench.board.cpu.set_breakpoint(handler, false);
+    let mut steps = steps.split_off(steps.len() - 1);
+
+    let mut watch = Watch::new(&mut bench);
+    for line in LINES {
+        let now_s = bench.board.time_s();
+        bench.board.type_in(&format!("{line}\r"));
+        watch.run_until(&mut bench, now_s + LINE_EVERY_S);
+    }
+    steps.append(&mut bench.board.take_steps());
+    let served = bench.board.cpu.totals(CONTROL).count as usize;
+    assert!(
+        steps.len().abs_diff(served) <= 1,
+        "{} steps, {served} interrupts",
+        steps.len()
+    );
+    steps.truncate(served);
+    Some(Recorded {
+        bench,
+        idle,
+        steps,
+        lends: watch.into_lends(),
+    })
+}
+
+/// The firmware's mean of the ring.
+fn current_counts(step: &Step) -> f32 {
+    assert_eq!(step.current.conversions, SAMPLES);
+    step.current.sum as f32 * (1.0 / SAMPLES as f32)
+}
+
+fn measurement(step: &Step) -> Measurement {
+    Measurement {
+        encoder_count: step.encoder_count,
+        hall_adc: step.hall_counts,
+        current_adc: current_counts(step),
+    }
+}
+
+/// Drives the console as the image did, with a controller that `lender` brings to the tick of each lend.
+fn follow<L: Lender>(
+    lends: &VecDeque<Lend>,
+    mut lender: L,
+    left: impl Fn(&L) -> usize,
+    offset: Result<(), OffsetError>,
+) -> L {
+    let mut session = Session::new(Settings::default(), RATE, offset);
+    let mut typed = LINES.iter().flat_map(|line| line.bytes().chain([b'\r']));
+    let mut screen = String::new();
+    while left(&lender) > 0 {
+        let next = lends[lends.len() - left(&lender)];
+        if !next.by_command {
+            session.look(LOOK_S, &mut lender, &mut screen);
+            continue;
+        }
+        let before = left(&lender);
+        while left(&lender) == before {
+            let byte = typed
+                .next()
+                .unwrap_or_else(|| panic!("no command is left for {next:?}: {screen}"));
+            session.type_in(byte, &mut lender, &mut screen);
+        }
+    }
+    println!("{screen}");
+    lender
+}
+
+/// A controller on the host that sees what the image saw.
+struct Replay<'a> {
+    controller: Controller,
+    steps: slice::Iter<'a, Step>,
+    lends: vec_deque::Iter<'a, Lend>,
+    ticks: u32,
+}
+
+impl Replay<'_> {
+    /// Steps up to `tick`, comparing each duty with what the image wrote.
+    fn step_to(&mut self, tick: u32) {
+        while self.ticks < tick {
+            let Some(step) = self.steps.next() else {
+                return;
+            };
+            let duty = self.controller.step(&measurement(step));
+            let duty = if self.controller.mode() == Mode::Off {
+                Duty::ZERO
+            } else {
+                duty
+            };
+            // The image wrote it in the period that began with this step; the next one has seen it.
+            if let Some(next) = self.steps.as_slice().first() {
+                assert_eq!(compare(duty), next.compare, "tick {}", self.ticks);
+            }
+            self.ticks += 1;
+        }
+    }
+}
+
+/// The bridge's compare register for a duty.
+fn compare(duty: Duty) -> u32 {
+    const HALF: f32 = 1050.0;
+    (HALF + HALF * duty.0 + 0.5) as u32
+}
+
+impl Lender for Replay<'_> {
+    fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+        if let Some(lend) = self.lends.next() {
+            self.step_to(lend.tick);
+        }
+        work(&mut self.controller)
+    }
+}
+
+#[test]
+fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
+    let Some(mut session) = on_the_board("replay", &setup(presets::refit())) else {
+        return;
+    };
+    let mut controller = Controller::new(&Settings::default(), RATE);
+    assert_eq!(session.idle.len(), OFFSET_PERIODS);
+    let mut idle_counts = 0.0;
+    for counts in &session.idle {
+        idle_counts += counts / OFFSET_PERIODS as f32;
+    }
+    let offset = controller.calibrate_current_offset(idle_counts);
+    let replay = Replay {
+        controller,
+        steps: session.steps.iter(),
+        lends: session.lends.iter(),
+        ticks: 0,
+    };
+    let mut replay = follow(&session.lends, replay, |replay| replay.lends.len(), offset);
+    replay.step_to(session.steps.len() as u32);
+    assert!(replay.ticks > 50_000, "{}", replay.ticks);
+
+    // Every number of the host's controller stands in the image's, whatever the order of its fields.
+    let symbol = session
+        .bench
+        .image
+        .symbol(|name| name.contains("shared_resource_controller"))
+        .unwrap()
+        .clone();
+    let memories = session.bench.board.memories();
+    let held: Vec<_> = (symbol.address..symbol.address + symbol.size)
+        .step_by(4)
+        .filter_map(|address| memories.read(address, Width::Word))
+        .collect();
+    let shown = format!("{:?}", replay.controller);
+    let numbers: Vec<f32> = shown
+        .split([' ', ',', '(', ')', '{', '}', ':', '[', ']'])
+        .filter(|word| word.contains('.') || word.contains('e'))
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    assert!(numbers.len() > 40, "{shown}");
+    for number in numbers {
+        assert!(
+            held.contains(&number.to_bits()),
+            "{number:e} is not in the image's controller: {shown}"
+        );
+    }
+}
+
+/// The simulator's closed loop, brought to the tick of each lend.
+struct Simulation<'a> {
+    closed_loop: ClosedLoop,
+    lends: vec_deque::Iter<'a, Lend>,
+    positions_rad: Vec<f64>,
+}
+
+impl Simulation<'_> {
+    fn run_to(&mut self, tick: usize) {
+        while self.positions_rad.len() < tick {
+            self.positions_rad
+                .push(self.closed_loop.tick().position_rad);
+        }
+    }
+}
+
+impl Lender for Simulation<'_> {
+    fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
+        if let Some(lend) = self.lends.next() {
+            self.run_to(lend.tick as usize);
+        }
+        work(self.closed_loop.controller_mut())
+    }
+}
+
+#[test]
+fn the_simulators_closed_loop_goes_the_same_way() {
+    /// Root mean square over the whole session.
+    const CLOSE_RAD: f64 = 1e-4;
+    // It sticks at every turning point.
+    let mut device = presets::refit();
+    device.mechanics.friction.static_ratio = 1.5;
+    let setup = quiet(device);
+    let Some(session) = on_the_board("the_simulators_closed_loop", &setup) else {
+        return;
+    };
+    let simulation = Simulation {
+        closed_loop: ClosedLoop::new(&setup).unwrap(),
+        lends: session.lends.iter(),
+        positions_rad: Vec::new(),
+    };
+    let mut simulation = follow(
+        &session.lends,
+        simulation,
+        |simulation| simulation.lends.len(),
+        Ok(()),
+    );
+    simulation.run_to(session.steps.len());
+    let squares: f64 = session
+        .steps
+        .iter()
+        .zip(&simulation.positions_rad)
+        .map(|(step, position_rad)| (step.position_rad - position_rad).powi(2))
+        .sum();
+    let rms_rad = (squares / session.steps.len() as f64).sqrt();
+    let seconds = session.steps.len() as f64 / 20_000.0;
+    let stuck = session
+        .steps
+        .iter()
+        .filter(|step| step.duty.is_some() && step.velocity_rad_s == 0.0)
+        .count();
+    println!(
+        "{rms_rad:.2e} rad rms over {seconds:.2} s, of which {:.2} s stuck",
+        stuck as f64 / 20_000.0
+    );
+    assert!(seconds > 2.0 && stuck > 1000);
+    assert!(rms_rad < CLOSE_RAD, "{rms_rad:e}");
+}

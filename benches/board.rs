@@ -1,0 +1,77 @@
+//! The flashed image on the virtual board: how fast that runs, and a minute of it at full load.
+
+#[path = "../tests/board/bench.rs"]
+mod bench;
+#[path = "../tests/board/load.rs"]
+mod load;
+
+use std::time::Instant;
+
+use bench::{Bench, CONTROL};
+
+const MINUTE_S: u32 = 60;
+const PERIOD_CYCLES: u64 = 8_400;
+const CYCLES_PER_US: f64 = 168.0;
+
+fn main() {
+    let Some(image) = bench::image("board") else {
+        return;
+    };
+    let mut bench = Bench::armed(image);
+    measure(&mut bench, "position loop, quiet terminal", |bench| {
+        for _ in 0..MINUTE_S {
+            bench.command("step 5");
+            bench.run(0.5);
+            bench.command("ref 0");
+            bench.run(0.4);
+        }
+    });
+    bench.board.cpu.record_activations(true);
+    let mut first = None;
+    let mut waits = (u64::MAX, 0);
+    let mut count = 0;
+    measure(&mut bench, "full load", |bench| {
+        for second in 0..MINUTE_S {
+            load::load(bench, second);
+            bench.board.terminal.take_answer();
+            for run in bench.board.cpu.take_activations() {
+                if run.exception == CONTROL {
+                    let first = *first.get_or_insert(run.entered);
+                    // Since the period's beginning, but for a constant.
+                    let phase = (run.entered + PERIOD_CYCLES / 2 - first) % PERIOD_CYCLES;
+                    waits = (waits.0.min(phase), waits.1.max(phase));
+                    count += 1;
+                    let missed = (run.entered + PERIOD_CYCLES / 2 - first) / PERIOD_CYCLES + 1 - count;
+                    assert_eq!(missed, 0, "control interrupts missed");
+                }
+            }
+        }
+    });
+    println!(
+        "{count} control interrupts in {MINUTE_S} s at full load, none missed; the start varies by {:.3} µs",
+        (waits.1 - waits.0) as f64 / CYCLES_PER_US
+    );
+    let totals = bench.board.cpu.totals(CONTROL);
+    println!(
+        "each {:.0} instructions and {:.0} model cycles in the mean, {} and {} at most",
+        totals.instructions as f64 / totals.count as f64,
+        totals.cycles as f64 / totals.count as f64,
+        totals.most_instructions,
+        totals.most_cycles
+    );
+}
+
+/// Does `work`, and says how fast.
+fn measure(bench: &mut Bench, what: &str, work: impl FnOnce(&mut Bench)) {
+    let (from_s, from) = (bench.board.time_s(), bench.board.cpu.instructions());
+    let began = Instant::now();
+    work(bench);
+    let took_s = began.elapsed().as_secs_f64();
+    let seconds = bench.board.time_s() - from_s;
+    let instructions = (bench.board.cpu.instructions() - from) as f64;
+    println!(
+        "{what}: {seconds:.0} s in {took_s:.1} s, {:.1} times real time, {:.0} million instructions a second",
+        seconds / took_s,
+        1e-6 * instructions / took_s
+    );
+}

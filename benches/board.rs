@@ -41,7 +41,8 @@ fn main() {
                     let phase = (run.entered + PERIOD_CYCLES / 2 - first) % PERIOD_CYCLES;
                     waits = (waits.0.min(phase), waits.1.max(phase));
                     count += 1;
-                    let missed = (run.entered + PERIOD_CYCLES / 2 - first) / PERIOD_CYCLES + 1 - count;
+                    let missed =
+                        (run.entered + PERIOD_CYCLES / 2 - first) / PERIOD_CYCLES + 1 - count;
                     assert_eq!(missed, 0, "control interrupts missed");
                 }
             }

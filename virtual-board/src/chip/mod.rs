@@ -401,46 +401,46 @@ impl Chip {
     /// Converts up to cycle `now`.
     fn deliver(&mut self, number: usize, now: u64) {
         let adc = &mut self.adc[number];
+        let ended = adc.ended(now);
+        if ended == 0 {
+            return;
+        }
         let channel = adc.channel();
         let Some((_, level)) = connected(&mut self.levels, &self.gpio, channel) else {
-            if adc.ended(now) {
-                self.trouble = Some(format!(
-                    "what channel {channel} of ADC{} converts, at no analog pin that is connected,",
-                    number + 1
-                ));
-            }
+            self.trouble = Some(format!(
+                "what channel {channel} of ADC{} converts, at no analog pin that is connected,",
+                number + 1
+            ));
             return;
         };
         if !adc.collected() {
-            if adc.skip_to_last(now) {
-                adc.deliver(level.convert());
-            }
+            adc.deliver(level.convert());
             return;
         }
         let from = ADC_BASE + CONVERTER_BYTES * number as u32 + adc::DR;
-        while adc.ended(now) {
+        let stream = self.dma2.serving(from, &ADC_STREAMS[number]);
+        for _ in 0..ended {
             let counts = level.convert();
             if !adc.deliver(counts) {
-                continue;
+                break;
             }
-            match self.dma2.request(from, &ADC_STREAMS[number]) {
-                Some(to) => {
-                    adc.taken();
-                    let in_sram = to.address >> 24 == Memories::SRAM >> 24;
-                    let written = in_sram
-                        .then(|| self.memories.write(to.address, to.width, counts.into()))
-                        .flatten();
-                    if written.is_none() {
-                        self.trouble = Some(format!(
-                            "a transfer of DMA2 to {:#010x}, where it reaches no RAM,",
-                            to.address
-                        ));
-                    }
-                    self.delivered.sum += u32::from(counts);
-                    self.delivered.conversions += 1;
-                }
-                None => adc.overrun(),
+            let Some(to) = stream.and_then(|stream| self.dma2.carry(stream)) else {
+                adc.overrun();
+                break;
+            };
+            adc.taken();
+            let in_sram = to.address >> 24 == Memories::SRAM >> 24;
+            let written = in_sram
+                .then(|| self.memories.write(to.address, to.width, counts.into()))
+                .flatten();
+            if written.is_none() {
+                self.trouble = Some(format!(
+                    "a transfer of DMA2 to {:#010x}, where it reaches no RAM,",
+                    to.address
+                ));
             }
+            self.delivered.sum += u32::from(counts);
+            self.delivered.conversions += 1;
         }
     }
 

@@ -132,32 +132,21 @@ impl Adc {
         u64::from((SAMPLING[code as usize] + BITS) * self.divider)
     }
 
-    /// Whether a conversion has ended by cycle `now`; the next one then runs, if there is to be one.
+    /// Number of conversions that have ended by cycle `now`; the next one then runs, if there is to be one.
     #[inline]
-    pub fn ended(&mut self, now: u64) -> bool {
-        match self.ends_at {
-            Some(end) if end <= now => {
-                // An overrun stops the converter's DMA, not the converter.
-                self.ends_at = bit(self.cr2, CONT).then(|| end + self.conversion_cycles());
-                true
-            }
-            _ => false,
-        }
-    }
-
-    /// Lets all conversions that have ended by cycle `now` pass but the last. For converters whose results nobody
-    /// collects. Returns whether one has ended.
-    pub fn skip_to_last(&mut self, now: u64) -> bool {
+    pub fn ended(&mut self, now: u64) -> u64 {
         let Some(end) = self.ends_at.filter(|end| *end <= now) else {
-            return false;
+            return 0;
         };
         if bit(self.cr2, CONT) {
             let each = self.conversion_cycles();
-            self.ends_at = Some(end + ((now - end) / each + 1) * each);
+            let ended = (now - end) / each + 1;
+            self.ends_at = Some(end + ended * each);
+            ended
         } else {
             self.ends_at = None;
+            1
         }
-        true
     }
 
     /// Puts the result of an ended conversion into the data register. Returns whether DMA is to collect it.
@@ -210,27 +199,17 @@ mod tests {
     fn seventy_conversions_fit_a_control_period() {
         let mut adc = continuous(3);
         adc.trigger(1000, 8);
-        let ended = std::iter::from_fn(|| adc.ended(1000 + 8400).then_some(())).count();
-        assert_eq!(ended, 70);
+        assert_eq!(adc.ended(1000 + 8400), 70);
         assert_eq!(adc.ends_at, Some(1000 + 8400 + 120));
     }
 
     #[test]
     fn it_waits_for_its_trigger_and_then_no_more() {
         let mut adc = continuous(9);
-        assert!(!adc.ended(1_000_000));
+        assert_eq!(adc.ended(1_000_000), 0);
         adc.trigger(1_000_000, 8);
         adc.trigger(1_000_050, 8);
         assert_eq!(adc.ends_at, Some(1_000_000 + 120));
-    }
-
-    #[test]
-    fn skipping_leaves_the_last() {
-        let mut adc = continuous(9);
-        adc.trigger(0, 8);
-        assert!(adc.skip_to_last(1000));
-        assert_eq!(adc.ends_at, Some(1080));
-        assert!(!adc.skip_to_last(1079));
     }
 
     #[test]

@@ -108,16 +108,20 @@ impl Dma {
         })
     }
 
-    /// A peripheral whose register stands at `from` requests a transfer by one of its streams and channels. Returns
-    /// where it goes; `None` if no stream serves it.
-    #[inline]
-    pub fn request(&mut self, from: u32, served_by: &[(usize, u32)]) -> Option<Destination> {
-        let number = served_by.iter().find_map(|(number, channel)| {
+    /// Stream that serves a peripheral whose register stands at `from`, of the streams and channels that can.
+    pub fn serving(&self, from: u32, able: &[(usize, u32)]) -> Option<usize> {
+        able.iter().find_map(|(number, channel)| {
             let stream = &self.streams[*number];
             let serves = bit(stream.cr, EN) && field(stream.cr, 25, 3) == *channel;
             (serves && stream.par == from).then_some(*number)
-        })?;
-        Some(self.streams[number].step())
+        })
+    }
+
+    /// Carries an item by stream `number`. Returns where it goes; `None` if the stream is done.
+    #[inline]
+    pub fn carry(&mut self, number: usize) -> Option<Destination> {
+        let stream = &mut self.streams[number];
+        bit(stream.cr, EN).then(|| stream.step())
     }
 
     /// Whether stream `number` asks for an interrupt.
@@ -219,7 +223,7 @@ mod tests {
 
     fn addresses(dma: &mut Dma, requests: usize) -> Vec<u32> {
         (0..requests)
-            .filter_map(|_| dma.request(FROM, &[(0, 2), (1, 2)]))
+            .filter_map(|_| dma.carry(dma.serving(FROM, &[(0, 2), (1, 2)])?))
             .map(|to| to.address)
             .collect()
     }
@@ -245,7 +249,6 @@ mod tests {
 
     #[test]
     fn another_channel_serves_another_peripheral() {
-        let mut dma = ring(3, true);
-        assert_eq!(dma.request(FROM, &[(1, 0)]), None);
+        assert_eq!(ring(3, true).serving(FROM, &[(1, 0)]), None);
     }
 }

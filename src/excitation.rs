@@ -255,9 +255,9 @@ fn multisine(phase: Phase) -> f32 {
         (-1.0, 0.0),
     ];
     let (cos, sin) = phase.cos_sin();
-    let sum = PHASES.iter().rev().fold((0.0, 0.0), |sum, phase| {
-        let (re, im) = (sum.0 + phase.0, sum.1 + phase.1);
-        (re * cos - im * sin, re * sin + im * cos)
+    let [lower @ .., highest] = PHASES;
+    let (re, im) = lower.iter().rev().fold(highest, |(re, im), phase| {
+        (re * cos - im * sin + phase.0, re * sin + im * cos + phase.1)
     });
-    sum.1 * (1.0 / MULTISINE_PEAK)
+    (re * sin + im * cos) * (1.0 / MULTISINE_PEAK)
 }

@@ -13,8 +13,10 @@ impl Phase {
     /// From an angle in radians; whole turns are dropped. Good to the 24 bits of `f32`.
     #[inline]
     pub fn from_rad(angle_rad: f32) -> Self {
-        // Through i64, because a float that does not fit a u32 would saturate instead of wrapping.
-        Self((angle_rad * (COUNTS_PER_TURN / TAU)) as i64 as u32)
+        let turns = angle_rad * (1.0 / TAU);
+        let part = turns - turns as i32 as f32;
+        // Half the counts, because those of a whole turn either way do not fit 32 bits.
+        Self(((part * (0.5 * COUNTS_PER_TURN)) as i32 as u32) << 1)
     }
 
     /// This phase moved on by `counts` (2^32 a turn).
@@ -63,4 +65,18 @@ impl Phase {
 /// Exact but for the rounding of the product; frequencies above half the tick rate are lowered to it.
 pub fn increment(frequency_hz: f32, tick_s: f32) -> i64 {
     (crate::scalar::limit(frequency_hz * tick_s, 0.5) * COUNTS_PER_TURN * COUNTS_PER_TURN) as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_of_either_sign_and_beyond_a_turn_have_their_sine() {
+        for step in -1000..=1000 {
+            let angle_rad = 0.01 * step as f32;
+            let expected = libm::sinf(angle_rad);
+            assert!((Phase::from_rad(angle_rad).sin() - expected).abs() < 2e-5);
+        }
+    }
 }

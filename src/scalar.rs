@@ -12,11 +12,29 @@ pub fn limit(value: f32, limit: f32) -> f32 {
     }
 }
 
-/// Below this a state that decays is over.
+/// A state that decays is over far below this.
 const NEGLIGIBLE: f32 = 1e-20;
 
 /// 0 for a value that decayed to nothing: subnormal numbers are many times slower on most processors.
+///
+/// The sum rounds away what is smaller than its last bit, and a value above 1e-12 is too large to notice.
 #[inline]
 pub fn flushed(value: f32) -> f32 {
-    if value.abs() < NEGLIGIBLE { 0.0 } else { value }
+    (value + NEGLIGIBLE) - NEGLIGIBLE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_decayed_is_flushed_and_the_rest_stays() {
+        for decayed in [1e-40, -1e-40, 1e-30, -1e-30] {
+            assert_eq!(flushed(decayed), 0.0);
+        }
+        for value in [1e-12, -1e-12, 0.1, -3e9, f32::INFINITY] {
+            assert_eq!(flushed(value), value);
+        }
+        assert!(flushed(f32::NAN).is_nan());
+    }
 }

@@ -1,5 +1,6 @@
 //! The flashed image on the virtual board: how fast that runs, and a minute of it at full load.
 
+#[expect(dead_code, reason = "the tests use more of it")]
 #[path = "../tests/board/bench.rs"]
 mod bench;
 #[path = "../tests/board/load.rs"]

@@ -755,3 +755,30 @@ fn a_batch_of_nothing_is_refused() {
     assert!(refusal(&["gap", "diagnose"]).contains("RECORDING"));
     assert!(refusal(&["gap", "diagnose", "nowhere", "--without", "stribek"]).contains("stribek"));
 }
+
+#[test]
+fn a_board_that_cannot_run_says_why() {
+    let folder = folder("board");
+    let script = folder.join("script.txt");
+    std::fs::write(&script, "0.2 arm\n0.1 zero\n").unwrap();
+    let script = script.to_str().unwrap();
+    for (arguments, named) in [
+        (vec!["--script", script], "line 2"),
+        (vec!["--script", "nowhere.txt"], "nowhere.txt"),
+        (
+            vec!["--seconds", "1", "--elf", "nowhere.elf"],
+            "nowhere.elf",
+        ),
+        (vec!["--seconds", "1", "--elf", script], "32-bit ELF"),
+        (vec!["--seconds", "1", "--wire", "blue"], "motor-swapped"),
+        (vec!["--seconds", "1", "--log-rate", "0"], "--log-rate"),
+        (vec!["--seconds", "1", "--start", "120"], "--start"),
+        (
+            vec!["--seconds", "1", "--plant", "nowhere.toml"],
+            "nowhere.toml",
+        ),
+    ] {
+        let line = refusal(&[&["board"], &arguments[..]].concat());
+        assert!(line.contains(named), "{arguments:?}: {line}");
+    }
+}

@@ -8,6 +8,8 @@ use crate::bench::Bench;
 pub fn load(bench: &mut Bench, second: u32) {
     const TURNS: usize = 34;
     let commands = [
+        "step 1".into(),
+        "set estimate.order second".into(),
         format!("start multisine 5 {}", 1 + second % 3),
         format!("set kp 0.0{}", 50 + second % 10),
         "status".into(),

@@ -138,7 +138,7 @@ impl Board {
             match stop {
                 Stop::Deadline | Stop::Event => {}
                 Stop::Breakpoint(address) => {
-                    self.catch_up()?;
+                    self.catch_up(end)?;
                     return Ok(Pause::Breakpoint(address));
                 }
                 Stop::Reset => self.reset(ResetCause::Software),
@@ -148,7 +148,7 @@ impl Board {
                     return Err(Halt::Unmodelled { time_s, what });
                 }
             }
-            self.catch_up()?;
+            self.catch_up(end)?;
         }
     }
 
@@ -167,10 +167,10 @@ impl Board {
         }
     }
 
-    /// Lets happen what is due, in the order of its time. What the paddle did comes before what the timer takes over
-    /// at the same cycle.
-    fn catch_up(&mut self) -> Result<(), Halt> {
-        let now = self.cpu.signals.cycle();
+    /// Lets happen what is due, and not after cycle `end`, in the order of its time. What the paddle did comes before
+    /// what the timer takes over at the same cycle.
+    fn catch_up(&mut self, end: u64) -> Result<(), Halt> {
+        let now = self.cpu.signals.cycle().min(end);
         self.keep_pace()?;
         while self.next_event() <= now {
             let due = self.chip.next_event().min(self.next_step);

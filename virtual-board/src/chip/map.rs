@@ -1,5 +1,7 @@
 //! Where the peripherals of an STM32F407 stand.
 
+use crate::peripherals::rcc::{Bus, Gate};
+
 /// A peripheral that is modelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names of the reference manual")]
@@ -154,6 +156,29 @@ pub fn register(unit: Unit, offset: u32) -> String {
         }
     };
     format!("{name} + {offset:#04x}")
+}
+
+/// Clock gate of the register at `offset` of a peripheral; `None` for those that always have a clock.
+#[inline]
+pub const fn gate(unit: Unit, offset: u32) -> Option<Gate> {
+    Some(match unit {
+        Unit::Gpio(port) => Gate(Bus::Ahb1, port as u32),
+        Unit::Dma2 => Gate(Bus::Ahb1, 22),
+        Unit::Tim5 => Gate(Bus::Apb1, 3),
+        Unit::Usart2 => Gate(Bus::Apb1, 17),
+        Unit::Pwr => Gate(Bus::Apb1, 28),
+        Unit::Tim8 => Gate(Bus::Apb2, 1),
+        // Each converter has its own; the common registers have the first one's.
+        Unit::Adc => match offset >> 8 {
+            1 => Gate(Bus::Apb2, 9),
+            2 => Gate(Bus::Apb2, 10),
+            _ => Gate(Bus::Apb2, 8),
+        },
+        Unit::Syscfg => Gate(Bus::Apb2, 14),
+        Unit::Iwdg | Unit::Exti | Unit::Rcc | Unit::Flash | Unit::Dbgmcu | Unit::Factory => {
+            return None;
+        }
+    })
 }
 
 #[cfg(test)]

@@ -1,0 +1,354 @@
+//! Accesses of the core: which peripheral answers, and what follows.
+
+use super::lines;
+use super::map::{self, PORTS, Place, Unit};
+use super::{Chip, FLASH_BYTES};
+use crate::cpu::{Bus, Memories, Refusal, Signals, Width};
+use crate::peripherals::dma::Dma;
+use crate::peripherals::exti::PIN_LINES;
+use crate::peripherals::pwr::Pwr;
+use crate::peripherals::rcc::Clocks;
+use crate::peripherals::syscfg::Syscfg;
+use crate::peripherals::tim5::Tim5;
+use crate::peripherals::tim8::Tim8;
+use crate::peripherals::usart::Usart;
+use crate::peripherals::{Answer, Lack, NEVER, bit};
+
+impl Bus for Chip {
+    #[inline]
+    fn memories(&mut self) -> &mut Memories {
+        &mut self.memories
+    }
+
+    fn read(&mut self, address: u32, width: Width, signals: &mut Signals) -> Result<u32, Refusal> {
+        let (unit, offset) = Self::find(address & !3)?;
+        if !self.has_clock(unit, offset) {
+            return Err(refusal(unit, offset, Lack::Use("a read without its clock")));
+        }
+        let word = self
+            .read_unit(unit, offset, signals)
+            .map_err(|lack| refusal(unit, offset, lack))?;
+        let shifted = word >> (8 * (address & 3));
+        Ok(match width {
+            Width::Byte => shifted & 0xFF,
+            Width::Half => shifted & 0xFFFF,
+            Width::Word => shifted,
+        })
+    }
+
+    fn write(
+        &mut self,
+        address: u32,
+        width: Width,
+        value: u32,
+        signals: &mut Signals,
+    ) -> Result<(), Refusal> {
+        if let Some(at) = address.checked_sub(Memories::FLASH)
+            && (at as usize) < FLASH_BYTES
+        {
+            let hz = self.clock.hz();
+            self.flash
+                .program(at, width, value, signals.cycle(), hz)
+                .map_err(|lack| refusal(Unit::Flash, 0, lack))?;
+            self.stall_while_flash_is_busy(signals);
+            return Ok(());
+        }
+        let (unit, offset) = Self::find(address & !3)?;
+        if !self.has_clock(unit, offset) {
+            let register = map::register(unit, offset);
+            self.remark(format!("a write to {register} without its clock is lost"));
+            return Ok(());
+        }
+        // These have 16 bits; the bridge to APB makes a word of what is narrower, in a way that the others would show.
+        let of_16_bits = matches!(unit, Unit::Usart2 | Unit::Tim8 | Unit::Iwdg | Unit::Syscfg);
+        if width == Width::Byte
+            || width == Width::Half && (!of_16_bits || !address.is_multiple_of(4))
+        {
+            let narrow = Lack::Use("a write narrower than the register");
+            return Err(refusal(unit, offset, narrow));
+        }
+        self.write_unit(unit, offset, value, signals)
+            .map_err(|lack| refusal(unit, offset, lack))
+    }
+}
+
+impl Chip {
+    fn read_unit(&mut self, unit: Unit, offset: u32, signals: &mut Signals) -> Answer<u32> {
+        let now = signals.cycle();
+        match unit {
+            Unit::Tim8 => self.tim8.read(offset, now),
+            Unit::Tim5 => self.tim5.read(offset),
+            Unit::Adc => self.read_adc(offset, now),
+            Unit::Usart2 => {
+                let value = self.usart2.read(offset);
+                self.show_usart2(signals);
+                value
+            }
+            Unit::Gpio(port) => self.gpio[port].read(offset),
+            Unit::Rcc => self.rcc.read(offset, now),
+            Unit::Dma2 => self.dma2.read(offset),
+            Unit::Exti => self.exti.read(offset),
+            Unit::Syscfg => self.syscfg.read(offset),
+            Unit::Pwr => self.pwr.read(offset),
+            Unit::Flash => self.flash.read(offset),
+            Unit::Iwdg => self.iwdg.read(offset),
+            Unit::Dbgmcu => self.dbgmcu.read(offset),
+            Unit::Factory => factory_word(offset),
+        }
+    }
+
+    fn write_unit(&mut self, unit: Unit, offset: u32, value: u32, signals: &mut Signals) -> Answer {
+        let now = signals.cycle();
+        let apb1 = self.clocks.apb1_divider;
+        match unit {
+            Unit::Tim8 => {
+                let divider = Clocks::timer_divider(self.clocks.apb2_divider);
+                if self.tim8.write(offset, value, now, divider)? {
+                    self.trigger(now);
+                }
+                signals.set_line(lines::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
+                // A timer that starts sets the pace of the paddle too.
+                self.expect(self.tim8.next_update(), signals);
+            }
+            Unit::Tim5 => self.tim5.write(offset, value)?,
+            Unit::Adc => self.write_adc(offset, value, now)?,
+            Unit::Usart2 => {
+                self.usart2.write(offset, value, now, apb1)?;
+                self.show_usart2(signals);
+                self.expect(self.usart2.next_sent(), signals);
+            }
+            Unit::Gpio(port) => self.write_gpio(port, offset, value, signals)?,
+            Unit::Rcc => {
+                self.rcc.write(offset, value, now)?;
+                self.reset_held();
+                self.follow_clocks(now);
+                signals.set_nmi(self.rcc.clock_failed());
+                signals.call_board();
+            }
+            Unit::Dma2 => {
+                self.dma2.write(offset, value)?;
+                self.show_dma2(signals);
+            }
+            Unit::Exti => {
+                self.exti.write(offset, value)?;
+                self.show_exti(signals);
+            }
+            Unit::Syscfg => self.syscfg.write(offset, value)?,
+            Unit::Pwr => self.pwr.write(offset, value)?,
+            Unit::Flash => {
+                self.flash.write(offset, value, now, self.clock.hz())?;
+                signals.set_flash_timing(self.flash.timing());
+                self.stall_while_flash_is_busy(signals);
+            }
+            Unit::Iwdg => {
+                self.iwdg.write(offset, value, self.clock.seconds(now))?;
+                if let Some(at_s) = self.iwdg.expires_s() {
+                    self.expect(self.clock.cycle_at(at_s), signals);
+                }
+            }
+            Unit::Dbgmcu => self.dbgmcu.write(offset, value)?,
+            Unit::Factory => return Err(Lack::Use("a write to read-only memory")),
+        }
+        Ok(())
+    }
+
+    fn write_gpio(
+        &mut self,
+        port: usize,
+        offset: u32,
+        value: u32,
+        signals: &mut Signals,
+    ) -> Answer {
+        let watched = self.exti.watched();
+        let mut before = [false; PIN_LINES];
+        for (pin, level) in before.iter_mut().enumerate() {
+            *level = bit(watched, pin as u32) && self.gpio[port].level(pin);
+        }
+        self.gpio[port].write(offset, value)?;
+        for (pin, before) in before.into_iter().enumerate() {
+            if bit(watched, pin as u32) {
+                self.edge(port, pin, before, self.gpio[port].level(pin));
+                self.show_exti(signals);
+            }
+        }
+        Ok(())
+    }
+
+    /// Resets the peripherals whose reset bit is set.
+    fn reset_held(&mut self) {
+        let held = |unit| map::gate(unit, 0).is_some_and(|gate| self.rcc.held_in_reset(gate));
+        let [tim8, tim5, adc, dma2, usart2, syscfg, pwr] = [
+            Unit::Tim8,
+            Unit::Tim5,
+            Unit::Adc,
+            Unit::Dma2,
+            Unit::Usart2,
+            Unit::Syscfg,
+            Unit::Pwr,
+        ]
+        .map(held);
+        let ports: [bool; PORTS] = std::array::from_fn(|port| held(Unit::Gpio(port)));
+        if tim8 {
+            self.tim8 = Tim8::default();
+        }
+        if tim5 {
+            self.tim5 = Tim5::default();
+        }
+        if adc {
+            self.adc = Default::default();
+            self.adc_common = 0;
+        }
+        if dma2 {
+            self.dma2 = Dma::default();
+        }
+        if usart2 {
+            self.usart2 = Usart::default();
+        }
+        if syscfg {
+            self.syscfg = Syscfg::default();
+        }
+        if pwr {
+            self.pwr = Pwr::default();
+        }
+        for (port, _) in ports.iter().enumerate().filter(|(_, held)| **held) {
+            self.gpio[port].reset_registers(port);
+        }
+    }
+
+    /// The core fetches from flash, which does not answer until a change has ended.
+    fn stall_while_flash_is_busy(&mut self, signals: &mut Signals) {
+        let done = self.flash.next_done();
+        if done != NEVER {
+            let cycles = done.saturating_sub(signals.cycle());
+            signals.wait(u32::try_from(cycles).unwrap_or(u32::MAX));
+            self.expect(done, signals);
+        }
+    }
+
+    /// There will be an event at cycle `at`; the run must not pass it.
+    #[inline]
+    fn expect(&self, at: u64, signals: &mut Signals) {
+        if at < self.deadline {
+            signals.call_board();
+        }
+    }
+
+    /// Whether a peripheral has a clock, without which it neither answers nor takes anything.
+    #[inline]
+    fn has_clock(&self, unit: Unit, offset: u32) -> bool {
+        map::gate(unit, offset).is_none_or(|gate| self.rcc.enabled(gate))
+    }
+
+    /// The modelled register at `address`.
+    #[inline]
+    fn find(address: u32) -> Result<(Unit, u32), Refusal> {
+        match map::place(address) {
+            Place::Modelled(unit, offset) => Ok((unit, offset)),
+            Place::Known(name, offset) => {
+                Err(Refusal::Unmodelled(format!("{name} + {offset:#04x}")))
+            }
+            Place::Nothing => Err(Refusal::BusFault),
+        }
+    }
+}
+
+fn refusal(unit: Unit, offset: u32, lack: Lack) -> Refusal {
+    let register = map::register(unit, offset);
+    Refusal::Unmodelled(match lack {
+        Lack::Register => register,
+        Lack::Use(what) => format!("{register} ({what})"),
+    })
+}
+
+/// Words that the factory wrote: a made-up identity and lot, the size of the flash in KiB, and the calibration of the
+/// converters at 3.3 V (data sheet, typical): reference voltage, temperature sensor at 30 and at 110 °C.
+fn factory_word(offset: u32) -> Answer<u32> {
+    const REFERENCE: u32 = 1500;
+    const AT_30: u32 = 943;
+    const AT_110: u32 = 1191;
+    const FLASH_KIB: u32 = FLASH_BYTES as u32 / 1024;
+    match offset {
+        0x00 => Ok(0x0028_0019),
+        0x04 => Ok(0x3133_5110),
+        0x08 => Ok(0x3235_3739),
+        0x10 => Ok(FLASH_KIB << 16),
+        0x18 => Ok(REFERENCE << 16),
+        0x1C => Ok(AT_110 << 16 | AT_30),
+        _ => Err(Lack::Register),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLASH: u32 = 0x4002_3C00;
+
+    fn unmodelled(chip: &mut Chip, address: u32) -> String {
+        match chip.read(address, Width::Word, &mut Signals::default()) {
+            Err(Refusal::Unmodelled(what)) => what,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn what_is_not_modelled_is_named() {
+        let chip = &mut Chip::new();
+        assert_eq!(unmodelled(chip, 0x4000_5410), "I2C1 + 0x10");
+        assert_eq!(unmodelled(chip, 0x4002_3C20), "FLASH + 0x20");
+        assert_eq!(
+            unmodelled(chip, 0x4001_2008),
+            "ADC1 + 0x08 (a read without its clock)"
+        );
+        let nothing = chip.read(0x4000_7800, Width::Word, &mut Signals::default());
+        assert_eq!(nothing, Err(Refusal::BusFault));
+    }
+
+    #[test]
+    fn a_write_without_a_clock_is_lost_and_remarked_upon() {
+        let chip = &mut Chip::new();
+        let written = chip.write(0x4002_0818, Width::Word, 1, &mut Signals::default());
+        assert_eq!(written, Ok(()));
+        assert_eq!(
+            chip.take_remarks(),
+            ["a write to GPIOC + 0x18 without its clock is lost"]
+        );
+    }
+
+    #[test]
+    fn the_factorys_words_are_there() {
+        let chip = &mut Chip::new();
+        let kib = chip.read(0x1FFF_7A22, Width::Half, &mut Signals::default());
+        assert_eq!(kib, Ok(1024));
+    }
+
+    #[test]
+    fn a_loss_of_the_supply_spoils_the_sector_that_is_being_erased_and_no_other() {
+        let chip = &mut Chip::new();
+        let signals = &mut Signals::default();
+        chip.memories.flash_mut().fill(0);
+        for (offset, value) in [
+            (0x04, 0x4567_0123),
+            (0x04, 0xCDEF_89AB),
+            // Sector 1, begin.
+            (0x10, 1 << 1 | 1 << 3 | 1 << 16),
+        ] {
+            chip.write(FLASH + offset, Width::Word, value, signals)
+                .unwrap();
+        }
+        chip.lose_power_until(1.0, 1000);
+        let flash = chip.memories.flash();
+        let sector = 16 * 1024..32 * 1024;
+        assert!(
+            flash[..sector.start]
+                .iter()
+                .chain(&flash[sector.end..])
+                .all(|cell| *cell == 0)
+        );
+        let erased = flash[sector.clone()]
+            .iter()
+            .filter(|cell| **cell == 0xFF)
+            .count();
+        assert!(erased > 0 && erased < sector.len());
+    }
+}

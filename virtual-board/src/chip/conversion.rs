@@ -1,0 +1,194 @@
+//! What the converters see at their pins, when they convert it, and where it goes.
+
+use super::Chip;
+use super::pins::{PORT_A, PORT_B, PORT_C, Pin};
+use crate::cpu::Memories;
+use crate::peripherals::adc;
+use crate::peripherals::gpio::{Gpio, Mode};
+use crate::peripherals::{Answer, Lack};
+
+/// Streams and channels of DMA2 that serve each converter.
+const ADC_STREAMS: [[(usize, u32); 2]; 3] = [[(0, 0), (4, 0)], [(2, 1), (3, 1)], [(0, 2), (1, 2)]];
+
+/// Converters, and where their registers stand.
+pub(super) const CONVERTERS: usize = 3;
+const ADC_BASE: u32 = 0x4001_2000;
+const CONVERTER_BYTES: u32 = 0x100;
+
+/// Pins at which something stands for the converters: current, Hall sensor.
+pub(super) const ANALOG_PINS: [Pin; 2] = [Pin(PORT_A, 3), Pin(PORT_B, 1)];
+const CURRENT: usize = 0;
+const HALL: usize = 1;
+
+/// What stands at a pin for the converters: parts of a count, and what rounding has left over.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    parts: u32,
+    left_over: u32,
+}
+
+impl Level {
+    const PARTS_PER_COUNT: u32 = 1 << 16;
+
+    fn set(&mut self, counts: f64) {
+        self.parts = (counts * f64::from(Self::PARTS_PER_COUNT)) as u32;
+    }
+
+    /// The next conversion. The signal's noise is far above one count where it is not a whole number, so that the mean
+    /// of many conversions has no steps: what rounding leaves over goes into the next.
+    #[inline]
+    fn convert(&mut self) -> u16 {
+        let wanted = self.parts + self.left_over;
+        self.left_over = wanted % Self::PARTS_PER_COUNT;
+        (wanted / Self::PARTS_PER_COUNT) as u16
+    }
+}
+
+impl Default for Level {
+    fn default() -> Self {
+        Self {
+            parts: 0,
+            left_over: Self::PARTS_PER_COUNT / 2,
+        }
+    }
+}
+
+/// Conversions that DMA has carried away.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Delivered {
+    /// Their sum, counts.
+    pub sum: u32,
+    /// Their number.
+    pub conversions: u32,
+}
+
+impl Chip {
+    /// Sets what stands at the converters' pins, counts, and lets DMA carry away what was converted up to cycle `now`.
+    pub fn sense(&mut self, current_counts: f64, hall_counts: u16, now: u64) {
+        self.levels[CURRENT].1.set(current_counts);
+        self.levels[HALL].1.set(f64::from(hall_counts));
+        for number in 0..CONVERTERS {
+            if self.adc[number].collected() {
+                self.deliver(number, now);
+            }
+        }
+    }
+
+    /// The conversions that DMA has carried away since the last call.
+    pub fn take_delivered(&mut self) -> Delivered {
+        std::mem::take(&mut self.delivered)
+    }
+
+    /// Converts up to cycle `now`.
+    fn deliver(&mut self, number: usize, now: u64) {
+        let adc = &mut self.adc[number];
+        let ended = adc.ended(now);
+        if ended == 0 {
+            return;
+        }
+        let channel = adc.channel();
+        let Some((_, level)) = connected(&mut self.levels, &self.gpio, channel) else {
+            self.trouble = Some(format!(
+                "what channel {channel} of ADC{} converts, at no analog pin that is connected,",
+                number + 1
+            ));
+            return;
+        };
+        if !adc.collected() {
+            adc.deliver(level.convert());
+            return;
+        }
+        let from = ADC_BASE + CONVERTER_BYTES * number as u32 + adc::DR;
+        let stream = self.dma2.serving(from, &ADC_STREAMS[number]);
+        for _ in 0..ended {
+            let counts = level.convert();
+            if !adc.deliver(counts) {
+                break;
+            }
+            let Some(to) = stream.and_then(|stream| self.dma2.carry(stream)) else {
+                adc.overrun();
+                break;
+            };
+            adc.taken();
+            let in_sram = to.address >> 24 == Memories::SRAM >> 24;
+            let written = in_sram
+                .then(|| self.memories.write(to.address, to.width, counts.into()))
+                .flatten();
+            if written.is_none() {
+                self.trouble = Some(format!(
+                    "a transfer of DMA2 to {:#010x}, where it reaches no RAM,",
+                    to.address
+                ));
+            }
+            self.delivered.sum += u32::from(counts);
+            self.delivered.conversions += 1;
+        }
+    }
+
+    pub(super) fn read_adc(&mut self, offset: u32, now: u64) -> Answer<u32> {
+        if offset == adc::CCR {
+            return Ok(self.adc_common);
+        }
+        let number = (offset / CONVERTER_BYTES) as usize;
+        if number >= CONVERTERS {
+            return Err(Lack::Register);
+        }
+        // What DMA carries away is delivered when it is sensed, a control period at a time.
+        if !self.adc[number].collected() {
+            self.deliver(number, now);
+        }
+        self.adc[number].read(offset % CONVERTER_BYTES)
+    }
+
+    pub(super) fn write_adc(&mut self, offset: u32, value: u32, now: u64) -> Answer {
+        if offset == adc::CCR {
+            const PRESCALER: u32 = 0b11 << 16;
+            if value & !PRESCALER != 0 {
+                return Err(Lack::Use(
+                    "converters that work together, and the chip's own sensors",
+                ));
+            }
+            self.adc_common = value;
+            return Ok(());
+        }
+        let divider = self.adc_divider();
+        let number = (offset / CONVERTER_BYTES) as usize;
+        self.adc.get_mut(number).ok_or(Lack::Register)?.write(
+            offset % CONVERTER_BYTES,
+            value,
+            now,
+            divider,
+        )
+    }
+
+    fn adc_divider(&self) -> u32 {
+        let prescaler = 2 * ((self.adc_common >> 16 & 0b11) + 1);
+        prescaler * self.clocks.apb2_divider
+    }
+
+    pub(super) fn trigger(&mut self, at: u64) {
+        if self.tim8.triggers_by_update() {
+            let divider = self.adc_divider();
+            for adc in &mut self.adc {
+                adc.trigger(at, divider);
+            }
+        }
+    }
+}
+
+/// What stands at the pin of a converter's channel, if that is an analog one.
+fn connected<'a>(
+    levels: &'a mut [(Pin, Level)],
+    gpio: &[Gpio],
+    channel: usize,
+) -> Option<&'a mut (Pin, Level)> {
+    let pin = match channel {
+        0..8 => Pin(PORT_A, channel),
+        8..10 => Pin(PORT_B, channel - 8),
+        10..16 => Pin(PORT_C, channel - 10),
+        _ => return None,
+    };
+    levels
+        .iter_mut()
+        .find(|(known, _)| *known == pin && gpio[pin.0].mode(pin.1) == Mode::Analog)
+}

@@ -1,0 +1,44 @@
+//! Interrupt lines: which peripheral raises which.
+
+use super::Chip;
+use crate::cpu::Signals;
+
+/// Of the external interrupts, with the pins that share each.
+const EXTI: [(usize, std::ops::RangeInclusive<u32>); 7] = [
+    (6, 0..=0),
+    (7, 1..=1),
+    (8, 2..=2),
+    (9, 3..=3),
+    (10, 4..=4),
+    (23, 5..=9),
+    (40, 10..=15),
+];
+const USART2: usize = 38;
+pub const TIM8_UP_TIM13: usize = 44;
+/// Of DMA2's streams 0 to 4, and 5 to 7.
+const DMA2: [usize; 8] = [56, 57, 58, 59, 60, 68, 69, 70];
+
+impl Chip {
+    pub(super) fn show_lines(&mut self, signals: &mut Signals) {
+        signals.set_line(TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
+        self.show_usart2(signals);
+        self.show_exti(signals);
+        self.show_dma2(signals);
+    }
+
+    pub(super) fn show_usart2(&self, signals: &mut Signals) {
+        signals.set_line(USART2, self.usart2.requests_interrupt());
+    }
+
+    pub(super) fn show_exti(&self, signals: &mut Signals) {
+        for (line, pins) in EXTI {
+            signals.set_line(line, self.exti.requests(pins));
+        }
+    }
+
+    pub(super) fn show_dma2(&self, signals: &mut Signals) {
+        for (stream, line) in DMA2.into_iter().enumerate() {
+            signals.set_line(line, self.dma2.requests_interrupt(stream));
+        }
+    }
+}

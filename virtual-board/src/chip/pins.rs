@@ -1,0 +1,78 @@
+//! What the board wires to the chip's pins, and which peripheral each of them is given to.
+
+use super::Chip;
+use crate::cpu::Signals;
+use crate::peripherals::gpio::Mode;
+use crate::peripherals::rcc::Clocks;
+
+/// A pin: port, counted from A, and number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pin(pub usize, pub usize);
+
+/// Ports.
+pub(super) const PORT_A: usize = 0;
+pub(super) const PORT_B: usize = 1;
+pub(super) const PORT_C: usize = 2;
+const PORT_D: usize = 3;
+
+/// Numbers of alternate functions.
+const AF_TIM5: Mode = Mode::Alternate(2);
+const AF_TIM8: Mode = Mode::Alternate(3);
+pub(super) const AF_USART2: Mode = Mode::Alternate(7);
+
+/// Pins of TIM8's first two channels, TIM5's inputs, and USART2.
+const TIM8_PINS: [Pin; 2] = [Pin(PORT_C, 6), Pin(PORT_C, 7)];
+const TIM5_PINS: [Pin; 2] = [Pin(PORT_A, 0), Pin(PORT_A, 1)];
+pub(super) const USART2_TX: Pin = Pin(PORT_D, 5);
+pub(super) const USART2_RX: Pin = Pin(PORT_D, 6);
+
+/// Offset of the counter of TIM5.
+const TIM5_CNT: u32 = 0x24;
+
+impl Chip {
+    /// Share of the supply, -1 to 1, that TIM8's channels put between their pins; `None` if one is not driven.
+    pub fn half_bridges(&self) -> Option<f64> {
+        let [a, b] = TIM8_PINS;
+        if self.mode(a) != AF_TIM8 || self.mode(b) != AF_TIM8 {
+            return None;
+        }
+        Some(self.tim8.high_share(0)? - self.tim8.high_share(1)?)
+    }
+
+    /// Level that the program drives on a pin.
+    pub fn driven(&self, Pin(port, pin): Pin) -> Option<bool> {
+        self.gpio[port].driven(pin)
+    }
+
+    pub(super) fn mode(&self, Pin(port, pin): Pin) -> Mode {
+        self.gpio[port].mode(pin)
+    }
+
+    /// Connects a pin to a level from outside, with what its edge does.
+    pub fn connect(&mut self, Pin(port, pin): Pin, level: Option<bool>, signals: &mut Signals) {
+        let before = self.gpio[port].level(pin);
+        self.gpio[port].connect(pin, level);
+        let after = self.gpio[port].level(pin);
+        self.edge(port, pin, before, after);
+        self.show_exti(signals);
+    }
+
+    pub(super) fn edge(&mut self, port: usize, pin: usize, before: bool, after: bool) {
+        if before != after && self.syscfg.port_of_line(pin) == port {
+            self.exti.edge(pin, after);
+        }
+    }
+
+    /// The encoder has moved by so many counts in so many cycles.
+    pub fn follow_encoder(&mut self, counts: i32, cycles: u64) {
+        if TIM5_PINS.iter().all(|pin| self.mode(*pin) == AF_TIM5) {
+            let divider = Clocks::timer_divider(self.clocks.apb1_divider);
+            self.tim5.follow(counts, cycles / u64::from(divider));
+        }
+    }
+
+    /// The count that a program reads from the encoder's timer now.
+    pub fn encoder_count(&self) -> u32 {
+        self.tim5.read(TIM5_CNT).unwrap_or_default()
+    }
+}

@@ -25,8 +25,9 @@ struct AfterPeriod<'a, C>(&'a mut C);
 impl<C: Mutex<T = Controller>> Lender for AfterPeriod<'_, C> {
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
         let now = ticks();
+        // Should the period end just before the sleep, the next one is taken.
         while ticks() == now {
-            core::hint::spin_loop();
+            cortex_m::asm::wfi();
         }
         self.0.lock(work)
     }

@@ -346,6 +346,12 @@ impl Cpu {
         self.exception
     }
 
+    /// CFSR and HFSR: which faults there have been since the reset, or since the image cleared them.
+    #[must_use]
+    pub fn fault_status(&self) -> (u32, u32) {
+        (self.faults.configurable, self.faults.hard)
+    }
+
     /// Makes runs end before the instruction at `address` in flash, or no longer.
     pub fn set_breakpoint(&mut self, address: u32, on: bool) {
         let address = address & !1;

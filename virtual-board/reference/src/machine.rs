@@ -1,0 +1,41 @@
+//! What both machines have: one RAM, of which the lower part is data and the upper part code.
+
+use std::ops::Range;
+
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::Rng;
+
+use crate::outcome::Outcome;
+use crate::state::State;
+use crate::words::Trial;
+
+/// Where the RAM begins.
+pub const RAM: u32 = 0x2000_0000;
+/// Size of the RAM, bytes.
+pub const SIZE: usize = 0xC000;
+/// The part that instructions find their data in, as offsets.
+pub const DATA: Range<usize> = 0..0x4000;
+
+/// A machine that executes one trial.
+pub trait Machine {
+    /// Places the trial's code at `address` and executes it from `state`; memory is afterwards as before, but for
+    /// the code.
+    fn execute(
+        &mut self,
+        trial: &Trial,
+        address: u32,
+        state: &State,
+    ) -> Result<Outcome, Box<dyn std::error::Error>>;
+}
+
+/// The content of the RAM before each trial.
+pub fn random_memory(random: &mut Xoshiro256PlusPlus) -> Vec<u8> {
+    let mut memory = vec![0; SIZE];
+    random.fill_bytes(&mut memory);
+    memory
+}
+
+/// An address for code, far enough from both ends for what is relative to it.
+pub fn next_address(random: &mut Xoshiro256PlusPlus) -> u32 {
+    RAM + 0x9000 + (random.next_u32() & 0x1FFE)
+}

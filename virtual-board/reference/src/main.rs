@@ -1,0 +1,108 @@
+//! Compares the virtual processor core with Unicorn: the same instruction from the same state, on both.
+//!
+//! ```text
+//! cd virtual-board/reference && cargo run --release [-- IMAGE]
+//! ```
+//!
+//! It takes every distinct instruction of the firmware image (that of `cargo fw`, if no other is named), every 16-bit
+//! instruction in and outside an IT block, and random seconds to every first halfword of a 32-bit instruction. States
+//! are random with a bias to edges. It prints what was compared and what was left out, and fails on any difference.
+
+mod machine;
+mod ours;
+mod outcome;
+mod state;
+mod theirs;
+mod words;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use machine::Machine;
+use ours::Ours;
+use outcome::Verdict;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::SeedableRng;
+use state::State;
+use theirs::Theirs;
+use words::Trial;
+
+const SEED: u64 = 1;
+const DIFFERENCES_SHOWN: usize = 20;
+
+fn main() -> ExitCode {
+    let image = std::env::args_os().nth(1).map_or_else(
+        || {
+            PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+                .join("../../target/thumbv7em-none-eabihf/firmware/firmware")
+        },
+        PathBuf::from,
+    );
+    match compare(&image) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(differences) => {
+            println!("{differences} differences");
+            ExitCode::FAILURE
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn compare(image: &std::path::Path) -> Result<usize, Box<dyn std::error::Error>> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
+    let memory = machine::random_memory(&mut random);
+    let mut ours = Ours::new(&memory);
+    let mut theirs = Theirs::new(&memory)?;
+    let mut differences = 0;
+    for (name, trials) in [
+        ("instructions of the image", words::of_image(image)?),
+        ("16-bit instructions", words::narrow(&mut random)),
+        ("32-bit instructions", words::wide(&mut random)),
+        ("32-bit instructions of the FPU", words::float(&mut random)),
+    ] {
+        let mut counts = BTreeMap::<&str, usize>::new();
+        let words = trials.len();
+        for trial in trials {
+            for _ in 0..trial.states {
+                let verdict = compare_once(&trial, &mut ours, &mut theirs, &mut random)?;
+                *counts.entry(verdict.name()).or_default() += 1;
+                if let Verdict::Different(what) = verdict {
+                    differences += 1;
+                    if differences <= DIFFERENCES_SHOWN {
+                        println!("{trial}: {what}");
+                    }
+                    // One example of an instruction is enough.
+                    break;
+                }
+            }
+        }
+        println!("{words} {name}:");
+        for (verdict, count) in counts {
+            println!("  {count:9} {verdict}");
+        }
+    }
+    Ok(differences)
+}
+
+fn compare_once(
+    trial: &Trial,
+    ours: &mut Ours,
+    theirs: &mut Theirs,
+    random: &mut Xoshiro256PlusPlus,
+) -> Result<Verdict, Box<dyn std::error::Error>> {
+    if let Some(reason) = outcome::left_out(trial) {
+        return Ok(Verdict::LeftOut(reason));
+    }
+    let mut state = State::random(random);
+    if trial.wants_alignment() {
+        state.align();
+    }
+    let address = machine::next_address(random);
+    let one = ours.execute(trial, address, &state)?;
+    let other = theirs.execute(trial, address, &state)?;
+    Ok(outcome::judge(&state, &one, &other))
+}

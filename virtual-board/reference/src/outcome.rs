@@ -1,0 +1,156 @@
+//! What an instruction did, and whether both machines agree on it.
+
+use crate::machine::{RAM, SIZE};
+use crate::state::State;
+use crate::words::Trial;
+
+/// What one machine made of a trial.
+#[derive(Debug)]
+pub enum Outcome {
+    Done {
+        state: Box<State>,
+        pc: u32,
+        /// The data, if it has changed.
+        memory: Option<Vec<u8>>,
+    },
+    /// It ends in a fault, or in an access that nothing answers.
+    Fault,
+    /// The manual leaves open what happens.
+    Unpredictable,
+}
+
+/// What the comparison of one trial came to.
+#[derive(Debug)]
+pub enum Verdict {
+    Same,
+    BothFault,
+    Unpredictable,
+    LeftOut(&'static str),
+    Different(String),
+}
+
+impl Verdict {
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Same => "the same",
+            Self::BothFault => "a fault on both",
+            Self::Unpredictable => "left out: unpredictable",
+            Self::LeftOut(reason) => reason,
+            Self::Different(_) => "DIFFERENT",
+        }
+    }
+}
+
+/// Instructions that cannot be compared, each group by its name.
+pub fn left_out(trial: &Trial) -> Option<&'static str> {
+    let (word, wide) = (trial.word(), trial.second.is_some());
+    let special_write = wide && word & 0xFFE0_D000 == 0xF380_8000;
+    let special_read = wide && word & 0xFFE0_D000 == 0xF3E0_8000;
+    if !wide && (word & 0xFF00 == 0xDF00 || word & 0xFF00 == 0xBE00) {
+        return Some("left out: SVC and BKPT, which raise an exception");
+    }
+    if !wide && matches!(word, 0xBF20 | 0xBF30) || wide && matches!(word, 0xF3AF_8002 | 0xF3AF_8003)
+    {
+        return Some("left out: WFE and WFI, which wait");
+    }
+    if !wide && word == 0xBF10 || wide && word == 0xF3AF_8001 {
+        return Some("left out: YIELD, at which Unicorn stops");
+    }
+    if !wide && word & 0xFF00 == 0xBF00 && word & 15 != 0 && trial.if_then.is_none() {
+        return Some("left out: IT on its own, which Unicorn executes with what follows");
+    }
+    if special_write && word & 0xFC != 0 || special_read && word & 0xFC != 0 {
+        return Some("left out: MRS and MSR of masks and stack pointers");
+    }
+    None
+}
+
+pub fn judge(before: &State, ours: &Outcome, theirs: &Outcome) -> Verdict {
+    match (ours, theirs) {
+        (Outcome::Unpredictable, _) => Verdict::Unpredictable,
+        (Outcome::Fault, Outcome::Fault) => Verdict::BothFault,
+        (
+            Outcome::Done { state, pc, memory },
+            Outcome::Done {
+                state: other,
+                pc: other_pc,
+                memory: other_memory,
+            },
+        ) => {
+            let mut differences = Vec::new();
+            for n in 0..15 {
+                note(
+                    &mut differences,
+                    &format!("r{n}"),
+                    state.registers[n],
+                    other.registers[n],
+                );
+            }
+            note(&mut differences, "pc", *pc, *other_pc);
+            note(&mut differences, "apsr", state.flags, other.flags);
+            for n in 0..32 {
+                note(
+                    &mut differences,
+                    &format!("s{n}"),
+                    state.floats[n],
+                    other.floats[n],
+                );
+            }
+            note(
+                &mut differences,
+                "fpscr",
+                state.float_status,
+                other.float_status,
+            );
+            if memory != other_memory {
+                differences.push("memory".into());
+            }
+            if differences.is_empty() {
+                Verdict::Same
+            } else {
+                Verdict::Different(format!("{}\n   from {before:x?}", differences.join(", ")))
+            }
+        }
+        (Outcome::Fault, _) => {
+            Verdict::Different(format!("a fault here only\n   from {before:x?}"))
+        }
+        (Outcome::Done { pc, .. }, Outcome::Fault) if !is_mapped(*pc) => {
+            Verdict::LeftOut("left out: a jump to where nothing is, which Unicorn sees at once")
+        }
+        (_, _) if may_reach_what_unicorn_lacks(before) => {
+            Verdict::LeftOut("left out: bit-band aliases and system space, which Unicorn lacks")
+        }
+        (_, _) => Verdict::Different(format!("a fault there only\n   from {before:x?}")),
+    }
+}
+
+fn note(differences: &mut Vec<String>, name: &str, ours: u32, theirs: u32) {
+    if ours != theirs {
+        differences.push(format!("{name} {ours:08x}, not {theirs:08x}"));
+    }
+}
+
+fn is_mapped(address: u32) -> bool {
+    (RAM..RAM + SIZE as u32).contains(&address)
+}
+
+/// True if an address that is a register, or a register and a shifted one, with any offset of an instruction, may
+/// mean a single bit or a register of the core.
+fn may_reach_what_unicorn_lacks(state: &State) -> bool {
+    let near = |address: u32| {
+        [
+            address.wrapping_sub(4096),
+            address,
+            address.wrapping_add(4096),
+        ]
+        .iter()
+        .any(|address| matches!(address >> 20, 0x220..=0x23F | 0x420..=0x43F | 0xE00))
+    };
+    let registers = &state.registers;
+    registers.iter().any(|&base| {
+        near(base)
+            || registers
+                .iter()
+                .any(|&index| (0..4).any(|shift| near(base.wrapping_add(index << shift))))
+    })
+}

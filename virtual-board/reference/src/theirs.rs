@@ -1,0 +1,129 @@
+//! Unicorn, which is QEMU's translator without its machines.
+
+use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn};
+
+use crate::machine::{DATA, Machine, RAM, SIZE};
+use crate::outcome::Outcome;
+use crate::state::{FLAGS, State};
+use crate::words::Trial;
+
+pub struct Theirs {
+    unicorn: Unicorn<'static, ()>,
+    fresh: unicorn_engine::Context,
+    data: Vec<u8>,
+    trials: usize,
+}
+
+/// Trials between two clearings of what has been translated.
+const TRIALS_PER_FLUSH: usize = 1000;
+
+const CORE: [RegisterARM; 15] = [
+    RegisterARM::R0,
+    RegisterARM::R1,
+    RegisterARM::R2,
+    RegisterARM::R3,
+    RegisterARM::R4,
+    RegisterARM::R5,
+    RegisterARM::R6,
+    RegisterARM::R7,
+    RegisterARM::R8,
+    RegisterARM::R9,
+    RegisterARM::R10,
+    RegisterARM::R11,
+    RegisterARM::R12,
+    RegisterARM::SP,
+    RegisterARM::LR,
+];
+
+fn double(number: usize) -> i32 {
+    i32::from(RegisterARM::D0) + number as i32
+}
+
+impl Theirs {
+    pub fn new(memory: &[u8]) -> Result<Self, Box<dyn std::error::Error>> {
+        let fail = |error| format!("Unicorn: {error:?}");
+        let mut unicorn = Unicorn::new(Arch::ARM, Mode::THUMB | Mode::MCLASS).map_err(fail)?;
+        unicorn
+            .ctl_set_cpu_model(ArmCpuModel::CORTEX_M4 as i32)
+            .map_err(fail)?;
+        unicorn
+            .mem_map(RAM.into(), SIZE as u64, Prot::ALL)
+            .map_err(fail)?;
+        unicorn.mem_write(RAM.into(), memory).map_err(fail)?;
+        let mut fresh = unicorn.context_alloc().map_err(fail)?;
+        unicorn.context_save(&mut fresh).map_err(fail)?;
+        Ok(Self {
+            unicorn,
+            fresh,
+            data: memory[DATA].to_vec(),
+            trials: 0,
+        })
+    }
+
+    fn run(
+        &mut self,
+        trial: &Trial,
+        address: u32,
+        state: &State,
+    ) -> Result<Outcome, unicorn_engine::uc_error> {
+        let unicorn = &mut self.unicorn;
+        self.trials += 1;
+        if self.trials % TRIALS_PER_FLUSH == 0 {
+            unicorn.ctl_flush_tb()?;
+        }
+        let code: Vec<u8> = trial.code().flat_map(u16::to_le_bytes).collect();
+        unicorn.ctl_remove_cache(address.into(), u64::from(address) + 16)?;
+        unicorn.mem_write(address.into(), &code)?;
+        unicorn.context_restore(&self.fresh)?;
+        for (register, &value) in CORE.into_iter().zip(&state.registers) {
+            unicorn.reg_write(register, value.into())?;
+        }
+        unicorn.reg_write(RegisterARM::APSR_NZCVQG, state.flags.into())?;
+        for (number, pair) in state.floats.chunks_exact(2).enumerate() {
+            let bits = u64::from(pair[1]) << 32 | u64::from(pair[0]);
+            unicorn.reg_write(double(number), bits)?;
+        }
+        unicorn.reg_write(RegisterARM::FPSCR, state.float_status.into())?;
+        let ran = unicorn.emu_start(u64::from(address | 1), 0, 0, trial.instructions());
+        let mut memory = vec![0; DATA.len()];
+        unicorn.mem_read(RAM.into(), &mut memory)?;
+        let changed = memory != self.data;
+        if changed {
+            unicorn.mem_write(RAM.into(), &self.data)?;
+        }
+        if ran.is_err() {
+            return Ok(Outcome::Fault);
+        }
+        let mut registers = [0; 15];
+        for (register, value) in CORE.into_iter().zip(&mut registers) {
+            *value = unicorn.reg_read(register)? as u32;
+        }
+        let mut floats = [0; 32];
+        for (number, pair) in floats.chunks_exact_mut(2).enumerate() {
+            let bits = unicorn.reg_read(double(number))?;
+            pair.copy_from_slice(&[bits as u32, (bits >> 32) as u32]);
+        }
+        Ok(Outcome::Done {
+            state: Box::new(State {
+                registers,
+                flags: unicorn.reg_read(RegisterARM::APSR)? as u32 & FLAGS,
+                floats,
+                float_status: unicorn.reg_read(RegisterARM::FPSCR)? as u32,
+            }),
+            pc: unicorn.reg_read(RegisterARM::PC)? as u32,
+            memory: changed.then_some(memory),
+        })
+    }
+}
+
+impl Machine for Theirs {
+    fn execute(
+        &mut self,
+        trial: &Trial,
+        address: u32,
+        state: &State,
+    ) -> Result<Outcome, Box<dyn std::error::Error>> {
+        self.run(trial, address, state)
+            .map_err(|error| format!("Unicorn: {error:?} at {trial}").into())
+    }
+}

@@ -1,0 +1,187 @@
+//! The instructions to compare.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::Path;
+
+use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::Rng;
+
+/// An instruction, and in how many states to compare it.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// An IT instruction before it, if it is to be in a block.
+    pub if_then: Option<u16>,
+    /// Its first halfword.
+    pub first: u16,
+    /// Its second halfword, if it has one.
+    pub second: Option<u16>,
+    pub states: usize,
+}
+
+impl Trial {
+    /// Its halfwords in memory.
+    pub fn code(&self) -> impl Iterator<Item = u16> {
+        self.if_then
+            .into_iter()
+            .chain([self.first])
+            .chain(self.second)
+    }
+
+    /// Instructions that it is made of.
+    pub fn instructions(&self) -> usize {
+        1 + usize::from(self.if_then.is_some())
+    }
+
+    /// True for loads and stores that want an aligned address. Unicorn does not check it, so they get no other.
+    pub fn wants_alignment(&self) -> bool {
+        match self.second {
+            None => self.first & 0xF000 == 0xC000,
+            Some(_) => matches!(self.first & 0xFE00, 0xE800 | 0xEC00),
+        }
+    }
+
+    /// The instruction as one number, the first halfword of two in the upper half.
+    pub fn word(&self) -> u32 {
+        match self.second {
+            Some(second) => u32::from(self.first) << 16 | u32::from(second),
+            None => self.first.into(),
+        }
+    }
+}
+
+impl fmt::Display for Trial {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.if_then.is_some() {
+            write!(f, "in an IT block: ")?;
+        }
+        match self.second {
+            Some(_) => write!(f, "{:08x}", self.word()),
+            None => write!(f, "{:04x}", self.word()),
+        }
+    }
+}
+
+fn is_wide(first: u16) -> bool {
+    first >= 0xE800
+}
+
+/// Every distinct instruction of an image.
+pub fn of_image(path: &Path) -> Result<Vec<Trial>, Box<dyn std::error::Error>> {
+    let bytes = std::fs::read(path)
+        .map_err(|error| format!("{}: {error}; build it with: cargo fw", path.display()))?;
+    let file = object::File::parse(&*bytes)?;
+    let mut marks: Vec<(u64, bool)> = file
+        .symbols()
+        .filter_map(|symbol| {
+            let name = symbol.name().ok()?;
+            let code = name == "$t" || name.starts_with("$t.");
+            let data = name == "$d" || name.starts_with("$d.");
+            (code || data).then_some((symbol.address(), code))
+        })
+        .collect();
+    marks.sort_unstable();
+    let mut found = BTreeSet::new();
+    for section in file.sections().filter(|s| s.kind() == SectionKind::Text) {
+        let data = section.data()?;
+        let (begin, end) = (section.address(), section.address() + data.len() as u64);
+        for (i, &(from, code)) in marks.iter().enumerate() {
+            if !code || !(begin..end).contains(&from) {
+                continue;
+            }
+            let to = marks.get(i + 1).map_or(end, |&(next, _)| next.min(end));
+            let bytes = &data[(from - begin) as usize..(to - begin) as usize];
+            let mut halves = bytes
+                .chunks_exact(2)
+                .map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
+            while let Some(first) = halves.next() {
+                let second = if is_wide(first) { halves.next() } else { None };
+                found.insert((first, second));
+            }
+        }
+    }
+    Ok(found
+        .into_iter()
+        .map(|(first, second)| Trial {
+            if_then: None,
+            first,
+            second,
+            states: 100,
+        })
+        .collect())
+}
+
+/// Every 16-bit instruction, and most of them in an IT block too.
+pub fn narrow(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
+    (0..0xE800)
+        .flat_map(|first| {
+            let alone = Trial {
+                if_then: None,
+                first,
+                second: None,
+                states: 10,
+            };
+            // One instruction, under any condition but AL.
+            let condition = (random.next_u32() % 14) as u16;
+            let in_block = Trial {
+                if_then: Some(0xBF08 | condition << 4),
+                ..alone.clone()
+            };
+            [alone, in_block]
+        })
+        .collect()
+}
+
+/// Every first halfword of a 32-bit instruction with random seconds.
+pub fn wide(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
+    const SECONDS: usize = 600;
+    (0xE800..=0xFFFF)
+        .flat_map(|first| (0..SECONDS).map(move |_| first))
+        .map(|first| {
+            let bits = random.next_u32();
+            let second = bits as u16;
+            // Many instructions want ones, or zeros, in a field that is elsewhere a register.
+            let second = match bits >> 16 & 7 {
+                0 => second | 0xF000,
+                1 => second & !0xF000,
+                2 => second | 0x0F00,
+                3 => second | 0xF000 & !0x0040,
+                4 => second & !0x80F0,
+                5 => second & !0x0FC0,
+                _ => second,
+            };
+            Trial {
+                if_then: None,
+                first,
+                second: Some(second),
+                states: 2,
+            }
+        })
+        .collect()
+}
+
+/// Instructions of the FPU, which random seconds seldom hit.
+pub fn float(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
+    const SECONDS: usize = 600;
+    (0xEC00..=0xEEFF)
+        .flat_map(|first| (0..SECONDS).map(move |_| first))
+        .map(|first| {
+            let bits = random.next_u32();
+            let double = if bits >> 16 & 7 == 0 { 0x0100 } else { 0 };
+            let second = bits as u16 & !0x0F00 | 0x0A00 | double;
+            // Few registers in a list.
+            let second = if first >> 8 == 0xEE {
+                second
+            } else {
+                second & !0x00E0
+            };
+            Trial {
+                if_then: None,
+                first,
+                second: Some(second),
+                states: 4,
+            }
+        })
+        .collect()
+}

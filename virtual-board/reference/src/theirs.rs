@@ -50,6 +50,15 @@ impl Theirs {
             .mem_map(RAM.into(), SIZE as u64, Prot::ALL)
             .map_err(fail)?;
         unicorn.mem_write(RAM.into(), memory).map_err(fail)?;
+        // The first instruction of the FPU in a context resets it: VMOV S0, S0.
+        const PLACE: u64 = (RAM as usize + SIZE - 8) as u64;
+        unicorn
+            .mem_write(PLACE, &[0xB0, 0xEE, 0x40, 0x0A])
+            .map_err(fail)?;
+        unicorn.emu_start(PLACE | 1, 0, 0, 1).map_err(fail)?;
+        unicorn
+            .mem_write(PLACE, &memory[SIZE - 8..SIZE - 4])
+            .map_err(fail)?;
         let mut fresh = unicorn.context_alloc().map_err(fail)?;
         unicorn.context_save(&mut fresh).map_err(fail)?;
         Ok(Self {
@@ -84,7 +93,8 @@ impl Theirs {
             unicorn.reg_write(double(number), bits)?;
         }
         unicorn.reg_write(RegisterARM::FPSCR, state.float_status.into())?;
-        let ran = unicorn.emu_start(u64::from(address | 1), 0, 0, trial.instructions());
+        // Unicorn counts IT and what it holds as one.
+        let ran = unicorn.emu_start(u64::from(address | 1), 0, 0, 1);
         let mut memory = vec![0; DATA.len()];
         unicorn.mem_read(RAM.into(), &mut memory)?;
         let changed = memory != self.data;

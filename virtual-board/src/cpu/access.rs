@@ -1,7 +1,7 @@
 //! Loads, stores and fetches: memories at once, all else by where it is.
 
 use super::fault::Fault;
-use super::{Bus, Cpu, Memories, Refusal, Stop, Trap, Unmodelled, Width};
+use super::{Bus, Cpu, Memories, Refusal, Stop, Trapped, Unmodelled, Width};
 
 /// Where peripherals begin; below is memory, which may be read at any alignment.
 const PERIPHERALS: u32 = 0x4000_0000;
@@ -31,13 +31,13 @@ impl Place {
 
 impl Cpu {
     /// Loads a zero-extended value.
-    #[inline]
+    #[inline(always)]
     pub(super) fn read<B: Bus>(
         &mut self,
         bus: &mut B,
         address: u32,
         width: Width,
-    ) -> Result<u32, Trap> {
+    ) -> Result<u32, Trapped> {
         if address & (width.bytes() - 1) != 0 {
             self.check_unaligned(address)?;
         }
@@ -51,14 +51,14 @@ impl Cpu {
     }
 
     /// Stores the lowest bits of a value.
-    #[inline]
+    #[inline(always)]
     pub(super) fn write<B: Bus>(
         &mut self,
         bus: &mut B,
         address: u32,
         width: Width,
         value: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         if address & (width.bytes() - 1) != 0 {
             self.check_unaligned(address)?;
         }
@@ -70,7 +70,7 @@ impl Cpu {
 
     /// Loads a word as LDM, LDRD and exclusives do, which must be aligned.
     #[inline]
-    pub(super) fn read_word<B: Bus>(&mut self, bus: &mut B, address: u32) -> Result<u32, Trap> {
+    pub(super) fn read_word<B: Bus>(&mut self, bus: &mut B, address: u32) -> Result<u32, Trapped> {
         self.check_aligned(address, Width::Word)?;
         self.read(bus, address, Width::Word)
     }
@@ -82,23 +82,23 @@ impl Cpu {
         bus: &mut B,
         address: u32,
         value: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         self.check_aligned(address, Width::Word)?;
         self.write(bus, address, Width::Word, value)
     }
 
     #[inline]
-    pub(super) fn check_aligned(&self, address: u32, width: Width) -> Result<(), Trap> {
+    pub(super) fn check_aligned(&mut self, address: u32, width: Width) -> Result<(), Trapped> {
         if address & (width.bytes() - 1) != 0 {
-            return Err(Trap::Fault(Fault::Unaligned));
+            return Err(self.fault(Fault::Unaligned));
         }
         Ok(())
     }
 
     #[cold]
-    fn check_unaligned(&self, address: u32) -> Result<(), Trap> {
+    fn check_unaligned(&mut self, address: u32) -> Result<(), Trapped> {
         if self.system.traps_unaligned() || address >= PERIPHERALS {
-            return Err(Trap::Fault(Fault::Unaligned));
+            return Err(self.fault(Fault::Unaligned));
         }
         Ok(())
     }
@@ -119,7 +119,7 @@ impl Cpu {
         bus: &mut B,
         address: u32,
         width: Width,
-    ) -> Result<u32, Trap> {
+    ) -> Result<u32, Trapped> {
         match Place::of(address) {
             Place::Private => self.read_private(address, width),
             Place::Bit(word, bit) => {
@@ -140,7 +140,7 @@ impl Cpu {
         address: u32,
         width: Width,
         value: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let value = match width {
             Width::Byte => value & 0xFF,
             Width::Half => value & 0xFFFF,
@@ -156,6 +156,9 @@ impl Cpu {
             Place::Board => {
                 let answer = bus.write(address, width, value, &mut self.signals);
                 self.after_board();
+                if bus.memories().flash_edition() != self.decoded_edition {
+                    self.attend_soon();
+                }
                 match answer {
                     Err(Refusal::BusFault) if self.system.buffers_writes() => {
                         self.pend_imprecise_bus_fault();
@@ -176,7 +179,7 @@ impl Cpu {
         word: u32,
         address: u32,
         width: Width,
-    ) -> Result<u32, Trap> {
+    ) -> Result<u32, Trapped> {
         self.check_aligned(address, width)?;
         self.read(bus, word, Width::Word)
     }
@@ -189,40 +192,46 @@ impl Cpu {
         }
     }
 
-    fn refused(&self, refusal: Refusal, address: u32, width: Width, written: Option<u32>) -> Trap {
+    fn refused(
+        &mut self,
+        refusal: Refusal,
+        address: u32,
+        width: Width,
+        written: Option<u32>,
+    ) -> Trapped {
         match refusal {
-            Refusal::BusFault => Trap::Fault(Fault::PreciseBus(address)),
+            Refusal::BusFault => self.fault(Fault::PreciseBus(address)),
             Refusal::Unmodelled(register) => self.unmodelled(register, address, width, written),
         }
     }
 
     /// An access that ends the run.
     pub(super) fn unmodelled(
-        &self,
+        &mut self,
         register: String,
         address: u32,
         width: Width,
         written: Option<u32>,
-    ) -> Trap {
-        Trap::Stop(Box::new(Stop::Unmodelled(Unmodelled::Access {
+    ) -> Trapped {
+        self.stop(Stop::Unmodelled(Unmodelled::Access {
             register,
             address,
             width,
             written,
             pc: self.instruction_address,
-        })))
+        }))
     }
 
     /// One halfword of code.
-    pub(super) fn fetch<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u16, Trap> {
+    pub(super) fn fetch<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u16, Fault> {
         let executable = match address >> 29 {
             0 | 1 | 3 | 4 => !(Memories::CCM..Memories::SRAM).contains(&address),
-            _ => return Err(Trap::Fault(Fault::InstructionAccess)),
+            _ => return Err(Fault::InstructionAccess),
         };
         let half = bus.memories().read(address, Width::Half);
         match half.filter(|_| executable) {
             Some(half) => Ok(half as u16),
-            None => Err(Trap::Fault(Fault::InstructionBus)),
+            None => Err(Fault::InstructionBus),
         }
     }
 }

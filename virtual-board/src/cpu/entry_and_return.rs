@@ -9,7 +9,7 @@ use super::floating_point::Fpscr;
 use super::instruction::{LR, SP};
 use super::status::{Flags, ItState};
 use super::system_space::SystemControl;
-use super::{Bus, Cpu, Sleep, Stop, Trap, Width, timing};
+use super::{Bus, Cpu, Sleep, Stop, Trap, Trapped, Width, timing};
 
 const BASIC_FRAME: u32 = 0x20;
 const EXTENDED_FRAME: u32 = 0x68;
@@ -107,9 +107,11 @@ impl Cpu {
                 self.jump_unspent(handler);
                 self.account.entered(self.signals.cycle);
             }
-            Err(Trap::Stop(stop)) => self.halted = Some(*stop),
-            Err(Trap::Fault(_)) if number == HARD_FAULT => self.lock_up(),
-            Err(Trap::Fault(_)) => self.take_fault(Fault::VectorTable),
+            Err(Trapped) => match self.trap.take() {
+                Some(Trap::Stop(stop)) => self.halted = Some(stop),
+                _ if number == HARD_FAULT => self.lock_up(),
+                _ => self.take_fault(Fault::VectorTable),
+            },
         }
     }
 
@@ -193,13 +195,13 @@ impl Cpu {
 
     /// ExecuteFPCheck: what the first instruction of the FPU in a context brings about.
     #[cold]
-    pub(super) fn prepare_float<B: Bus>(&mut self, bus: &mut B) -> Result<(), Trap> {
+    pub(super) fn prepare_float<B: Bus>(&mut self, bus: &mut B) -> Result<(), Trapped> {
         if !self.system.float_is_on(self.privileged()) {
-            return Err(Trap::Fault(Fault::NoCoprocessor));
+            return Err(self.fault(Fault::NoCoprocessor));
         }
         if self.system.lazy_frame_is_due() {
             self.stack_float(bus, self.system.float_frame)
-                .map_err(|_| Trap::Fault(Fault::LazyStacking))?;
+                .map_err(|_| self.fault(Fault::LazyStacking))?;
             self.system.float_context &= !SystemControl::LAZY_ACTIVE;
             self.spent += timing::FLOAT_FRAME;
         }

@@ -91,6 +91,8 @@ pub struct Cpu {
     /// What no run goes beyond until a reset.
     halted: Option<Stop>,
 
+    trap: Option<Trap>,
+
     /// Cycles of the instruction in execution.
     spent: u32,
     instructions: u64,
@@ -115,11 +117,15 @@ pub struct Cpu {
 }
 
 /// What makes an instruction end early.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 enum Trap {
     Fault(Fault),
-    Stop(Box<Stop>),
+    Stop(Stop),
 }
+
+/// Says that an instruction has ended early; why is in [`Cpu::trap`].
+#[derive(Debug)]
+struct Trapped;
 
 /// What the core waits for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -183,6 +189,7 @@ impl Default for Cpu {
             event: false,
             asleep: None,
             halted: None,
+            trap: None,
             spent: 0,
             instructions: 0,
             slept: 0,
@@ -240,19 +247,27 @@ impl Cpu {
 
     /// Executes until `cycle`, or until something else ends the run. Waiting for an interrupt is a jump of time.
     pub fn run<B: Bus>(&mut self, bus: &mut B, cycle: u64) -> Stop {
-        self.notice_flash(bus);
         self.attend_soon();
-        loop {
+        // Apart from the rest, so that what is decoded can be read in place.
+        let mut decoded = std::mem::take(&mut self.decoded);
+        let stop = loop {
             if self.signals.cycle >= self.look_up_at {
-                if let Some(stop) = self.attend(bus, cycle) {
-                    return stop;
+                let edition = bus.memories().flash_edition();
+                if edition != self.decoded_edition {
+                    self.decoded_edition = edition;
+                    decoded.clear();
                 }
-            } else if let Err(trap) = self.step(bus)
-                && let Some(stop) = self.end_early(trap)
+                if let Some(stop) = self.attend(bus, cycle) {
+                    break stop;
+                }
+            } else if self.step(bus, &mut decoded).is_err()
+                && let Some(stop) = self.end_early()
             {
-                return stop;
+                break stop;
             }
-        }
+        };
+        self.decoded = decoded;
+        stop
     }
 
     /// Instructions executed since power-on.
@@ -409,6 +424,7 @@ impl Cpu {
     }
 
     /// Lets cycles pass, and those that the instruction in execution has taken so far.
+    #[inline(always)]
     fn spend(&mut self, cycles: u32) {
         self.signals.cycle += u64::from(std::mem::take(&mut self.spent) + cycles);
     }
@@ -420,15 +436,6 @@ impl Cpu {
         self.thumb = address & 1 == 1;
         if !self.thumb {
             self.attend_soon();
-        }
-    }
-
-    /// Forgets what has been decoded if flash has changed.
-    fn notice_flash<B: Bus>(&mut self, bus: &mut B) {
-        let edition = bus.memories().flash_edition();
-        if edition != self.decoded_edition {
-            self.decoded_edition = edition;
-            self.decoded.clear();
         }
     }
 
@@ -514,30 +521,31 @@ impl Cpu {
     }
 
     /// The next instruction.
-    #[inline]
-    fn step<B: Bus>(&mut self, bus: &mut B) -> Result<(), Trap> {
+    #[inline(always)]
+    fn step<B: Bus>(&mut self, bus: &mut B, decoded: &mut Vec<Decoded>) -> Result<(), Trapped> {
         let address = self.pc;
-        self.instruction_address = address;
-        let Decoded { instruction, size } = match self.decoded.get(place(address)) {
-            Some(&decoded) if decoded.size != 0 => decoded,
-            _ => self.decode(bus, address)?,
+        let uncached;
+        let Decoded { instruction, size } = match decoded.get(place(address)) {
+            Some(decoded) if decoded.size != 0 => decoded,
+            _ => {
+                uncached = self.decode(bus, address, decoded)?;
+                &uncached
+            }
         };
+        self.instruction_address = address;
         self.spent = 1;
         if address >> 4 != self.fetch_line {
             self.begin_line(address >> 4);
         }
         self.instructions += 1;
-        self.pc = address.wrapping_add(size.into());
+        self.pc = address.wrapping_add((*size).into());
         let it = self.it;
-        self.in_it_block = it.active();
-        if self.in_it_block {
-            self.it = it.advanced();
-            if !self.flags.hold(it.condition()) && instruction != Instruction::Breakpoint {
-                self.spend(0);
-                return Ok(());
-            }
+        if it.active() && !self.advance_it_block(instruction) {
+            self.spend(0);
+            return Ok(());
         }
         let result = self.execute(bus, instruction);
+        self.in_it_block = false;
         self.spend(0);
         if result.is_err() {
             self.pc = address;
@@ -546,14 +554,42 @@ impl Cpu {
         result
     }
 
+    /// Comes to the next instruction of an IT block; true if it is to be executed.
+    fn advance_it_block(&mut self, instruction: &Instruction) -> bool {
+        let condition = self.it.condition();
+        self.it = self.it.advanced();
+        self.in_it_block =
+            self.flags.hold(condition) || *instruction == Instruction::Breakpoint;
+        self.in_it_block
+    }
+
     /// Decodes what is not in the cache, and keeps it if it is in flash.
     #[cold]
-    fn decode<B: Bus>(&mut self, bus: &mut B, address: u32) -> Result<Decoded, Trap> {
+    fn decode<B: Bus>(
+        &mut self,
+        bus: &mut B,
+        address: u32,
+        cache: &mut Vec<Decoded>,
+    ) -> Result<Decoded, Trapped> {
         if self.passed_breakpoint != Some(address) && self.breakpoints.contains(&address) {
             self.passed_breakpoint = Some(address);
-            return Err(Trap::Stop(Box::new(Stop::Breakpoint(address))));
+            return Err(self.stop(Stop::Breakpoint(address)));
         }
         self.passed_breakpoint = None;
+        let decoded = self
+            .decode_at(bus, address)
+            .map_err(|fault| self.fault(fault))?;
+        let place = place(address);
+        if place < bus.memories().flash().len() / 2 && !self.breakpoints.contains(&address) {
+            if cache.len() <= place {
+                cache.resize(place + 1, Decoded::EMPTY);
+            }
+            cache[place] = decoded;
+        }
+        Ok(decoded)
+    }
+
+    fn decode_at<B: Bus>(&self, bus: &mut B, address: u32) -> Result<Decoded, Fault> {
         let first = self.fetch(bus, address)?;
         let wide = decode::is_wide(first);
         let second = if wide {
@@ -561,22 +597,14 @@ impl Cpu {
         } else {
             0
         };
-        let decoded = Decoded {
+        Ok(Decoded {
             instruction: decode::decode(address, first, second),
             size: if wide { 4 } else { 2 },
-        };
-        let place = place(address);
-        if place < bus.memories().flash().len() / 2 && !self.breakpoints.contains(&address) {
-            if self.decoded.len() <= place {
-                self.decoded.resize(place + 1, Decoded::EMPTY);
-            }
-            self.decoded[place] = decoded;
-        }
-        Ok(decoded)
+        })
     }
 
     /// Waits for flash where execution comes to another 128 bits of it.
-    #[inline]
+    #[inline(always)]
     fn begin_line(&mut self, line: u32) {
         self.fetch_line = line;
         if line < Memories::CCM >> 4 {
@@ -585,15 +613,29 @@ impl Cpu {
         }
     }
 
+    /// Notes a fault of the instruction in execution.
+    #[cold]
+    fn fault(&mut self, fault: Fault) -> Trapped {
+        self.trap = Some(Trap::Fault(fault));
+        Trapped
+    }
+
+    /// Notes that the run is to end at the instruction in execution.
+    #[cold]
+    fn stop(&mut self, stop: Stop) -> Trapped {
+        self.trap = Some(Trap::Stop(stop));
+        Trapped
+    }
+
     /// What becomes of an instruction that ended early; the reason, if the run ends too.
     #[cold]
-    fn end_early(&mut self, trap: Trap) -> Option<Stop> {
-        match trap {
+    fn end_early(&mut self) -> Option<Stop> {
+        match self.trap.take()? {
             Trap::Fault(fault) => {
                 self.take_fault(fault);
                 None
             }
-            Trap::Stop(stop) => Some(*stop),
+            Trap::Stop(stop) => Some(stop),
         }
     }
 }

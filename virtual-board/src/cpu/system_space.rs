@@ -4,7 +4,7 @@ use super::exceptions::{
     BUS_FAULT, DEBUG_MONITOR, INTERRUPT_0, MEM_MANAGE, NMI, PENDSV, SVCALL, SYSTICK, USAGE_FAULT,
 };
 use super::fault::Fault;
-use super::{Cpu, Stop, Trap, Width};
+use super::{Cpu, Stop, Trapped, Width};
 
 /// Interrupt lines of an STM32F407.
 const LINES: u16 = 82;
@@ -245,10 +245,10 @@ fn each(first: u16, bits: u32) -> impl Iterator<Item = u16> {
 }
 
 impl Cpu {
-    pub(super) fn read_private(&mut self, address: u32, width: Width) -> Result<u32, Trap> {
+    pub(super) fn read_private(&mut self, address: u32, width: Width) -> Result<u32, Trapped> {
         let software_trigger_only = !self.privileged();
         if software_trigger_only {
-            return Err(Trap::Fault(Fault::PreciseBus(address)));
+            return Err(self.fault(Fault::PreciseBus(address)));
         }
         self.check_aligned(address, width)?;
         let word = self
@@ -267,11 +267,11 @@ impl Cpu {
         address: u32,
         width: Width,
         value: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let allowed = self.privileged()
             || address == 0xE000_EF00 && self.system.configuration & USER_SETS_PENDING != 0;
         if !allowed {
-            return Err(Trap::Fault(Fault::PreciseBus(address)));
+            return Err(self.fault(Fault::PreciseBus(address)));
         }
         self.check_aligned(address, width)?;
         self.write_register(address, width, value)

@@ -1,7 +1,7 @@
 //! Branches.
 
 use super::super::instruction::{LR, PC, Reg};
-use super::super::{Bus, Trap, Width, timing};
+use super::super::{Bus, Trapped, Width, timing};
 use crate::cpu::Cpu;
 
 /// Jumps at or above this address return from an exception, in handler mode.
@@ -9,7 +9,7 @@ const EXCEPTION_RETURN: u32 = 0xF000_0000;
 
 impl Cpu {
     /// BranchTo.
-    #[inline]
+    #[inline(always)]
     pub(super) fn branch(&mut self, target: u32) {
         self.spent += timing::refill(target);
         self.pc = target;
@@ -52,7 +52,7 @@ impl Cpu {
         n: Reg,
         m: Reg,
         half: bool,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let base = if n == PC { self.pc } else { self.get(n) };
         let index = self.get(m);
         let halfwords = if half {

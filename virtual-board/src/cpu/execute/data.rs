@@ -7,7 +7,7 @@ use super::super::instruction::{Alu, Extension, Reg, Reversal, SetFlags, Shift, 
 use crate::cpu::Cpu;
 
 impl Cpu {
-    #[inline]
+    #[inline(always)]
     fn alu(&mut self, alu: Alu, set: bool, d: Reg, a: u32, b: u32, shifter_carry: bool) {
         let flags = self.flags;
         let logical = |result| (result, shifter_carry, flags.v);
@@ -39,7 +39,7 @@ impl Cpu {
         self.flags.z = result == 0;
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn data_immediate(
         &mut self,
         alu: Alu,
@@ -57,7 +57,7 @@ impl Cpu {
         self.alu(alu, self.sets_flags(set), d, self.get(n), value, carry);
     }
 
-    #[inline]
+    #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the fields of one instruction")]
     pub(super) fn data_register(
         &mut self,

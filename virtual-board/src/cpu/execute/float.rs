@@ -3,7 +3,7 @@
 use super::super::fault::Fault;
 use super::super::instruction::{FloatOp, Instruction, Reg, UnaryOp};
 use super::super::status::Flags;
-use super::super::{Bus, Trap, Width, timing};
+use super::super::{Bus, Trapped, Width, timing};
 use crate::cpu::Cpu;
 use crate::cpu::floating_point::Fpscr;
 
@@ -24,13 +24,13 @@ impl Cpu {
     pub(super) fn execute_float<B: Bus>(
         &mut self,
         bus: &mut B,
-        instruction: Instruction,
-    ) -> Result<(), Trap> {
+        instruction: &Instruction,
+    ) -> Result<(), Trapped> {
         use Instruction as I;
         if !self.float.ready {
             self.prepare_float(bus)?;
         }
-        match instruction {
+        match *instruction {
             I::FloatArithmetic { float, d, n, m } => self.float_arithmetic(float, d, n, m),
             I::FloatUnary { float, d, m } => self.float_unary(float, d, m),
             I::FloatImmediate { d, bits } => self.set_s(d, bits),
@@ -172,7 +172,7 @@ impl Cpu {
                 self.flags.v = compared.v;
             }
             I::CoreToFloatStatus { t } => self.float.status = Fpscr::new(self.get(t)),
-            _ => return Err(Trap::Fault(Fault::UndefinedInstruction)),
+            _ => return Err(self.fault(Fault::UndefinedInstruction)),
         }
         Ok(())
     }
@@ -245,7 +245,7 @@ impl Cpu {
         first: u8,
         count: u8,
         address: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         self.spent += u32::from(count);
         self.check_aligned(address, Width::Word)?;
         for i in 0..count {
@@ -262,7 +262,7 @@ impl Cpu {
         first: u8,
         count: u8,
         address: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         self.spent += u32::from(count);
         self.check_aligned(address, Width::Word)?;
         for i in 0..count {

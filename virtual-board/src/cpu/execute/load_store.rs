@@ -2,7 +2,7 @@
 
 use super::super::fault::Fault;
 use super::super::instruction::{Access, Index, PC, Reg};
-use super::super::{Bus, NO_REGISTER, Trap, Width};
+use super::super::{Bus, NO_REGISTER, Trapped, Width};
 use crate::cpu::Cpu;
 
 impl Access {
@@ -38,7 +38,7 @@ fn addresses(base: u32, offset: i32, index: Index) -> (u32, Option<u32>) {
 
 impl Cpu {
     /// Spends the second cycle of a single access, unless it follows another one whose result it needs not.
-    #[inline]
+    #[inline(always)]
     pub(super) fn time_access(&mut self, base: Reg, loads: Reg) {
         let follows = self.last_access + 1 == self.instructions && self.last_loaded != base;
         self.spent += u32::from(!follows);
@@ -46,14 +46,14 @@ impl Cpu {
         self.last_loaded = loads;
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn load_into<B: Bus>(
         &mut self,
         bus: &mut B,
         kind: Access,
         t: Reg,
         address: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let value = self.read(bus, address, kind.width())?;
         if t == PC {
             self.load_pc(bus, address, value)
@@ -63,16 +63,16 @@ impl Cpu {
         }
     }
 
-    fn load_pc<B: Bus>(&mut self, bus: &mut B, address: u32, value: u32) -> Result<(), Trap> {
+    fn load_pc<B: Bus>(&mut self, bus: &mut B, address: u32, value: u32) -> Result<(), Trapped> {
         // A load to PC is one of a word, and that is to be aligned.
         if address & 3 != 0 {
-            return Err(Trap::Fault(Fault::Unaligned));
+            return Err(self.fault(Fault::Unaligned));
         }
         self.write_pc(bus, value);
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn load<B: Bus>(
         &mut self,
         bus: &mut B,
@@ -81,7 +81,7 @@ impl Cpu {
         n: Reg,
         offset: i32,
         index: Index,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset, index);
         self.time_access(n, t);
         let Some(new_base) = new_base else {
@@ -97,7 +97,7 @@ impl Cpu {
         result
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn load_register<B: Bus>(
         &mut self,
         bus: &mut B,
@@ -106,13 +106,13 @@ impl Cpu {
         n: Reg,
         m: Reg,
         shift: u8,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(self.get(m) << shift);
         self.time_access(n, t);
         self.load_into(bus, kind, t, address)
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn store<B: Bus>(
         &mut self,
         bus: &mut B,
@@ -121,7 +121,7 @@ impl Cpu {
         n: Reg,
         offset: i32,
         index: Index,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset, index);
         self.time_access(n, NO_REGISTER);
         self.write(bus, address, kind.width(), self.get(t))?;
@@ -131,7 +131,7 @@ impl Cpu {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn store_register<B: Bus>(
         &mut self,
         bus: &mut B,
@@ -140,7 +140,7 @@ impl Cpu {
         n: Reg,
         m: Reg,
         shift: u8,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(self.get(m) << shift);
         self.time_access(n, NO_REGISTER);
         self.write(bus, address, kind.width(), self.get(t))
@@ -155,7 +155,7 @@ impl Cpu {
         n: Reg,
         offset: i16,
         index: Index,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset.into(), index);
         self.load_double_from(bus, t, t2, address)?;
         if let Some(new_base) = new_base {
@@ -170,7 +170,7 @@ impl Cpu {
         t: Reg,
         t2: Reg,
         address: u32,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         self.spent += 2;
         let low = self.read_word(bus, address)?;
         let high = self.read_word(bus, address.wrapping_add(4))?;
@@ -188,7 +188,7 @@ impl Cpu {
         n: Reg,
         offset: i16,
         index: Index,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset.into(), index);
         self.spent += 2;
         self.write_word(bus, address, self.get(t))?;
@@ -206,7 +206,7 @@ impl Cpu {
         list: u16,
         down: bool,
         writeback: bool,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let base = self.get(n);
         let size = 4 * list.count_ones();
         let (mut address, end) = if down {
@@ -245,7 +245,7 @@ impl Cpu {
         list: u16,
         down: bool,
         writeback: bool,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let base = self.get(n);
         let size = 4 * list.count_ones();
         let (mut address, end) = if down {
@@ -274,7 +274,7 @@ impl Cpu {
         t: Reg,
         n: Reg,
         offset: u16,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(offset.into());
         self.check_aligned(address, kind.width())?;
         self.spent += 1;
@@ -292,7 +292,7 @@ impl Cpu {
         t: Reg,
         n: Reg,
         offset: u16,
-    ) -> Result<(), Trap> {
+    ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(offset.into());
         self.check_aligned(address, kind.width())?;
         self.spent += 1;

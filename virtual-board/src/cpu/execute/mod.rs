@@ -10,7 +10,7 @@ mod system;
 
 use super::fault::Fault;
 use super::instruction::{Instruction, Reg, SP, SetFlags};
-use super::{Bus, Cpu, Stop, Trap, Unmodelled, timing};
+use super::{Bus, Cpu, Stop, Trapped, Unmodelled, timing};
 
 /// Bits that a register can hold: the stack pointer is always at a word.
 const WRITABLE: [u32; 17] = {
@@ -20,18 +20,18 @@ const WRITABLE: [u32; 17] = {
 };
 
 impl Cpu {
-    #[inline]
+    #[inline(always)]
     fn get(&self, register: Reg) -> u32 {
         self.registers[usize::from(register)]
     }
 
-    #[inline]
+    #[inline(always)]
     fn set(&mut self, register: Reg, value: u32) {
         let register = usize::from(register);
         self.registers[register] = value & WRITABLE[register];
     }
 
-    #[inline]
+    #[inline(always)]
     fn sets_flags(&self, set: SetFlags) -> bool {
         match set {
             SetFlags::Never => false,
@@ -41,14 +41,14 @@ impl Cpu {
     }
 
     /// Executes one instruction. `pc` is already that of the next.
-    #[inline]
+    #[inline(always)]
     pub(super) fn execute<B: Bus>(
         &mut self,
         bus: &mut B,
-        instruction: Instruction,
-    ) -> Result<(), Trap> {
+        instruction: &Instruction,
+    ) -> Result<(), Trapped> {
         use Instruction as I;
-        match instruction {
+        match *instruction {
             I::DataImmediate {
                 alu,
                 set,
@@ -290,9 +290,9 @@ impl Cpu {
             I::WaitForEvent => self.wait_for_event(),
             I::WaitForInterrupt => self.wait_for_interrupt(),
             I::SupervisorCall => self.call_supervisor(),
-            I::Breakpoint => return Err(Trap::Fault(Fault::Debug)),
-            I::Undefined => return Err(Trap::Fault(Fault::UndefinedInstruction)),
-            I::NoCoprocessor => return Err(Trap::Fault(Fault::NoCoprocessor)),
+            I::Breakpoint => return Err(self.fault(Fault::Debug)),
+            I::Undefined => return Err(self.fault(Fault::UndefinedInstruction)),
+            I::NoCoprocessor => return Err(self.fault(Fault::NoCoprocessor)),
             I::Unpredictable => return Err(self.unpredictable(bus)),
 
             _ => self.execute_float(bus, instruction)?,
@@ -302,7 +302,7 @@ impl Cpu {
 
     /// Ends the run at an instruction whose effect the manual leaves open.
     #[cold]
-    fn unpredictable<B: Bus>(&self, bus: &mut B) -> Trap {
+    fn unpredictable<B: Bus>(&mut self, bus: &mut B) -> Trapped {
         let pc = self.instruction_address;
         let half = |cpu: &Self, bus: &mut B, at| cpu.fetch(bus, at).map_or(0, u32::from);
         let first = half(self, bus, pc);
@@ -311,10 +311,10 @@ impl Cpu {
         } else {
             first
         };
-        Trap::Stop(Box::new(Stop::Unmodelled(Unmodelled::Instruction {
+        self.stop(Stop::Unmodelled(Unmodelled::Instruction {
             word,
             pc,
             why: "its effect is unpredictable",
-        })))
+        }))
     }
 }

@@ -3,7 +3,7 @@
 use super::super::arithmetic::half;
 use super::super::fault::Fault;
 use super::super::instruction::{Long, Reg, SetFlags};
-use super::super::{Trap, timing};
+use super::super::{Trapped, timing};
 use crate::cpu::Cpu;
 
 impl Cpu {
@@ -167,11 +167,11 @@ impl Cpu {
     }
 
     #[inline]
-    pub(super) fn divide(&mut self, d: Reg, n: Reg, m: Reg, signed: bool) -> Result<(), Trap> {
+    pub(super) fn divide(&mut self, d: Reg, n: Reg, m: Reg, signed: bool) -> Result<(), Trapped> {
         let (n, m) = (self.get(n), self.get(m));
         if m == 0 {
             if self.system.traps_division_by_zero() {
-                return Err(Trap::Fault(Fault::DivideByZero));
+                return Err(self.fault(Fault::DivideByZero));
             }
             self.spent += 1;
             self.set(d, 0);

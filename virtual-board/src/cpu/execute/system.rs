@@ -2,7 +2,7 @@
 
 use super::super::instruction::Reg;
 use super::super::status::Flags;
-use super::super::{Sleep, Stop, Trap, Unmodelled, timing};
+use super::super::{Sleep, Stop, Trapped, Unmodelled, timing};
 use crate::cpu::Cpu;
 use crate::cpu::instruction::SP;
 
@@ -19,7 +19,7 @@ const FAULTMASK: u8 = 19;
 const CONTROL: u8 = 20;
 
 impl Cpu {
-    pub(super) fn read_special(&mut self, d: Reg, special: u8) -> Result<(), Trap> {
+    pub(super) fn read_special(&mut self, d: Reg, special: u8) -> Result<(), Trapped> {
         self.spent += timing::SPECIAL;
         let privileged = self.privileged();
         let value = match special {
@@ -58,7 +58,7 @@ impl Cpu {
         Ok(())
     }
 
-    pub(super) fn write_special(&mut self, n: Reg, special: u8, mask: u8) -> Result<(), Trap> {
+    pub(super) fn write_special(&mut self, n: Reg, special: u8, mask: u8) -> Result<(), Trapped> {
         self.spent += timing::SPECIAL;
         let value = self.get(n);
         match special {
@@ -121,12 +121,12 @@ impl Cpu {
     }
 
     #[cold]
-    fn no_such_register(&self, special: u8) -> Trap {
-        Trap::Stop(Box::new(Stop::Unmodelled(Unmodelled::Instruction {
+    fn no_such_register(&mut self, special: u8) -> Trapped {
+        self.stop(Stop::Unmodelled(Unmodelled::Instruction {
             word: special.into(),
             pc: self.instruction_address,
             why: "no special register has this number",
-        })))
+        }))
     }
 
     /// CPS.

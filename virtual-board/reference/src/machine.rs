@@ -35,7 +35,10 @@ pub fn random_memory(random: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     memory
 }
 
-/// An address for code, far enough from both ends for what is relative to it.
-pub fn next_address(random: &mut Xoshiro256PlusPlus) -> u32 {
-    RAM + 0x9000 + (random.next_u32() & 0x1FFE)
+/// Places for code, one after the other, far enough from both ends for what is relative to them.
+pub fn addresses() -> impl Iterator<Item = u32> {
+    // Every second place is not at a word.
+    (0..0x200)
+        .map(|i| RAM + 0x9000 + 16 * i + 2 * (i & 1))
+        .cycle()
 }

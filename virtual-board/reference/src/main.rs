@@ -26,10 +26,9 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 use state::State;
 use theirs::Theirs;
-use words::Trial;
 
 const SEED: u64 = 1;
-const DIFFERENCES_SHOWN: usize = 20;
+const DIFFERENCES_SHOWN: usize = 40;
 
 fn main() -> ExitCode {
     let image = std::env::args_os().nth(1).map_or_else(
@@ -57,6 +56,7 @@ fn compare(image: &std::path::Path) -> Result<usize, Box<dyn std::error::Error>>
     let memory = machine::random_memory(&mut random);
     let mut ours = Ours::new(&memory);
     let mut theirs = Theirs::new(&memory)?;
+    let mut addresses = machine::addresses();
     let mut differences = 0;
     for (name, trials) in [
         ("instructions of the image", words::of_image(image)?),
@@ -68,7 +68,16 @@ fn compare(image: &std::path::Path) -> Result<usize, Box<dyn std::error::Error>>
         let words = trials.len();
         for trial in trials {
             for _ in 0..trial.states {
-                let verdict = compare_once(&trial, &mut ours, &mut theirs, &mut random)?;
+                let verdict = match outcome::left_out(&trial) {
+                    Some(reason) => Verdict::LeftOut(reason),
+                    None => {
+                        let state = State::random(&mut random, trial.wants_alignment());
+                        let address = addresses.next().ok_or("no place for code")?;
+                        let one = ours.execute(&trial, address, &state)?;
+                        let other = theirs.execute(&trial, address, &state)?;
+                        outcome::judge(&state, &one, &other)
+                    }
+                };
                 *counts.entry(verdict.name()).or_default() += 1;
                 if let Verdict::Different(what) = verdict {
                     differences += 1;
@@ -86,23 +95,4 @@ fn compare(image: &std::path::Path) -> Result<usize, Box<dyn std::error::Error>>
         }
     }
     Ok(differences)
-}
-
-fn compare_once(
-    trial: &Trial,
-    ours: &mut Ours,
-    theirs: &mut Theirs,
-    random: &mut Xoshiro256PlusPlus,
-) -> Result<Verdict, Box<dyn std::error::Error>> {
-    if let Some(reason) = outcome::left_out(trial) {
-        return Ok(Verdict::LeftOut(reason));
-    }
-    let mut state = State::random(random);
-    if trial.wants_alignment() {
-        state.align();
-    }
-    let address = machine::next_address(random);
-    let one = ours.execute(trial, address, &state)?;
-    let other = theirs.execute(trial, address, &state)?;
-    Ok(outcome::judge(&state, &one, &other))
 }

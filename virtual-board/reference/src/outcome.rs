@@ -53,6 +53,9 @@ pub fn left_out(trial: &Trial) -> Option<&'static str> {
     {
         return Some("left out: WFE and WFI, which wait");
     }
+    if !wide && word & 0xFFF0 == 0xB650 {
+        return Some("left out: SETEND, which this profile does not have and Unicorn executes");
+    }
     if !wide && word == 0xBF10 || wide && word == 0xF3AF_8001 {
         return Some("left out: YIELD, at which Unicorn stops");
     }

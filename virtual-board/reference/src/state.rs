@@ -64,10 +64,11 @@ const FLOAT_EDGES: [u32; 22] = [
 ];
 
 impl State {
-    pub fn random(random: &mut Xoshiro256PlusPlus) -> Self {
+    /// A state; if `aligned`, all registers are multiples of four.
+    pub fn random(random: &mut Xoshiro256PlusPlus, aligned: bool) -> Self {
         let mut registers = [0; 15];
         for register in &mut registers {
-            *register = word(random);
+            *register = word(random) & if aligned { !3 } else { u32::MAX };
         }
         registers[13] &= !3;
         let plain = random.next_u32() & 1 == 0;
@@ -85,13 +86,6 @@ impl State {
             } else {
                 random.next_u32() & FLOAT_STATUS
             },
-        }
-    }
-
-    /// Makes every register a multiple of four.
-    pub fn align(&mut self) {
-        for register in &mut self.registers {
-            *register &= !3;
         }
     }
 }

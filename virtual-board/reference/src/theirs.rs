@@ -11,11 +11,7 @@ pub struct Theirs {
     unicorn: Unicorn<'static, ()>,
     fresh: unicorn_engine::Context,
     data: Vec<u8>,
-    trials: usize,
 }
-
-/// Trials between two clearings of what has been translated.
-const TRIALS_PER_FLUSH: usize = 1000;
 
 const CORE: [RegisterARM; 15] = [
     RegisterARM::R0,
@@ -65,7 +61,6 @@ impl Theirs {
             unicorn,
             fresh,
             data: memory[DATA].to_vec(),
-            trials: 0,
         })
     }
 
@@ -76,12 +71,9 @@ impl Theirs {
         state: &State,
     ) -> Result<Outcome, unicorn_engine::uc_error> {
         let unicorn = &mut self.unicorn;
-        self.trials += 1;
-        if self.trials % TRIALS_PER_FLUSH == 0 {
-            unicorn.ctl_flush_tb()?;
-        }
+        // What has been translated at an address may outlive what is written there.
+        unicorn.ctl_flush_tb()?;
         let code: Vec<u8> = trial.code().flat_map(u16::to_le_bytes).collect();
-        unicorn.ctl_remove_cache(address.into(), u64::from(address) + 16)?;
         unicorn.mem_write(address.into(), &code)?;
         unicorn.context_restore(&self.fresh)?;
         for (register, &value) in CORE.into_iter().zip(&state.registers) {

@@ -21,12 +21,14 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Its halfwords in memory.
+    /// Its halfwords in memory, with endless loops behind it, where translation ends.
     pub fn code(&self) -> impl Iterator<Item = u16> {
+        const LOOP: u16 = 0xE7FE;
         self.if_then
             .into_iter()
             .chain([self.first])
             .chain(self.second)
+            .chain([LOOP; 2])
     }
 
     /// Instructions that it is made of.
@@ -53,8 +55,8 @@ impl Trial {
 
 impl fmt::Display for Trial {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.if_then.is_some() {
-            write!(f, "in an IT block: ")?;
+        if let Some(if_then) = self.if_then {
+            write!(f, "after {if_then:04x}: ")?;
         }
         match self.second {
             Some(_) => write!(f, "{:08x}", self.word()),
@@ -112,7 +114,7 @@ pub fn of_image(path: &Path) -> Result<Vec<Trial>, Box<dyn std::error::Error>> {
         .collect())
 }
 
-/// Every 16-bit instruction, and most of them in an IT block too.
+/// Every 16-bit instruction, and those that may be in an IT block there too.
 pub fn narrow(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
     (0..0xE800)
         .flat_map(|first| {
@@ -128,9 +130,18 @@ pub fn narrow(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
                 if_then: Some(0xBF08 | condition << 4),
                 ..alone.clone()
             };
-            [alone, in_block]
+            [Some(alone), may_be_in_block(first).then_some(in_block)]
         })
+        .flatten()
         .collect()
+}
+
+/// False for what is unpredictable in an IT block: B with a condition, CBZ and CBNZ, CPS, and IT itself.
+fn may_be_in_block(first: u16) -> bool {
+    let branches = matches!(first & 0xF000, 0xD000) || first & 0xF500 == 0xB100;
+    let changes_state = first & 0xFFE0 == 0xB660;
+    let if_then = first & 0xFF00 == 0xBF00 && first & 15 != 0;
+    !(branches || changes_state || if_then)
 }
 
 /// Every first halfword of a 32-bit instruction with random seconds.

@@ -282,6 +282,7 @@ fn miscellaneous(address: u32, half: u16) -> Instruction {
             _ => Extension::Byte,
         }),
         0b0100 | 0b0101 => push_pop(half, true),
+        0b0110 if bits(half, 7, 5) == 0b011 && matches!(bits(half, 3, 0), 0 | 4..) => Unpredictable,
         0b0110 if bits(half, 7, 5) == 0b011 => ChangeState {
             disable: bit(half, 4),
             primask: bit(half, 1),

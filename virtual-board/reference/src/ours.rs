@@ -59,11 +59,24 @@ impl Machine for Ours {
         address: u32,
         state: &State,
     ) -> Result<Outcome, Box<dyn std::error::Error>> {
-        let mut at = (address - RAM) as usize;
-        for half in trial.code() {
-            self.board.0.sram[at..at + 2].copy_from_slice(&half.to_le_bytes());
-            at += 2;
-        }
+        let code = trial.code();
+        let at = (address - RAM) as usize;
+        let place = at..at + code.len();
+        let before = self.board.0.sram[place.clone()].to_vec();
+        self.board.0.sram[place.clone()].copy_from_slice(&code);
+        let outcome = self.run(trial, address, state);
+        self.board.0.sram[place].copy_from_slice(&before);
+        outcome
+    }
+}
+
+impl Ours {
+    fn run(
+        &mut self,
+        trial: &Trial,
+        address: u32,
+        state: &State,
+    ) -> Result<Outcome, Box<dyn std::error::Error>> {
         let mut cpu = self.cpu.clone();
         for (number, &value) in state.registers.iter().enumerate() {
             cpu.set_register(number, value);

@@ -73,7 +73,8 @@ impl Theirs {
         let unicorn = &mut self.unicorn;
         // What has been translated at an address may outlive what is written there.
         unicorn.ctl_flush_tb()?;
-        let code: Vec<u8> = trial.code().flat_map(u16::to_le_bytes).collect();
+        let code = trial.code();
+        let before = unicorn.mem_read_as_vec(address.into(), code.len())?;
         unicorn.mem_write(address.into(), &code)?;
         unicorn.context_restore(&self.fresh)?;
         for (register, &value) in CORE.into_iter().zip(&state.registers) {
@@ -87,6 +88,7 @@ impl Theirs {
         unicorn.reg_write(RegisterARM::FPSCR, state.float_status.into())?;
         // Unicorn counts IT and what it holds as one.
         let ran = unicorn.emu_start(u64::from(address | 1), 0, 0, 1);
+        unicorn.mem_write(address.into(), &before)?;
         let mut memory = vec![0; DATA.len()];
         unicorn.mem_read(RAM.into(), &mut memory)?;
         let changed = memory != self.data;

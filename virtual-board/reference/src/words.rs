@@ -21,14 +21,16 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Its halfwords in memory, with endless loops behind it, where translation ends.
-    pub fn code(&self) -> impl Iterator<Item = u16> {
+    /// Its bytes in memory, with endless loops behind it, where translation ends.
+    pub fn code(&self) -> Vec<u8> {
         const LOOP: u16 = 0xE7FE;
         self.if_then
             .into_iter()
             .chain([self.first])
             .chain(self.second)
             .chain([LOOP; 2])
+            .flat_map(u16::to_le_bytes)
+            .collect()
     }
 
     /// Instructions that it is made of.

@@ -558,8 +558,7 @@ impl Cpu {
     fn advance_it_block(&mut self, instruction: &Instruction) -> bool {
         let condition = self.it.condition();
         self.it = self.it.advanced();
-        self.in_it_block =
-            self.flags.hold(condition) || *instruction == Instruction::Breakpoint;
+        self.in_it_block = self.flags.hold(condition) || *instruction == Instruction::Breakpoint;
         self.in_it_block
     }
 

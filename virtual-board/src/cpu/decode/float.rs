@@ -127,7 +127,7 @@ fn unary(d: u8, m: u8, first: u16, second: u16) -> Instruction {
 fn transfer(first: u16, second: u16) -> Instruction {
     let t = small(second, 15, 12);
     let to_core = bit(first, 4);
-    let bad = t == SP || t == PC;
+    let bad = t == SP || t == PC || bits(second, 3, 0) != 0;
     if bit(second, 8) {
         // One word of a doubleword register.
         let s = single(small(first, 3, 0), small(first, 5, 5));
@@ -141,11 +141,12 @@ fn transfer(first: u16, second: u16) -> Instruction {
     }
     let s = single(small(first, 3, 0), small(second, 7, 7));
     match bits(first, 7, 5) {
-        0 if bad => Unpredictable,
+        0 if bad || bits(second, 6, 5) != 0 => Unpredictable,
         0 if to_core => FloatToCore { s, t },
         0 => CoreToFloat { s, t },
         7 if bits(first, 3, 0) != 1 => Undefined,
-        7 if to_core && t == PC => FloatStatusToFlags,
+        7 if bits(second, 7, 5) != 0 => Unpredictable,
+        7 if to_core && t == PC && bits(second, 3, 0) == 0 => FloatStatusToFlags,
         7 if bad => Unpredictable,
         7 if to_core => FloatStatusToCore { t },
         7 => CoreToFloatStatus { t },

@@ -76,6 +76,7 @@ fn double_exclusive_or_table(address: u32, first: u16, second: u16) -> Instructi
     if !pre && !writeback {
         return match (up, load) {
             (false, false) => store_exclusive(Access::Word, n, t, t2, offset as u16),
+            (false, true) if t2 != PC => Unpredictable,
             (false, true) => load_exclusive(Access::Word, n, t, offset as u16),
             (true, _) => byte_exclusive_or_table(load, n, second),
         };
@@ -141,9 +142,12 @@ fn byte_exclusive_or_table(load: bool, n: Reg, second: u16) -> Instruction {
     let m = small(second, 3, 0);
     let half = bit(second, 4);
     let kind = if half { Access::Half } else { Access::Byte };
+    let ones = bits(second, 11, 8);
     match (bits(second, 7, 5), load) {
-        (0, true) if bad(m) || n == SP => Unpredictable,
+        (0, true) if bad(m) || n == SP || bits(second, 15, 8) != 0xF0 => Unpredictable,
         (0, true) => TableBranch { n, m, half },
+        (2, true) if ones != 15 || m != PC => Unpredictable,
+        (2, false) if ones != 15 => Unpredictable,
         (2, true) => load_exclusive(kind, n, t, 0),
         (2, false) => store_exclusive(kind, n, t, m, 0),
         _ => Undefined,
@@ -191,6 +195,9 @@ fn shifted_register(first: u16, second: u16) -> Instruction {
     let (shift, amount) = immediate_shift(bits(second, 5, 4), amount);
     let set = bit(first, 4);
     let op = bits(first, 8, 5);
+    if bit(second, 15) {
+        return Unpredictable;
+    }
     if op == 0b0110 {
         return if set || bit(second, 4) {
             Undefined
@@ -308,6 +315,7 @@ fn plain_immediate(address: u32, first: u16, second: u16) -> Instruction {
             d,
             value: imm16 as u16,
         },
+        0b10000.. if bit(first, 10) || bit(second, 5) => Unpredictable,
         0b10110 if n == SP || low < lsb => Unpredictable,
         0b10110 => BitFieldInsert {
             d,
@@ -316,6 +324,7 @@ fn plain_immediate(address: u32, first: u16, second: u16) -> Instruction {
             lsb,
         },
         _ if bad(n) => Unpredictable,
+        0b10010 | 0b11010 if lsb == 0 && bit(second, 4) => Unpredictable,
         0b10010 | 0b11010 if lsb == 0 => SaturateHalves {
             signed: op == 0b10010,
             d,
@@ -386,10 +395,12 @@ fn branch_or_control(address: u32, first: u16, second: u16) -> Instruction {
 }
 
 fn control(first: u16, second: u16) -> Instruction {
+    let n = small(first, 3, 0);
     match bits(first, 10, 4) {
-        0b011_1000 | 0b011_1001 => {
-            let n = small(first, 3, 0);
-            if bad(n) {
+        _ if bit(second, 13) => Unpredictable,
+        0b011_1001 | 0b011_1111 => Unpredictable,
+        0b011_1000 => {
+            if bad(n) || bits(second, 9, 8) != 0 {
                 return Unpredictable;
             }
             WriteSpecial {
@@ -398,6 +409,8 @@ fn control(first: u16, second: u16) -> Instruction {
                 mask: small(second, 11, 10),
             }
         }
+        0b011_1010..=0b011_1110 if n != 15 => Unpredictable,
+        0b011_1010 if bit(second, 11) => Unpredictable,
         0b011_1010 if bits(second, 10, 8) == 0 => match bits(second, 7, 0) {
             2 => WaitForEvent,
             3 => WaitForInterrupt,
@@ -405,11 +418,13 @@ fn control(first: u16, second: u16) -> Instruction {
             _ => Nop,
         },
         0b011_1011 => match bits(second, 7, 4) {
+            2 | 4..=6 if bits(second, 11, 8) != 15 => Unpredictable,
+            2 if bits(second, 3, 0) != 15 => Unpredictable,
             2 => ClearExclusive,
             4..=6 => Barrier,
             _ => Undefined,
         },
-        0b011_1110 | 0b011_1111 => {
+        0b011_1110 => {
             let d = small(second, 11, 8);
             if bad(d) {
                 return Unpredictable;

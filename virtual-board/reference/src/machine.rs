@@ -1,7 +1,5 @@
 //! What both machines have: one RAM, of which the lower part is data and the upper part code.
 
-use std::ops::Range;
-
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::Rng;
 
@@ -13,8 +11,8 @@ use crate::words::Trial;
 pub const RAM: u32 = 0x2000_0000;
 /// Size of the RAM, bytes.
 pub const SIZE: usize = 0xC000;
-/// The part that instructions find their data in, as offsets.
-pub const DATA: Range<usize> = 0..0x4000;
+/// Where in it instructions find their data, as an offset.
+pub const DATA: u32 = 0x2000;
 
 /// A machine that executes one trial.
 pub trait Machine {

@@ -2,7 +2,7 @@
 
 use virtual_board::cpu::{Bus, Cpu, Memories, Refusal, Signals, Stop, Unmodelled, Width};
 
-use crate::machine::{DATA, Machine, RAM, SIZE};
+use crate::machine::{Machine, RAM, SIZE};
 use crate::outcome::Outcome;
 use crate::state::{FLAGS, State};
 use crate::words::Trial;
@@ -10,7 +10,7 @@ use crate::words::Trial;
 pub struct Ours {
     cpu: Cpu,
     board: Board,
-    data: Vec<u8>,
+    memory: Vec<u8>,
 }
 
 /// Memories and nothing else.
@@ -32,11 +32,17 @@ impl Bus for Board {
 
 impl Ours {
     pub fn new(memory: &[u8]) -> Self {
-        let mut memories = Memories::new(24, SIZE, 0);
-        // Vectors, and code that turns the FPU on: LDR R0, [PC, #4]; LDR R1, [PC, #8]; STR R1, [R0]; B .
-        memories.flash_mut()[..8].copy_from_slice(&[0, 0x20, 0, 0x20, 9, 0, 0, 8]);
-        memories.flash_mut()[8..16].copy_from_slice(&[1, 0x48, 2, 0x49, 1, 0x60, 0xFE, 0xE7]);
-        memories.flash_mut()[16..24].copy_from_slice(&[0x88, 0xED, 0, 0xE0, 0, 0, 0xF0, 0]);
+        // Vectors, and code that turns the FPU on and begins a context with it.
+        let mut memories = Memories::new(28, SIZE, 0);
+        memories.flash_mut().copy_from_slice(&[
+            0, 0x20, 0, 0x20, 9, 0, 0, 8, // SP, start
+            2, 0x48, // LDR R0, CPACR
+            3, 0x49, // LDR R1, full access
+            1, 0x60, // STR R1, [R0]
+            0xB0, 0xEE, 0x40, 0x0A, // VMOV S0, S0
+            0xFE, 0xE7, // B .
+            0x88, 0xED, 0, 0xE0, 0, 0, 0xF0, 0,
+        ]);
         let mut board = Board(memories);
         let mut cpu = Cpu::new();
         cpu.reset(&mut board);
@@ -47,7 +53,7 @@ impl Ours {
         Self {
             cpu,
             board,
-            data: memory[DATA].to_vec(),
+            memory: memory.to_vec(),
         }
     }
 }
@@ -62,11 +68,18 @@ impl Machine for Ours {
         let code = trial.code();
         let at = (address - RAM) as usize;
         let place = at..at + code.len();
-        let before = self.board.0.sram[place.clone()].to_vec();
         self.board.0.sram[place.clone()].copy_from_slice(&code);
-        let outcome = self.run(trial, address, state);
-        self.board.0.sram[place].copy_from_slice(&before);
-        outcome
+        let mut outcome = self.run(trial, address, state)?;
+        let memory = &mut self.board.0.sram;
+        memory[place.clone()].copy_from_slice(&self.memory[place]);
+        if let Outcome::Done {
+            memory: changed, ..
+        } = &mut outcome
+        {
+            *changed = (*memory != self.memory).then(|| memory.clone());
+        }
+        memory.copy_from_slice(&self.memory);
+        Ok(outcome)
     }
 }
 
@@ -86,8 +99,6 @@ impl Ours {
         }
         cpu.set_register(15, address);
         cpu.set_program_status(state.flags);
-        // The first instruction of the FPU in a context would reset it.
-        prime_float(&mut cpu, &mut self.board, address);
         cpu.set_float_status(state.float_status);
         for _ in 0..trial.instructions() {
             let next = cpu.signals.cycle() + 1;
@@ -101,7 +112,6 @@ impl Ours {
             }
             let thumb = cpu.program_status() >> 24 & 1 == 1;
             if cpu.fault_status() != (0, 0) || !thumb {
-                self.board.0.sram[DATA].copy_from_slice(&self.data);
                 return Ok(Outcome::Fault);
             }
         }
@@ -113,9 +123,6 @@ impl Ours {
         for (number, register) in floats.iter_mut().enumerate() {
             *register = cpu.float_register(number);
         }
-        let memory = &mut self.board.0.sram[DATA];
-        let changed = (memory != self.data).then(|| memory.to_vec());
-        memory.copy_from_slice(&self.data);
         Ok(Outcome::Done {
             state: Box::new(State {
                 registers,
@@ -124,18 +131,7 @@ impl Ours {
                 float_status: cpu.float_status(),
             }),
             pc: cpu.register(15),
-            memory: changed,
+            memory: None,
         })
     }
-}
-
-/// Lets the core execute VMOV S0, S0 from another place.
-fn prime_float(cpu: &mut Cpu, board: &mut Board, address: u32) {
-    const PLACE: usize = SIZE - 4;
-    board.0.sram[PLACE..].copy_from_slice(&[0xB0, 0xEE, 0x40, 0x0A]);
-    cpu.set_register(15, RAM + PLACE as u32);
-    let next = cpu.signals.cycle() + 1;
-    let stop = cpu.run(board, next);
-    debug_assert_eq!(stop, Stop::Deadline);
-    cpu.set_register(15, address);
 }

@@ -59,8 +59,15 @@ pub fn left_out(trial: &Trial) -> Option<&'static str> {
     if wide && word & 0xFFE0_0000 == 0xE8C0_0000 && word >> 4 & 15 >= 7 {
         return Some("left out: exclusives of doublewords, load-acquire and store-release");
     }
-    if wide && matches!(word & 0xFFBF_0E50, 0xEEB6_0A40 | 0xEEB7_0A40) {
-        return Some("left out: VRINT, of a later FPU");
+    if wide && word & 0xFE1F_0000 == 0xF80F_0000 {
+        return Some("left out: stores relative to PC, undefined and executed by Unicorn");
+    }
+    if wide && word & 0xFF10_0000 == 0xF900_0000 {
+        return Some("left out: Advanced SIMD, of another profile");
+    }
+    let rounds = matches!(word & 0xFFBF_0E50, 0xEEB6_0A40 | 0xEEB7_0A40);
+    if wide && (rounds || word & 0xFF00_0E00 == 0xFE00_0A00) {
+        return Some("left out: VRINT, VSEL and their kin, of a later FPU");
     }
     if !wide && word == 0xBF10 || wide && word == 0xF3AF_8001 {
         return Some("left out: YIELD, at which Unicorn stops");

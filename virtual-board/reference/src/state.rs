@@ -101,7 +101,7 @@ fn word(random: &mut Xoshiro256PlusPlus) -> u32 {
         choice => {
             let near = bits >> 8 & 0x3FF;
             let aligned = if choice == 7 { near } else { near & !7 };
-            RAM + (DATA.end / 2) as u32 - 0x200 + aligned
+            RAM + DATA - 0x200 + aligned
         }
     }
 }

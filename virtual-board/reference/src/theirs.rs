@@ -2,7 +2,7 @@
 
 use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn};
 
-use crate::machine::{DATA, Machine, RAM, SIZE};
+use crate::machine::{Machine, RAM, SIZE};
 use crate::outcome::Outcome;
 use crate::state::{FLAGS, State};
 use crate::words::Trial;
@@ -10,7 +10,7 @@ use crate::words::Trial;
 pub struct Theirs {
     unicorn: Unicorn<'static, ()>,
     fresh: unicorn_engine::Context,
-    data: Vec<u8>,
+    memory: Vec<u8>,
 }
 
 const CORE: [RegisterARM; 15] = [
@@ -60,7 +60,7 @@ impl Theirs {
         Ok(Self {
             unicorn,
             fresh,
-            data: memory[DATA].to_vec(),
+            memory: memory.to_vec(),
         })
     }
 
@@ -74,7 +74,8 @@ impl Theirs {
         // What has been translated at an address may outlive what is written there.
         unicorn.ctl_flush_tb()?;
         let code = trial.code();
-        let before = unicorn.mem_read_as_vec(address.into(), code.len())?;
+        let at = (address - RAM) as usize;
+        let place = at..at + code.len();
         unicorn.mem_write(address.into(), &code)?;
         unicorn.context_restore(&self.fresh)?;
         for (register, &value) in CORE.into_iter().zip(&state.registers) {
@@ -88,12 +89,12 @@ impl Theirs {
         unicorn.reg_write(RegisterARM::FPSCR, state.float_status.into())?;
         // Unicorn counts IT and what it holds as one.
         let ran = unicorn.emu_start(u64::from(address | 1), 0, 0, 1);
-        unicorn.mem_write(address.into(), &before)?;
-        let mut memory = vec![0; DATA.len()];
+        unicorn.mem_write(address.into(), &self.memory[place])?;
+        let mut memory = vec![0; SIZE];
         unicorn.mem_read(RAM.into(), &mut memory)?;
-        let changed = memory != self.data;
+        let changed = memory != self.memory;
         if changed {
-            unicorn.mem_write(RAM.into(), &self.data)?;
+            unicorn.mem_write(RAM.into(), &self.memory)?;
         }
         if ran.is_err() {
             return Ok(Outcome::Fault);

@@ -455,7 +455,7 @@ fn load_store(address: u32, first: u16, second: u16) -> Instruction {
     // PLD and PLI stand where a byte or halfword would be loaded into PC.
     let hint = load && t == PC && kind != Access::Word;
     if hint {
-        return Nop;
+        return preload(n, first, second);
     }
     let narrow_sp = t == SP && kind != Access::Word;
     if narrow_sp || (!load && t == PC) {
@@ -531,6 +531,19 @@ fn load_store(address: u32, first: u16, second: u16) -> Instruction {
     }
 }
 
+/// PLD and PLI, which do nothing here, in their four forms.
+fn preload(n: Reg, first: u16, second: u16) -> Instruction {
+    let registers = bits(second, 11, 6) == 0;
+    let negative_offset = bits(second, 11, 8) == 0b1100;
+    if n == PC || bit(first, 7) || registers || negative_offset {
+        Nop
+    } else if bit(second, 11) {
+        Unpredictable
+    } else {
+        Undefined
+    }
+}
+
 fn register_data(first: u16, second: u16) -> Instruction {
     if bits(second, 15, 12) != 15 {
         return Undefined;
@@ -559,7 +572,7 @@ fn register_data(first: u16, second: u16) -> Instruction {
                 5 => Extension::Byte,
                 _ => return Undefined,
             };
-            return if bad(d) || bad(m) || n == SP {
+            return if bad(d) || bad(m) || n == SP || bit(second, 6) {
                 Unpredictable
             } else {
                 Extend {

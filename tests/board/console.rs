@@ -80,3 +80,21 @@ fn arming_finds_a_wrong_wire_and_names_it() {
         assert!(!bench.drives(), "{fault}");
     }
 }
+
+#[test]
+fn a_hall_sensor_that_is_cut_gives_no_zero() {
+    let Some(image) = image("a_hall_sensor_that_is_cut") else {
+        return;
+    };
+    let mut wires = Wires::default();
+    assert!(wires.change("hall-cut"));
+    let mut bench = Bench::with(image, &setup(presets::refit()), wires);
+    bench.boot();
+    let refusal = bench.command("zero hall");
+    assert!(refusal.contains("Hall signal"), "{refusal}");
+    // Zeroed by hand, the check of the wiring finds it.
+    bench.command("zero");
+    let refusal = bench.command("arm");
+    assert!(refusal.contains("Hall"), "{refusal}");
+    assert!(!bench.drives());
+}

@@ -114,9 +114,6 @@ impl Board {
             locked_up: None,
         };
         board.next_step = board.step_cycles();
-        board
-            .chip
-            .connect(BRIDGE_NFAULT, None, &mut board.cpu.signals);
         board.cpu.reset(&mut board.chip);
         Ok(board)
     }

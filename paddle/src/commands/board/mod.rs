@@ -98,7 +98,7 @@ const LONGEST_S: f64 = 3600.0;
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let (setup, model) = arguments.assemble()?;
     let script = arguments.read_script()?;
-    let rows_per_s = leave::steps_per_row(arguments.log_rate)?;
+    let steps_per_row = leave::steps_per_row(arguments.log_rate)?;
     let path = match &arguments.elf {
         Some(path) => path.clone(),
         None => firmware::build()?,
@@ -157,14 +157,21 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     if let Some(path) = &arguments.out {
         let mut folder = Folder::make(path)?;
         folder.put("console.txt", &console)?;
-        folder.put("trace.csv", &leave::trace(&steps, rows_per_s))?;
+        folder.put("trace.csv", &leave::trace(&steps, steps_per_row))?;
         for file in folder.files() {
             let _ = writeln!(text, "{}", file.display());
         }
         result["files"] = json!(folder.files());
     }
     if let Some(path) = &arguments.recording {
-        leave::recording(path, &steps, rows_per_s, arguments.horizon, model, &setup)?;
+        leave::recording(
+            path,
+            &steps,
+            steps_per_row,
+            arguments.horizon,
+            model,
+            &setup,
+        )?;
         let _ = writeln!(text, "recording in {}", path.display());
         result["recording"] = json!(path);
     }

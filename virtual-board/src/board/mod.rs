@@ -8,7 +8,7 @@ mod step;
 pub use step::Step;
 
 use crate::chip::{Chip, Pin};
-use crate::cpu::{Cpu, Memories, Stop, Unmodelled};
+use crate::cpu::{Bus, Cpu, Memories, Stop, Unmodelled};
 use crate::image::{Image, ImageError};
 use crate::log::{Entry, Log};
 use crate::peripherals::NEVER;
@@ -96,10 +96,7 @@ impl Board {
         wires: Wires,
     ) -> Result<Self, ImageError> {
         let mut chip = Chip::new();
-        image.flash(
-            crate::cpu::Bus::memories(&mut chip).flash_mut(),
-            Memories::FLASH,
-        )?;
+        image.flash(chip.memories().flash_mut(), Memories::FLASH)?;
         let mut board = Self {
             cpu: Cpu::new(),
             chip,
@@ -282,7 +279,7 @@ impl Board {
 
     fn fetch_log(&mut self) {
         let time_s = self.time_s();
-        let memories = crate::cpu::Bus::memories(&mut self.chip);
+        let memories = self.chip.memories();
         self.log.fetch(memories, time_s, &mut self.entries);
         let remarks = self.chip.take_remarks().into_iter();
         self.entries.extend(remarks.map(|message| Entry {
@@ -371,7 +368,7 @@ impl Board {
 
     /// The chip's memories.
     pub fn memories(&mut self) -> &mut Memories {
-        crate::cpu::Bus::memories(&mut self.chip)
+        self.chip.memories()
     }
 
     /// The log since the last call.

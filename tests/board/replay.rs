@@ -22,8 +22,8 @@ const OFFSET_PERIODS: usize = 1024;
 const SAMPLES: u32 = 70;
 const LOOK_S: f32 = 1e-3;
 
-/// A session, typed a line every so often.
-const LINES: [&str; 9] = [
+/// A session with the position loop closed, typed a line every so often.
+const CLOSED_LOOP: &[&str] = &[
     "zero hall",
     "arm",
     "set kp 0.02",
@@ -33,6 +33,23 @@ const LINES: [&str; 9] = [
     "start multisine 6 2",
     "set compensation.dry on",
     "step 5",
+];
+/// One that goes through sensors, filters and modes, and ends in a fault, outside the travel.
+const EVERYTHING: &[&str] = &[
+    "zero hall",
+    "arm",
+    "step 10",
+    "set compensation.gravity on",
+    "disarm",
+    "set estimate.sensor hall",
+    "set estimate.order second",
+    "arm",
+    "start square 2 5",
+    "start multisine 6 2",
+    "disarm",
+    "arm torque",
+    "start chirp 0.003 1 20 0.2",
+    "ref 0.004",
 ];
 const LINE_EVERY_S: f64 = 0.3;
 
@@ -47,7 +64,7 @@ struct Recorded {
 }
 
 /// The session on the board.
-fn on_the_board(test: &str, setup: &LoopSetup) -> Option<Recorded> {
+fn on_the_board(test: &str, setup: &LoopSetup, lines: &[&str]) -> Option<Recorded> {
     let mut bench = Bench::with(image(test)?, setup, Wires::default());
     let handler = bench.address_of(&["TIM8_UP_TIM13"]);
     let current = bench.address_of(&["Converters", "current_counts"]);
@@ -71,7 +88,7 @@ fn on_the_board(test: &str, setup: &LoopSetup) -> Option<Recorded> {
     let mut steps = steps.split_off(steps.len() - 1);
 
     let mut watch = Watch::new(&mut bench);
-    for line in LINES {
+    for line in lines {
         let now_s = bench.board.time_s();
         bench.board.type_in(&format!("{line}\r"));
         watch.run_until(&mut bench, now_s + LINE_EVERY_S);
@@ -108,13 +125,14 @@ fn measurement(step: &Step) -> Measurement {
 
 /// Drives the console as the image did, with a controller that `lender` brings to the tick of each lend.
 fn follow<L: Lender>(
+    lines: &[&str],
     lends: &VecDeque<Lend>,
     mut lender: L,
     left: impl Fn(&L) -> usize,
     offset: Result<(), OffsetError>,
 ) -> L {
     let mut session = Session::new(Settings::default(), RATE, offset);
-    let mut typed = LINES.iter().flat_map(|line| line.bytes().chain([b'\r']));
+    let mut typed = lines.iter().flat_map(|line| line.bytes().chain([b'\r']));
     let mut screen = String::new();
     while left(&lender) > 0 {
         let next = lends[lends.len() - left(&lender)];
@@ -181,7 +199,7 @@ impl Lender for Replay<'_> {
 
 #[test]
 fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
-    let Some(mut session) = on_the_board("replay", &setup(presets::refit())) else {
+    let Some(mut session) = on_the_board("replay", &setup(presets::refit()), EVERYTHING) else {
         return;
     };
     let mut controller = Controller::new(&Settings::default(), RATE);
@@ -197,7 +215,13 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
         lends: session.lends.iter(),
         ticks: 0,
     };
-    let mut replay = follow(&session.lends, replay, |replay| replay.lends.len(), offset);
+    let mut replay = follow(
+        EVERYTHING,
+        &session.lends,
+        replay,
+        |replay| replay.lends.len(),
+        offset,
+    );
     replay.step_to(session.steps.len() as u32);
     assert!(replay.ticks > 50_000, "{}", replay.ticks);
 
@@ -261,7 +285,7 @@ fn the_simulators_closed_loop_goes_the_same_way() {
     let mut device = presets::refit();
     device.mechanics.friction.static_ratio = 1.5;
     let setup = quiet(device);
-    let Some(session) = on_the_board("the_simulators_closed_loop", &setup) else {
+    let Some(session) = on_the_board("the_simulators_closed_loop", &setup, CLOSED_LOOP) else {
         return;
     };
     let simulation = Simulation {
@@ -270,6 +294,7 @@ fn the_simulators_closed_loop_goes_the_same_way() {
         positions_rad: Vec::new(),
     };
     let mut simulation = follow(
+        CLOSED_LOOP,
         &session.lends,
         simulation,
         |simulation| simulation.lends.len(),

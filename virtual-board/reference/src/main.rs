@@ -16,7 +16,8 @@ mod theirs;
 mod words;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::error::Error;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use machine::Machine;
@@ -26,6 +27,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 use state::State;
 use theirs::Theirs;
+use words::Trial;
 
 const SEED: u64 = 1;
 const DIFFERENCES_SHOWN: usize = 40;
@@ -51,11 +53,13 @@ fn main() -> ExitCode {
     }
 }
 
-fn compare(image: &std::path::Path) -> Result<usize, Box<dyn std::error::Error>> {
+fn compare(image: &Path) -> Result<usize, Box<dyn Error>> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
     let memory = machine::random_memory(&mut random);
-    let mut ours = Ours::new(&memory);
-    let mut theirs = Theirs::new(&memory)?;
+    let mut pair = Pair {
+        ours: Ours::new(&memory),
+        theirs: Theirs::new(&memory)?,
+    };
     let mut addresses = machine::addresses();
     let mut differences = 0;
     for (name, trials) in [
@@ -65,25 +69,12 @@ fn compare(image: &std::path::Path) -> Result<usize, Box<dyn std::error::Error>>
         ("32-bit instructions of the FPU", words::float(&mut random)),
     ] {
         let mut counts = BTreeMap::<&str, usize>::new();
-        let words = trials.len();
+        let instructions = trials.len();
         for trial in trials {
             for _ in 0..trial.states {
-                let verdict = match outcome::left_out(&trial) {
-                    Some(reason) => Verdict::LeftOut(reason),
-                    None => {
-                        let state = State::random(&mut random, trial.wants_alignment());
-                        let address = addresses.next().ok_or("no place for code")?;
-                        let one = ours.execute(&trial, address, &state)?;
-                        // What the manual leaves open might change more than is compared.
-                        match one {
-                            Outcome::Unpredictable => Verdict::Unpredictable,
-                            one => {
-                                let other = theirs.execute(&trial, address, &state)?;
-                                outcome::judge(&trial, &state, &one, &other)
-                            }
-                        }
-                    }
-                };
+                let state = State::random(&mut random, trial.wants_alignment());
+                let address = addresses.next().ok_or("no place for code")?;
+                let verdict = pair.compare(&trial, address, &state)?;
                 *counts.entry(verdict.name()).or_default() += 1;
                 if let Verdict::Different(what) = verdict {
                     differences += 1;
@@ -95,10 +86,35 @@ fn compare(image: &std::path::Path) -> Result<usize, Box<dyn std::error::Error>>
                 }
             }
         }
-        println!("{words} {name}:");
+        println!("{instructions} {name}:");
         for (verdict, count) in counts {
             println!("  {count:9} {verdict}");
         }
     }
     Ok(differences)
+}
+
+struct Pair {
+    ours: Ours,
+    theirs: Theirs,
+}
+
+impl Pair {
+    fn compare(
+        &mut self,
+        trial: &Trial,
+        address: u32,
+        state: &State,
+    ) -> Result<Verdict, Box<dyn Error>> {
+        if let Some(reason) = outcome::left_out(trial) {
+            return Ok(Verdict::LeftOut(reason));
+        }
+        let ours = self.ours.execute(trial, address, state)?;
+        if matches!(ours, Outcome::Unpredictable) {
+            // Unicorn might change more than it can put back.
+            return Ok(Verdict::Unpredictable);
+        }
+        let theirs = self.theirs.execute(trial, address, state)?;
+        Ok(outcome::judge(trial, state, &ours, &theirs))
+    }
 }

@@ -115,9 +115,9 @@ fn float(random: &mut Xoshiro256PlusPlus) -> u32 {
         // Denormal and barely normal.
         3 => sign | bits >> 8 & 0x01FF_FFFF,
         // Near one, so that sums cancel and round.
-        4 | 5 => sign | 0x3E00_0000 + (bits >> 8 << 2 & 0x03FF_FFFC),
+        4 | 5 => sign | (0x3E00_0000 + (bits >> 8 << 2 & 0x03FF_FFFC)),
         // Integers and what fits in a half.
         6 => ((bits >> 8) as i32 as f32).to_bits() | sign,
-        _ => sign | 0x3700_0000 + (random.next_u32() & 0x11FF_FFFF),
+        _ => sign | (0x3700_0000 + (random.next_u32() & 0x11FF_FFFF)),
     }
 }

@@ -1,6 +1,6 @@
 //! Unicorn, which is QEMU's translator without its machines.
 
-use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn};
+use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn, uc_error};
 
 use crate::machine::{Machine, RAM, SIZE};
 use crate::outcome::Outcome;
@@ -64,12 +64,7 @@ impl Theirs {
         })
     }
 
-    fn run(
-        &mut self,
-        trial: &Trial,
-        address: u32,
-        state: &State,
-    ) -> Result<Outcome, unicorn_engine::uc_error> {
+    fn run(&mut self, trial: &Trial, address: u32, state: &State) -> Result<Outcome, uc_error> {
         let unicorn = &mut self.unicorn;
         // What has been translated at an address may outlive what is written there.
         unicorn.ctl_flush_tb()?;
@@ -96,7 +91,11 @@ impl Theirs {
         if changed {
             unicorn.mem_write(RAM.into(), &self.memory)?;
         }
-        if ran.is_err() {
+        let pc = unicorn.reg_read(RegisterARM::PC)? as u32;
+        // A jump to where nothing is has been made all the same.
+        let jumped = !(RAM..RAM + SIZE as u32).contains(&pc);
+        let thumb = unicorn.reg_read(RegisterARM::XPSR)? >> 24 & 1 == 1;
+        if ran.is_err() && !jumped || !thumb {
             return Ok(Outcome::Fault);
         }
         let mut registers = [0; 15];
@@ -115,7 +114,7 @@ impl Theirs {
                 floats,
                 float_status: unicorn.reg_read(RegisterARM::FPSCR)? as u32,
             }),
-            pc: unicorn.reg_read(RegisterARM::PC)? as u32,
+            pc,
             memory: changed.then_some(memory),
         })
     }

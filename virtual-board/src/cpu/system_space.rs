@@ -246,8 +246,7 @@ fn each(first: u16, bits: u32) -> impl Iterator<Item = u16> {
 
 impl Cpu {
     pub(super) fn read_private(&mut self, address: u32, width: Width) -> Result<u32, Trapped> {
-        let software_trigger_only = !self.privileged();
-        if software_trigger_only {
+        if !self.privileged() {
             return Err(self.fault(Fault::PreciseBus(address)));
         }
         self.check_aligned(address, width)?;

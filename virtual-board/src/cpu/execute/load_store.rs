@@ -1,6 +1,5 @@
 //! Loads and stores of core registers.
 
-use super::super::fault::Fault;
 use super::super::instruction::{Access, Index, PC, Reg};
 use super::super::{Bus, NO_REGISTER, Trapped, Width};
 use crate::cpu::Cpu;
@@ -64,9 +63,8 @@ impl Cpu {
     }
 
     fn load_pc<B: Bus>(&mut self, bus: &mut B, address: u32, value: u32) -> Result<(), Trapped> {
-        // A load to PC is one of a word, and that is to be aligned.
         if address & 3 != 0 {
-            return Err(self.fault(Fault::Unaligned));
+            return Err(self.unpredictable(bus));
         }
         self.write_pc(bus, value);
         Ok(())

@@ -4,7 +4,7 @@ use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
 use crate::fit::{Fit, Part, Problem};
 use crate::hypothesis::{Hypothesis, nudges};
 use crate::measure::measure;
-use crate::select::{self, PERFECT, QUIET_EXCESS, Round, Selection};
+use crate::select::{self, Round, Selection};
 use crate::series;
 use crate::{experiment, locate};
 use host_sim::device::Device;
@@ -65,7 +65,7 @@ const MOST_LEFT: f64 = 0.7;
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
 const SURE: f64 = 6.0;
 /// Share of the gap that a further effect must close.
-const LEAST_SHRINK: f64 = 0.03;
+const LEAST_SHRINK: f64 = 0.05;
 /// Resamplings of the windows for an interval.
 const RESAMPLINGS: usize = 400;
 
@@ -79,18 +79,18 @@ fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
 /// Diagnoses a recording.
 pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
-    let problem = Problem {
+    let problem = |horizon_s, quarter| Problem {
         recording,
-        series: few(recording, recording.horizon),
+        series: few(recording, horizon_s),
         nudges: nudges(recording),
-        quarter: few(recording, 0.25 * recording.horizon),
+        quarter,
     };
+    let quarter = problem(0.25 * recording.horizon, None);
+    let problem = problem(recording.horizon, Some(Box::new(quarter)));
     let excluded: Vec<&str> = options.without.iter().map(String::as_str).collect();
     let mut selection = select::select(&problem, &excluded);
 
-    let null_level = selection.null.costs.mean_log();
-    let left = |fit: &Fit| (fit.costs.mean_log() - PERFECT) / (null_level - PERFECT);
-    if !selection.rounds.is_empty() && left(selection.fit()) > MOST_LEFT {
+    if !selection.rounds.is_empty() && selection.left(selection.fit()) > MOST_LEFT {
         selection.last = Some(selection.rounds.remove(0));
         selection.rounds.clear();
     }
@@ -120,10 +120,10 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
     let verdict = if selection.rounds.is_empty() {
-        if null_level - PERFECT > QUIET_EXCESS {
-            Verdict::Unexplained
-        } else {
+        if selection.is_quiet() {
             Verdict::NoGap
+        } else {
+            Verdict::Unexplained
         }
     } else if excess(closing.after) <= EXPLAINED * excess(closing.before) {
         Verdict::Explained
@@ -187,12 +187,11 @@ fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
     let nominal = problem.window_squares(&bare, Part::All);
     let floor = problem.floor_squares(selection.fit());
     let mut before = nominal.clone();
-    let fits = selection.rounds.iter().map(|round| &round.rivals[0]);
-    let steps = fits.map(|rival| {
-        let after = if select::is_event(rival.name) {
-            problem.window_squares(&rival.fit, Part::All)
+    let steps = selection.rounds.iter().map(|round| {
+        let after = if select::is_event(round.rivals[0].name) {
+            problem.window_squares(&round.so_far, Part::All)
         } else {
-            unseen_squares(problem, &rival.fit)
+            unseen_squares(problem, &round.so_far)
         };
         let step = Step {
             own: shrink(&before, &after, &floor, &nominal),
@@ -253,7 +252,6 @@ fn shrink(before: &[f64], after: &[f64], floor: &[f64], reference: &[f64]) -> [f
 fn findings(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Vec<Finding> {
     let fit = selection.fit();
     let units = &problem.recording.units;
-    let mut known = &selection.null;
     let mut at = problem.nudges.len();
     let mut all = Vec::new();
     for ((round, step), term) in selection
@@ -288,14 +286,13 @@ fn findings(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Vec
         all.push(Finding {
             name: term.kind.name,
             channel: term.kind.channel.name(),
-            confidence: confidence(round, known),
-            not_separable_from: select::ties(round, known),
+            confidence: confidence(round, selection.perfect.level),
+            not_separable_from: select::ties(round),
             basis: "prediction",
             parameters,
             shrink: step.own[0],
             shrink_interval: [step.own[1], step.own[2]],
         });
-        known = &round.rivals[0].fit;
     }
     all.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
     all
@@ -303,7 +300,8 @@ fn findings(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Vec
 
 /// Probability that the winner of a round is right: from how much better it is than the next that is
 /// not tied with it, and how little it leaves.
-fn confidence(round: &Round, known: &Fit) -> f64 {
+fn confidence(round: &Round, perfect: f64) -> f64 {
+    let known = &round.known;
     let winner = &round.rivals[0];
     let gain = known.costs.mean_log() - winner.fit.costs.mean_log();
     let next = round
@@ -311,14 +309,14 @@ fn confidence(round: &Round, known: &Fit) -> f64 {
         .get(1)
         .map_or(known.costs.mean_log(), |r| r.fit.costs.mean_log());
     let margin = ((next - winner.fit.costs.mean_log()) / gain.max(1e-9)).clamp(0.0, 1.0);
-    let left = ((winner.fit.costs.mean_log() - PERFECT) / (known.costs.mean_log() - PERFECT))
-        .clamp(0.0, 1.0);
+    let left = ((winner.fit.costs.mean_log() - perfect)
+        / (known.costs.mean_log() - perfect).max(f64::MIN_POSITIVE))
+    .clamp(0.0, 1.0);
     let sure = (round.significance / SURE).min(1.0);
     (0.55 + 0.8 * sure * margin.sqrt() * (1.0 - 0.6 * left)).clamp(0.3, 0.99)
 }
 
 fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tried> {
-    let mut known = &selection.null;
     let mut all: Vec<Tried> = Vec::new();
     for round in selection.rounds.iter().chain(&selection.last) {
         let winner = &round.rivals[0];
@@ -326,7 +324,7 @@ fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tr
             if named.contains(&rival.name) || all.iter().any(|t| t.name == rival.name) {
                 continue;
             }
-            let gain = known.costs.mean_log() - rival.fit.costs.mean_log();
+            let gain = round.known.costs.mean_log() - rival.fit.costs.mean_log();
             let why_not = if gain <= 0.0 {
                 "no gain".to_owned()
             } else if rival.name == winner.name {
@@ -340,7 +338,6 @@ fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tr
                 why_not,
             });
         }
-        known = &winner.fit;
     }
     all.sort_by(|a, b| a.after.total_cmp(&b.after));
     all

@@ -14,29 +14,33 @@ pub(crate) struct Problem<'a> {
     pub series: Vec<Series>,
     pub nudges: Vec<Nudge>,
     /// The same data restarted four times as often.
-    pub quarter: Vec<Series>,
+    pub quarter: Option<Box<Problem<'a>>>,
 }
 
 /// Which windows take part, by running index over all series.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Part {
+pub(crate) enum Part<'a> {
     All,
-    /// One of two halves, by a sequence that no period fits.
+    /// One of two halves.
     Half(bool),
-    /// A share of them, likewise.
-    Share(f64),
+    /// Those that are true here.
+    Chosen(&'a [bool]),
 }
 
-impl Part {
+impl Part<'_> {
     pub(crate) fn has(self, window: usize) -> bool {
-        // The golden ratio's multiples are the sequence worst matched by any period.
-        let turn = (window as f64 + 0.5) * 0.618_033_988_749_895 % 1.0;
         match self {
             Self::All => true,
-            Self::Half(first) => (turn < 0.5) == first,
-            Self::Share(share) => turn < share,
+            Self::Half(first) => (turn(window) < 0.5) == first,
+            Self::Chosen(chosen) => chosen.get(window).copied().unwrap_or(false),
         }
     }
+}
+
+/// A number from 0 to 1 for each window, in a sequence that no period fits.
+pub(crate) fn turn(window: usize) -> f64 {
+    // The golden ratio's multiples are the sequence worst matched by any period.
+    (window as f64 + 0.5) * 0.618_033_988_749_895 % 1.0
 }
 
 /// Costs of the windows of a part at one point.
@@ -75,6 +79,8 @@ const PRIOR_WEIGHT: f64 = 0.25;
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
 /// kinks of stick and slip, then narrow.
 const DIFFERENCES: [f64; 2] = [0.15, 0.02];
+/// The slopes along the model's own numbers, which move little, are taken anew at every third iteration.
+const NUDGES_EVERY: usize = 3;
 /// Iterations with the wide difference.
 const WIDE: usize = 2;
 /// Longest move of a coordinate in one iteration.
@@ -111,7 +117,7 @@ impl Problem<'_> {
     }
 
     /// Squared residuals of each window of a part, by running index; NaN for the others.
-    pub(crate) fn window_squares(&self, fit: &Fit, part: Part) -> Vec<f64> {
+    pub(crate) fn window_squares(&self, fit: &Fit, part: Part<'_>) -> Vec<f64> {
         let predictor = self.predictor(&fit.hypothesis, &fit.x);
         let residuals = self.residuals(&predictor, part);
         let pairs = self.series.iter().zip(&residuals).zip(self.bases());
@@ -155,7 +161,7 @@ impl Problem<'_> {
     }
 
     /// Measured minus predicted, per series.
-    fn residuals(&self, predictor: &Predictor, part: Part) -> Vec<Vec<f64>> {
+    fn residuals(&self, predictor: &Predictor, part: Part<'_>) -> Vec<Vec<f64>> {
         let pairs = self.series.iter().zip(self.bases());
         pairs
             .map(|(series, base)| {
@@ -173,7 +179,7 @@ impl Problem<'_> {
         &self,
         predictor: &Predictor,
         residuals: &[Vec<f64>],
-        part: Part,
+        part: Part<'_>,
     ) -> Vec<Option<Whitening>> {
         let mut all = Vec::new();
         for ((series, residual), base) in self.series.iter().zip(residuals).zip(self.bases()) {
@@ -216,7 +222,7 @@ impl Problem<'_> {
     }
 
     /// Costs of a hypothesis at a point, with the whitening of that point.
-    pub(crate) fn costs(&self, hypothesis: &Hypothesis, x: &[f64], part: Part) -> Costs {
+    pub(crate) fn costs(&self, hypothesis: &Hypothesis, x: &[f64], part: Part<'_>) -> Costs {
         let predictor = self.predictor(hypothesis, x);
         let residuals = self.residuals(&predictor, part);
         let whitenings = self.whitenings(&predictor, &residuals, part);
@@ -230,7 +236,7 @@ impl Problem<'_> {
         hypothesis: &Hypothesis,
         mut x: Vec<f64>,
         held: usize,
-        part: Part,
+        part: Part<'_>,
         iterations: usize,
     ) -> Fit {
         let n = x.len() - held;
@@ -243,18 +249,34 @@ impl Problem<'_> {
         let mut total = sum_log(&now) + self.prior(&x);
         let mut normal = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
+        let mut slopes: Vec<Vec<Vec<f64>>> = Vec::with_capacity(n);
         for iteration in 0..iterations {
             let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
             if n == 0 {
                 break;
             }
-            let columns: Vec<Vec<Vec<f64>>> = (0..n)
-                .map(|i| {
-                    let mut moved = x.clone();
-                    moved[held + i] += difference;
-                    let moved = self.residuals(&self.predictor(hypothesis, &moved), part);
-                    self.whitened(&moved, &whitenings)
-                })
+            let stale = iteration % NUDGES_EVERY != 0 && !slopes.is_empty();
+            for i in 0..n {
+                if stale && held + i < self.nudges.len() {
+                    continue;
+                }
+                let mut moved = x.clone();
+                moved[held + i] += difference;
+                let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
+                for (slope, base) in slope.iter_mut().zip(&residuals) {
+                    for (s, r) in slope.iter_mut().zip(base) {
+                        *s = (*s - r) / difference;
+                    }
+                }
+                if i < slopes.len() {
+                    slopes[i] = slope;
+                } else {
+                    slopes.push(slope);
+                }
+            }
+            let columns: Vec<Vec<Vec<f64>>> = slopes
+                .iter()
+                .map(|slope| self.whitened(slope, &whitenings))
                 .collect();
             let mut gradient = DVector::zeros(n);
             normal = DMatrix::zeros(n, n);
@@ -262,19 +284,11 @@ impl Problem<'_> {
             for (w, base) in whitened.iter().enumerate().filter(|(_, r)| !r.is_empty()) {
                 let samples = base.len() as f64;
                 let weight = 1.0 / (samples * (1.0 + now.per_sample[w]));
-                let slopes: Vec<Vec<f64>> = columns
-                    .iter()
-                    .map(|c| {
-                        c[w].iter()
-                            .zip(base)
-                            .map(|(m, r)| (m - r) / difference)
-                            .collect()
-                    })
-                    .collect();
-                let pull = DVector::from_iterator(n, slopes.iter().map(|s| weight * dot(s, base)));
+                let pull =
+                    DVector::from_iterator(n, columns.iter().map(|c| weight * dot(&c[w], base)));
                 for i in 0..n {
                     for j in 0..=i {
-                        normal[(i, j)] += weight * dot(&slopes[i], &slopes[j]);
+                        normal[(i, j)] += weight * dot(&columns[i][w], &columns[j][w]);
                     }
                 }
                 scatter += &pull * pull.transpose();

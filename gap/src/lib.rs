@@ -31,6 +31,7 @@ mod measure;
 pub mod model_file;
 mod motion;
 mod noise;
+mod perfect;
 pub mod predict;
 pub mod restart;
 mod select;

@@ -32,6 +32,7 @@ impl Device {
                 ratio: model.ratio,
                 limit: model.input_limit.unwrap_or(f64::INFINITY),
                 deadband: 0.0,
+                deadband_jump: 0.0,
                 delay_s: model.delay,
                 lag_s: model.lag,
             },

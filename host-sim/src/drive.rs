@@ -10,8 +10,11 @@ pub struct Drive {
     pub ratio: f64,
     /// |input| is clipped here; infinite for none.
     pub limit: f64,
-    /// |input| up to which nothing happens; beyond, the torque starts from zero.
+    /// |input| up to which nothing happens.
     pub deadband: f64,
+    /// Share of the dead band by which the input jumps at its edge: from 0, the torque starts from zero,
+    /// to 1, beyond the dead band nothing is missing.
+    pub deadband_jump: f64,
     /// Pure delay, s.
     pub delay_s: f64,
     /// Time constant of the lag, s.
@@ -25,6 +28,7 @@ impl Drive {
             ratio,
             limit: f64::INFINITY,
             deadband: 0.0,
+            deadband_jump: 0.0,
             delay_s: 0.0,
             lag_s: 0.0,
         }
@@ -33,8 +37,12 @@ impl Drive {
     /// Joint torque once delay and lag have passed, N m.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {
-        let magnitude = (input.abs().min(self.limit) - self.deadband).max(0.0);
-        self.ratio * magnitude.copysign(input)
+        let magnitude = input.abs().min(self.limit);
+        if magnitude <= self.deadband {
+            return 0.0;
+        }
+        let missing = (1.0 - self.deadband_jump) * self.deadband;
+        self.ratio * (magnitude - missing).copysign(input)
     }
 
     /// Joint torque once delay and lag have passed, per unit of `input`.
@@ -165,6 +173,12 @@ mod tests {
         assert_eq!(drive.settled(0.05), 0.0);
         assert!((drive.settled(-0.3) + 2.0).abs() < 1e-12);
         assert!((drive.settled(7.0) - 4.0).abs() < 1e-12);
+        let jumping = Drive {
+            deadband_jump: 1.0,
+            ..drive
+        };
+        assert_eq!(jumping.settled(-0.1), 0.0);
+        assert!((jumping.settled(-0.3) + 3.0).abs() < 1e-12);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the plant must do whatever its numbers: hold without creep, stop where mechanics says,
 //! converge at fourth order through its events, and never create energy.
 
-use host_sim::plant::{Barrier, Friction, Mechanics, Phase, Plant, Presliding, Torque};
+use host_sim::plant::{Barrier, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque};
 use proptest::prelude::*;
 
 fn paddle() -> Mechanics {
@@ -218,4 +218,49 @@ fn bristles_bent_to_their_limit_let_go_of_a_restart_at_rest() {
     let mut state = plant.restart(&state, state.time_s, 0.1, 0.0);
     plant.advance(&mut state, Torque::held(0.05), 1e-2);
     assert!(state.velocity > 0.0 && state.position > 0.1);
+}
+
+#[test]
+fn a_stiff_link_makes_one_device_of_two_wherever_the_friction_is() {
+    let drive = |t: f64| 0.03 * (9.0 * t).sin();
+    let rigid = run(&Plant::new(paddle()), [0.0, 0.0], 1e-3, 2.0, drive);
+    for load_friction in [0.0, 0.4, 1.0] {
+        let plant = Plant::new(Mechanics {
+            link: Some(Link {
+                load_share: 0.4,
+                stiffness: 5e3,
+                damping: 0.5,
+                play: 0.0,
+                load_friction,
+                sensor_on_load: false,
+            }),
+            ..paddle()
+        });
+        let linked = run(&plant, [0.0, 0.0], 1e-3, 2.0, drive);
+        let worst = linked.iter().zip(&rigid);
+        let worst = worst.fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(worst < 2e-3, "{load_friction}: {worst}");
+    }
+}
+
+#[test]
+fn friction_on_the_load_side_holds_the_load_while_the_motor_turns() {
+    let plant = Plant::new(Mechanics {
+        friction: Friction::coulomb(0.015),
+        link: Some(Link {
+            load_share: 0.5,
+            stiffness: 0.5,
+            damping: 1e-3,
+            play: 0.0,
+            load_friction: 1.0,
+            sensor_on_load: true,
+        }),
+        ..Mechanics::inertia(5.755e-4)
+    });
+    let mut state = plant.state(0.0, 0.0, 0.0);
+    for _ in 0..2000 {
+        plant.advance(&mut state, Torque::held(0.006), 1e-3);
+    }
+    assert_eq!((state.load_position, state.load_phase), (0.0, Phase::Stick));
+    assert!((state.position - 0.006 / 0.5).abs() < 1e-3, "{state:?}");
 }

@@ -81,6 +81,10 @@ const RESOLVED_RATE: f64 = 2.0;
 /// Natural frequency of the flanks of a play, over the coarse sampling rate: stiff beside what is seen.
 const FLANK_FREQUENCY: f64 = 0.06;
 
+/// Where a twisting transmission may ring: half an octave apart, as ringing out of step fits no better
+/// than none.
+const RESONANCES_HZ: [f64; 10] = [4.0, 5.7, 8.0, 11.3, 16.0, 22.6, 32.0, 45.0, 64.0, 90.0];
+
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let mut all = guesses(kind, e);
     all.extend(spread(kind, e));
@@ -114,13 +118,18 @@ fn guesses(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }),
         "position_dependent_coulomb" if level[0] > 0.0 => regress(e, |m| {
             let friction = -level[0] * sign(m);
-            [friction * m.position, friction * m.position * m.position]
+            [
+                friction * m.position,
+                friction * m.position * m.position,
+                friction,
+            ]
         })
-        .map(|[slope, curve]| {
+        .map(|[slope, curve, more]| {
             let reach = s.position[0].abs().max(s.position[1].abs());
             vec![
                 scaled(0, slope, 0.3 / reach),
                 scaled(1, curve, 0.3 / (reach * reach)),
+                log(2, (1.0 + more).max(0.1)),
             ]
         }),
         "viscous" => regress(e, |m| [-m.velocity]).map(|[b]| {
@@ -134,8 +143,16 @@ fn guesses(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             .map(|[q]| vec![scaled(0, q.max(0.0), 0.1 * s.torque / s.velocity.powi(2))]),
         "load_dependent_friction" => regress(e, |m| [-m.drive_nm.abs() * sign(m)])
             .map(|[share]| vec![log(0, share.max(0.01))]),
-        "friction_drift" if level[0] > 0.0 => regress(e, |m| [-level[0] * m.session_s * sign(m)])
-            .map(|[d]| vec![scaled(0, d, 0.3 / s.duration_s)]),
+        "friction_drift" if level[0] > 0.0 => regress(e, |m| {
+            let friction = -level[0] * sign(m);
+            [friction * m.session_s, friction]
+        })
+        .map(|[rate, more]| {
+            vec![
+                scaled(0, rate, 0.3 / s.duration_s),
+                log(1, (1.0 + more).max(0.1)),
+            ]
+        }),
         "inertia" => regress(e, |m| [-m.acceleration])
             .map(|[j]| vec![log(0, (m.inertia + j).max(0.1 * m.inertia))]),
         "spring" => regress(e, |m| [-m.position, 1.0]).map(|[k, t]| {
@@ -174,7 +191,12 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "torque_offset" => each(&[0.3, -0.3], &|f| {
             vec![linear(0, f * s.friction, 0.2 * s.torque)]
         }),
-        "deadband" => each(&[0.03, 0.15, 0.5], &|f| vec![log(0, f * s.input)]),
+        "deadband" => [0.0, 1.0]
+            .iter()
+            .flat_map(|jump| {
+                [0.05, 0.2, 0.6].map(|f| term(kind, vec![log(0, f * s.input)], &[(1, *jump)]))
+            })
+            .collect(),
         "saturation" => each(&[0.9, 0.7, 0.4], &|f| vec![log(0, f * s.largest_input)]),
         "lag" | "delay" | "sensor_lag" => each(&[1.0, 6.0, 30.0], &|f| {
             vec![log(
@@ -202,6 +224,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                     let free = vec![
                         linear(0, slope / reach, 0.5 / reach),
                         linear(1, curve / (reach * reach), 0.5 / (reach * reach)),
+                        log(2, 1.0),
                     ];
                     term(kind, free, &[])
                 })
@@ -228,7 +251,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             .collect(),
         "load_dependent_friction" => each(&[0.05, 0.2], &|f| vec![log(0, f)]),
         "friction_drift" if level > 0.0 => each(&[0.3, -0.3], &|f| {
-            vec![linear(0, f / s.duration_s, 0.5 / s.duration_s)]
+            vec![linear(0, f / s.duration_s, 0.5 / s.duration_s), log(1, 1.0)]
         }),
         "inertia" => one(vec![log(0, m.inertia)]),
         "gravity" => one(vec![
@@ -259,7 +282,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let beyond = s.span();
             // One stop at a time, the other out of reach, then both.
             let mut all = Vec::new();
-            for share in [0.02, 0.08] {
+            for share in [0.002, 0.02, 0.08] {
                 let (low, high) = (
                     quantile(&positions, share),
                     quantile(&positions, 1.0 - share),
@@ -282,13 +305,14 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "backlash" => {
             let rate = TAU * FLANK_FREQUENCY / s.period_s.max(1e-3);
             let mut all = Vec::new();
-            for f in [0.004, 0.02, 0.08] {
+            for f in [0.003, 0.01, 0.03, 0.1] {
                 for sensor_on_load in [false, true] {
                     let share = 0.5;
                     let k = rate * rate * m.inertia * share * (1.0 - share);
                     let fixed = [(2, k), (3, damped(k, m.inertia) * 2.0)];
                     let play = f * s.span();
-                    let free = vec![log(0, play), linear(1, share, 0.15)];
+                    let mut free = vec![log(0, play), linear(1, share, 0.15)];
+                    free.extend((level > 0.0).then(|| linear(4, 0.5, 0.3)));
                     all.push(Term {
                         sensor_on_load,
                         ..term(kind, free, &fixed)
@@ -299,15 +323,16 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "compliance" => {
             let mut all = Vec::new();
-            for hertz in [6.0, 18.0, 55.0] {
+            for hertz in RESONANCES_HZ {
                 for sensor_on_load in [false, true] {
                     let share = 0.5;
                     let k = (TAU * hertz).powi(2) * m.inertia * share * (1.0 - share);
-                    let free = vec![
+                    let mut free = vec![
                         log(0, k),
                         log(1, damped(k, m.inertia) * 0.5),
                         linear(2, share, 0.15),
                     ];
+                    free.extend((level > 0.0).then(|| linear(3, 0.5, 0.3)));
                     all.push(Term {
                         sensor_on_load,
                         ..term(kind, free, &[])

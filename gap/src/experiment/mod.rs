@@ -6,7 +6,7 @@ mod trial;
 use crate::diagnosis::NextExperiment;
 use crate::fit::{Fit, Problem};
 use crate::motion::rms;
-use crate::select::{PERFECT, QUIET_EXCESS, Rival, Selection, ties};
+use crate::select::{Rival, Selection, ties};
 use haptic_paddle::excitation::{Excitation, Shape};
 use host_sim::device::Device;
 use rayon::prelude::*;
@@ -52,27 +52,20 @@ pub(crate) fn separating(problem: &Problem<'_>, selection: &Selection) -> Option
 /// The rivals between which the recording does not decide: a winner and its ties, of the last round that
 /// has any, or the best two where none earned its place.
 fn open(selection: &Selection) -> Option<Vec<&Rival>> {
-    let before = core::iter::once(&selection.null)
-        .chain(selection.rounds.iter().map(|round| &round.rivals[0].fit));
-    let tied = selection
-        .rounds
-        .iter()
-        .zip(before)
-        .filter_map(|(round, known)| {
-            let names = ties(round, known);
-            let (winner, others) = round.rivals.split_first()?;
-            let others = others.iter().filter(|r| names.contains(&r.name));
-            let all: Vec<&Rival> = core::iter::once(winner)
-                .chain(others)
-                .take(MOST_RIVALS)
-                .collect();
-            (all.len() > 1).then_some(all)
-        });
-    if let Some(all) = tied.last() {
+    let mut tied = selection.rounds.iter().rev().filter_map(|round| {
+        let names = ties(round);
+        let (winner, others) = round.rivals.split_first()?;
+        let others = others.iter().filter(|r| names.contains(&r.name));
+        let all: Vec<&Rival> = core::iter::once(winner)
+            .chain(others)
+            .take(MOST_RIVALS)
+            .collect();
+        (all.len() > 1).then_some(all)
+    });
+    if let Some(all) = tied.next() {
         return Some(all);
     }
-    let unexplained =
-        selection.rounds.is_empty() && selection.null.costs.mean_log() - PERFECT > QUIET_EXCESS;
+    let unexplained = selection.rounds.is_empty() && !selection.is_quiet();
     let best = selection.last.as_ref()?.rivals.get(..2)?;
     unexplained.then(|| best.iter().collect())
 }
@@ -154,6 +147,7 @@ mod tests {
     use super::*;
     use crate::fit::Costs;
     use crate::hypothesis::{Hypothesis, Term};
+    use crate::perfect::{Perfect, WHITE};
     use crate::select::Round;
     use crate::series;
     use host_sim::effects::Effect;
@@ -208,9 +202,14 @@ mod tests {
             name: effect.split(':').next().unwrap(),
             fit: fit(Some(effect), *cost),
         });
+        let rivals: Vec<Rival> = rivals.collect();
         Round {
-            rivals: rivals.collect(),
+            known: fit(None, 9.0),
+            so_far: rivals[0].fit.clone(),
+            rivals,
+            screened: Vec::new(),
             significance: 9.0,
+            earned: true,
         }
     }
 
@@ -220,10 +219,21 @@ mod tests {
             recording: &recording,
             series: series::coarse(&recording, recording.horizon),
             nudges: Vec::new(),
-            quarter: Vec::new(),
+            quarter: None,
         };
         let null = fit(None, null_cost);
-        separating(&problem, &Selection { null, rounds, last })
+        let perfect = Perfect {
+            level: WHITE,
+            error: 0.0,
+            worst: 0.0,
+        };
+        let selection = Selection {
+            null,
+            perfect,
+            rounds,
+            last,
+        };
+        separating(&problem, &selection)
     }
 
     const STATIC: &str = "stribeck:static_ratio=1.5,velocity=0.1";

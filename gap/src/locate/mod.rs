@@ -6,8 +6,8 @@ mod spectrum;
 
 use crate::diagnosis::Region;
 use crate::fit::{Fit, Problem};
+use crate::perfect::WHITE;
 use crate::predict::Predictor;
-use crate::select::PERFECT;
 use crate::series::{Series, median_period};
 use bins::{Bins, Point, Stretch};
 use innovation::{Innovation, innovations};
@@ -51,7 +51,7 @@ struct Evidence {
 /// An axis speaks by a stretch that carries more than its share, and by what of the missing acceleration
 /// is a function of it. Motion couples the axes, so that the next best ones are told too.
 pub(crate) fn regions(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
-    if null.costs.mean_log() <= PERFECT + NOTICEABLE {
+    if null.costs.mean_log() <= WHITE + NOTICEABLE {
         return Vec::new();
     }
     let recording = problem.recording;
@@ -313,7 +313,7 @@ mod tests {
             recording: &recording,
             series: series::coarse(&recording, recording.horizon),
             nudges: Vec::new(),
-            quarter: Vec::new(),
+            quarter: None,
         };
         let null = problem.fit(
             &Hypothesis { terms: Vec::new() },

@@ -39,6 +39,13 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 0.1],
             about: "of the flanks, in contact",
         },
+        Parameter {
+            name: "load_friction",
+            quantity: Quantity::Ratio,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "share of the dry friction on the load side",
+        },
     ],
     install: |device, p| {
         device.mechanics.link = Some(Link {
@@ -46,6 +53,7 @@ pub const KIND: Kind = Kind {
             stiffness: p[2].abs(),
             damping: p[3].max(0.0),
             play: p[0].abs(),
+            load_friction: p[4].clamp(0.0, 1.0),
             sensor_on_load: device.sensor_on_load,
         });
     },

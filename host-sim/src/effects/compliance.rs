@@ -32,6 +32,13 @@ pub const KIND: Kind = Kind {
             typical: [0.1, 0.9],
             about: "of the inertia behind the twist",
         },
+        Parameter {
+            name: "load_friction",
+            quantity: Quantity::Ratio,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "share of the dry friction on the load side",
+        },
     ],
     install: |device, p| {
         device.mechanics.link = Some(Link {
@@ -39,6 +46,7 @@ pub const KIND: Kind = Kind {
             stiffness: p[0].abs(),
             damping: p[1].max(0.0),
             play: 0.0,
+            load_friction: p[3].clamp(0.0, 1.0),
             sensor_on_load: device.sensor_on_load,
         });
     },

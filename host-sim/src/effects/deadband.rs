@@ -2,20 +2,30 @@
 
 use super::{Channel, Kind, Parameter, Quantity};
 
-/// `T = ratio · sign(u) max(0, |u| − w)`.
+/// `T = ratio · sign(u) (|u| − (1 − j) w) for |u| > w, else 0`.
 pub const KIND: Kind = Kind {
     name: "deadband",
     channel: Channel::Actuation,
     about: "Small inputs do nothing",
-    equation: "T = ratio · sign(u) max(0, |u| − w)",
-    parameters: &[Parameter {
-        name: "width",
-        quantity: Quantity::Input,
-        default: 2e-4,
-        typical: [5e-5, 1e-3],
-        about: "input up to which nothing happens",
-    }],
+    equation: "T = ratio · sign(u) (|u| − (1 − j) w) for |u| > w, else 0",
+    parameters: &[
+        Parameter {
+            name: "width",
+            quantity: Quantity::Input,
+            default: 2e-4,
+            typical: [5e-5, 1e-3],
+            about: "input up to which nothing happens",
+        },
+        Parameter {
+            name: "jump",
+            quantity: Quantity::Ratio,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "share of the width by which the input jumps at its edge",
+        },
+    ],
     install: |device, p| {
         device.drive.deadband = p[0].max(0.0);
+        device.drive.deadband_jump = p[1].clamp(0.0, 1.0);
     },
 };

@@ -168,6 +168,8 @@ impl Kind {
 
 /// Least share of the inertia on either side of a transmission.
 const LEAST_SHARE: f64 = 0.01;
+/// Least level of a dry friction that varies, over the model's.
+const LEAST_LEVEL: f64 = 0.01;
 
 /// All kinds, in the order of the contract's vocabulary.
 pub const KINDS: &[&Kind] = &[

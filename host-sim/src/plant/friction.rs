@@ -48,6 +48,11 @@ impl Friction {
         }
     }
 
+    /// Multiplies the level in both directions.
+    pub fn scale(&mut self, factor: f64) {
+        self.level_nm = self.level_nm.map(|level| factor * level);
+    }
+
     /// True if there is none at all.
     pub fn is_none(&self) -> bool {
         self.level_nm == [0.0; 2] && self.load_share == 0.0

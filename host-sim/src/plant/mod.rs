@@ -116,6 +116,29 @@ pub enum Phase {
     Backward,
 }
 
+impl Phase {
+    /// At a velocity, without bristles.
+    fn sliding(velocity: f64) -> Self {
+        if velocity > 0.0 {
+            Self::Forward
+        } else if velocity < 0.0 {
+            Self::Backward
+        } else {
+            Self::Stick
+        }
+    }
+
+    /// Of sliding: ±1; 0 for none.
+    #[inline]
+    fn direction(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+            Self::Stick | Self::Bristle => 0.0,
+        }
+    }
+}
+
 /// State of the joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
@@ -131,8 +154,10 @@ pub struct State {
     pub load_velocity: f64,
     /// Deflection of the bristles, rad.
     pub deflection: f64,
-    /// Of the dry friction.
+    /// Of the dry friction, on the motor side.
     pub phase: Phase,
+    /// Likewise, on the load side.
+    pub load_phase: Phase,
     touch: [Touch; BARRIERS],
     pendulum: Pendulum,
     rest: Rest,
@@ -158,6 +183,8 @@ impl Rest {
 pub struct Plant {
     mechanics: Mechanics,
     dry: bool,
+    /// Share of the dry friction on either side of the link.
+    friction_share: [f64; 2],
     plain: bool,
     passing_barriers: bool,
     /// Whether what holds a joint at rest depends on position and drive alone.
@@ -185,10 +212,10 @@ const EXACT: Pace = Pace {
     most_divisions: 256.0,
     most_events: 64,
 };
-/// The same where 1e-4 is enough, and what is stiffer than a sensor can show may go astray.
+/// The same where 1e-3 is enough, and what is stiffer than a sensor can show may go astray.
 const QUICK: Pace = Pace {
-    rate_step: 0.4,
-    most_divisions: 12.0,
+    rate_step: 0.8,
+    most_divisions: 6.0,
     most_events: 6,
 };
 
@@ -199,7 +226,7 @@ impl Plant {
     }
 
     /// Takes longer steps where something is stiff, for what is compared with a noisy sensor: they err
-    /// by 1e-4 of what changes within them.
+    /// by 1e-3 of what changes within them.
     pub fn quick(mechanics: Mechanics) -> Self {
         Self::with_pace(mechanics, QUICK)
     }
@@ -213,6 +240,12 @@ impl Plant {
             .any(|b| b.during_s.is_some());
         Self {
             dry,
+            friction_share: match &mechanics.link {
+                Some(link) if mechanics.presliding.is_none() => {
+                    [1.0 - link.load_friction, link.load_friction]
+                }
+                _ => [1.0, 0.0],
+            },
             plain: mechanics.friction.is_plain(),
             passing_barriers,
             rest_is_steady: dry
@@ -258,6 +291,7 @@ impl Plant {
             load_velocity: velocity,
             deflection: 0.0,
             phase: Phase::Stick,
+            load_phase: Phase::Stick,
             touch: [Touch::Free; BARRIERS],
             pendulum: Pendulum::about(position - self.mechanics.gravity_zero),
             rest: Rest::UNKNOWN,
@@ -298,10 +332,9 @@ impl Plant {
         state.phase = match self.mechanics.presliding {
             // At rest bristles bend, however far they are bent: there is no sliding to go on with.
             Some(bristles) if state.velocity == 0.0 || slid < bristles.distance => Phase::Bristle,
-            _ if state.velocity > 0.0 => Phase::Forward,
-            _ if state.velocity < 0.0 => Phase::Backward,
-            _ => Phase::Stick,
+            _ => Phase::sliding(state.velocity),
         };
+        state.load_phase = Phase::sliding(state.load_velocity);
         self.touch(state);
     }
 

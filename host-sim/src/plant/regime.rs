@@ -18,8 +18,15 @@ struct Regime<'a, const N: usize> {
     /// Of sliding: ±1; 0 where dry friction has no kink here.
     direction: f64,
     held: bool,
+    load: LoadSide,
     constant_friction_nm: Option<f64>,
     touch: &'a [Touch; BARRIERS],
+}
+
+/// The load side of a link as far as dry friction goes.
+struct LoadSide {
+    direction: f64,
+    held: bool,
 }
 
 const fn is_linked(n: usize) -> bool {
@@ -81,6 +88,26 @@ impl Mechanics {
     }
 }
 
+impl Mechanics {
+    /// On the load side of a link, all but dry friction, N m.
+    #[inline]
+    fn load_pull(&self, state: &State) -> f64 {
+        let through = self.link.map_or(0.0, |link| {
+            link.torque(
+                state.position - state.load_position,
+                state.velocity - state.load_velocity,
+            )
+        });
+        through
+            + self.load_side(
+                &state.pendulum,
+                &state.touch,
+                state.load_position,
+                state.load_velocity,
+            )
+    }
+}
+
 impl Plant {
     /// The phase that follows on rest under this drive.
     #[inline]
@@ -88,23 +115,48 @@ impl Plant {
         let pull = self.mechanics.pull(state, drive_nm);
         if pull.abs() <= self.holding(state, pull, drive_nm) {
             Phase::Stick
-        } else if pull > 0.0 {
-            Phase::Forward
         } else {
-            Phase::Backward
+            Phase::sliding(pull)
         }
+    }
+
+    /// Likewise, of the load side.
+    #[inline]
+    fn load_phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
+        let pull = self.mechanics.load_pull(state);
+        if pull.abs() <= self.load_holding(state, pull, drive_nm) {
+            Phase::Stick
+        } else {
+            Phase::sliding(pull)
+        }
+    }
+
+    /// Level that holds the load side against `pull` at rest, N m.
+    #[inline]
+    fn load_holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
+        let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
+        let friction = &self.mechanics.friction;
+        self.friction_share[1]
+            * friction.holding(direction, state.load_position, state.time_s, drive_nm)
+    }
+
+    /// True if the load side has dry friction of its own.
+    #[inline]
+    fn load_is_dry(&self) -> bool {
+        self.dry && self.friction_share[1] > 0.0
     }
 
     /// Level that holds against `pull` at rest, N m.
     #[inline]
     fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
         let friction = &self.mechanics.friction;
-        if self.plain {
-            friction.level_nm[usize::from(pull < 0.0)]
-        } else {
-            let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-            friction.holding(direction, state.position, state.time_s, drive_nm)
-        }
+        self.friction_share[0]
+            * if self.plain {
+                friction.level_nm[usize::from(pull < 0.0)]
+            } else {
+                let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
+                friction.holding(direction, state.position, state.time_s, drive_nm)
+            }
     }
 
     /// Carries `state` over `dt_s` under `torque`.
@@ -135,6 +187,9 @@ impl Plant {
             let piece = self.until_barriers_change(state, left);
             if state.velocity == 0.0 && self.dry && !has_bristles(N) {
                 state.phase = self.phase_at_rest(state, torque.at(0.0));
+            }
+            if is_linked(N) && self.load_is_dry() && state.load_velocity == 0.0 {
+                state.load_phase = self.load_phase_at_rest(state, torque.at(0.0));
             }
             let taken = if state.phase == Phase::Stick && self.dry && !is_linked(N) {
                 events += 1;
@@ -238,11 +293,21 @@ impl Plant {
     ) -> (f64, bool) {
         let m = &self.mechanics;
         let kinked = self.dry && state.phase != Phase::Bristle;
-        let direction = match state.phase {
-            Phase::Forward if self.dry => 1.0,
-            Phase::Backward if self.dry => -1.0,
-            _ => 0.0,
+        let direction = if self.dry {
+            state.phase.direction()
+        } else {
+            0.0
         };
+        let load_dry = is_linked(N) && self.load_is_dry();
+        let load = LoadSide {
+            direction: if load_dry {
+                state.load_phase.direction()
+            } else {
+                0.0
+            },
+            held: load_dry && state.load_phase == Phase::Stick,
+        };
+        let load_direction = load.direction;
         let load_position = if is_linked(N) {
             state.load_position
         } else {
@@ -256,8 +321,12 @@ impl Plant {
             time_s: state.time_s,
             direction,
             held: kinked && state.phase == Phase::Stick,
-            constant_friction_nm: (self.plain || direction == 0.0)
-                .then(|| direction * m.friction.level_nm[usize::from(direction < 0.0)]),
+            load,
+            constant_friction_nm: (self.plain || direction == 0.0).then(|| {
+                self.friction_share[0]
+                    * direction
+                    * m.friction.level_nm[usize::from(direction < 0.0)]
+            }),
             touch: &state.touch,
         };
         let step = runge_kutta::advance(&regime, &pack::<N>(state), h, watch);
@@ -277,6 +346,10 @@ impl Plant {
                     state.phase = Phase::Bristle;
                     state.deflection = direction * bristles.distance;
                 }
+            }
+            if load_direction != 0.0 && state.load_velocity * load_direction <= 0.0 {
+                state.load_velocity = 0.0;
+                state.load_phase = Phase::Stick;
             }
             state.time_s += step.taken;
             self.touch(state);
@@ -374,9 +447,35 @@ impl<const N: usize> Regime<'_, N> {
             }
             _ => match self.constant_friction_nm {
                 Some(friction) => (friction, 0.0),
-                None => (self.direction * sliding(self.direction), 0.0),
+                None => {
+                    let share = self.plant.friction_share[0];
+                    (share * self.direction * sliding(self.direction), 0.0)
+                }
             },
         }
+    }
+
+    /// Dry friction of the load side while sliding, N m.
+    #[inline]
+    fn load_friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> f64 {
+        let direction = self.load.direction;
+        if direction == 0.0 {
+            return 0.0;
+        }
+        let friction = &self.plant.mechanics.friction;
+        let time_s = self.time_s + t;
+        let level = friction.sliding(direction, x[2], x[3].abs(), time_s, drive_nm);
+        self.plant.friction_share[1] * direction * level
+    }
+
+    fn state_at(&self, x: &[f64; N]) -> State {
+        let mut state = State {
+            touch: *self.touch,
+            pendulum: self.pendulum,
+            ..self.plant.state(self.time_s, 0.0, 0.0)
+        };
+        unpack(x, &mut state);
+        state
     }
 
     /// Position and velocity of what carries the barriers.
@@ -405,7 +504,12 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
                 .map_or(0.0, |link| link.torque(x[0] - x[2], x[1] - x[3]));
             motor -= through;
             rate[2] = load_velocity;
-            rate[3] = (load + through) * self.plant.inverse_inertia[1];
+            rate[3] = if self.load.held {
+                0.0
+            } else {
+                let friction = self.load_friction(t, drive_nm, x);
+                (load + through - friction) * self.plant.inverse_inertia[1]
+            };
         } else {
             motor += load;
         }
@@ -438,15 +542,20 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
                 guard = guard.min(barrier.guard(*touch, position, velocity));
             }
         }
-        if is_linked(N) && self.held {
-            let mut state = self.plant.state(self.time_s, 0.0, 0.0);
-            unpack(x, &mut state);
+        if is_linked(N) && self.load.direction != 0.0 {
+            guard = guard.min(self.load.direction * x[3]);
+        }
+        if is_linked(N) && (self.held || self.load.held) {
+            let state = self.state_at(x);
             let drive_nm = self.torque.at(t);
-            let pull = m.pull(&state, drive_nm);
-            let holding = m
-                .friction
-                .holding(pull.signum(), x[0], self.time_s, drive_nm);
-            guard = guard.min(holding - pull.abs());
+            if self.held {
+                let pull = m.pull(&state, drive_nm);
+                guard = guard.min(self.plant.holding(&state, pull, drive_nm) - pull.abs());
+            }
+            if self.load.held {
+                let pull = m.load_pull(&state);
+                guard = guard.min(self.plant.load_holding(&state, pull, drive_nm) - pull.abs());
+            }
         }
         guard
     }
@@ -455,9 +564,12 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
     fn may_dip(&self, h: f64, x: [&[f64; N]; 2], rate: [&[f64; N]; 2]) -> bool {
         // The velocity can touch zero within a step only if it falls at first and rises at last; a
         // barrier can be touched and left only if the velocity turns.
-        let falls = |i: usize| self.direction * rate[i][1] < 0.0;
-        let slowest = x[0][1].abs().min(x[1][1].abs());
-        let dips = falls(0) && !falls(1) && slowest < h * rate[0][1].abs();
+        let dips = |direction: f64, v: usize| {
+            let falls = |i: usize| direction * rate[i][v] < 0.0;
+            let slowest = x[0][v].abs().min(x[1][v].abs());
+            falls(0) && !falls(1) && slowest < h * rate[0][v].abs()
+        };
+        let dips = dips(self.direction, 1) || (is_linked(N) && dips(self.load.direction, 3));
         let (from, to) = (Self::load(x[0]).1, Self::load(x[1]).1);
         dips || (from * to < 0.0 && self.plant.mechanics.barriers.iter().any(Option::is_some))
     }

@@ -1,0 +1,125 @@
+//! What a perfect model would cost on a recording: of the same motion, with the same sensor.
+
+use crate::fit::{Fit, Part, Problem};
+use crate::motion::quantile;
+use crate::predict::Predictor;
+use crate::series::{self, Series};
+use host_sim::sensors::Noise;
+use recording::{Recording, Run};
+
+/// Robust cost of a window whose residual is white and of the known size: ln(1 + 1).
+pub(crate) const WHITE: f64 = core::f64::consts::LN_2;
+/// Rows that suffice.
+const MOST_ROWS: usize = 60_000;
+/// Most that restarts at kinks may add: beyond, the model is too wrong to stand in for the device.
+const MOST_ADDED: f64 = 0.5;
+const SEED: u64 = 0x6861_7074_6963;
+
+/// What noise, quantising and restarts that fall on a kink leave of a model that is right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Perfect {
+    /// Mean robust cost of a window, [`WHITE`] at least.
+    pub level: f64,
+    /// Standard error of that.
+    pub error: f64,
+    /// Of the worst window, above the mean.
+    pub worst: f64,
+}
+
+impl Perfect {
+    /// Of `fit`, on what its own device would have given.
+    pub(crate) fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
+        let device = fit
+            .hypothesis
+            .device(&problem.recording.model, &problem.nudges, &fit.x);
+        let own = imagined(
+            problem.recording,
+            &Predictor::new(device, problem.recording),
+        );
+        let imagined = Problem {
+            series: series::coarse(&own, own.horizon),
+            recording: &own,
+            nudges: problem.nudges.clone(),
+            quarter: None,
+        };
+        let costs = imagined.costs(&fit.hypothesis, &fit.x, Part::All);
+        let windows = imagined.series.iter().flat_map(|s| 0..s.windows.len());
+        let (mut first, mut odd) = (Vec::new(), Vec::new());
+        for (window, cost) in windows.zip(0..).map(|(w, i)| (w, costs.log(i))) {
+            match window {
+                0 => first.push(cost),
+                _ if window % 2 == 1 => odd.push(cost),
+                _ => {}
+            }
+        }
+        let later = (imagined.window_count() - first.len()) as f64;
+        let (mean_first, _) = mean_and_error(&first);
+        let (mean_odd, error) = mean_and_error(&odd);
+        let count = first.len() as f64 + later;
+        let mean = (first.len() as f64 * mean_first + later * mean_odd) / count.max(1.0);
+        let worst = first.iter().chain(&odd).fold(mean, |m, c| m.max(*c));
+        Self {
+            level: mean.clamp(WHITE, WHITE + MOST_ADDED),
+            error,
+            worst: worst - mean,
+        }
+    }
+}
+
+/// Mean of some values and its standard error; zeros for none.
+pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// The recording as `predictor` would have made it, restarted from the measured state before every even
+/// window: of that nothing is left on the odd ones, and on the first, but the motion.
+fn imagined(recording: &Recording, predictor: &Predictor) -> Recording {
+    let rows: usize = recording.runs.iter().map(|run| run.time.len()).sum();
+    let share = (MOST_ROWS as f64 / rows.max(1) as f64).min(1.0);
+    let mut own = Recording::new("", recording.horizon, recording.model);
+    own.restart_half_width = recording.restart_half_width;
+    own.sensors.clone_from(&recording.sensors);
+    own.runs = recording.runs.iter().map(|r| middle(r, share)).collect();
+    let sensor = recording.sensor("position");
+    let mut noise = Noise::new(SEED);
+    for series in series::full(&own, 2.0 * recording.horizon) {
+        // What is seen as noise has the quantising in it.
+        let quantising = sensor.resolution.powi(2) / 12.0;
+        let added = (typical_noise(&series).powi(2) - quantising)
+            .max(0.0)
+            .sqrt();
+        let position = predictor.predict(&series).into_iter().map(|x| {
+            let shown = x + noise.next(added);
+            if sensor.resolution > 0.0 {
+                (shown / sensor.resolution).round() * sensor.resolution
+            } else {
+                shown
+            }
+        });
+        own.runs[series.run].position = position.collect();
+    }
+    own
+}
+
+fn typical_noise(series: &Series) -> f64 {
+    let noises: Vec<f64> = series.windows.iter().map(|w| w.noise).collect();
+    quantile(&noises, 0.5)
+}
+
+/// A share of a run's rows, from its middle, with the columns that a prediction needs.
+fn middle(run: &Run, share: f64) -> Run {
+    let rows = run.time.len();
+    let kept = ((rows as f64 * share).ceil() as usize).min(rows);
+    let rows = (rows - kept) / 2..(rows - kept) / 2 + kept;
+    let part = |column: &[f64]| column[rows.clone()].to_vec();
+    Run::new(
+        run.file.clone(),
+        run.drive,
+        part(&run.time),
+        part(&run.input),
+        part(&run.position),
+    )
+}

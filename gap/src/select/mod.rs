@@ -1,0 +1,102 @@
+//! Which effects earn their place.
+
+mod place;
+mod round;
+
+use crate::fit::{Fit, Part, Problem};
+use crate::hypothesis::Hypothesis;
+use crate::perfect::Perfect;
+pub(crate) use place::{fold, is_event};
+use round::Search;
+pub(crate) use round::{Rival, Round, ties};
+
+/// Robust excess per window up to which nothing is missing: the noise is known to some 15 %.
+const QUIET_EXCESS: f64 = 0.12;
+/// And this many standard errors of what a perfect model leaves.
+const QUIET_ERRORS: f64 = 2.0;
+const NULL_ITERATIONS: usize = 10;
+/// Effects that are found at most.
+const MOST_EFFECTS: usize = 3;
+/// Share of the excess that an effect may leave and still be looked at as the only one of its size.
+const MOST_LEFT_ALONE: f64 = 0.15;
+/// Effects, each the first of a pair, on top of which a second one is looked for.
+const LEADERS: usize = 4;
+
+/// The outcome: the null, and a round for each effect.
+#[derive(Clone, Debug)]
+pub(crate) struct Selection {
+    pub null: Fit,
+    /// What the null would cost if it were right.
+    pub perfect: Perfect,
+    pub rounds: Vec<Round>,
+    /// The round that found nothing more.
+    pub last: Option<Round>,
+}
+
+impl Selection {
+    /// The fit with all effects.
+    pub(crate) fn fit(&self) -> &Fit {
+        self.rounds.last().map_or(&self.null, |round| &round.so_far)
+    }
+
+    /// Share of the null's robust excess that a fit leaves.
+    pub(crate) fn left(&self, fit: &Fit) -> f64 {
+        let excess = (level(&self.null) - self.perfect.level).max(f64::MIN_POSITIVE);
+        ((level(fit) - self.perfect.level) / excess).max(0.0)
+    }
+
+    /// True if the numbers of the nominal model, within their tolerances, leave nothing to be found.
+    pub(crate) fn is_quiet(&self) -> bool {
+        is_quiet(&self.null, &self.perfect)
+    }
+}
+
+/// True if a fit leaves no more than a perfect model may.
+fn is_quiet(fit: &Fit, perfect: &Perfect) -> bool {
+    level(fit) - perfect.level <= QUIET_EXCESS + QUIET_ERRORS * perfect.error
+}
+
+fn level(fit: &Fit) -> f64 {
+    fit.costs.mean_log()
+}
+
+/// Finds the effect that explains most, or the two that do together, then what is left beside them, each
+/// fitted jointly with the others.
+pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str]) -> Selection {
+    let bare = Hypothesis { terms: Vec::new() };
+    let x = vec![0.0; bare.dimensions(&problem.nudges)];
+    let null = problem.fit(&bare, x, 0, Part::All, NULL_ITERATIONS);
+    let mut selection = Selection {
+        perfect: Perfect::of(problem, &null),
+        null,
+        rounds: Vec::new(),
+        last: None,
+    };
+    let search = Search {
+        problem,
+        excluded,
+        perfect: selection.perfect,
+    };
+    let suffices = |fit: &Fit| is_quiet(fit, &Perfect::of(problem, fit));
+    let Some(first) = search.round(&selection.null, &[]) else {
+        return selection;
+    };
+    let hints = first.screened.clone();
+    let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
+    let pair = (!alone && !selection.is_quiet()).then(|| search.pair(&first));
+    match pair.flatten() {
+        Some(pair) => selection.rounds.extend(pair),
+        None if first.earned => selection.rounds.push(first),
+        None => selection.last = Some(first),
+    }
+    while (1..MOST_EFFECTS).contains(&selection.rounds.len()) && !suffices(selection.fit()) {
+        match search.round(selection.fit(), &hints) {
+            Some(round) if round.earned => selection.rounds.push(round),
+            nothing => {
+                selection.last = nothing;
+                break;
+            }
+        }
+    }
+    selection
+}

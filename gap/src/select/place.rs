@@ -1,0 +1,123 @@
+//! Whether an effect is more than luck.
+
+use super::{Rival, is_quiet};
+use crate::fit::{Costs, Fit, Part, Problem};
+use crate::perfect::{Perfect, mean_and_error};
+use rayon::prelude::*;
+
+/// Iterations on either half.
+const FOLD_ITERATIONS: usize = 5;
+/// A gain on windows that the fit has not seen must be this many standard errors from zero. With some
+/// thirty rivals that is a chance of about 1 % for the luckiest of them.
+const LEAST_SIGNIFICANCE: f64 = 3.3;
+/// A gain of so large a share of the excess is hardly luck, however few the windows.
+const LARGE_SHARE: f64 = 0.2;
+const LARGE_SIGNIFICANCE: f64 = 2.0;
+/// And must be this share of the excess over the perfect level.
+const LEAST_SHARE: f64 = 0.1;
+/// Least gain per window in robust cost: below, it is not seen beside the uncertainty of the noise.
+const LEAST_GAIN: f64 = 0.015;
+
+/// Whether `winner` is better than what was known on windows that neither fit has seen: its gain there
+/// over the gain's standard error, and the verdict.
+pub(super) fn earns_its_place(
+    problem: &Problem<'_>,
+    perfect: &Perfect,
+    known: &Fit,
+    winner: &Rival,
+) -> (f64, bool) {
+    let windows = 0..problem.window_count();
+    let unseen = [held_out(problem, known), held_out(problem, &winner.fit)];
+    let gains: Vec<f64> = windows
+        .clone()
+        .map(|w| unseen[0].log(w) - unseen[1].log(w))
+        .collect();
+    let (gain, error) = mean_and_error(&gains);
+    let significance = gain / error.max(f64::MIN_POSITIVE);
+    let excess = (unseen[0].mean_log() - perfect.level).max(0.0);
+    let least = if gain > LARGE_SHARE * excess {
+        LARGE_SIGNIFICANCE
+    } else {
+        LEAST_SIGNIFICANCE
+    };
+    let by_unseen = (harmless(&gains) || significance > least)
+        && gain > LEAST_GAIN.max(LEAST_SHARE * excess)
+        && no_worse_at_a_quarter(problem, known, &winner.fit);
+    let seen: Vec<f64> = windows
+        .map(|w| known.costs.log(w) - winner.fit.costs.log(w))
+        .collect();
+    // Where nothing seems to be missing, only what shows in a window or two is.
+    let by_unseen = by_unseen && !is_event(winner.name) && !is_quiet(known, perfect);
+    let earned = by_unseen || (is_local(winner.name) && stands_out(&seen, perfect));
+    (significance, earned)
+}
+
+/// True if what shows in few windows, which cannot be held out, gains more there than searching many
+/// places could by luck, and takes nothing from the others. Luck includes the worst window of a perfect
+/// model.
+fn stands_out(gains: &[f64], perfect: &Perfect) -> bool {
+    gains.iter().sum::<f64>() > EVENT_GAIN + perfect.worst && harmless(gains)
+}
+
+/// True if the windows that get worse are nothing beside those that get better: luck does both alike. It
+/// finds what shows in few windows, such as a stop.
+fn harmless(gains: &[f64]) -> bool {
+    let better: f64 = gains.iter().filter(|g| **g > 0.0).sum();
+    let worse: f64 = gains.iter().filter(|g| **g < 0.0).sum();
+    better > HARMLESS_GAIN && -worse < HARMLESS_SHARE * better
+}
+
+const HARMLESS_SHARE: f64 = 0.25;
+/// Noise alone moves the robust cost of a window by some hundredths.
+const HARMLESS_GAIN: f64 = 1.5;
+
+/// Sum of robust costs that an effect bound to a moment must gain: the logarithm of the number of places,
+/// instants and sizes searched, with a margin.
+const EVENT_GAIN: f64 = 4.0;
+
+/// True for effects that are bound to a moment of one recording.
+pub(crate) fn is_event(name: &str) -> bool {
+    matches!(name, "contact" | "lost_counts")
+}
+
+/// True for effects that may show in a window or two.
+pub(super) fn is_local(name: &str) -> bool {
+    is_event(name) || name == "end_stop"
+}
+
+/// Costs of every window under a fit to the half that it is not in.
+fn held_out(problem: &Problem<'_>, fit: &Fit) -> Costs {
+    let halves: Vec<Costs> = [true, false]
+        .into_par_iter()
+        .map(|half| {
+            let fold = fold(problem, fit, half);
+            problem.costs(&fold.hypothesis, &fold.x, Part::Half(!half))
+        })
+        .collect();
+    let pairs = halves[0].per_sample.iter().zip(&halves[1].per_sample);
+    Costs {
+        per_sample: pairs
+            .map(|(a, b)| if a.is_nan() { *b } else { *a })
+            .collect(),
+    }
+}
+
+/// The hypothesis of `fit`, fitted to one half.
+pub(crate) fn fold(problem: &Problem<'_>, fit: &Fit, half: bool) -> Fit {
+    problem.fit(
+        &fit.hypothesis,
+        fit.x.clone(),
+        0,
+        Part::Half(half),
+        FOLD_ITERATIONS,
+    )
+}
+
+/// A model in which nothing moves can look good on slow motion: with restarts four times as often it
+/// must not be worse.
+fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool {
+    problem.quarter.as_ref().is_none_or(|quarter| {
+        let cost = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All).mean_log();
+        cost(fit) <= cost(known)
+    })
+}

@@ -91,6 +91,8 @@ const FIRST_DAMPING: f64 = 1e-2;
 const MOST_DAMPING: f64 = 1e4;
 /// An iteration that gains less than this share of the cost is the last.
 const LEAST_GAIN: f64 = 5e-4;
+/// Unless a single window gains this much.
+const LEAST_WINDOW_GAIN: f64 = 0.1;
 
 impl Problem<'_> {
     pub(crate) fn window_count(&self) -> usize {
@@ -335,7 +337,7 @@ impl Problem<'_> {
                 }
                 break;
             };
-            let small = total - trial_total < LEAST_GAIN * total;
+            let small = total - trial_total < (LEAST_GAIN * total).min(LEAST_WINDOW_GAIN);
             (x, predictor, residuals) = (trial, at, r);
             whitenings = self.whitenings(&predictor, &residuals, part);
             whitened = self.whitened(&residuals, &whitenings);

@@ -21,6 +21,17 @@ pub type Shift = [f64; 2];
 /// A slope within this many standard deviations of zero is that of a reading that stands.
 const STANDING: f64 = 3.0;
 
+/// Distance from its restart, in spans of what was measured, at which a model has run away.
+const FARTHEST: f64 = 100.0;
+
+fn span(values: &[f64]) -> f64 {
+    let extremes = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), extremes);
+    (high - low).max(f64::MIN_POSITIVE)
+}
+
 struct Running {
     line: DriveLine,
     state: State,
@@ -63,6 +74,7 @@ impl Predictor {
         let Some(first) = series.windows.first() else {
             return predicted;
         };
+        let farthest = FARTHEST * span(&series.position);
         let start_s = first.restart.time_s;
         let x = self.device.sensing.inverse(first.restart.value);
         let mut running = Running {
@@ -93,10 +105,34 @@ impl Predictor {
                 let before_s = running.now_s;
                 self.follow_to(&mut running, series, series.time[i]);
                 let dt_s = series.time[i] - before_s;
-                predicted[i] = self.read(&mut running, dt_s, i > window.samples.start);
+                let filters = i > window.samples.start;
+                predicted[i] = self.read(&mut running, dt_s, series.span_s, filters);
+                let strayed = (predicted[i] - window.restart.value).abs();
+                if strayed.is_nan() || strayed > farthest {
+                    self.give_up(&mut running, series, window, &mut predicted[i..]);
+                    break;
+                }
             }
         }
         predicted
+    }
+
+    /// Ends a window in which the model runs away: it stays where it is, and what it carries is relaxed.
+    fn give_up(&self, running: &mut Running, series: &Series, window: &Window, rest: &mut [f64]) {
+        let left = window.samples.end - (series.time.len() - rest.len());
+        let here = if rest[0].is_finite() {
+            rest[0]
+        } else {
+            f64::MAX.sqrt()
+        };
+        rest[..left].fill(here);
+        let end_s = series.time[window.samples.end - 1];
+        self.skip_to(running, series, end_s);
+        let session_s = end_s + series.session_offset_s;
+        let x = self.device.sensing.inverse(window.restart.value);
+        running.state = self.plant.state(session_s, x, 0.0);
+        running.reading = Reading::at_rest(&self.device.sensing, x);
+        running.filtered = window.restart.value;
     }
 
     /// True if anything but the drive is carried from window to window.
@@ -206,13 +242,14 @@ impl Predictor {
 
     /// What the sensor shows now.
     #[inline]
-    fn read(&self, running: &mut Running, dt_s: f64, filters: bool) -> f64 {
+    fn read(&self, running: &mut Running, dt_s: f64, span_s: f64, filters: bool) -> f64 {
         let (x, _) = self.plant.seen(&running.state);
         if self.device.sensing.is_ideal() && self.sensor.cutoff_hz.is_none() {
             return x;
         }
         let sensing = &self.device.sensing;
-        let y = running.reading.follow(sensing, x, dt_s) + sensing.jumped(running.state.time_s);
+        let jumped = sensing.jumped_mean(running.state.time_s, span_s);
+        let y = running.reading.follow(sensing, x, dt_s) + jumped;
         if filters && self.sensor.cutoff_hz.is_some() {
             running.filtered += self.logged_gain(dt_s) * (y - running.filtered);
         } else if self.sensor.cutoff_hz.is_none() {

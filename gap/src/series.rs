@@ -28,6 +28,8 @@ pub struct Series {
     pub input: Vec<f64>,
     /// Measured.
     pub position: Vec<f64>,
+    /// What each position is the mean over, s; 0 for an instant.
+    pub span_s: f64,
     /// What to add to the run's time for that of the session, s.
     pub session_offset_s: f64,
     /// In the order of time, without gaps between them.
@@ -47,6 +49,7 @@ impl Series {
             time: run.time.clone(),
             input: run.input.clone(),
             position: run.position.clone(),
+            span_s: 0.0,
             session_offset_s,
             windows,
         }
@@ -77,6 +80,7 @@ impl Series {
             time: self.time[rows.clone()].to_vec(),
             input: self.input[rows.clone()].to_vec(),
             position: self.position[rows].to_vec(),
+            span_s: self.span_s,
             session_offset_s: self.session_offset_s,
         }
     }
@@ -93,6 +97,7 @@ impl Series {
             time: Vec::new(),
             input: Vec::new(),
             position: Vec::new(),
+            span_s: group as f64 * period,
             windows: Vec::new(),
             ..self
         };

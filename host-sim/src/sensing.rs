@@ -101,6 +101,16 @@ impl Sensing {
             .map(|jump| jump.height)
             .sum()
     }
+
+    /// The same in the mean over `span_s` around `time_s`.
+    #[inline]
+    pub fn jumped_mean(&self, time_s: f64, span_s: f64) -> f64 {
+        if span_s == 0.0 {
+            return self.jumped(time_s);
+        }
+        let share = |jump: &Jump| ((time_s - jump.at_s) / span_s + 0.5).clamp(0.0, 1.0);
+        self.jumps.iter().map(|j| share(j) * j.height).sum()
+    }
 }
 
 const INVERSE_ITERATIONS: usize = 6;

@@ -12,7 +12,58 @@ const QUIET: f64 = 0.4;
 /// A stretch longer than this share of the recording is no passing contact.
 const LONGEST_SHARE: f64 = 0.5;
 
+/// Something that pushes back, and when.
+#[derive(Clone, Copy)]
+struct Push {
+    position: f64,
+    /// +1 if it pushes back what comes from below.
+    side: f64,
+    stiffness: f64,
+    damping: f64,
+    from_s: f64,
+    to_s: f64,
+    /// Of the positions meanwhile.
+    span: f64,
+}
+
+/// As contacts of that time.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let contacts = pushes(e).into_iter().map(|push| {
+        let time_scale = 0.1 * (push.to_s - push.from_s);
+        let free = vec![
+            linear(0, push.position, 0.1 * push.span),
+            log(2, push.stiffness),
+            log(3, push.damping),
+            linear(4, push.from_s, time_scale),
+            linear(5, push.to_s, time_scale),
+        ];
+        term(kind, free, &[(1, push.side)])
+    });
+    contacts.collect()
+}
+
+/// As stops, which push back whenever the device comes there.
+pub(super) fn as_stops(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let far = [
+        e.scales.position[0] - e.scales.span(),
+        e.scales.position[1] + e.scales.span(),
+    ];
+    let mut pushes = pushes(e);
+    // How long it was takes no part.
+    pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
+    let stops = pushes.into_iter().map(|push| {
+        let upper = usize::from(push.side > 0.0);
+        let free = vec![
+            log(2, push.stiffness),
+            log(3, push.damping),
+            linear(upper, push.position, 0.1 * push.span),
+        ];
+        term(kind, free, &[(1 - upper, far[1 - upper])])
+    });
+    stops.collect()
+}
+
+fn pushes(e: &Evidence<'_>) -> Vec<Push> {
     let Some((series, windows)) = stretch(e) else {
         return Vec::new();
     };
@@ -45,20 +96,18 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let strength = rms(&known).max(0.2 * e.scales.torque);
     let span = (quantile(&positions, 1.0) - quantile(&positions, 0.0)).max(0.02 * e.scales.span());
     let mut all = Vec::new();
-    for [from, to] in edges {
-        for side in [1.0, -1.0] {
-            for share in [0.15, 0.5, 0.85] {
-                let k = 3.0 * strength / span;
-                let damping = 0.3 * (k * e.device.mechanics.inertia).sqrt();
-                let free = vec![
-                    linear(0, quantile(&positions, share), 0.1 * span),
-                    log(2, k),
-                    log(3, damping),
-                    linear(4, from, 0.1 * (to - from)),
-                    linear(5, to, 0.1 * (to - from)),
-                ];
-                all.push(term(kind, free, &[(1, side)]));
-            }
+    for side in [1.0, -1.0] {
+        for share in [0.15, 0.5, 0.85] {
+            let stiffness = 3.0 * strength / span;
+            all.extend(edges.map(|[from_s, to_s]| Push {
+                position: quantile(&positions, share),
+                side,
+                stiffness,
+                damping: 0.3 * (stiffness * e.device.mechanics.inertia).sqrt(),
+                from_s,
+                to_s,
+                span,
+            }));
         }
     }
     all

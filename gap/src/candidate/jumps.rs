@@ -37,7 +37,8 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let near = &sizes[i.saturating_sub(2)..(i + 3).min(sizes.len())];
             let largest = near.iter().all(|size| *size <= height.abs());
             if largest && height.abs() > STEP_RATIO * spread {
-                jumps.push((series.session(i - 1), series.session(i), *height));
+                let height = height_around(&series.time, x, i).unwrap_or(*height);
+                jumps.push((series.session(i - 1), series.session(i), height));
             }
         }
     }
@@ -63,13 +64,28 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     vec![persisting, term(kind, &anew)]
 }
 
-/// A term of jumps, each between two instants and with a height.
+/// Height of a jump that samples `i − 1` to `i` show, of which their neighbours, as means, may show a part.
+fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
+    let (a, b) = (i.checked_sub(2)?, i + 1);
+    let slope =
+        |from: usize, to: usize| Some((x.get(to)? - x[from]) / (time.get(to)? - time[from]));
+    let motion = 0.5 * (slope(a.checked_sub(2)?, a)? + slope(b, b + 2)?);
+    Some(x[b] - x[a] - motion * (time[b] - time[a]))
+}
+
+/// A term of jumps, each about two instants and with a height.
 fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)]) -> Term {
     let mut values = Vec::new();
     let mut free = Vec::new();
     for (before, after, height) in jumps {
+        // Within a sample that is a mean the instant shows in the height of that sample.
+        free.push(linear(
+            values.len(),
+            0.5 * (before + after),
+            0.5 * (after - before),
+        ));
         values.push(0.5 * (before + after));
-        free.push(linear(values.len(), *height, 0.1 * height.abs()));
+        free.push(linear(values.len(), *height, 0.5 * height.abs()));
         values.push(*height);
     }
     Term {

@@ -281,7 +281,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 .collect();
             let beyond = s.span();
             // One stop at a time, the other out of reach, then both.
-            let mut all = Vec::new();
+            let mut all = contact::as_stops(kind, e);
             for share in [0.002, 0.02, 0.08] {
                 let (low, high) = (
                     quantile(&positions, share),

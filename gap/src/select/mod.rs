@@ -14,6 +14,8 @@ pub(crate) use round::{Rival, Round, ties};
 const QUIET_EXCESS: f64 = 0.12;
 /// And this many standard errors of what a perfect model leaves.
 const QUIET_ERRORS: f64 = 2.0;
+/// Robust cost by which a window may exceed the worst of a perfect model.
+const QUIET_WINDOW: f64 = 3.0;
 const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
@@ -51,9 +53,12 @@ impl Selection {
     }
 }
 
-/// True if a fit leaves no more than a perfect model may.
+/// True if a fit leaves no more than a perfect model may, in the mean and in the worst window.
 fn is_quiet(fit: &Fit, perfect: &Perfect) -> bool {
+    let windows = 0..fit.costs.per_sample.len();
+    let worst = windows.fold(0.0f64, |worst, w| worst.max(fit.costs.log(w)));
     level(fit) - perfect.level <= QUIET_EXCESS + QUIET_ERRORS * perfect.error
+        && worst - perfect.level <= perfect.worst + QUIET_WINDOW
 }
 
 fn level(fit: &Fit) -> f64 {

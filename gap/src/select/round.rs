@@ -1,7 +1,7 @@
 //! One more effect on top of what is known.
 
 use super::place::{earns_its_place, is_local};
-use super::{LEADERS, level};
+use super::{LEADERS, is_quiet, level};
 use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::{Fit, Part, Problem, turn};
 use crate::hypothesis::{Hypothesis, Term};
@@ -268,6 +268,15 @@ impl Search<'_> {
     /// The rivals in their order, the best one polished and judged.
     fn judged(&self, known: &Fit, screened: Vec<Rival>, rivals: Vec<Rival>) -> Option<Round> {
         let mut rivals = ranked(rivals, known)?;
+        // What needs a moment of its own is none where the same thing at all times leaves nothing.
+        let special = rivals.iter().position(|rival| {
+            contains(rivals[0].name, rival.name)
+                && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit))
+        });
+        if let Some(special) = special {
+            let special = rivals.remove(special);
+            rivals.insert(0, special);
+        }
         let winner = &mut rivals[0].fit;
         *winner = self.problem.fit(
             &winner.hypothesis,

@@ -62,6 +62,9 @@ impl CorrectedModel {
 const EXPLAINED: f64 = 0.15;
 /// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
 const MOST_LEFT: f64 = 0.7;
+/// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
+/// and near stick and slip they are anything but.
+const QUIET_GAP: f64 = 2.0;
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
 const SURE: f64 = 6.0;
 /// Share of the gap that a further effect must close.
@@ -120,7 +123,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
     let verdict = if selection.rounds.is_empty() {
-        if selection.is_quiet() {
+        if selection.is_quiet() || is_within_floor(&problem, &selection.null) {
             Verdict::NoGap
         } else {
             Verdict::Unexplained
@@ -150,6 +153,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         elapsed_s: started.elapsed().as_secs_f64(),
     };
     Outcome { diagnosis, model }
+}
+
+/// True if the null misses no more than a small multiple of what noise and restarts alone would.
+fn is_within_floor(problem: &Problem<'_>, null: &Fit) -> bool {
+    let squares: f64 = problem.window_squares(null, Part::All).iter().sum();
+    let floor: f64 = problem.floor_squares(null).iter().sum();
+    squares <= QUIET_GAP.powi(2) * floor
 }
 
 fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {

@@ -205,7 +205,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             )]
         }),
         "cogging" => cogging::starts(kind, e),
-        "coulomb" => each(&[0.6, 1.4], &|f| vec![log(0, f * s.friction)]),
+        "coulomb" => each(&[0.02, 0.6, 1.4], &|f| vec![log(0, f * s.friction)]),
         "asymmetric_coulomb" => [(0.7, 1.3), (1.3, 0.7)]
             .iter()
             .map(|(p, n)| {

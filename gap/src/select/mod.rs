@@ -21,8 +21,10 @@ const NULL_ITERATIONS: usize = 10;
 const MOST_EFFECTS: usize = 3;
 /// Share of the excess that an effect may leave and still be looked at as the only one of its size.
 const MOST_LEFT_ALONE: f64 = 0.15;
+/// Share of the excess that the better of two effects closes by itself at least.
+const LEAST_GAIN_ALONE: f64 = 0.1;
 /// Effects, each the first of a pair, on top of which a second one is looked for.
-const LEADERS: usize = 4;
+const LEADERS: usize = 3;
 
 /// The outcome: the null, and a round for each effect.
 #[derive(Clone, Debug)]
@@ -88,7 +90,8 @@ pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str]) -> Selection {
     };
     let hints = first.screened.clone();
     let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
-    let pair = (!alone && !selection.is_quiet()).then(|| search.pair(&first));
+    let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
+    let pair = (promising && !alone && !selection.is_quiet()).then(|| search.pair(&first));
     match pair.flatten() {
         Some(pair) => selection.rounds.extend(pair),
         None if first.earned => selection.rounds.push(first),

@@ -32,6 +32,8 @@ const ALWAYS_NEAR: usize = 2;
 const POLISHING_ITERATIONS: usize = 15;
 /// Within this share of the gain, fewer parameters win.
 const PARSIMONY: f64 = 0.04;
+/// Within this share of the gain, a special case wins over what contains it.
+const SPECIAL_PARSIMONY: f64 = 0.08;
 /// A name is not separable from the winner within this share of the winner's gain.
 const TIE_SHARE: f64 = 0.04;
 
@@ -217,10 +219,10 @@ impl Search<'_> {
                 } else {
                     0
                 };
-                let fits = fits.into_par_iter().map(|fit| {
-                    let held = problem.nudges.len();
-                    problem.fit(&fit.hypothesis, fit.x, held, part, iterations)
-                });
+                // What the model's own numbers took of the effect, they give back now.
+                let fits = fits
+                    .into_par_iter()
+                    .map(|fit| problem.fit(&fit.hypothesis, fit.x, 0, part, iterations));
                 let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
                 Some(Rival { name, fit })
             })
@@ -366,9 +368,21 @@ fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
     let winner = (0..rivals.len())
         .filter(|&i| level(&rivals[i].fit) <= close)
         .min_by_key(|&i| (rivals[i].parameters(), i))?;
+    // A special case needs even less to be preferred to what contains it.
+    let gain = (level(known) - best).max(0.0);
+    let special = (0..rivals.len()).filter(|&i| {
+        level(&rivals[i].fit) <= best + SPECIAL_PARSIMONY * gain
+            && is_special(rivals[i].name, rivals[winner].name)
+    });
+    let winner = special.min().unwrap_or(winner);
     let winner = rivals.remove(winner);
     rivals.insert(0, winner);
     Some(rivals)
+}
+
+/// True if `special` does with fewer numbers what `general` does too.
+fn is_special(special: &str, general: &str) -> bool {
+    contains(general, special) || (special, general) == ("torque_offset", "asymmetric_coulomb")
 }
 
 /// True if `general` is `special` for some of its parameters.

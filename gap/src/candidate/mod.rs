@@ -205,7 +205,12 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             )]
         }),
         "cogging" => cogging::starts(kind, e),
-        "coulomb" => each(&[0.02, 0.6, 1.4], &|f| vec![log(0, f * s.friction)]),
+        "coulomb" => {
+            let mut all = each(&[0.6, 1.4], &|f| vec![log(0, f * s.friction)]);
+            // A friction that is not there at all is at the end of a linear scale only.
+            all.extend(one(vec![linear(0, 0.02 * s.friction, 0.1 * s.friction)]));
+            all
+        }
         "asymmetric_coulomb" => [(0.7, 1.3), (1.3, 0.7)]
             .iter()
             .map(|(p, n)| {

@@ -5,7 +5,8 @@
 //!
 //! - A taken branch refills the pipeline in 2 cycles, in 3 if its target is not aligned to a word (table: 1 to 3).
 //! - A division takes 2 cycles and one for every 4 bits of quotient, at most 10 (table: 2 to 12).
-//! - A single load or store takes 2 cycles, or 1 right after another one whose result is not in its address.
+//! - A single load or store takes 2 cycles, or 1 right after another one whose result is not in its address. A store
+//!   with an immediate offset takes 1.
 //! - IT takes its cycle; it is never folded into another instruction.
 //! - Exception entry and return take 12 cycles each, and 17 more if they move registers of the FPU; from one exception
 //!   to the next without a return between, 6. Instructions of many cycles are not abandoned for an interrupt.

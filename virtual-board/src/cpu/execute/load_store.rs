@@ -45,6 +45,13 @@ impl Cpu {
         self.last_loaded = loads;
     }
 
+    /// A store with an immediate offset takes no second cycle: the write buffer ends it beside the next instruction.
+    #[inline(always)]
+    fn time_store(&mut self) {
+        self.last_access = self.instructions;
+        self.last_loaded = NO_REGISTER;
+    }
+
     #[inline(always)]
     pub(super) fn load_into<B: Bus>(
         &mut self,
@@ -121,7 +128,7 @@ impl Cpu {
         index: Index,
     ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset, index);
-        self.time_access(n, NO_REGISTER);
+        self.time_store();
         self.write(bus, address, kind.width(), self.get(t))?;
         if let Some(new_base) = new_base {
             self.set(n, new_base);

@@ -6,17 +6,29 @@ use crate::hypothesis::{Hypothesis, nudges};
 use crate::measure::measure;
 use crate::select::{self, Round, Selection};
 use crate::series;
+use crate::stage::Stage;
 use crate::{experiment, locate};
 use host_sim::device::Device;
 use rayon::prelude::*;
 use recording::Recording;
 use std::time::Instant;
 
-/// What to leave out.
-#[derive(Clone, Debug, Default)]
+/// What to leave out, and whom to tell.
+#[derive(Clone, Debug)]
 pub struct Options {
     /// Names of effects that are not tried.
     pub without: Vec<String>,
+    /// Called as each stage begins.
+    pub progress: fn(Stage),
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            without: Vec::new(),
+            progress: |_| {},
+        }
+    }
 }
 
 /// A diagnosis with the model that it arrived at.
@@ -82,6 +94,8 @@ fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
 /// Diagnoses a recording.
 pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
+    let progress = options.progress;
+    progress(Stage::Windows);
     let problem = |horizon_s, quarter| Problem {
         recording,
         series: few(recording, horizon_s),
@@ -91,13 +105,14 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let quarter = problem(0.25 * recording.horizon, None);
     let problem = problem(recording.horizon, Some(Box::new(quarter)));
     let excluded: Vec<&str> = options.without.iter().map(String::as_str).collect();
-    let mut selection = select::select(&problem, &excluded);
+    let mut selection = select::select(&problem, &excluded, progress);
 
     if !selection.rounds.is_empty() && selection.left(selection.fit()) > MOST_LEFT {
         selection.last = Some(selection.rounds.remove(0));
         selection.rounds.clear();
     }
 
+    progress(Stage::Shrink);
     let mut steps = closings(&problem, &selection);
     // What does not close the gap by itself has no place, however well it suits the robust cost.
     let idle = (1..steps.len()).find(|&i| steps[i].own[0] < LEAST_SHRINK);
@@ -136,15 +151,18 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let effects = findings(&problem, &selection, &steps);
     let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
+    progress(Stage::Where);
+    let regions = if verdict == Verdict::NoGap {
+        Vec::new()
+    } else {
+        locate::regions(&problem, &selection.null)
+    };
+    progress(Stage::NextExperiment);
     let next_experiment = experiment::separating(&problem, &selection);
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
-        regions: if verdict == Verdict::NoGap {
-            Vec::new()
-        } else {
-            locate::regions(&problem, &selection.null)
-        },
+        regions,
         candidates: tried(&problem, &selection, &names),
         gap: closing,
         effects,

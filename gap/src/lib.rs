@@ -36,6 +36,7 @@ pub mod predict;
 pub mod restart;
 mod select;
 pub mod series;
+mod stage;
 mod whitening;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};
@@ -44,3 +45,4 @@ pub use host_sim::effects::Effect;
 pub use measure::{Gap, PredictedRun, measure};
 pub use model_file::ModelFile;
 pub use recording::{self, Model, Recording};
+pub use stage::Stage;

@@ -13,7 +13,7 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// There is one standard error.
 static SPINNER: LazyLock<ProgressBar> = LazyLock::new(|| {
-    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    let style = ProgressStyle::with_template("{spinner} {prefix}{msg}, {elapsed}");
     ProgressBar::new_spinner()
         .with_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()))
         .with_message("working")
@@ -40,9 +40,14 @@ pub fn shown<T>(work: impl FnOnce() -> T) -> T {
     })
 }
 
-/// Says on a terminal what is being done.
-pub fn doing(what: String) {
-    SPINNER.set_message(what);
+/// Says on a terminal which of many is worked on.
+pub fn doing(which: &str) {
+    SPINNER.set_prefix(format!("{which}: "));
+}
+
+/// Says on a terminal what is being done to it.
+pub fn at(what: &str) {
+    SPINNER.set_message(what.to_owned());
 }
 
 /// Leaves a line about a part that is done, once the whole takes long.

@@ -6,6 +6,7 @@ mod round;
 use crate::fit::{Fit, Part, Problem};
 use crate::hypothesis::Hypothesis;
 use crate::perfect::Perfect;
+use crate::stage::Stage;
 pub(crate) use place::{fold, is_event};
 use round::Search;
 pub(crate) use round::{Rival, Round, ties};
@@ -69,7 +70,8 @@ fn level(fit: &Fit) -> f64 {
 
 /// Finds the effect that explains most, or the two that do together, then what is left beside them, each
 /// fitted jointly with the others.
-pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str]) -> Selection {
+pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str], progress: fn(Stage)) -> Selection {
+    progress(Stage::Nominal);
     let bare = Hypothesis { terms: Vec::new() };
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
     let null = problem.fit(&bare, x, 0, Part::All, NULL_ITERATIONS);
@@ -82,6 +84,7 @@ pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str]) -> Selection {
     let search = Search {
         problem,
         excluded,
+        progress,
         perfect: selection.perfect,
     };
     let suffices = |fit: &Fit| is_quiet(fit, &Perfect::of(problem, fit));

@@ -7,6 +7,7 @@ use crate::fit::{Fit, Part, Problem, turn};
 use crate::hypothesis::{Hypothesis, Term};
 use crate::motion::{Motion, Scales};
 use crate::perfect::Perfect;
+use crate::stage::Stage;
 use rayon::prelude::*;
 
 /// Iterations from every start, and starts of an effect that go on from there.
@@ -82,6 +83,8 @@ pub(crate) struct Round {
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
     pub excluded: &'a [&'a str],
+    /// Told of each stage.
+    pub progress: fn(Stage),
     pub perfect: Perfect,
 }
 
@@ -149,6 +152,7 @@ impl Search<'_> {
         chosen: &[bool],
         hints: &[Rival],
     ) -> Vec<Rival> {
+        (self.progress)(Stage::Screening);
         let problem = self.problem;
         let device = known
             .hypothesis
@@ -232,6 +236,7 @@ impl Search<'_> {
     /// The most promising ones, fitted to all windows.
     fn finals(&self, mut screened: Vec<Rival>, known: &Fit, chosen: &[bool]) -> Vec<Rival> {
         let screened_level = |rival: &Rival| level_on(&rival.fit, chosen);
+        (self.progress)(Stage::Finalists);
         screened.sort_by(|a, b| screened_level(a).total_cmp(&screened_level(b)));
         let fitted = |rivals: Vec<Rival>, iterations: usize| -> Vec<Rival> {
             let fits = rivals.into_par_iter().map(|rival| Rival {
@@ -269,6 +274,7 @@ impl Search<'_> {
 
     /// The rivals in their order, the best one polished and judged.
     fn judged(&self, known: &Fit, screened: Vec<Rival>, rivals: Vec<Rival>) -> Option<Round> {
+        (self.progress)(Stage::Judging);
         let mut rivals = ranked(rivals, known)?;
         // What needs a moment of its own is none where the same thing at all times leaves nothing.
         let special = rivals.iter().position(|rival| {

@@ -3,6 +3,7 @@
 use super::batch;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::progress;
 use crate::report::{self, Labels};
 use clap::Args;
 use gap::{ModelFile, Options, Outcome};
@@ -58,6 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let Some(folder) = &arguments.recording else {
         return batch::run(&arguments.batch, &arguments.out, &options);
     };
+    progress::at("reading");
     let recording = Recording::read(folder)?;
     let outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
@@ -66,6 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         text.push_str(&format!("corrected model in {}\n", path.display()));
     }
     if let Some(path) = &arguments.report {
+        progress::at("drawing the report");
         save_report(path, &recording, &outcome)?;
         text.push_str(&format!("report in {}\n", path.display()));
     }
@@ -82,6 +85,7 @@ fn options(without: &[String]) -> Result<Options, Failure> {
         Some(unknown) => Err(EffectError::Kind(unknown.clone()).into()),
         None => Ok(Options {
             without: without.to_vec(),
+            progress: |stage| progress::at(&stage.to_string()),
         }),
     }
 }

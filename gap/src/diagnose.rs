@@ -1,13 +1,15 @@
 //! The diagnosis: how large the gap is, where it lies, which effects cause it, how far it shrinks.
 
+use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
 use crate::fit::{Fit, Part, Problem};
 use crate::hypothesis::{Hypothesis, nudges};
 use crate::measure::measure;
-use crate::select::{self, Round, Selection};
+use crate::select::{self, Given, Round, Selection};
 use crate::series;
+use crate::shrink::shrink;
 use crate::stage::Stage;
-use crate::{experiment, locate};
+use crate::{comparison, experiment, locate};
 use host_sim::device::Device;
 use rayon::prelude::*;
 use recording::Recording;
@@ -79,10 +81,10 @@ const MOST_LEFT: f64 = 0.7;
 const QUIET_GAP: f64 = 2.0;
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
 const SURE: f64 = 6.0;
+/// Probability that two columns and the dynamics are not wrong together.
+const COMPARED: f64 = 0.97;
 /// Share of the gap that a further effect must close.
 const LEAST_SHRINK: f64 = 0.05;
-/// Resamplings of the windows for an interval.
-const RESAMPLINGS: usize = 400;
 
 /// Coarse samples that rival models are fitted to: more would not tell them apart better, only later.
 const MOST_SAMPLES: usize = 60_000;
@@ -104,18 +106,28 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
     let quarter = problem(0.25 * recording.horizon, None);
     let problem = problem(recording.horizon, Some(Box::new(quarter)));
-    let excluded: Vec<&str> = options.without.iter().map(String::as_str).collect();
-    let mut selection = select::select(&problem, &excluded, progress);
+    let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
+    let without = options.without.iter().map(String::as_str);
+    let cleared = comparison.iter().flat_map(|c| c.excluded());
+    let excluded: Vec<&str> = without.chain(cleared).collect();
+    let like = comparison.as_ref().and_then(Comparison::like);
+    let like = like.filter(|like| !excluded.contains(&like.kind.name));
+    let given = Given {
+        measured: like.map(Match::term),
+        certain: comparison.as_ref().is_some_and(Comparison::is_certain),
+        excluded,
+    };
+    let mut selection = select::select(&problem, &given, progress);
 
-    if !selection.rounds.is_empty() && selection.left(selection.fit()) > MOST_LEFT {
-        selection.last = Some(selection.rounds.remove(0));
-        selection.rounds.clear();
+    let kept = usize::from(selection.given);
+    if selection.rounds.len() > kept && selection.left(selection.fit()) > MOST_LEFT {
+        selection.last = selection.rounds.drain(kept..).next();
     }
 
     progress(Stage::Shrink);
     let mut steps = closings(&problem, &selection);
     // What does not close the gap by itself has no place, however well it suits the robust cost.
-    let idle = (1..steps.len()).find(|&i| steps[i].own[0] < LEAST_SHRINK);
+    let idle = (kept.max(1)..steps.len()).find(|&i| steps[i].own[0] < LEAST_SHRINK);
     if let Some(first) = idle {
         steps.truncate(first);
         selection.last = selection.rounds.drain(first..).next();
@@ -149,16 +161,21 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         Verdict::PartlyExplained
     };
 
-    let effects = findings(&problem, &selection, &steps);
+    let effects = findings(&problem, &selection, &steps, comparison.as_ref());
     let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
     progress(Stage::Where);
     let regions = if verdict == Verdict::NoGap {
         Vec::new()
     } else {
-        locate::regions(&problem, &selection.null)
+        locate::regions(&problem, &selection.null, comparison.as_ref())
     };
     progress(Stage::NextExperiment);
     let next_experiment = experiment::separating(&problem, &selection);
+    let disagreement = comparison
+        .iter()
+        .filter_map(|c| c.line(&recording.units.position));
+    let oddities = recording.oddities.iter().map(ToString::to_string);
+    let warnings = oddities.chain(disagreement).collect();
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
@@ -167,7 +184,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         gap: closing,
         effects,
         next_experiment,
-        warnings: recording.oddities.iter().map(ToString::to_string).collect(),
+        warnings,
         elapsed_s: started.elapsed().as_secs_f64(),
     };
     Outcome { diagnosis, model }
@@ -246,38 +263,12 @@ fn unseen_squares(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-/// `(rms before − rms after) / (rms reference − rms floor)` with its 95 % interval by resampling the
-/// windows (Efron, Annals of Statistics 7, 1979).
-fn shrink(before: &[f64], after: &[f64], floor: &[f64], reference: &[f64]) -> [f64; 3] {
-    let n = before.len();
-    let value = |pick: &mut dyn FnMut(usize) -> usize| {
-        let mut sums = [0.0; 4];
-        for i in 0..n {
-            let w = pick(i);
-            for (sum, squares) in sums.iter_mut().zip([before, after, floor, reference]) {
-                *sum += squares[w];
-            }
-        }
-        let [b, a, f, r] = sums.map(f64::sqrt);
-        let f = f.min(0.999 * r);
-        ((b - a) / (r - f)).min(1.0)
-    };
-    let whole = value(&mut |i| i);
-    // A fixed multiplicative generator: the interval of a recording is always the same.
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-    let mut draw = |_: usize| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        ((state >> 33) as usize) % n
-    };
-    let mut values: Vec<f64> = (0..RESAMPLINGS).map(|_| value(&mut draw)).collect();
-    values.sort_by(f64::total_cmp);
-    let at = |share: f64| values[((RESAMPLINGS - 1) as f64 * share).round() as usize];
-    [whole, at(0.025), at(0.975)]
-}
-
-fn findings(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Vec<Finding> {
+fn findings(
+    problem: &Problem<'_>,
+    selection: &Selection,
+    steps: &[Step],
+    comparison: Option<&Comparison>,
+) -> Vec<Finding> {
     let fit = selection.fit();
     let units = &problem.recording.units;
     let mut at = problem.nudges.len();
@@ -323,7 +314,25 @@ fn findings(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Vec
         });
     }
     all.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
+    let like = comparison.and_then(Comparison::like);
+    for finding in &mut all {
+        if let Some(like) = like.filter(|like| like.kind.name == finding.name) {
+            compared(finding, like, selection.given);
+        }
+    }
     all
+}
+
+/// Rests an effect on the comparison of two columns, from which it was `given` or that it was found to agree with.
+fn compared(finding: &mut Finding, like: &Match, given: bool) {
+    let [shrink, low, high] = like.shrink;
+    finding.basis = "sensor_comparison";
+    finding.shrink = shrink;
+    finding.shrink_interval = [low, high];
+    if given {
+        finding.confidence = COMPARED;
+        finding.not_separable_from.clone_from(&like.ties);
+    }
 }
 
 /// Probability that the winner of a round is right: from how much better it is than the next that is

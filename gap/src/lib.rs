@@ -21,6 +21,7 @@
 //! `examples/linear_axis.rs` makes a recording in memory and tries an effect by hand.
 
 mod candidate;
+mod comparison;
 mod diagnose;
 pub mod diagnosis;
 mod experiment;
@@ -36,6 +37,7 @@ pub mod predict;
 pub mod restart;
 mod select;
 pub mod series;
+mod shrink;
 mod stage;
 mod whitening;
 

@@ -9,7 +9,7 @@ pub struct Jump {
     pub height: f64,
 }
 
-/// `y = jumps(t) + lag(play(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1)))`.
+/// `y = jumps(t) + lag(play(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensing {
     /// g.
@@ -22,6 +22,8 @@ pub struct Sensing {
     pub ripple: [f64; 2],
     /// n, 1/position.
     pub wave_number: f64,
+    /// o, in units of position.
+    pub offset: f64,
     /// Width of the play, in units of position.
     pub hysteresis: f64,
     /// Time constant of the lag, s.
@@ -39,6 +41,7 @@ impl Sensing {
             cubic: 0.0,
             ripple: [0.0; 2],
             wave_number: 0.0,
+            offset: 0.0,
             hysteresis: 0.0,
             lag_s: 0.0,
             jumps: Vec::new(),
@@ -53,7 +56,7 @@ impl Sensing {
     /// Reading of a resting position, jumps apart.
     #[inline]
     pub fn curve(&self, x: f64) -> f64 {
-        let smooth = x * (self.gain + x * (self.quadratic + x * self.cubic));
+        let smooth = self.offset + x * (self.gain + x * (self.quadratic + x * self.cubic));
         if self.ripple == [0.0; 2] {
             return smooth;
         }
@@ -75,7 +78,7 @@ impl Sensing {
     /// The position whose curve reads `y`: Newton's method from the linear part, which suffices as
     /// long as the curve is monotone between the two.
     pub fn inverse(&self, y: f64) -> f64 {
-        let mut x = y / self.gain;
+        let mut x = (y - self.offset) / self.gain;
         if self.quadratic == 0.0 && self.cubic == 0.0 && self.ripple == [0.0; 2] {
             return x;
         }

@@ -40,14 +40,14 @@ pub fn shown<T>(work: impl FnOnce() -> T) -> T {
     })
 }
 
-/// Says on a terminal which of many is worked on.
-pub fn doing(which: &str) {
+/// Says on a terminal which of many things is worked on.
+pub fn within(which: &str) {
     SPINNER.set_prefix(format!("{which}: "));
 }
 
-/// Says on a terminal what is being done to it.
-pub fn at(what: &str) {
-    SPINNER.set_message(what.to_owned());
+/// Says on a terminal what is being done.
+pub fn doing(what: String) {
+    SPINNER.set_message(what);
 }
 
 /// Leaves a line about a part that is done, once the whole takes long.

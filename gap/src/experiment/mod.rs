@@ -228,6 +228,7 @@ mod tests {
             worst: 0.0,
         };
         let selection = Selection {
+            given: false,
             null,
             perfect,
             rounds,

@@ -4,14 +4,20 @@ mod bins;
 mod innovation;
 mod spectrum;
 
+use crate::comparison::{Comparison, Outcome};
 use crate::diagnosis::Region;
 use crate::fit::{Fit, Problem};
 use crate::perfect::WHITE;
 use crate::predict::Predictor;
 use crate::series::{Series, median_period};
 use bins::{Bins, Point, Stretch};
+use host_sim::effects::Channel;
 use innovation::{Innovation, innovations};
 
+/// A share of the gap that is most of it: its place is told first.
+const MOST: f64 = 0.5;
+/// What a channel's even share would be: there are five, and every sample passes through each.
+const ONE_CHANNEL: f64 = 0.2;
 /// Bins of an axis.
 const BINS: usize = 40;
 /// Bins of time, where short events are looked for.
@@ -45,12 +51,46 @@ struct Evidence {
     strength: f64,
 }
 
-/// Parts of the data that carry more of the gap than their share of the samples, the most telling first:
-/// three different axes, then what else stands out on them.
+/// Parts of the data that carry more of the gap than their share of the samples, the most telling first: three
+/// different axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
+pub(crate) fn regions(
+    problem: &Problem<'_>,
+    null: &Fit,
+    comparison: Option<&Comparison>,
+) -> Vec<Region> {
+    let mut all = along_axes(problem, null);
+    if let Some(sensing) = comparison.and_then(sensing) {
+        let place = if sensing.share_of_gap > MOST {
+            0
+        } else {
+            all.len()
+        };
+        all.insert(place, sensing);
+    }
+    all
+}
+
+/// The channel of sensing, if another sensor's position is predicted better.
+fn sensing(comparison: &Comparison) -> Option<Region> {
+    let [share, low, high] = comparison.share;
+    let disagrees = !matches!(comparison.outcome, Outcome::Agree);
+    (disagrees && low > 0.0).then(|| Region {
+        axis: "channel",
+        from: None,
+        to: None,
+        name: Some(Channel::Sensing.name().to_owned()),
+        run: None,
+        share_of_gap: share,
+        share_of_gap_interval: [low, high],
+        share_of_samples: ONE_CHANNEL,
+    })
+}
+
+/// Three axes and what else stands out on them.
 ///
 /// An axis speaks by a stretch that carries more than its share, and by what of the missing acceleration
 /// is a function of it. Motion couples the axes, so that the next best ones are told too.
-pub(crate) fn regions(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
+fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     if null.costs.mean_log() <= WHITE + NOTICEABLE {
         return Vec::new();
     }
@@ -322,7 +362,7 @@ mod tests {
             Part::All,
             1,
         );
-        regions(&problem, &null)
+        regions(&problem, &null, None)
     }
 
     fn on<'a>(axis: &str, found: &'a [Region]) -> &'a Region {

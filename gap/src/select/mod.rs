@@ -4,7 +4,7 @@ mod place;
 mod round;
 
 use crate::fit::{Fit, Part, Problem};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::stage::Stage;
 pub(crate) use place::{fold, is_event};
@@ -27,10 +27,22 @@ const LEAST_GAIN_ALONE: f64 = 0.1;
 /// Effects, each the first of a pair, on top of which a second one is looked for.
 const LEADERS: usize = 3;
 
+/// What is known before the search.
+pub(crate) struct Given<'a> {
+    /// Effects that are not there, or not to be tried.
+    pub excluded: Vec<&'a str>,
+    /// An effect that was measured otherwise: it is tried at this size alone.
+    pub measured: Option<Term>,
+    /// True if that one is there for sure.
+    pub certain: bool,
+}
+
 /// The outcome: the null, and a round for each effect.
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
     pub null: Fit,
+    /// True if the first round was given.
+    pub given: bool,
     /// What the null would cost if it were right.
     pub perfect: Perfect,
     pub rounds: Vec<Round>,
@@ -70,7 +82,7 @@ fn level(fit: &Fit) -> f64 {
 
 /// Finds the effect that explains most, or the two that do together, then what is left beside them, each
 /// fitted jointly with the others.
-pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str], progress: fn(Stage)) -> Selection {
+pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stage)) -> Selection {
     progress(Stage::Nominal);
     let bare = Hypothesis { terms: Vec::new() };
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
@@ -78,23 +90,32 @@ pub(crate) fn select(problem: &Problem<'_>, excluded: &[&str], progress: fn(Stag
     let mut selection = Selection {
         perfect: Perfect::of(problem, &null),
         null,
+        given: false,
         rounds: Vec::new(),
         last: None,
     };
     let search = Search {
         problem,
-        excluded,
+        given,
         progress,
         perfect: selection.perfect,
     };
     let suffices = |fit: &Fit| is_quiet(fit, &Perfect::of(problem, fit));
-    let Some(first) = search.round(&selection.null, &[]) else {
+    let certain = given.measured.as_ref();
+    let certain = certain.filter(|_| given.certain && !selection.is_quiet());
+    let first = match certain {
+        Some(term) => Some(search.given(&selection.null, term)),
+        None => search.round(&selection.null, &[]),
+    };
+    let Some(first) = first else {
         return selection;
     };
+    selection.given = certain.is_some();
     let hints = first.screened.clone();
     let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
-    let pair = (promising && !alone && !selection.is_quiet()).then(|| search.pair(&first));
+    let settled = alone || selection.given;
+    let pair = (promising && !settled && !selection.is_quiet()).then(|| search.pair(&first));
     match pair.flatten() {
         Some(pair) => selection.rounds.extend(pair),
         None if first.earned => selection.rounds.push(first),

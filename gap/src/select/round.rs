@@ -1,7 +1,7 @@
 //! One more effect on top of what is known.
 
 use super::place::{earns_its_place, is_local};
-use super::{LEADERS, is_quiet, level};
+use super::{Given, LEADERS, is_quiet, level};
 use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::{Fit, Part, Problem, turn};
 use crate::hypothesis::{Hypothesis, Term};
@@ -82,7 +82,7 @@ pub(crate) struct Round {
 /// What all rounds share.
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
-    pub excluded: &'a [&'a str],
+    pub given: &'a Given<'a>,
     /// Told of each stage.
     pub progress: fn(Stage),
     pub perfect: Perfect,
@@ -93,6 +93,25 @@ impl Search<'_> {
     /// one.
     pub(crate) fn round(&self, known: &Fit, hints: &[Rival]) -> Option<Round> {
         self.round_with(known, hints, None)
+    }
+
+    /// An effect that is known to be there, at a known size.
+    pub(crate) fn given(&self, null: &Fit, term: &Term) -> Round {
+        let (hypothesis, x) = extended(null, term);
+        let fit = self
+            .problem
+            .fit(&hypothesis, x, 0, Part::All, FITTING_ITERATIONS);
+        Round {
+            known: null.clone(),
+            so_far: fit.clone(),
+            rivals: vec![Rival {
+                name: term.kind.name,
+                fit,
+            }],
+            screened: Vec::new(),
+            significance: f64::INFINITY,
+            earned: true,
+        }
     }
 
     fn round_with(&self, known: &Fit, hints: &[Rival], found: Option<Rival>) -> Option<Round> {
@@ -178,7 +197,7 @@ impl Search<'_> {
         };
         let out = |name: &str| {
             let terms = &known.hypothesis.terms;
-            self.excluded.contains(&name)
+            self.given.excluded.contains(&name)
                 || skipped.contains(&name)
                 || terms.iter().any(|t| t.kind.name == name)
         };
@@ -187,6 +206,11 @@ impl Search<'_> {
             .filter(|c| !out(c.kind.name))
             .collect();
         for candidate in &mut tried {
+            let measured = self.given.measured.as_ref();
+            if let Some(term) = measured.filter(|t| t.kind.name == candidate.kind.name) {
+                candidate.starts = vec![term.clone()];
+                continue;
+            }
             let hint = hints.iter().find(|h| h.name == candidate.kind.name);
             if candidate.starts.len() > MANY_STARTS
                 && let Some(term) = hint.and_then(Rival::found)

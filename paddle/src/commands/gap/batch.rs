@@ -41,7 +41,7 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
             cases.len(),
             case.folder.display()
         );
-        progress::doing(&of);
+        progress::within(&of);
         let line = match kept(case, options) {
             Some(line) => line,
             None => match diagnosed(case, options) {

@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let Some(folder) = &arguments.recording else {
         return batch::run(&arguments.batch, &arguments.out, &options);
     };
-    progress::at("reading");
+    progress::doing("reading".into());
     let recording = Recording::read(folder)?;
     let outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         text.push_str(&format!("corrected model in {}\n", path.display()));
     }
     if let Some(path) = &arguments.report {
-        progress::at("drawing the report");
+        progress::doing("drawing the report".into());
         save_report(path, &recording, &outcome)?;
         text.push_str(&format!("report in {}\n", path.display()));
     }
@@ -85,7 +85,7 @@ fn options(without: &[String]) -> Result<Options, Failure> {
         Some(unknown) => Err(EffectError::Kind(unknown.clone()).into()),
         None => Ok(Options {
             without: without.to_vec(),
-            progress: |stage| progress::at(&stage.to_string()),
+            progress: |stage| progress::doing(stage.to_string()),
         }),
     }
 }

@@ -1,0 +1,458 @@
+//! Two sensors of one position, compared: whether they disagree, like which effect, and which of them the dynamics
+//! believe.
+//!
+//! What both share, such as play in a coupling before either of them, no comparison shows; the format has each column
+//! be a sensor of its own.
+
+mod columns;
+mod likeness;
+
+use crate::fit::{Fit, Part, Problem};
+use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+use crate::perfect::mean_and_error;
+use crate::series::Series;
+use crate::shrink::shrink;
+use columns::Columns;
+use host_sim::effects::Kind;
+use likeness::{Likeness, disagreement, likenesses, mean_square, residuals};
+use recording::Recording;
+
+/// Names of the sensing effects.
+pub(crate) const SENSING: [&str; 5] = [
+    "sensor_gain",
+    "sensor_nonlinearity",
+    "sensor_hysteresis",
+    "sensor_lag",
+    "lost_counts",
+];
+
+/// Columns whose disagreement goes with no effect by more than this share of the noise, in squares, agree.
+const AGREEMENT: f64 = 0.1;
+/// So do those that disagree by less than this many standard errors.
+const LEAST_SIGNIFICANCE: f64 = 4.0;
+/// And those that agree leave no more than this many times the noise, in squares: it is known to some 15 %, and coloured
+/// by quantising.
+const MOST_NOISE: f64 = 2.0;
+/// A likeness leaves at most this share of the disagreement beyond noise, in squares.
+const MOST_LEFT: f64 = 0.1;
+/// A column is right for sure if predicting it instead of the other takes this share of the gap away, in squares: what
+/// else the nominal model misses may make up for a part.
+const DECISIVE: f64 = 0.5;
+/// A fifth of the share by which a value may move in a fit.
+const MOVE: f64 = 0.01;
+/// Another is not separable if it leaves no more than this share of the noise beyond the likeliest, in squares.
+const TIE: f64 = 0.1;
+
+/// What comparing `position` with another column says.
+#[derive(Clone, Debug)]
+pub(crate) struct Comparison {
+    /// The other column.
+    pub column: String,
+    /// Root mean square of the disagreement, zeros apart, in units of position.
+    pub before: f64,
+    /// What noise alone makes of that.
+    pub floor: f64,
+    pub outcome: Outcome,
+    /// Share of the gap, in squares, that is not there if the other column is predicted, with its 95 % interval.
+    pub share: [f64; 3],
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Outcome {
+    /// Within noise.
+    Agree,
+    /// `position` shows the other column as an effect would, and the dynamics believe the other column.
+    PositionWrong(Match),
+    /// The same, but the dynamics do not say which column is wrong.
+    Undecided(Match),
+    /// The dynamics believe `position`.
+    OtherWrong,
+    /// Like no effect.
+    Unlike,
+}
+
+/// The effect by which `position` differs from the other column.
+#[derive(Clone, Debug)]
+pub(crate) struct Match {
+    pub kind: &'static Kind,
+    pub values: Vec<f64>,
+    /// Of the rms disagreement, with its 95 % interval.
+    pub shrink: [f64; 3],
+    /// Names that make the columns differ alike.
+    pub ties: Vec<&'static str>,
+}
+
+impl Match {
+    /// As a term whose values may move a little: predictions are off by what the smoothing of a column costs.
+    pub(crate) fn term(&self) -> Term {
+        let movable = |i: &usize| {
+            // Instants stay.
+            self.values[*i] != 0.0 && (self.kind.name != "lost_counts" || i % 2 == 1)
+        };
+        let free = (0..self.values.len()).filter(movable);
+        let coordinate = |i: usize| Coordinate {
+            parameter: i,
+            start: self.values[i],
+            scale: Scale::Linear(MOVE * self.values[i].abs()),
+        };
+        Term {
+            kind: self.kind,
+            values: self.values.clone(),
+            free: free.map(coordinate).collect(),
+            sensor_on_load: false,
+        }
+    }
+}
+
+impl Comparison {
+    /// The effect by which the columns differ, unless it is the other column that is wrong.
+    pub(crate) fn like(&self) -> Option<&Match> {
+        match &self.outcome {
+            Outcome::PositionWrong(like) | Outcome::Undecided(like) => Some(like),
+            Outcome::Agree | Outcome::OtherWrong | Outcome::Unlike => None,
+        }
+    }
+
+    /// True if the dynamics say that it is `position` that is wrong.
+    pub(crate) fn is_certain(&self) -> bool {
+        matches!(self.outcome, Outcome::PositionWrong(_))
+    }
+
+    /// Effects of `position` that are known not to be there.
+    pub(crate) fn excluded(&self) -> Vec<&'static str> {
+        let like = self.like().map(|like| like.kind.name);
+        let all = SENSING.into_iter();
+        match &self.outcome {
+            // More than one of them may be there.
+            Outcome::Unlike => Vec::new(),
+            _ => all.filter(|name| Some(*name) != like).collect(),
+        }
+    }
+
+    /// One line for the reader.
+    pub(crate) fn line(&self, unit: &str) -> Option<String> {
+        let Self {
+            column,
+            before,
+            floor,
+            ..
+        } = self;
+        let how = match &self.outcome {
+            Outcome::Agree => return None,
+            Outcome::PositionWrong(like) => {
+                format!(
+                    "like {} of position, and the motion fits {column}",
+                    like.kind.name
+                )
+            }
+            Outcome::Undecided(like) => format!(
+                "like {} of position, but the motion does not say which of them is right",
+                like.kind.name
+            ),
+            Outcome::OtherWrong => format!("and the motion fits position: mend {column}"),
+            Outcome::Unlike => "like no single sensing effect".to_owned(),
+        };
+        Some(format!(
+            "position and {column} disagree by {before:.3e} {unit} rms, where noise makes {floor:.1e}, {how}"
+        ))
+    }
+}
+
+/// Compares `position` with each other column; the one that says most of `position` counts.
+pub(crate) fn compare(
+    problem: &Problem<'_>,
+    coarse: impl Fn(&Recording) -> Vec<Series>,
+) -> Option<Comparison> {
+    let mut names: Vec<&String> = problem
+        .recording
+        .runs
+        .iter()
+        .flat_map(|run| run.positions.keys())
+        .collect();
+    names.sort();
+    names.dedup();
+    let all = names
+        .into_iter()
+        .filter_map(|column| compared(problem, column, &coarse));
+    all.min_by_key(|comparison| match comparison.outcome {
+        Outcome::Agree => 0,
+        Outcome::PositionWrong(_) => 1,
+        Outcome::Undecided(_) => 2,
+        Outcome::OtherWrong => 3,
+        Outcome::Unlike => 4,
+    })
+}
+
+fn compared(
+    problem: &Problem<'_>,
+    column: &str,
+    coarse: impl Fn(&Recording) -> Vec<Series>,
+) -> Option<Comparison> {
+    let recording = problem.recording;
+    let both = columns::exchanged(recording, column);
+    let [own, other] = both.each_ref().map(|exchanged| {
+        let mut series = coarse(exchanged);
+        series.retain(|s| columns::is_live(&recording.runs[s.run], column));
+        series
+    });
+    let quanta = ["position", column].map(|name| recording.sensor(name).resolution);
+    let of = |reference: &[Series], shown: &[Series]| {
+        Columns::of(reference, shown, recording.restart_half_width, quanta)
+    };
+    let columns = of(&other, &own);
+    if columns.tracks.is_empty() {
+        return None;
+    }
+    let difference = disagreement(&columns.tracks);
+    let before = mean_square(&difference);
+    let like = likely(&columns, &difference);
+    let share = share(problem, &both, [own.clone(), other.clone()]);
+    let outcome = match like {
+        None if before < MOST_NOISE * columns.variance => Outcome::Agree,
+        Some(like) if share[0] > DECISIVE && share[1] > 0.0 => Outcome::PositionWrong(like),
+        Some(_) if share[0] < -DECISIVE && share[2] < 0.0 => Outcome::OtherWrong,
+        Some(like) => Outcome::Undecided(like),
+        None => {
+            // The other column may lag or have play where `position` cannot lead.
+            let turned = of(&own, &other);
+            match likely(&turned, &disagreement(&turned.tracks)) {
+                Some(_) => Outcome::OtherWrong,
+                None => Outcome::Unlike,
+            }
+        }
+    };
+    Some(Comparison {
+        column: column.to_owned(),
+        before: before.sqrt(),
+        floor: columns.variance.sqrt(),
+        outcome,
+        share,
+    })
+}
+
+/// The effect that turns the reference into what is shown, if one does.
+fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
+    let mut all = likenesses(columns).into_iter();
+    let best = all.next()?;
+    let before = mean_square(difference);
+    let closed = before - best.left;
+    if closed < AGREEMENT * columns.variance
+        || best.left - columns.variance > MOST_LEFT * (before - columns.variance)
+    {
+        return None;
+    }
+    let left = residuals(&columns.tracks, best.kind, &best.values);
+    let [before, after] = [difference, &left].map(|r| window_squares(columns, r));
+    let gains: Vec<f64> = before.iter().zip(&after).map(|(b, a)| b - a).collect();
+    let (gain, error) = mean_and_error(&gains);
+    // Jumps that cancel in the mean are no chance either.
+    if gain < LEAST_SIGNIFICANCE * error && best.kind.name != "lost_counts" {
+        return None;
+    }
+    let floor: Vec<f64> = windows(columns)
+        .map(|window| columns.variance * window as f64)
+        .collect();
+    let close = best.left + TIE * columns.variance;
+    let tied = |other: &Likeness| other.left <= close && other.kind.name != best.kind.name;
+    let mut ties: Vec<&'static str> = all.filter(tied).map(|other| other.kind.name).collect();
+    ties.dedup();
+    // A curve that is bent by nothing is a gain.
+    ties.retain(|name| (*name, best.kind.name) != ("sensor_nonlinearity", "sensor_gain"));
+    Some(Match {
+        shrink: shrink(&before, &after, &floor, &before),
+        kind: best.kind,
+        values: best.values,
+        ties,
+    })
+}
+
+/// Samples of each window.
+fn windows(columns: &Columns) -> impl Iterator<Item = usize> {
+    let tracks = columns.tracks.iter();
+    tracks.flat_map(|track| track.windows.iter().map(std::ops::Range::len))
+}
+
+/// Sum of squares of each window.
+fn window_squares(columns: &Columns, residuals: &[f64]) -> Vec<f64> {
+    let mut rest = residuals;
+    let squares = windows(columns).map(|samples| {
+        let (mine, others) = rest.split_at(samples.min(rest.len()));
+        rest = others;
+        mine.iter().map(|r| r * r).sum()
+    });
+    squares.collect()
+}
+
+/// Share of the nominal model's squared gap beyond noise that is not there if the other column is predicted.
+fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2]) -> [f64; 3] {
+    let bare = Hypothesis { terms: Vec::new() };
+    let mut own = series.into_iter().zip(both).map(|(series, recording)| {
+        let problem = Problem {
+            recording,
+            series,
+            nudges: problem.nudges.clone(),
+            quarter: None,
+        };
+        let x = vec![0.0; bare.dimensions(&problem.nudges)];
+        let fit = Fit {
+            costs: problem.costs(&bare, &x, Part::All),
+            std: vec![0.0; x.len()],
+            hypothesis: bare.clone(),
+            x,
+        };
+        let squares = problem.window_squares(&fit, Part::All);
+        let floor = problem.floor_squares(&fit);
+        squares
+            .iter()
+            .zip(floor)
+            .map(|(s, f)| s - f)
+            .collect::<Vec<f64>>()
+    });
+    let (Some(position), Some(other)) = (own.next(), own.next()) else {
+        return [0.0; 3];
+    };
+    crate::shrink::resampled(position.len(), |sum| {
+        let [before, after] = [&position, &other].map(|squares| sum(squares).max(0.0));
+        ((before - after) / before.max(after).max(f64::MIN_POSITIVE)).min(1.0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::series;
+    use host_sim::device::Device;
+    use host_sim::effects::Effect;
+    use host_sim::plant::Plant;
+    use host_sim::sensing::Reading;
+    use host_sim::sensors::Noise;
+    use recording::{Drive, Model, Run, Sensor};
+
+    const PERIOD_S: f64 = 1e-3;
+    const SAMPLES: usize = 8000;
+    const NOISE: [f64; 2] = [1e-4, 3e-4];
+
+    /// A paddle with what is written in `mechanics`, seen by two sensors, each with what is written for it.
+    fn compared(mechanics: &str, position: &str, other: &str) -> Comparison {
+        let model = Model {
+            viscous: 1e-3,
+            stiffness: 0.03,
+            ratio: 15.0,
+            ..Model::new(5.755e-4)
+        };
+        let [real, position, other] = [mechanics, position, other].map(|effect| {
+            let mut device = Device::nominal(&model);
+            if !effect.is_empty() {
+                effect.parse::<Effect>().unwrap().install(&mut device);
+            }
+            device
+        });
+        let plant = Plant::new(real.mechanics.clone());
+        let mut state = plant.state(0.0, 0.0, 0.0);
+        let sensing = [position.sensing, other.sensing];
+        let mut readings = sensing.each_ref().map(|s| Reading::at_rest(s, 0.0));
+        let mut noise = Noise::new(7);
+        let (mut time, mut input) = (vec![], vec![]);
+        let mut columns = [vec![], vec![]];
+        for i in 0..SAMPLES {
+            let t = i as f64 * PERIOD_S;
+            let u = 0.0011 * (9.0 * t).sin() + 0.0008 * (4.3 * t).cos();
+            time.push(t);
+            input.push(u);
+            for k in 0..2 {
+                let x = plant.seen(&state).0;
+                let y = readings[k].follow(&sensing[k], x, if i > 0 { PERIOD_S } else { 0.0 });
+                columns[k].push(y + sensing[k].jumped(t) + noise.next(NOISE[k]));
+            }
+            let torque = host_sim::plant::Torque::held(15.0 * u);
+            plant.advance(&mut state, torque, PERIOD_S);
+        }
+        let mut recording = Recording::new("made for a test", 0.3, model);
+        let [position, other] = columns;
+        let mut run = Run::new("run.csv", Drive::OpenLoop, time, input, position);
+        run.positions.insert("position_hall".into(), other);
+        recording.runs.push(run);
+        for (name, noise) in ["position", "position_hall"].into_iter().zip(NOISE) {
+            let sensor = Sensor {
+                noise,
+                ..Sensor::default()
+            };
+            recording.sensors.insert(name.into(), sensor);
+        }
+        let coarse = |own: &Recording| series::coarse(own, own.horizon);
+        let problem = Problem {
+            recording: &recording,
+            series: coarse(&recording),
+            nudges: Vec::new(),
+            quarter: None,
+        };
+        compare(&problem, coarse).unwrap()
+    }
+
+    /// The effect of `position` that was found for sure.
+    fn blamed(mechanics: &str, position: &str) -> Match {
+        match compared(mechanics, position, "").outcome {
+            Outcome::PositionWrong(found) => found,
+            other => panic!("{position}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn equal_sensors_clear_each_other() {
+        let comparison = compared("viscous:coefficient=0.004", "", "");
+        assert!(
+            matches!(comparison.outcome, Outcome::Agree),
+            "{comparison:?}"
+        );
+        assert_eq!(comparison.excluded(), SENSING);
+    }
+
+    #[test]
+    fn each_effect_is_known_by_how_the_columns_differ() {
+        for (effect, tolerance) in [
+            ("sensor_gain:gain=1.1", 0.002),
+            ("sensor_nonlinearity:quadratic=0.3", 0.02),
+            ("sensor_hysteresis:width=0.01", 0.05),
+            ("sensor_lag:time=0.006", 0.03),
+        ] {
+            let found = blamed("", effect);
+            let hidden: Effect = effect.parse().unwrap();
+            assert_eq!(found.kind.name, hidden.kind.name);
+            let error = (found.values[0] / hidden.values[0] - 1.0).abs();
+            assert!(error < tolerance, "{effect}: {found:?}");
+            assert!(found.shrink[0] > 0.9, "{effect}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_jump_is_found_where_it_is() {
+        let comparison = compared("", "lost_counts:time=3.2,jump=0.04", "");
+        let found = comparison.like().unwrap();
+        assert_eq!(found.kind.name, "lost_counts");
+        assert_eq!(found.values.len(), 2);
+        assert!((found.values[0] - 3.2).abs() < 0.01 && (found.values[1] - 0.04).abs() < 0.002);
+    }
+
+    #[test]
+    fn what_makes_up_for_an_error_does_not_hide_it() {
+        // More friction makes the motion smaller, and the gain shows it larger again.
+        let comparison = compared("viscous:coefficient=0.003", "sensor_gain:gain=1.2", "");
+        assert_eq!(comparison.like().unwrap().kind.name, "sensor_gain");
+    }
+
+    #[test]
+    fn the_other_column_is_blamed_for_its_own_errors() {
+        for effect in [
+            "sensor_gain:gain=1.1",
+            "sensor_lag:time=0.01",
+            "sensor_hysteresis:width=0.02",
+        ] {
+            let comparison = compared("", "", effect);
+            assert!(
+                matches!(comparison.outcome, Outcome::OtherWrong),
+                "{effect}: {comparison:?}"
+            );
+            assert_eq!(comparison.excluded(), SENSING);
+        }
+    }
+}

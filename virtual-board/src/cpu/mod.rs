@@ -99,9 +99,12 @@ pub struct Cpu {
     slept: u64,
     /// Instructions at the last exception entry, while a late one may still take it over.
     entered_at: Option<u64>,
-    /// Number of the instruction that made the last single load or store, and the register that it loaded.
-    last_access: u64,
+    /// Number of the last instruction that made a load which another access may overlap, and the register.
+    last_load_at: u64,
     last_loaded: Reg,
+    /// Number of the last instruction that gave a core register a result, and the register.
+    last_result_at: u64,
+    last_result: Reg,
     /// Cycle at which the run loop looks up; 0 if something is to be attended to.
     look_up_at: u64,
     account: Account,
@@ -141,6 +144,9 @@ struct FloatUnit {
     status: Fpscr,
     /// True while an instruction of the FPU needs no preparation.
     ready: bool,
+    /// Number of the last instruction that gave a register a result, and the register.
+    last_result_at: u64,
+    last_result: u8,
 }
 
 /// A place of the decode cache. A size of 0 says that it is empty.
@@ -159,6 +165,8 @@ impl Decoded {
 
 const NO_LINE: u32 = u32::MAX;
 const NO_REGISTER: Reg = Reg::MAX;
+/// A number that no instruction reaches, nor the one after it.
+const LONG_AGO: u64 = u64::MAX - 1;
 
 impl Default for Cpu {
     fn default() -> Self {
@@ -172,7 +180,10 @@ impl Default for Cpu {
             flags: Flags::default(),
             it: ItState::default(),
             in_it_block: false,
-            float: FloatUnit::default(),
+            float: FloatUnit {
+                last_result_at: LONG_AGO,
+                ..FloatUnit::default()
+            },
             in_float_context: false,
             process_stack: false,
             unprivileged_thread: false,
@@ -194,8 +205,10 @@ impl Default for Cpu {
             instructions: 0,
             slept: 0,
             entered_at: None,
-            last_access: 0,
+            last_load_at: LONG_AGO,
             last_loaded: NO_REGISTER,
+            last_result_at: LONG_AGO,
+            last_result: NO_REGISTER,
             look_up_at: 0,
             account: Account::default(),
             decoded: Vec::new(),

@@ -1,12 +1,16 @@
 //! Model cycles.
 //!
-//! They are those of the Cortex-M4 technical reference manual (ARM DDI 0439), table of instruction timings, with
-//! these choices where the table leaves a range:
+//! They are those of the Cortex-M4 technical reference manual (ARM DDI 0439), tables of instruction timings and the
+//! notes on loads and stores and on the FPU that follow them, with these choices where it leaves a range:
 //!
-//! - A taken branch refills the pipeline in 2 cycles, in 3 if its target is not aligned to a word (table: 1 to 3).
+//! - A taken branch or a barrier refills the pipeline in 2 cycles, in 3 if it goes on where no word begins (table: 1
+//!   to 3).
 //! - A division takes 2 cycles and one for every 4 bits of quotient, at most 10 (table: 2 to 12).
-//! - A single load or store takes 2 cycles, or 1 right after another one whose result is not in its address. A store
-//!   with an immediate offset takes 1.
+//! - A single load takes 2 cycles, or 1 right after another one whose result is not in its address. A store with an
+//!   immediate offset takes 1; one with a register 2, or 1 right after a load. Nothing overlaps with a store before it.
+//! - An address waits a cycle for a base that the instruction right before has computed.
+//! - An instruction waits a cycle for a number that the FPU has computed right before; not for the addend of a
+//!   multiplication with one.
 //! - IT takes its cycle; it is never folded into another instruction.
 //! - Exception entry and return take 12 cycles each, and 17 more if they move registers of the FPU; from one exception
 //!   to the next without a return between, 6. Instructions of many cycles are not abandoned for an interrupt.
@@ -25,8 +29,6 @@ pub const RETURN: u32 = 12;
 pub const TAIL_CHAIN: u32 = 6;
 /// What moving the FPU's part of a frame adds.
 pub const FLOAT_FRAME: u32 = 17;
-/// What a barrier adds.
-pub const BARRIER: u32 = 3;
 /// What MRS and MSR add.
 pub const SPECIAL: u32 = 1;
 /// What MLA and MLS add.
@@ -34,7 +36,7 @@ pub const MULTIPLY_ADD: u32 = 1;
 /// What VSQRT adds.
 pub const SQUARE_ROOT: u32 = 13;
 
-/// What a jump to `target` adds.
+/// What going on at `target` adds, for a jump or a barrier.
 #[inline]
 pub fn refill(target: u32) -> u32 {
     2 + (target >> 1 & 1)

@@ -1,7 +1,7 @@
 //! Instructions of the FPU.
 
 use super::super::fault::Fault;
-use super::super::instruction::{FloatOp, Instruction, Reg, UnaryOp};
+use super::super::instruction::{FloatOp, Instruction, UnaryOp};
 use super::super::status::Flags;
 use super::super::{Bus, Trapped, Width, timing};
 use crate::cpu::Cpu;
@@ -18,6 +18,22 @@ impl Cpu {
     #[inline]
     fn set_s(&mut self, register: u8, bits: u32) {
         self.float.registers[usize::from(register & 31)] = bits;
+    }
+
+    /// Gives a register the result of arithmetic, for which the next instruction has to wait.
+    #[inline]
+    fn set_result(&mut self, register: u8, bits: u32) {
+        self.set_s(register, bits);
+        self.float.last_result_at = self.instructions;
+        self.float.last_result = register;
+    }
+
+    /// Waits for the result of the instruction before, should one of these registers take it.
+    #[inline]
+    fn await_operands(&mut self, n: u8, m: u8) {
+        let fresh = self.float.last_result_at + 1 == self.instructions
+            && (self.float.last_result == n || self.float.last_result == m);
+        self.spent += u32::from(fresh);
     }
 
     #[inline]
@@ -39,6 +55,7 @@ impl Cpu {
                 m,
                 quiet_is_invalid,
             } => {
+                self.await_operands(d, m.unwrap_or(d));
                 let other = m.map_or(0, |m| self.s(m));
                 let this = self.s(d);
                 self.float.status.compare(this, other, quiet_is_invalid);
@@ -49,18 +66,20 @@ impl Cpu {
                 signed,
                 round_to_zero,
             } => {
+                self.await_operands(m, m);
                 let value = self.s(m);
                 let status = &mut self.float.status;
                 let result = status.float_to_fixed(value, signed, 32, 0, round_to_zero);
-                self.set_s(d, result);
+                self.set_result(d, result);
             }
             I::IntegerToFloat { d, m, signed } => {
+                self.await_operands(m, m);
                 let value = self.s(m);
                 let result = self
                     .float
                     .status
                     .fixed_to_float(value, signed, 32, 0, false);
-                self.set_s(d, result);
+                self.set_result(d, result);
             }
             I::FloatToFixed {
                 d,
@@ -68,10 +87,11 @@ impl Cpu {
                 bits,
                 fraction,
             } => {
+                self.await_operands(d, d);
                 let value = self.s(d);
                 let status = &mut self.float.status;
                 let result = status.float_to_fixed(value, signed, bits, fraction, true);
-                self.set_s(d, result);
+                self.set_result(d, result);
             }
             I::FixedToFloat {
                 d,
@@ -79,17 +99,20 @@ impl Cpu {
                 bits,
                 fraction,
             } => {
+                self.await_operands(d, d);
                 let value = self.s(d);
                 let status = &mut self.float.status;
                 let result = status.fixed_to_float(value, signed, bits, fraction, true);
-                self.set_s(d, result);
+                self.set_result(d, result);
             }
             I::HalfToFloat { d, m, top } => {
+                self.await_operands(m, m);
                 let half = (self.s(m) >> if top { 16 } else { 0 }) as u16;
                 let result = self.float.status.half_to_single(half);
-                self.set_s(d, result);
+                self.set_result(d, result);
             }
             I::FloatToHalf { d, m, top } => {
+                self.await_operands(m, m);
                 let value = self.s(m);
                 let half = u32::from(self.float.status.single_to_half(value));
                 let old = self.s(d);
@@ -98,7 +121,7 @@ impl Cpu {
                 } else {
                     old & 0xFFFF_0000 | half
                 };
-                self.set_s(d, result);
+                self.set_result(d, result);
             }
             I::FloatLoad {
                 first,
@@ -106,6 +129,8 @@ impl Cpu {
                 n,
                 offset,
             } => {
+                self.spent += u32::from(count);
+                self.await_address(n);
                 let address = self.get(n).wrapping_add_signed(offset);
                 self.float_load(bus, first, count, address)?;
             }
@@ -113,13 +138,19 @@ impl Cpu {
                 first,
                 count,
                 address,
-            } => self.float_load(bus, first, count, address)?,
+            } => {
+                self.spent += u32::from(count);
+                self.float_load(bus, first, count, address)?;
+            }
             I::FloatStore {
                 first,
                 count,
                 n,
                 offset,
             } => {
+                self.spent += u32::from(count);
+                self.await_address(n);
+                self.await_operands(first, first);
                 let address = self.get(n).wrapping_add_signed(offset);
                 self.float_store(bus, first, count, address)?;
             }
@@ -131,10 +162,10 @@ impl Cpu {
                 writeback,
                 words,
             } => {
-                let (address, end) = self.block(n, down, words);
+                let (address, end) = self.block(n, down, words.into());
                 self.float_load(bus, first, count, address)?;
                 if writeback {
-                    self.set(n, end);
+                    self.set_loaded(n, end);
                 }
             }
             I::FloatStoreMultiple {
@@ -145,14 +176,17 @@ impl Cpu {
                 writeback,
                 words,
             } => {
-                let (address, end) = self.block(n, down, words);
+                let (address, end) = self.block(n, down, words.into());
                 self.float_store(bus, first, count, address)?;
                 if writeback {
-                    self.set(n, end);
+                    self.set_loaded(n, end);
                 }
             }
             I::CoreToFloat { s, t } => self.set_s(s, self.get(t)),
-            I::FloatToCore { s, t } => self.set(t, self.s(s)),
+            I::FloatToCore { s, t } => {
+                self.await_operands(s, s);
+                self.set(t, self.s(s));
+            }
             I::CorePairToFloat { s, t, t2 } => {
                 self.spent += 1;
                 self.set_s(s, self.get(t));
@@ -160,6 +194,7 @@ impl Cpu {
             }
             I::FloatToCorePair { s, t, t2 } => {
                 self.spent += 1;
+                self.await_operands(s, s + 1);
                 self.set(t, self.s(s));
                 self.set(t2, self.s(s + 1));
             }
@@ -180,6 +215,7 @@ impl Cpu {
     #[inline]
     fn float_arithmetic(&mut self, float: FloatOp, d: u8, n: u8, m: u8) {
         self.spent += timing::float(float);
+        self.await_operands(n, m);
         let (old, n, m) = (self.s(d), self.s(n), self.s(m));
         let status = &mut self.float.status;
         let result = match float {
@@ -209,32 +245,22 @@ impl Cpu {
             FloatOp::Fnma => status.fused(old ^ SIGN, n ^ SIGN, m),
             FloatOp::Fnms => status.fused(old ^ SIGN, n, m),
         };
-        self.set_s(d, result);
+        self.set_result(d, result);
     }
 
     #[inline]
     fn float_unary(&mut self, float: UnaryOp, d: u8, m: u8) {
+        self.await_operands(m, m);
         let value = self.s(m);
-        let result = match float {
-            UnaryOp::Mov => value,
-            UnaryOp::Abs => value & !SIGN,
-            UnaryOp::Neg => value ^ SIGN,
+        match float {
+            UnaryOp::Mov => self.set_s(d, value),
+            UnaryOp::Abs => self.set_s(d, value & !SIGN),
+            UnaryOp::Neg => self.set_s(d, value ^ SIGN),
             UnaryOp::Sqrt => {
                 self.spent += timing::SQUARE_ROOT;
-                self.float.status.sqrt(value)
+                let root = self.float.status.sqrt(value);
+                self.set_result(d, root);
             }
-        };
-        self.set_s(d, result);
-    }
-
-    /// First address of a block of so many words at register `n`, and what the register becomes.
-    fn block(&self, n: Reg, down: bool, words: u8) -> (u32, u32) {
-        let base = self.get(n);
-        let size = 4 * u32::from(words);
-        if down {
-            (base.wrapping_sub(size), base.wrapping_sub(size))
-        } else {
-            (base, base.wrapping_add(size))
         }
     }
 
@@ -246,7 +272,6 @@ impl Cpu {
         count: u8,
         address: u32,
     ) -> Result<(), Trapped> {
-        self.spent += u32::from(count);
         self.check_aligned(address, Width::Word)?;
         for i in 0..count {
             let word = self.read(bus, address.wrapping_add(4 * u32::from(i)), Width::Word)?;
@@ -263,7 +288,6 @@ impl Cpu {
         count: u8,
         address: u32,
     ) -> Result<(), Trapped> {
-        self.spent += u32::from(count);
         self.check_aligned(address, Width::Word)?;
         for i in 0..count {
             let word = self.s(first + i);

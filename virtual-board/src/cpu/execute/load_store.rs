@@ -1,7 +1,7 @@
 //! Loads and stores of core registers.
 
 use super::super::instruction::{Access, Index, PC, Reg};
-use super::super::{Bus, NO_REGISTER, Trapped, Width};
+use super::super::{Bus, Trapped, Width};
 use crate::cpu::Cpu;
 
 impl Access {
@@ -36,20 +36,18 @@ fn addresses(base: u32, offset: i32, index: Index) -> (u32, Option<u32>) {
 }
 
 impl Cpu {
-    /// Spends the second cycle of a single access, unless it follows another one whose result it needs not.
+    /// Spends the second cycle of a load, unless it follows another one whose result it needs not.
     #[inline(always)]
-    pub(super) fn time_access(&mut self, base: Reg, loads: Reg) {
-        let follows = self.last_access + 1 == self.instructions && self.last_loaded != base;
-        self.spent += u32::from(!follows);
-        self.last_access = self.instructions;
+    pub(super) fn time_load(&mut self, base: Reg, loads: Reg) {
+        self.await_address(base);
+        self.spent += u32::from(!self.overlaps_load(base));
+        self.last_load_at = self.instructions;
         self.last_loaded = loads;
     }
 
-    /// A store with an immediate offset takes no second cycle: the write buffer ends it beside the next instruction.
     #[inline(always)]
-    fn time_store(&mut self) {
-        self.last_access = self.instructions;
-        self.last_loaded = NO_REGISTER;
+    fn overlaps_load(&self, base: Reg) -> bool {
+        self.last_load_at + 1 == self.instructions && self.last_loaded != base
     }
 
     #[inline(always)]
@@ -64,7 +62,7 @@ impl Cpu {
         if t == PC {
             self.load_pc(bus, address, value)
         } else {
-            self.set(t, kind.extend(value));
+            self.set_loaded(t, kind.extend(value));
             Ok(())
         }
     }
@@ -88,16 +86,16 @@ impl Cpu {
         index: Index,
     ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset, index);
-        self.time_access(n, t);
+        self.time_load(n, t);
         let Some(new_base) = new_base else {
             return self.load_into(bus, kind, t, address);
         };
         let old_base = self.get(n);
         // Before the load: what goes to PC may be the end of the handler.
-        self.set(n, new_base);
+        self.set_loaded(n, new_base);
         let result = self.load_into(bus, kind, t, address);
         if result.is_err() {
-            self.set(n, old_base);
+            self.set_loaded(n, old_base);
         }
         result
     }
@@ -113,7 +111,8 @@ impl Cpu {
         shift: u8,
     ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(self.get(m) << shift);
-        self.time_access(n, t);
+        self.await_address(m);
+        self.time_load(n, t);
         self.load_into(bus, kind, t, address)
     }
 
@@ -128,10 +127,11 @@ impl Cpu {
         index: Index,
     ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset, index);
-        self.time_store();
+        // No second cycle: the write buffer ends it beside the next instruction.
+        self.await_address(n);
         self.write(bus, address, kind.width(), self.get(t))?;
         if let Some(new_base) = new_base {
-            self.set(n, new_base);
+            self.set_loaded(n, new_base);
         }
         Ok(())
     }
@@ -147,7 +147,9 @@ impl Cpu {
         shift: u8,
     ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(self.get(m) << shift);
-        self.time_access(n, NO_REGISTER);
+        self.await_address(n);
+        self.await_address(m);
+        self.spent += u32::from(!self.overlaps_load(n));
         self.write(bus, address, kind.width(), self.get(t))
     }
 
@@ -162,9 +164,10 @@ impl Cpu {
         index: Index,
     ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset.into(), index);
+        self.await_address(n);
         self.load_double_from(bus, t, t2, address)?;
         if let Some(new_base) = new_base {
-            self.set(n, new_base);
+            self.set_loaded(n, new_base);
         }
         Ok(())
     }
@@ -179,8 +182,8 @@ impl Cpu {
         self.spent += 2;
         let low = self.read_word(bus, address)?;
         let high = self.read_word(bus, address.wrapping_add(4))?;
-        self.set(t, low);
-        self.set(t2, high);
+        self.set_loaded(t, low);
+        self.set_loaded(t2, high);
         Ok(())
     }
 
@@ -195,13 +198,28 @@ impl Cpu {
         index: Index,
     ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset.into(), index);
+        self.await_address(n);
         self.spent += 2;
         self.write_word(bus, address, self.get(t))?;
         self.write_word(bus, address.wrapping_add(4), self.get(t2))?;
         if let Some(new_base) = new_base {
-            self.set(n, new_base);
+            self.set_loaded(n, new_base);
         }
         Ok(())
+    }
+
+    /// First address of a block of so many words at register `n`, and what the register becomes. Spends a cycle for
+    /// each word.
+    pub(super) fn block(&mut self, n: Reg, down: bool, words: u32) -> (u32, u32) {
+        self.await_address(n);
+        self.spent += words;
+        let base = self.get(n);
+        let size = 4 * words;
+        if down {
+            (base.wrapping_sub(size), base.wrapping_sub(size))
+        } else {
+            (base, base.wrapping_add(size))
+        }
     }
 
     pub(super) fn load_multiple<B: Bus>(
@@ -212,14 +230,7 @@ impl Cpu {
         down: bool,
         writeback: bool,
     ) -> Result<(), Trapped> {
-        let base = self.get(n);
-        let size = 4 * list.count_ones();
-        let (mut address, end) = if down {
-            (base.wrapping_sub(size), base.wrapping_sub(size))
-        } else {
-            (base, base.wrapping_add(size))
-        };
-        self.spent += list.count_ones();
+        let (mut address, end) = self.block(n, down, list.count_ones());
         let mut values = [0; 16];
         let mut left = list;
         while left != 0 {
@@ -232,10 +243,10 @@ impl Cpu {
         while left != 0 {
             let register = left.trailing_zeros() as Reg;
             left &= left - 1;
-            self.set(register, values[usize::from(register)]);
+            self.set_loaded(register, values[usize::from(register)]);
         }
         if writeback {
-            self.set(n, end);
+            self.set_loaded(n, end);
         }
         if list >> PC & 1 == 1 {
             self.write_pc(bus, values[usize::from(PC)]);
@@ -251,14 +262,7 @@ impl Cpu {
         down: bool,
         writeback: bool,
     ) -> Result<(), Trapped> {
-        let base = self.get(n);
-        let size = 4 * list.count_ones();
-        let (mut address, end) = if down {
-            (base.wrapping_sub(size), base.wrapping_sub(size))
-        } else {
-            (base, base.wrapping_add(size))
-        };
-        self.spent += list.count_ones();
+        let (mut address, end) = self.block(n, down, list.count_ones());
         let mut left = list;
         while left != 0 {
             let register = left.trailing_zeros() as Reg;
@@ -267,7 +271,7 @@ impl Cpu {
             address = address.wrapping_add(4);
         }
         if writeback {
-            self.set(n, end);
+            self.set_loaded(n, end);
         }
         Ok(())
     }
@@ -281,10 +285,11 @@ impl Cpu {
         offset: u16,
     ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(offset.into());
+        self.await_address(n);
         self.check_aligned(address, kind.width())?;
         self.spent += 1;
         let value = self.read(bus, address, kind.width())?;
-        self.set(t, value);
+        self.set_loaded(t, value);
         self.exclusive = true;
         Ok(())
     }
@@ -299,6 +304,7 @@ impl Cpu {
         offset: u16,
     ) -> Result<(), Trapped> {
         let address = self.get(n).wrapping_add(offset.into());
+        self.await_address(n);
         self.check_aligned(address, kind.width())?;
         self.spent += 1;
         let granted = self.exclusive;

@@ -25,10 +25,26 @@ impl Cpu {
         self.registers[usize::from(register)]
     }
 
+    /// Gives a register the result of a computation.
     #[inline(always)]
     fn set(&mut self, register: Reg, value: u32) {
+        self.last_result_at = self.instructions;
+        self.last_result = register;
+        self.set_loaded(register, value);
+    }
+
+    /// Gives a register what came from memory, or the address that an access writes back.
+    #[inline(always)]
+    fn set_loaded(&mut self, register: Reg, value: u32) {
         let register = usize::from(register);
         self.registers[register] = value & WRITABLE[register];
+    }
+
+    /// Waits for the result of the instruction before, should an address need it.
+    #[inline(always)]
+    fn await_address(&mut self, base: Reg) {
+        let fresh = self.last_result_at + 1 == self.instructions && self.last_result == base;
+        self.spent += u32::from(fresh);
     }
 
     #[inline(always)]
@@ -219,7 +235,7 @@ impl Cpu {
                 shift,
             } => self.load_register(bus, kind, t, n, m, shift)?,
             I::LoadLiteral { kind, t, address } => {
-                self.time_access(super::NO_REGISTER, t);
+                self.time_load(super::NO_REGISTER, t);
                 self.load_into(bus, kind, t, address)?;
             }
             I::Store {
@@ -284,7 +300,7 @@ impl Cpu {
                 primask,
                 faultmask,
             } => self.change_state(disable, primask, faultmask),
-            I::Barrier => self.spent += timing::BARRIER,
+            I::Barrier => self.spent += timing::refill(self.pc),
             I::Nop => {}
             I::SendEvent => self.event = true,
             I::WaitForEvent => self.wait_for_event(),

@@ -101,3 +101,47 @@ fn flash_waits_where_nothing_has_been_read_ahead() {
     };
     assert_eq!(cycles(cached), [64 + 8 * 5, 64]);
 }
+
+#[test]
+fn instructions_wait_for_what_the_one_before_has_yet_to_give() {
+    const RAM: u32 = 0x2000_0100;
+    const ADD_R0_0: u16 = 0x3000;
+    const LOAD_R1_AT_R0: u16 = 0x6801;
+    const LOAD_R2_AT_R0: u16 = 0x6802;
+    const LOAD_R3_AT_R2: u16 = 0x6813;
+    const STORE_R1_AT_R0: u16 = 0x6001;
+    const STORE_R1_AT_R0_R3: u16 = 0x50C1;
+    const ADD_S0_S1_S2: [u16; 2] = [0xEE30, 0x0A81];
+    const ADD_S3_S0_S0: [u16; 2] = [0xEE70, 0x1A00];
+    const ADD_S0_S4_TIMES_S5: [u16; 2] = [0xEE02, 0x0A22];
+    const ADD_S4_S0_TIMES_S5: [u16; 2] = [0xEE00, 0x2A22];
+    const STORE_S0_AT_R0: [u16; 2] = [0xED80, 0x0A00];
+    let cycles = |code: &[&[u16]]| {
+        let code = code.concat();
+        let end = MAIN + 2 * code.len() as u32;
+        let mut bench = Bench::new(&code);
+        bench.poke(RAM, RAM);
+        bench.cpu.set_register(0, RAM);
+        bench.cpu.set_breakpoint(end, true);
+        let before = bench.cpu.signals.cycle();
+        assert_eq!(bench.run(1_000), Stop::Breakpoint(end));
+        bench.cpu.signals.cycle() - before
+    };
+    // Loads overlap unless one's address is the other's result; nothing overlaps with a store before it.
+    assert_eq!(cycles(&[&[LOAD_R1_AT_R0]]), 2);
+    assert_eq!(cycles(&[&[LOAD_R1_AT_R0, LOAD_R2_AT_R0]]), 2 + 1);
+    assert_eq!(cycles(&[&[LOAD_R2_AT_R0, LOAD_R3_AT_R2]]), 2 + 2);
+    assert_eq!(cycles(&[&[LOAD_R1_AT_R0, STORE_R1_AT_R0]]), 2 + 1);
+    assert_eq!(cycles(&[&[STORE_R1_AT_R0, LOAD_R1_AT_R0]]), 1 + 2);
+    assert_eq!(cycles(&[&[STORE_R1_AT_R0_R3, LOAD_R1_AT_R0]]), 2 + 2);
+    // A base that was computed right before.
+    assert_eq!(cycles(&[&[ADD_R0_0, LOAD_R1_AT_R0]]), 1 + 1 + 2);
+    assert_eq!(cycles(&[&[ADD_R0_0, NOP, LOAD_R1_AT_R0]]), 1 + 1 + 2);
+    assert_eq!(cycles(&[&[ADD_R0_0, STORE_R1_AT_R0]]), 1 + 1 + 1);
+    // Numbers of the FPU, but for an addend.
+    assert_eq!(cycles(&[&ADD_S0_S1_S2, &ADD_S3_S0_S0]), 1 + 1 + 1);
+    assert_eq!(cycles(&[&ADD_S0_S1_S2, &[NOP], &ADD_S3_S0_S0]), 1 + 1 + 1);
+    assert_eq!(cycles(&[&ADD_S0_S1_S2, &ADD_S4_S0_TIMES_S5]), 1 + 1 + 3);
+    assert_eq!(cycles(&[&ADD_S0_S1_S2, &ADD_S0_S4_TIMES_S5]), 1 + 3);
+    assert_eq!(cycles(&[&ADD_S0_S1_S2, &STORE_S0_AT_R0]), 1 + 1 + 2);
+}

@@ -2,7 +2,8 @@
 
 use core::f32::consts::TAU;
 
-use crate::scalar::{flushed, limit};
+use super::anti_windup::integrate;
+use crate::scalar::flushed;
 use crate::settings::MotorSettings;
 
 /// Largest duty: above it the bridge's bootstrap capacitors are not recharged.
@@ -84,8 +85,7 @@ impl CurrentLoop {
     /// One tick: duty within [`MAX_DUTY`], from the torque wanted at the motor (N m), the measured current (A, mean
     /// over the last period) and the velocity of the paddle (rad/s).
     ///
-    /// The feed-forward is the resistance's voltage and the back-EMF. While the duty is at its limit, the integral
-    /// only takes what leads back from it.
+    /// The feed-forward is the resistance's voltage and the back-EMF.
     #[inline]
     pub fn update(&mut self, torque_nm: f32, current_a: f32, velocity_rad_s: f32) -> f32 {
         let wanted_a = torque_nm * self.gains.amperes_per_nm;
@@ -101,12 +101,6 @@ impl CurrentLoop {
             + self.gains.proportional * error_a
             + self.integral;
         let step = self.gains.integral_per_tick * error_a;
-        let duty = held + step;
-        if duty.abs() <= MAX_DUTY || duty * step < 0.0 {
-            self.integral += step;
-            limit(duty, MAX_DUTY)
-        } else {
-            limit(held, MAX_DUTY)
-        }
+        integrate(&mut self.integral, held, step, MAX_DUTY)
     }
 }

@@ -1,7 +1,7 @@
 //! Position regulator: PID.
 
+use super::anti_windup::integrate;
 use crate::estimate::low_pass::{self, LowPass};
-use crate::scalar::limit;
 use crate::settings::PidSettings;
 use crate::units::DEG_PER_RAD;
 
@@ -42,9 +42,8 @@ impl PidGains {
 
 /// PID with setpoint weight, derivative on the measurement, and conditional integration.
 ///
-/// `u = kp (b r - y) + I - kd d/dt LP(y)`, with I summed each tick before it is used. While the output is at its
-/// limit, I only takes what leads back from the limit. With b = 1 and no derivative filter this is the lab's
-/// law, except that a setpoint step gives no derivative kick.
+/// `u = kp (b r - y) + I - kd d/dt LP(y)`, with I summed each tick before it is used, see [`integrate`]. With b = 1 and
+/// no derivative filter this is the lab's law, except that a setpoint step gives no derivative kick.
 #[derive(Clone, Copy, Debug)]
 pub struct Pid {
     gains: PidGains,
@@ -133,13 +132,7 @@ impl Pid {
         let held_nm =
             self.proportional_derivative() + self.bump_nm + feed_forward_nm + self.integral_nm;
         let step_nm = self.gains.integral_per_tick * (setpoint_rad - position_rad);
-        let torque_nm = held_nm + step_nm;
-        if torque_nm.abs() <= self.gains.limit_nm || torque_nm * step_nm < 0.0 {
-            self.integral_nm += step_nm;
-            limit(torque_nm, self.gains.limit_nm)
-        } else {
-            limit(held_nm, self.gains.limit_nm)
-        }
+        integrate(&mut self.integral_nm, held_nm, step_nm, self.gains.limit_nm)
     }
 
     /// The integral term, N m at the motor.

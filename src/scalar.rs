@@ -3,13 +3,8 @@
 /// `value` limited to `-limit ..= limit`. Unlike [`f32::clamp`] it never panics, and NaN stays NaN so that it is noticed.
 #[inline]
 pub fn limit(value: f32, limit: f32) -> f32 {
-    if value > limit {
-        limit
-    } else if value < -limit {
-        -limit
-    } else {
-        value
-    }
+    let below = if value > limit { limit } else { value };
+    if below < -limit { -limit } else { below }
 }
 
 /// A state that decays is over far below this.

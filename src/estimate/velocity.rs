@@ -74,13 +74,12 @@ impl VelocityObserver {
         let gained_rad_s = (acceleration_rad_s2 + self.disturbance_rad_s2) * self.gains.tick_s;
         let predicted_rad =
             self.position_rad + (self.velocity_rad_s + 0.5 * gained_rad_s) * self.gains.tick_s;
-        let innovation_rad = measured_rad - predicted_rad;
+        // All states decay by way of it.
+        let innovation_rad = flushed(measured_rad - predicted_rad);
         let gains = &self.gains;
-        self.position_rad = flushed(predicted_rad + gains.position * innovation_rad);
-        self.velocity_rad_s =
-            flushed(self.velocity_rad_s + gained_rad_s + gains.velocity_per_s * innovation_rad);
-        self.disturbance_rad_s2 =
-            flushed(self.disturbance_rad_s2 + gains.acceleration_per_s2 * innovation_rad);
+        self.position_rad = predicted_rad + gains.position * innovation_rad;
+        self.velocity_rad_s += gained_rad_s + gains.velocity_per_s * innovation_rad;
+        self.disturbance_rad_s2 += gains.acceleration_per_s2 * innovation_rad;
         self.velocity_rad_s
     }
 

@@ -17,10 +17,10 @@ pub fn volts(adc: u16) -> f32 {
     HALL_VOLTS_AT_COUNT_0 + f32::from(adc) * HALL_VOLTS_PER_COUNT
 }
 
-/// Calibration curve: a cubic in the voltage about its centre.
+/// Calibration curve: a cubic about its centre, in counts.
 #[derive(Clone, Copy, Debug)]
 pub struct HallCurve {
-    centre_v: f32,
+    centre_counts: f32,
     linear: f32,
     quadratic: f32,
     cubic: f32,
@@ -29,19 +29,20 @@ pub struct HallCurve {
 impl HallCurve {
     /// The curve of these settings, in radians.
     pub fn new(settings: &HallSettings) -> Self {
+        const V: f32 = HALL_VOLTS_PER_COUNT;
         Self {
-            centre_v: settings.centre_v,
-            linear: settings.slope_deg_per_v * RAD_PER_DEG,
-            quadratic: settings.quadratic_deg_per_v2 * RAD_PER_DEG,
-            cubic: settings.cubic_deg_per_v3 * RAD_PER_DEG,
+            centre_counts: (settings.centre_v - HALL_VOLTS_AT_COUNT_0) / V,
+            linear: settings.slope_deg_per_v * RAD_PER_DEG * V,
+            quadratic: settings.quadratic_deg_per_v2 * RAD_PER_DEG * (V * V),
+            cubic: settings.cubic_deg_per_v3 * RAD_PER_DEG * (V * V * V),
         }
     }
 
     /// Angle of the paddle, rad, from the converter's count.
     #[inline]
     pub fn position_rad(&self, adc: u16) -> f32 {
-        let v = volts(adc) - self.centre_v;
-        v * (self.linear + v * (self.quadratic + v * self.cubic))
+        let counts = f32::from(adc) - self.centre_counts;
+        counts * (self.linear + counts * (self.quadratic + counts * self.cubic))
     }
 }
 

@@ -1,6 +1,7 @@
-//! The second-order section has the response that its name promises.
+//! The sections have the response that their names promise.
 
-use haptic_paddle::estimate::biquad::{SecondOrder, butterworth};
+use haptic_paddle::estimate::biquad::{SecondOrder, butterworth, first_order};
+use haptic_paddle::estimate::low_pass::{self, LowPass};
 use std::f64::consts::TAU;
 
 /// Amplitude of the answer to a sine of amplitude 1.
@@ -57,4 +58,31 @@ fn a_cutoff_of_0_or_beyond_the_rate_still_gives_a_stable_filter() {
         fast.update(1.0);
     }
     assert!((fast.update(1.0) - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn the_first_order_is_the_labs_filter() {
+    for cutoff_hz in [0.0, 10.0, 100.0, 1e6] {
+        let gain = low_pass::gain(cutoff_hz, 350e-6);
+        let mut section = SecondOrder::new(first_order(gain));
+        let mut labs = LowPass::new(gain);
+        for tick in 0..2000 {
+            let input = (0.01 * tick as f32).sin();
+            let difference = section.update(input) - labs.update(input);
+            assert!(difference.abs() < 1e-6, "{cutoff_hz}: {difference}");
+        }
+    }
+}
+
+#[test]
+fn what_decays_never_gets_subnormal() {
+    for section in [first_order(0.2), butterworth(100.0, 1e-4)] {
+        let mut filter = SecondOrder::new(section);
+        filter.update(1.0);
+        for _ in 0..5000 {
+            let output = filter.update(0.0);
+            assert!(!output.is_subnormal(), "{output:e}");
+        }
+        assert!(filter.update(0.0).abs() < 1e-20);
+    }
 }

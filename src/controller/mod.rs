@@ -9,7 +9,7 @@ pub use tuning::{TickRate, Tuning};
 use crate::control::compensation::Compensation;
 use crate::control::current::CurrentLoop;
 use crate::control::position::Pid;
-use crate::estimate::position_filter::PositionFilter;
+use crate::estimate::biquad::SecondOrder;
 use crate::estimate::velocity::VelocityObserver;
 use crate::excitation::{Excitation, ExcitationError, Generator, Shape};
 use crate::metrics::{StepMetrics, StepReport};
@@ -91,7 +91,7 @@ pub struct Controller {
     encoder: Encoder,
     hall: HallCurve,
     current_sensor: CurrentSensor,
-    filter: PositionFilter,
+    filter: SecondOrder,
     velocity: VelocityObserver,
     acceleration_per_nm: f32,
     compensation: Compensation,
@@ -134,7 +134,7 @@ impl Controller {
             encoder: Encoder::new(settings.mechanism.counts_per_turn, settings.mechanism.ratio),
             hall: tuning.hall,
             current_sensor: CurrentSensor::default(),
-            filter: PositionFilter::at_rest(tuning.filter, 0.0),
+            filter: SecondOrder::new(tuning.filter),
             velocity: VelocityObserver::new(tuning.velocity),
             acceleration_per_nm: tuning.acceleration_per_nm,
             compensation: tuning.compensation,
@@ -460,7 +460,7 @@ impl Controller {
         }
         self.encoder.retune(tuning.rad_per_count);
         self.hall = tuning.hall;
-        self.filter = PositionFilter::at_rest(tuning.filter, self.position_rad);
+        self.filter.retune(tuning.filter, self.position_rad);
         self.velocity.retune(tuning.velocity);
         self.acceleration_per_nm = tuning.acceleration_per_nm;
         self.pid.retune(tuning.pid);

@@ -1,9 +1,11 @@
 //! Settings made ready for one rate.
 
+use idsp::iir::Biquad;
+
 use crate::control::compensation::Compensation;
 use crate::control::current::CurrentGains;
 use crate::control::position::PidGains;
-use crate::estimate::position_filter::PositionFilterTuning;
+use crate::estimate::position_filter;
 use crate::estimate::velocity::ObserverGains;
 use crate::safety::Limits;
 use crate::sensing::encoder;
@@ -44,7 +46,7 @@ pub struct Tuning {
     pub(super) rad_per_count: f32,
     pub(super) hall: HallCurve,
     pub(super) sensor: Sensor,
-    pub(super) filter: PositionFilterTuning,
+    pub(super) filter: Biquad<f32>,
     pub(super) velocity: ObserverGains,
     pub(super) acceleration_per_nm: f32,
     pub(super) pid: PidGains,
@@ -65,7 +67,7 @@ impl Tuning {
             rad_per_count: encoder::rad_per_count(settings.mechanism.counts_per_turn, ratio),
             hall: HallCurve::new(&settings.hall),
             sensor: estimate.sensor,
-            filter: PositionFilterTuning::new(estimate, tick_s),
+            filter: position_filter::section(estimate, tick_s),
             velocity: ObserverGains::new(estimate.velocity_bandwidth_hz, tick_s),
             acceleration_per_nm: ratio / settings.mechanism.inertia_kg_m2,
             pid: PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s),

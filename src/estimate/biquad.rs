@@ -1,4 +1,4 @@
-//! Second-order Butterworth low-pass.
+//! Low-passes of the first and the second order as a second-order section.
 
 use core::f32::consts::{PI, SQRT_2};
 
@@ -15,6 +15,11 @@ const MAX_CUTOFF_RATIO: f32 = 0.45;
 pub struct SecondOrder {
     section: Biquad<f32>,
     state: DirectForm2Transposed<f32>,
+}
+
+/// The low-pass `y += gain (x - y)` of the first order, see [`super::low_pass`].
+pub fn first_order(gain: f32) -> Biquad<f32> {
+    Biquad::from([[gain, 0.0, 0.0], [1.0, gain - 1.0, 0.0]])
 }
 
 /// Butterworth section by the bilinear transform, exact at the cutoff; it passes everything for a cutoff of 0.
@@ -52,6 +57,12 @@ impl SecondOrder {
         }
     }
 
+    /// Takes over a section; it is at rest at `value`.
+    pub fn retune(&mut self, section: Biquad<f32>, value: f32) {
+        self.section = section;
+        self.reset(value);
+    }
+
     /// Puts the section at rest at `value`.
     pub fn reset(&mut self, value: f32) {
         let [b0, _, b2, _, a2] = self.section.ba;
@@ -62,7 +73,8 @@ impl SecondOrder {
     #[inline]
     pub fn update(&mut self, input: f32) -> f32 {
         let output = self.section.process(&mut self.state, input);
-        self.state.x = self.state.x.map(flushed);
+        // The other state decays with this one.
+        self.state.x[0] = flushed(self.state.x[0]);
         output
     }
 }

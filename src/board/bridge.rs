@@ -121,7 +121,8 @@ impl Bridge {
     fn set(&self, duty: Duty) {
         const HALF: f32 = TOP as f32 / 2.0;
         const ROUND: f32 = 0.5;
-        let compare = (HALF + HALF * duty.0 + ROUND) as u16;
+        // By way of 32 bits, which is what the FPU converts to.
+        let compare = (HALF + HALF * duty.0 + ROUND) as u32 as u16;
         self.timer.ccr1().write(|w| w.ccr().set(compare));
         self.timer.ccr2().write(|w| w.ccr().set(compare));
     }

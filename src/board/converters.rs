@@ -63,7 +63,7 @@ impl Converters {
 
     /// Current in counts: mean over the last control period, or the sample at the centre of the PWM. Not a number if
     /// the ring has stopped.
-    #[inline]
+    #[inline(always)]
     pub fn current_counts(&self) -> f32 {
         if self.current.sr().read().ovr().bit() {
             f32::NAN

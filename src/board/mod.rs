@@ -127,6 +127,12 @@ pub struct Sensors {
 }
 
 impl Sensors {
+    /// The current alone, in counts, for the calibration of its offset; a place where a debugger can stop.
+    #[inline(never)]
+    pub fn current_counts(&self) -> f32 {
+        self.converters.current_counts()
+    }
+
     /// What the control loop gets to see of this period.
     #[inline]
     pub fn read(&mut self) -> Measurement {

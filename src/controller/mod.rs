@@ -110,6 +110,10 @@ pub struct Controller {
 
     reference: f32,
     generator: Option<Generator>,
+    /// Share of the generator in the setpoint at the next position tick.
+    excitation: f32,
+    /// Whether [`Self::look_ahead`] has yet to follow the last position tick.
+    behind: bool,
     metrics: Option<StepMetrics>,
     breakaway: Option<f32>,
 
@@ -151,6 +155,8 @@ impl Controller {
             disagreed_ticks: 0,
             reference: 0.0,
             generator: None,
+            excitation: 0.0,
+            behind: false,
             metrics: None,
             breakaway: None,
             encoder_rad: 0.0,
@@ -176,6 +182,9 @@ impl Controller {
             self.position_step(measurement);
         }
         self.ticks_to_position -= 1;
+        if self.ticks_to_position == 0 {
+            self.look_ahead();
+        }
 
         if self.mode == Mode::Off {
             return Duty::ZERO;
@@ -202,13 +211,10 @@ impl Controller {
         self.seen = Some(*measurement);
         self.encoder_rad = self.encoder.position_rad(measurement.encoder_count);
         self.hall_rad = self.hall.position_rad(measurement.hall_adc);
-        let measured_rad = match self.sensor {
-            Sensor::Encoder => self.encoder_rad,
-            Sensor::Hall => self.hall_rad,
-        };
         if !self.primed {
-            self.prime(measured_rad);
+            self.prime();
         }
+        let measured_rad = self.measured_rad();
         self.position_rad = self.filter.update(measured_rad);
         let velocity_rad_s = self
             .velocity
@@ -222,33 +228,66 @@ impl Controller {
             return;
         }
         let previous_setpoint = self.setpoint;
-        self.setpoint = self.reference + self.excite();
-        let torque_nm = match self.mode {
-            Mode::Off => 0.0,
-            Mode::Torque => {
-                let compensation_nm =
-                    self.compensation
-                        .torque_nm(self.position_rad, velocity_rad_s, velocity_rad_s);
-                limit(self.setpoint + compensation_nm, self.torque_limit_nm)
-            }
-            Mode::Position => {
-                if let Some(metrics) = &mut self.metrics {
-                    metrics.update(self.position_rad);
-                }
-                let setpoint_velocity = (self.setpoint - previous_setpoint) * self.position_rate_hz;
-                let compensation_nm = self.compensation.torque_nm(
-                    self.position_rad,
-                    velocity_rad_s,
-                    setpoint_velocity,
-                );
-                self.pid
-                    .update(self.setpoint, self.position_rad, compensation_nm)
-            }
-        };
-        if torque_nm.is_finite() {
-            self.torque_nm = torque_nm;
+        self.setpoint = self.reference + self.excitation;
+        self.behind = true;
+        let closed = self.mode == Mode::Position;
+        let setpoint_velocity = if closed {
+            (self.setpoint - previous_setpoint) * self.position_rate_hz
         } else {
+            velocity_rad_s
+        };
+        let compensation_nm =
+            self.compensation
+                .torque_nm(self.position_rad, velocity_rad_s, setpoint_velocity);
+        let torque_nm = if closed {
+            self.pid
+                .update(self.setpoint, self.position_rad, compensation_nm)
+        } else {
+            limit(self.setpoint + compensation_nm, self.torque_limit_nm)
+        };
+        if !torque_nm.is_finite() {
             self.report_fault(Fault::NonFinite);
+            return;
+        }
+        self.torque_nm = torque_nm;
+    }
+
+    /// Angle by the sensor that feeds the regulator, rad.
+    #[inline]
+    fn measured_rad(&self) -> f32 {
+        match self.sensor {
+            Sensor::Encoder => self.encoder_rad,
+            Sensor::Hall => self.hall_rad,
+        }
+    }
+
+    /// What no torque waits for: metrics of the last position tick, and the excitation of the next. Done in the tick
+    /// before that one, so that no tick has everything to do.
+    #[inline(never)]
+    fn look_ahead(&mut self) {
+        if !core::mem::take(&mut self.behind) {
+            return;
+        }
+        if self.mode == Mode::Position
+            && let Some(metrics) = &mut self.metrics
+        {
+            metrics.update(self.position_rad);
+        }
+        self.excite();
+    }
+
+    /// Takes the next value of the excitation, and ends it after the last.
+    #[inline]
+    fn excite(&mut self) {
+        let Some(generator) = &mut self.generator else {
+            return;
+        };
+        match generator.next(self.position_rad) {
+            Some(value) => self.excitation = value,
+            None => {
+                self.breakaway = generator.breakaway();
+                self.stop();
+            }
         }
     }
 
@@ -259,7 +298,8 @@ impl Controller {
         measured_rad: f32,
         velocity_rad_s: f32,
     ) -> Option<Fault> {
-        if !(measured_rad.is_finite() && velocity_rad_s.is_finite()) {
+        // A measurement that is no finite number leaves none of the velocity.
+        if !velocity_rad_s.is_finite() {
             self.primed = false;
             return Some(Fault::NonFinite);
         }
@@ -280,24 +320,11 @@ impl Controller {
         )
     }
 
-    /// The excitation's share of the setpoint at this tick.
-    #[inline]
-    fn excite(&mut self) -> f32 {
-        let Some(generator) = &mut self.generator else {
-            return 0.0;
-        };
-        match generator.next(self.position_rad) {
-            Some(value) => value,
-            None => {
-                self.breakaway = generator.breakaway();
-                self.generator = None;
-                0.0
-            }
-        }
-    }
-
     /// Puts the estimators at rest at the measured angle, as at the start, after a zero or a change of sensor.
-    fn prime(&mut self, measured_rad: f32) {
+    #[cold]
+    #[inline(never)]
+    fn prime(&mut self) {
+        let measured_rad = self.measured_rad();
         self.primed = true;
         self.filter.reset(measured_rad);
         self.velocity.reset(measured_rad);
@@ -343,12 +370,14 @@ impl Controller {
     /// Stops: duty 0 from the next step on.
     pub fn disarm(&mut self) {
         self.mode = Mode::Off;
-        self.generator = None;
+        self.stop();
         self.reference = 0.0;
         self.torque_nm = 0.0;
     }
 
     /// Stops because of a fault, which stays until [`Self::clear_fault`]; the first fault is the one kept.
+    #[cold]
+    #[inline(never)]
     pub fn report_fault(&mut self, fault: Fault) {
         self.fault.get_or_insert(fault);
         self.disarm();
@@ -404,7 +433,7 @@ impl Controller {
             return Err(ReferenceError::OutOfRange);
         }
         self.reference = reference;
-        self.generator = None;
+        self.stop();
         Ok(())
     }
 
@@ -428,8 +457,10 @@ impl Controller {
         if (self.reference + excitation.offset).abs() + excitation.amplitude.abs() > bound {
             return Err(ExcitationError::OutOfRange);
         }
-        self.generator = Some(generator);
+        self.look_ahead();
         self.breakaway = None;
+        self.generator = Some(generator);
+        self.excite();
         if excitation.shape == Shape::Step && self.mode == Mode::Position {
             let target_rad = self.reference + excitation.offset + excitation.amplitude;
             self.metrics = Some(StepMetrics::start(
@@ -445,6 +476,7 @@ impl Controller {
     /// Ends a running excitation; the setpoint returns to the reference.
     pub fn stop(&mut self) {
         self.generator = None;
+        self.excitation = 0.0;
     }
 
     /// Takes over settings without a jump of the torque; see [`Pid::retune`].

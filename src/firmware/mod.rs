@@ -82,7 +82,7 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let Board {
             bridge,
-            mut sensors,
+            sensors,
             fault_line,
             serial,
             mut watchdog,
@@ -99,7 +99,7 @@ mod app {
         for _ in 0..OFFSET_PERIODS {
             bridge.wait_for_period();
             watchdog.feed();
-            idle_counts += sensors.read().current_adc / f32::from(OFFSET_PERIODS);
+            idle_counts += sensors.current_counts() / f32::from(OFFSET_PERIODS);
         }
         let offset = controller.calibrate_current_offset(idle_counts);
         if let Err(error) = &offset {
@@ -139,12 +139,12 @@ mod app {
     fn control(mut cx: control::Context) {
         let bridge = cx.local.bridge;
         bridge.begin_period();
-        let measurement = cx.local.sensors.read();
+        let sensors = cx.local.sensors;
         cx.shared.controller.lock(|controller| {
             if bridge.tripped() {
                 controller.report_fault(Fault::Bridge);
             }
-            let duty = controller.step(&measurement);
+            let duty = controller.step(&sensors.read());
             if controller.mode() == Mode::Off {
                 bridge.release();
             } else {

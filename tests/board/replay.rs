@@ -67,7 +67,7 @@ struct Recorded {
 fn on_the_board(test: &str, setup: &LoopSetup, lines: &[&str]) -> Option<Recorded> {
     let mut bench = Bench::with(image(test)?, setup, Wires::default());
     let handler = bench.address_of(&["TIM8_UP_TIM13"]);
-    let current = bench.address_of(&["Converters", "current_counts"]);
+    let current = bench.address_of(&["Sensors", "current_counts"]);
     bench.board.record_steps(true);
     bench.board.cpu.set_breakpoint(current, true);
     bench.board.cpu.set_breakpoint(handler, true);

@@ -2,6 +2,7 @@
 //! acts one period after it was computed, and the converter gives the mean over the last period.
 
 use haptic_paddle::control::current::{CurrentGains, CurrentLoop, MAX_DUTY};
+use haptic_paddle::controller::Duty;
 use haptic_paddle::settings::MotorSettings;
 
 struct Winding {
@@ -118,4 +119,16 @@ fn the_duty_is_bounded_and_its_integral_does_not_wind_up() {
     }
     let ticks = (0..1000).find(|_| regulator.update(-0.0323, 0.0, 0.0) < 0.0);
     assert!(ticks.is_some_and(|ticks| ticks < 50), "{ticks:?}");
+}
+
+#[test]
+fn a_duty_in_steps_is_the_nearest_that_the_bridge_can_make() {
+    const TOP: u16 = 2100;
+    assert_eq!(Duty::ZERO.compare(TOP), TOP / 2);
+    for step in -10_290..=10_290 {
+        let duty = Duty(step as f32 / 10_500.0);
+        let stepped = duty.stepped(TOP);
+        assert!((stepped.0 - duty.0).abs() < 0.51 / 1050.0, "{duty:?}");
+        assert_eq!(stepped.stepped(TOP), stepped);
+    }
 }

@@ -34,6 +34,8 @@ pub struct PaddleSetup {
     pub device: Device,
     /// What makes the torque.
     pub actuator: Actuator,
+    /// What the bridge's timer counts to, which is why its duty has steps; `None` leaves them out.
+    pub bridge_top: Option<u16>,
     /// Of the current.
     pub amplifier: CurrentAmplifier,
     /// The Hall sensor's own.
@@ -56,6 +58,7 @@ impl PaddleSetup {
         Self {
             device,
             actuator: Actuator::Ideal,
+            bridge_top: None,
             amplifier: CurrentAmplifier::default(),
             hall: Hall::calibrated(&settings.hall),
             encoder_count: 0,
@@ -78,6 +81,7 @@ pub struct Paddle {
     line: DriveLine,
     /// `None` makes exactly the torque that it is told.
     winding: Option<Winding>,
+    bridge_top: Option<u16>,
     amperes_per_nm: f64,
     current_a: f64,
     sensing: Sensing,
@@ -119,6 +123,7 @@ impl Paddle {
                     Some(Winding::without_current(motor, acceleration_per_nm, part_s))
                 }
             },
+            bridge_top: setup.bridge_top,
             amperes_per_nm: 1.0 / f64::from(settings.motor.torque_constant_nm_per_a),
             current_a: 0.0,
             sensing: device.sensing.clone(),
@@ -153,7 +158,10 @@ impl Paddle {
 
     /// Carries it over one tick of `command`.
     #[inline]
-    pub fn advance(&mut self, command: Command) {
+    pub fn advance(&mut self, mut command: Command) {
+        if let Some(top) = self.bridge_top {
+            command.duty = command.duty.stepped(top);
+        }
         self.current_a = 0.0;
         for _ in 0..self.parts_per_tick {
             self.current_a += self.advance_part(command) * self.share_of_part;

@@ -119,10 +119,7 @@ impl Bridge {
 
     #[inline]
     fn set(&self, duty: Duty) {
-        const HALF: f32 = TOP as f32 / 2.0;
-        const ROUND: f32 = 0.5;
-        // By way of 32 bits, which is what the FPU converts to.
-        let compare = (HALF + HALF * duty.0 + ROUND) as u32 as u16;
+        let compare = duty.compare(TOP);
         self.timer.ccr1().write(|w| w.ccr().set(compare));
         self.timer.ccr2().write(|w| w.ccr().set(compare));
     }

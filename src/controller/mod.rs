@@ -38,6 +38,22 @@ pub struct Duty(pub f32);
 impl Duty {
     /// No voltage.
     pub const ZERO: Self = Self(0.0);
+
+    /// Compare value that makes this duty with a timer that counts from 0 to `top` and back, where half of it is no
+    /// voltage.
+    #[inline]
+    pub fn compare(self, top: u16) -> u16 {
+        const ROUND: f32 = 0.5;
+        let half = 0.5 * f32::from(top);
+        // By way of 32 bits, which is what an FPU converts to.
+        (half + half * self.0 + ROUND) as u32 as u16
+    }
+
+    /// The duty that [`Self::compare`] makes of it.
+    pub fn stepped(self, top: u16) -> Self {
+        let half = 0.5 * f32::from(top);
+        Self((f32::from(self.compare(top)) - half) / half)
+    }
 }
 
 /// What the controller does.

@@ -203,6 +203,7 @@ fn bristles_bent_to_their_limit_let_go_of_a_restart_at_rest() {
     let bristles = Presliding {
         distance: 1e-3,
         damping: 0.01,
+        exponent: 1.0,
     };
     let plant = Plant::new(Mechanics {
         presliding: Some(bristles),

@@ -3,12 +3,15 @@
 use super::{Channel, Kind, Parameter, Quantity};
 use crate::plant::Presliding;
 
-/// `z' = v − |v| z / z_s, F = F_c z / z_s + σ z'`.
+/// Below, a solver would see a corner; above, bristles would hardly slide.
+const EXPONENTS: [f64; 2] = [0.05, 4.0];
+
+/// `z' = v (1 − z sgn v / z_s)^n, F = F_c z / z_s + σ z'`.
 pub const KIND: Kind = Kind {
     name: "presliding",
     channel: Channel::Friction,
     about: "Dry friction that bends before it slides",
-    equation: "z' = v − |v| z / z_s, F = F_c z / z_s + σ z'",
+    equation: "z' = v (1 − z sgn v / z_s)^n, F = F_c z / z_s + σ z'",
     parameters: &[
         Parameter {
             name: "distance",
@@ -24,11 +27,19 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 2e-2],
             about: "of the deflection",
         },
+        Parameter {
+            name: "exponent",
+            quantity: Quantity::Ratio,
+            default: 1.0,
+            typical: [0.1, 1.5],
+            about: "n, 1 for the LuGre model, less for bristles that slide more suddenly",
+        },
     ],
     install: |device, p| {
         device.mechanics.presliding = Some(Presliding {
             distance: p[0].abs().max(f64::MIN_POSITIVE),
             damping: p[1].max(0.0),
+            exponent: p[2].clamp(EXPONENTS[0], EXPONENTS[1]),
         });
     },
 };

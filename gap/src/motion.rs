@@ -2,6 +2,7 @@
 
 use crate::restart::Restart;
 use crate::series::Series;
+use core::f64::consts::{PI, SQRT_2};
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 
@@ -39,9 +40,10 @@ impl Motion {
             .flat_map(|w| w.samples.clone().map(|_| w.noise));
         for (i, noise) in (0..n).zip(noises) {
             let now = series.time[i];
-            line.command(&device.drive, now, series.input[i]);
-            let dt = series.time.get(i + 1).map_or(0.0, |next| next - now);
-            let (torque, _) = line.piece(now, dt);
+            let from = series.input_time[i];
+            line.command(&device.drive, from, series.input[i]);
+            let dt = series.input_time.get(i + 1).map_or(0.0, |next| next - from);
+            let (torque, _) = line.piece(from, dt);
             motion.drive_nm.push(torque.at(0.5 * dt));
             let Some(fit) = Restart::fit(&series.time, &series.position, now, half_width_s) else {
                 continue;
@@ -132,6 +134,11 @@ impl Scales {
             horizon_s,
             noise: rms(&noise),
         }
+    }
+
+    /// Frequency of a sine of the same span and rms velocity, Hz.
+    pub(crate) fn motion_hz(&self) -> f64 {
+        SQRT_2 * self.velocity / (PI * self.span())
     }
 
     pub(crate) fn span(&self) -> f64 {

@@ -146,7 +146,7 @@ impl Predictor {
     /// Lets the drive alone run on to `to_s` of the run: the device is restarted there.
     fn skip_to(&self, running: &mut Running, series: &Series, to_s: f64) {
         loop {
-            let next = series.time.get(running.next_input);
+            let next = series.input_time.get(running.next_input);
             let until = next.map_or(to_s, |&at| at.min(to_s));
             while running.now_s < until {
                 let (_, dt_s) = running.line.piece(running.now_s, until - running.now_s);
@@ -168,14 +168,14 @@ impl Predictor {
     #[inline]
     fn follow_to(&self, running: &mut Running, series: &Series, to_s: f64) {
         loop {
-            while let Some(&at) = series.time.get(running.next_input)
+            while let Some(&at) = series.input_time.get(running.next_input)
                 && at <= running.now_s
             {
                 let input = series.input[running.next_input];
                 running.line.command(&self.device.drive, at, input);
                 running.next_input += 1;
             }
-            let next = series.time.get(running.next_input);
+            let next = series.input_time.get(running.next_input);
             let until = next.map_or(to_s, |&at| at.min(to_s));
             while running.now_s < until {
                 let (torque, dt_s) = running.line.piece(running.now_s, until - running.now_s);

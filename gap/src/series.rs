@@ -22,12 +22,15 @@ pub struct Window {
 pub struct Series {
     /// Index of the run in the recording.
     pub run: usize,
-    /// s, in the run's own time.
+    /// Of the positions, s, in the run's own time.
     pub time: Vec<f64>,
-    /// Held from each sample to the next.
-    pub input: Vec<f64>,
     /// Measured.
     pub position: Vec<f64>,
+    /// From which on each input is held, s: those of the samples, or where samples are put together, of the
+    /// first.
+    pub input_time: Vec<f64>,
+    /// One a position, held up to the next.
+    pub input: Vec<f64>,
     /// What each position is the mean over, s; 0 for an instant.
     pub span_s: f64,
     /// What to add to the run's time for that of the session, s.
@@ -47,8 +50,9 @@ impl Series {
         Self {
             run: index,
             time: run.time.clone(),
-            input: run.input.clone(),
             position: run.position.clone(),
+            input_time: run.time.clone(),
+            input: run.input.clone(),
             span_s: 0.0,
             session_offset_s,
             windows,
@@ -78,8 +82,9 @@ impl Series {
             run: self.run,
             windows: windows.collect(),
             time: self.time[rows.clone()].to_vec(),
-            input: self.input[rows.clone()].to_vec(),
-            position: self.position[rows].to_vec(),
+            position: self.position[rows.clone()].to_vec(),
+            input_time: self.input_time[rows.clone()].to_vec(),
+            input: self.input[rows].to_vec(),
             span_s: self.span_s,
             session_offset_s: self.session_offset_s,
         }
@@ -87,7 +92,8 @@ impl Series {
 
     /// Puts samples together to about [`FINE_PERIOD_S`], input and position averaged; the restarts stay
     /// as they are. What moves faster than that carries no torque that a device of inertia shows.
-    fn coarsened(self) -> Self {
+    /// What exceeds `limit` is clipped before: its mean would not be.
+    fn coarsened(self, limit: Option<f64>) -> Self {
         let period = median_period(&self.time);
         let group = (FINE_PERIOD_S * (1.0 + 1e-6) / period).floor() as usize;
         if group < 2 {
@@ -95,8 +101,9 @@ impl Series {
         }
         let mut coarse = Self {
             time: Vec::new(),
-            input: Vec::new(),
             position: Vec::new(),
+            input_time: Vec::new(),
+            input: Vec::new(),
             span_s: group as f64 * period,
             windows: Vec::new(),
             ..self
@@ -109,6 +116,7 @@ impl Series {
                     |column: &[f64]| column[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
                 coarse.time.push(mean(&self.time));
                 coarse.position.push(mean(&self.position));
+                coarse.input_time.push(self.time[first]);
             }
             coarse.windows.push(Window {
                 samples: start..coarse.time.len(),
@@ -116,7 +124,9 @@ impl Series {
                 ..window.clone()
             });
         }
-        coarse.input = held_means(&self.time, &self.input, &coarse.time);
+        let limit = limit.unwrap_or(f64::INFINITY).abs();
+        let acting: Vec<f64> = self.input.iter().map(|u| u.clamp(-limit, limit)).collect();
+        coarse.input = held_means(&self.time, &acting, &coarse.input_time);
         coarse
     }
 }
@@ -194,9 +204,10 @@ pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
 /// All runs at about a millisecond, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
     let offsets = session_offsets(recording);
+    let limit = recording.model.input_limit;
     // One run at a time, so that a long session is never held twice at full rate.
     (0..recording.runs.len())
-        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened())
+        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened(limit))
         .collect()
 }
 
@@ -242,4 +253,50 @@ fn session_offsets(recording: &Recording) -> Vec<f64> {
         offset
     });
     offsets.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use recording::{Drive, Model};
+
+    const PERIOD_S: f64 = 2.5e-4;
+    const HORIZON_S: f64 = 0.1;
+    const LIMIT: f64 = 1.0;
+
+    /// An input that changes its sign with each window and exceeds the limit right after.
+    fn stepping() -> Recording {
+        let time: Vec<f64> = (0..1200).map(|i| f64::from(i) * PERIOD_S).collect();
+        let input = time.iter().map(|t| {
+            let window = (t / HORIZON_S + 1e-6).floor();
+            let sign = if window % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            let spike = t - window * HORIZON_S < 2.5 * PERIOD_S;
+            sign * if spike { 7.0 * LIMIT } else { 0.5 * LIMIT }
+        });
+        let input = input.collect();
+        let position = time.iter().map(|t| t.sin()).collect();
+        let model = Model {
+            input_limit: Some(LIMIT),
+            ..Model::new(1.0)
+        };
+        let mut recording = Recording::new("stepping", HORIZON_S, model);
+        let run = Run::new("run.csv", Drive::OpenLoop, time, input, position);
+        recording.runs.push(run);
+        recording
+    }
+
+    #[test]
+    fn putting_samples_together_keeps_the_impulse_that_acts_in_each_window() {
+        let recording = stepping();
+        let series = &coarse(&recording, HORIZON_S)[0];
+        assert!(series.time.len() < recording.runs[0].time.len() / 3);
+        for (k, window) in series.windows.iter().enumerate().take(2) {
+            let rows = window.samples.clone();
+            let ends = |i: usize| series.input_time[i + 1] - series.input_time[i];
+            let impulse: f64 = rows.map(|i| series.input[i] * ends(i)).sum();
+            let sign = if k == 0 { 1.0 } else { -1.0 };
+            let acting = sign * LIMIT * (3.0 * PERIOD_S + 0.5 * (HORIZON_S - 3.0 * PERIOD_S));
+            assert!((impulse - acting).abs() < 1e-9, "{impulse} {acting}");
+        }
+    }
 }

@@ -64,6 +64,33 @@ impl Term {
     }
 }
 
+/// How far from a start its neighbours are, in scales.
+const NEIGHBOUR: f64 = 1.4;
+
+impl Term {
+    /// This start and its neighbours along every coordinate that is linear.
+    pub(crate) fn around(&self) -> Vec<Self> {
+        let mut all = vec![self.clone()];
+        for (i, coordinate) in self.free.iter().enumerate() {
+            let Scale::Linear(scale) = coordinate.scale else {
+                continue;
+            };
+            let moved = |by: f64| {
+                move |mut term: Self| {
+                    term.free[i].start += by * scale;
+                    term.values[term.free[i].parameter] = term.free[i].start;
+                    term
+                }
+            };
+            let beside: Vec<Self> = all.iter().cloned().map(moved(NEIGHBOUR)).collect();
+            let other: Vec<Self> = all.iter().cloned().map(moved(-NEIGHBOUR)).collect();
+            all.extend(beside);
+            all.extend(other);
+        }
+        all
+    }
+}
+
 /// A number of the nominal model that is known only within a tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Nudge {

@@ -81,9 +81,33 @@ const RESOLVED_RATE: f64 = 2.0;
 /// Natural frequency of the flanks of a play, over the coarse sampling rate: stiff beside what is seen.
 const FLANK_FREQUENCY: f64 = 0.06;
 
-/// Where a twisting transmission may ring: half an octave apart, as ringing out of step fits no better
-/// than none.
-const RESONANCES_HZ: [f64; 10] = [4.0, 5.7, 8.0, 11.3, 16.0, 22.6, 32.0, 45.0, 64.0, 90.0];
+/// Where a twisting transmission may ring, over the frequency of the motion.
+const RESONANCES: [f64; 2] = [1.0, 100.0];
+/// And the highest frequency that samples follow, over their rate.
+const HIGHEST_RESONANCE: f64 = 0.2;
+/// How wide a play may be, over the span of the motion.
+const PLAYS: [f64; 2] = [0.002, 0.2];
+/// Resonances that are tried: what rings is found within some percent of its frequency only; and plays.
+const RESONANCE_STARTS: usize = 90;
+const PLAY_STARTS: usize = 24;
+
+/// Starts of a transmission between two masses of the same size, by the size of what is free in it: `count` values by
+/// equal ratios, each for a sensor on the motor's and on the load's side.
+fn two_masses([low, high]: [f64; 2], count: usize, start: impl Fn(f64) -> Term) -> Vec<Term> {
+    let ratio = (high / low).powf(1.0 / (count - 1) as f64);
+    let sides = [false, true].into_iter();
+    let each_side = |sensor_on_load| {
+        let sizes = (0..count).map(move |k| low * ratio.powi(k as i32));
+        sizes.map(move |size| (size, sensor_on_load))
+    };
+    sides
+        .flat_map(each_side)
+        .map(|(size, sensor_on_load)| Term {
+            sensor_on_load,
+            ..start(size)
+        })
+        .collect()
+}
 
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let mut all = guesses(kind, e);
@@ -197,7 +221,10 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 [0.05, 0.2, 0.6].map(|f| term(kind, vec![log(0, f * s.input)], &[(1, *jump)]))
             })
             .collect(),
-        "saturation" => each(&[0.9, 0.7, 0.4], &|f| vec![log(0, f * s.largest_input)]),
+        "saturation" => {
+            let largest = s.largest_input.min(e.device.drive.limit);
+            each(&[0.9, 0.7, 0.4], &|f| vec![log(0, f * largest)])
+        }
         "lag" | "delay" | "sensor_lag" => each(&[1.0, 6.0, 30.0], &|f| {
             vec![log(
                 0,
@@ -251,7 +278,11 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 let stiffest = m.inertia * (RESOLVED_RATE / s.period_s.max(1e-3)).powi(2);
                 let distance = (f * s.span()).max(level / stiffest);
                 let damping = damped(level / distance, m.inertia) * 3.0;
-                term(kind, vec![log(0, distance), log(1, damping)], &[])
+                term(
+                    kind,
+                    vec![log(0, distance), log(1, damping), log(2, 0.7)],
+                    &[],
+                )
             })
             .collect(),
         "load_dependent_friction" => each(&[0.05, 0.2], &|f| vec![log(0, f)]),
@@ -309,42 +340,28 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "backlash" => {
             let rate = TAU * FLANK_FREQUENCY / s.period_s.max(1e-3);
-            let mut all = Vec::new();
-            for f in [0.003, 0.01, 0.03, 0.1] {
-                for sensor_on_load in [false, true] {
-                    let share = 0.5;
-                    let k = rate * rate * m.inertia * share * (1.0 - share);
-                    let fixed = [(2, k), (3, damped(k, m.inertia) * 2.0)];
-                    let play = f * s.span();
-                    let mut free = vec![log(0, play), linear(1, share, 0.15)];
-                    free.extend((level > 0.0).then(|| linear(4, 0.5, 0.3)));
-                    all.push(Term {
-                        sensor_on_load,
-                        ..term(kind, free, &fixed)
-                    });
-                }
-            }
-            all
+            let share = 0.5;
+            let k = rate * rate * m.inertia * share * (1.0 - share);
+            two_masses(PLAYS, PLAY_STARTS, |play| {
+                let mut free = vec![log(0, play * s.span()), linear(1, share, 0.15)];
+                free.extend((level > 0.0).then(|| linear(4, 0.5, 0.3)));
+                term(kind, free, &[(2, k), (3, damped(k, m.inertia) * 2.0)])
+            })
         }
         "compliance" => {
-            let mut all = Vec::new();
-            for hertz in RESONANCES_HZ {
-                for sensor_on_load in [false, true] {
-                    let share = 0.5;
-                    let k = (TAU * hertz).powi(2) * m.inertia * share * (1.0 - share);
-                    let mut free = vec![
-                        log(0, k),
-                        log(1, damped(k, m.inertia) * 0.5),
-                        linear(2, share, 0.15),
-                    ];
-                    free.extend((level > 0.0).then(|| linear(3, 0.5, 0.3)));
-                    all.push(Term {
-                        sensor_on_load,
-                        ..term(kind, free, &[])
-                    });
-                }
-            }
-            all
+            let highest = HIGHEST_RESONANCE / s.period_s.max(1e-3);
+            let [low, high] = RESONANCES.map(|ratio| (ratio * s.motion_hz()).min(highest));
+            let share = 0.5;
+            two_masses([low, high], RESONANCE_STARTS, |hertz| {
+                let k = (TAU * hertz).powi(2) * m.inertia * share * (1.0 - share);
+                let mut free = vec![
+                    log(0, k),
+                    log(1, damped(k, m.inertia) * 0.5),
+                    linear(2, share, 0.15),
+                ];
+                free.extend((level > 0.0).then(|| linear(3, 0.5, 0.3)));
+                term(kind, free, &[])
+            })
         }
         "sensor_nonlinearity" => {
             let reach = s.position[0].abs().max(s.position[1].abs());

@@ -1,15 +1,20 @@
 //! Which effects earn their place.
 
 mod place;
+mod ranking;
+mod rival;
 mod round;
+mod screening;
 
 use crate::fit::{Fit, Part, Problem};
 use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::stage::Stage;
 pub(crate) use place::{fold, is_event};
+pub(crate) use ranking::ties;
+pub(crate) use rival::Rival;
+pub(crate) use round::Round;
 use round::Search;
-pub(crate) use round::{Rival, Round, ties};
 
 /// Robust excess per window up to which nothing is missing: the noise is known to some 15 %.
 const QUIET_EXCESS: f64 = 0.12;

@@ -1,26 +1,15 @@
 //! One more effect on top of what is known.
 
 use super::place::{earns_its_place, is_local};
+use super::ranking::{contains, ranked, special_cases};
+use super::rival::{Rival, extended, turned};
 use super::{Given, LEADERS, is_quiet, level};
-use crate::candidate::{Candidate, Evidence, candidates};
-use crate::fit::{Fit, Part, Problem, turn};
-use crate::hypothesis::{Hypothesis, Term};
-use crate::motion::{Motion, Scales};
+use crate::fit::{Fit, Part, Problem};
+use crate::hypothesis::Term;
 use crate::perfect::Perfect;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-/// Iterations from every start, and starts of an effect that go on from there.
-const FIRST_ITERATIONS: usize = 2;
-const STARTS_KEPT: usize = 1;
-const MANY_STARTS: usize = 5;
-const MANY_STARTS_KEPT: usize = 3;
-/// Effects that are fitted on then.
-const PROMISING: usize = 14;
-const SCREENING_ITERATIONS: usize = 4;
-/// Samples that suffice to tell the promising effects from the others, and fewest windows.
-const SCREENING_SAMPLES: f64 = 3000.0;
-const SCREENING_WINDOWS: f64 = 12.0;
 /// Effects that are fitted on all windows after screening.
 const FINALISTS: usize = 7;
 /// Iterations for all of them, and for those that are near the best then.
@@ -31,37 +20,6 @@ const NEAR: f64 = 0.3;
 const ALWAYS_NEAR: usize = 2;
 /// More, for the one that is named.
 const POLISHING_ITERATIONS: usize = 15;
-/// Within this share of the gain, fewer parameters win.
-const PARSIMONY: f64 = 0.04;
-/// Within this share of the gain, a special case wins over what contains it.
-const SPECIAL_PARSIMONY: f64 = 0.08;
-/// A name is not separable from the winner within this share of the winner's gain.
-const TIE_SHARE: f64 = 0.04;
-
-/// A hypothesis that was tried in addition to what was known.
-#[derive(Clone, Debug)]
-pub(crate) struct Rival {
-    pub name: &'static str,
-    pub fit: Fit,
-}
-
-impl Rival {
-    fn parameters(&self) -> usize {
-        self.fit.hypothesis.terms.iter().map(|t| t.free.len()).sum()
-    }
-
-    /// Its last effect as it was fitted, as a place to start from.
-    fn found(&self) -> Option<Term> {
-        let mut term = self.fit.hypothesis.terms.last()?.clone();
-        let x = &self.fit.x[self.fit.x.len() - term.free.len()..];
-        term.values = term.at(x);
-        for coordinate in &mut term.free {
-            coordinate.start = term.values[coordinate.parameter];
-        }
-        Some(term)
-    }
-}
-
 /// One effect on top of what was known, with what stood beside it.
 #[derive(Clone, Debug)]
 pub(crate) struct Round {
@@ -163,100 +121,6 @@ impl Search<'_> {
             .fit(&hypothesis, x, 0, Part::All, FITTING_ITERATIONS)
     }
 
-    /// Every effect on top of `known` but those in `skipped`, fitted to the chosen windows.
-    fn screened(
-        &self,
-        known: &Fit,
-        skipped: &[&str],
-        chosen: &[bool],
-        hints: &[Rival],
-    ) -> Vec<Rival> {
-        (self.progress)(Stage::Screening);
-        let problem = self.problem;
-        let device = known
-            .hypothesis
-            .device(&problem.recording.model, &problem.nudges, &known.x);
-        let motions: Vec<Motion> = problem
-            .series
-            .iter()
-            .map(|s| Motion::of(s, &device, problem.recording.restart_half_width))
-            .collect();
-        let scales = Scales::of(
-            &problem.series,
-            &motions,
-            &device,
-            problem.recording.horizon,
-        );
-        let window_costs = window_costs(problem, known);
-        let evidence = Evidence {
-            series: &problem.series,
-            motions: &motions,
-            scales: &scales,
-            device: &device,
-            window_costs: &window_costs,
-        };
-        let out = |name: &str| {
-            let terms = &known.hypothesis.terms;
-            self.given.excluded.contains(&name)
-                || skipped.contains(&name)
-                || terms.iter().any(|t| t.kind.name == name)
-        };
-        let mut tried: Vec<Candidate> = candidates(&evidence)
-            .into_iter()
-            .filter(|c| !out(c.kind.name))
-            .collect();
-        for candidate in &mut tried {
-            let measured = self.given.measured.as_ref();
-            if let Some(term) = measured.filter(|t| t.kind.name == candidate.kind.name) {
-                candidate.starts = vec![term.clone()];
-                continue;
-            }
-            let hint = hints.iter().find(|h| h.name == candidate.kind.name);
-            if candidate.starts.len() > MANY_STARTS
-                && let Some(term) = hint.and_then(Rival::found)
-            {
-                candidate.starts = vec![term];
-            }
-        }
-        let part = Part::Chosen(chosen);
-        let mut begun: Vec<(Vec<Fit>, &'static str)> = tried
-            .par_iter()
-            .map(|candidate| {
-                let mut fits: Vec<Fit> = candidate
-                    .starts
-                    .par_iter()
-                    .map(|start| {
-                        let (hypothesis, x) = extended(known, start);
-                        problem.fit(&hypothesis, x, known.x.len(), part, FIRST_ITERATIONS)
-                    })
-                    .collect();
-                fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
-                // Two masses have many poor optima, and what is fitted first is seldom the best.
-                let many = candidate.starts.len() > MANY_STARTS;
-                fits.truncate(if many { MANY_STARTS_KEPT } else { STARTS_KEPT });
-                (fits, candidate.kind.name)
-            })
-            .collect();
-        begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
-        begun
-            .into_par_iter()
-            .enumerate()
-            .filter_map(|(rank, (fits, name))| {
-                let iterations = if rank < PROMISING {
-                    SCREENING_ITERATIONS
-                } else {
-                    0
-                };
-                // What the model's own numbers took of the effect, they give back now.
-                let fits = fits
-                    .into_par_iter()
-                    .map(|fit| problem.fit(&fit.hypothesis, fit.x, 0, part, iterations));
-                let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
-                Some(Rival { name, fit })
-            })
-            .collect()
-    }
-
     /// The most promising ones, fitted to all windows.
     fn finals(&self, mut screened: Vec<Rival>, known: &Fit, chosen: &[bool]) -> Vec<Rival> {
         let screened_level = |rival: &Rival| level_on(&rival.fit, chosen);
@@ -272,6 +136,7 @@ impl Search<'_> {
             fits.collect()
         };
         let mut local = 0;
+        let all = screened.clone();
         let finalists = screened.into_iter().enumerate().filter(|(rank, rival)| {
             let is_local = is_local(rival.name);
             local += usize::from(is_local);
@@ -293,6 +158,15 @@ impl Search<'_> {
         let far = rivals.split_off(near.max(ALWAYS_NEAR).min(rivals.len()));
         let mut rivals = fitted(rivals, FITTING_ITERATIONS);
         rivals.extend(far);
+        let special = fitted(special_cases(&rivals, &all), FITTING_ITERATIONS);
+        for rival in special {
+            let same = rivals.iter_mut().find(|other| other.name == rival.name);
+            match same {
+                Some(same) if level(&same.fit) <= level(&rival.fit) => {}
+                Some(same) => *same = rival,
+                None => rivals.push(rival),
+            }
+        }
         rivals
     }
 
@@ -328,119 +202,14 @@ impl Search<'_> {
             earned,
         })
     }
-
-    /// The windows on which effects are screened: half of them those that miss most, half from
-    /// everywhere.
-    fn screening_windows(&self, known: &Fit) -> Vec<bool> {
-        let problem = self.problem;
-        let costs = window_costs(problem, known);
-        let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
-        let count = costs.len();
-        let share = (SCREENING_SAMPLES / samples as f64).max(SCREENING_WINDOWS / count as f64);
-        let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&a, &b| costs[b].total_cmp(&costs[a]));
-        let mut chosen: Vec<bool> = (0..count).map(|w| turn(w) < 0.5 * share).collect();
-        for &w in order
-            .iter()
-            .take((0.5 * share * count as f64).ceil() as usize)
-        {
-            chosen[w] = true;
-        }
-        chosen
-    }
 }
 
 /// Effects that show in few windows and are among the finalists whatever their rank.
 const MOST_LOCAL: usize = 3;
-
-fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
-    (0..problem.window_count())
-        .map(|w| fit.costs.log(w))
-        .collect()
-}
 
 /// Mean robust cost on the chosen windows.
 fn level_on(fit: &Fit, chosen: &[bool]) -> f64 {
     let costs = chosen.iter().enumerate().filter(|(_, chosen)| **chosen);
     let (sum, count) = costs.fold((0.0, 0), |(s, n), (w, _)| (s + fit.costs.log(w), n + 1));
     sum / f64::from(count.max(1))
-}
-
-/// `known` with one more term, at the point where both stand.
-fn extended(known: &Fit, term: &Term) -> (Hypothesis, Vec<f64>) {
-    let mut hypothesis = known.hypothesis.clone();
-    hypothesis.terms.push(term.clone());
-    let mut x = known.x.clone();
-    x.extend(term.free.iter().map(|_| 0.0));
-    (hypothesis, x)
-}
-
-/// A rival of two effects on top of `null` in the other order.
-fn turned(both: &Rival, null: &Fit) -> Option<Rival> {
-    let mut fit = both.fit.clone();
-    let nudges = null.x.len();
-    let [first, _] = &fit.hypothesis.terms[..] else {
-        return None;
-    };
-    let split = first.free.len();
-    let name = first.kind.name;
-    fit.hypothesis.terms.swap(0, 1);
-    fit.x[nudges..].rotate_left(split);
-    fit.std[nudges..].rotate_left(split);
-    Some(Rival { name, fit })
-}
-
-/// Best first; among those that gain nearly as much as the best, fewer parameters first.
-fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
-    rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
-    let best = level(&rivals.first()?.fit);
-    let close = best + PARSIMONY * (level(known) - best).max(0.0);
-    let winner = (0..rivals.len())
-        .filter(|&i| level(&rivals[i].fit) <= close)
-        .min_by_key(|&i| (rivals[i].parameters(), i))?;
-    // A special case needs even less to be preferred to what contains it.
-    let gain = (level(known) - best).max(0.0);
-    let special = (0..rivals.len()).filter(|&i| {
-        level(&rivals[i].fit) <= best + SPECIAL_PARSIMONY * gain
-            && is_special(rivals[i].name, rivals[winner].name)
-    });
-    let winner = special.min().unwrap_or(winner);
-    let winner = rivals.remove(winner);
-    rivals.insert(0, winner);
-    Some(rivals)
-}
-
-/// True if `special` does with fewer numbers what `general` does too.
-fn is_special(special: &str, general: &str) -> bool {
-    contains(general, special) || (special, general) == ("torque_offset", "asymmetric_coulomb")
-}
-
-/// True if `general` is `special` for some of its parameters.
-fn contains(general: &str, special: &str) -> bool {
-    matches!(
-        (general, special),
-        (
-            "asymmetric_coulomb" | "friction_drift" | "position_dependent_coulomb",
-            "coulomb"
-        ) | ("backlash", "compliance")
-            | ("sensor_nonlinearity", "sensor_gain")
-            | (
-                "cogging" | "contact" | "end_stop" | "gravity" | "spring",
-                "torque_offset"
-            )
-            | ("cogging" | "contact" | "end_stop", "gravity" | "spring")
-            | ("contact", "end_stop")
-    )
-}
-
-/// Names in a round that this recording cannot tell from the winner.
-pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
-    let winner = &round.rivals[0];
-    let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
-    let close = level(&winner.fit) + TIE_SHARE * gain;
-    let rivals = round.rivals[1..].iter();
-    rivals
-        .filter(|rival| level(&rival.fit) <= close && !contains(rival.name, winner.name))
-        .map(|rival| rival.name)
-        .collect()
 }

@@ -1,0 +1,97 @@
+//! Which of the fitted rivals comes first, and which of them this recording cannot tell from it.
+
+use super::level;
+use super::rival::Rival;
+use super::round::Round;
+use crate::fit::Fit;
+
+/// Within this share of the gain, fewer parameters win.
+const PARSIMONY: f64 = 0.04;
+/// Within this share of the gain, a special case wins over what contains it.
+const SPECIAL_PARSIMONY: f64 = 0.08;
+/// A name is not separable from the winner within this share of the winner's gain.
+const TIE_SHARE: f64 = 0.04;
+
+/// Best first; among those that gain nearly as much as the best, fewer parameters first.
+pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
+    rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+    let best = level(&rivals.first()?.fit);
+    let close = best + PARSIMONY * (level(known) - best).max(0.0);
+    let winner = (0..rivals.len())
+        .filter(|&i| level(&rivals[i].fit) <= close)
+        .min_by_key(|&i| (rivals[i].parameters(), i))?;
+    // A special case needs even less to be preferred to what contains it.
+    let gain = (level(known) - best).max(0.0);
+    let special = (0..rivals.len()).filter(|&i| {
+        level(&rivals[i].fit) <= best + SPECIAL_PARSIMONY * gain
+            && is_special(rivals[i].name, rivals[winner].name)
+    });
+    let winner = special.min().unwrap_or(winner);
+    let winner = rivals.remove(winner);
+    rivals.insert(0, winner);
+    Some(rivals)
+}
+
+/// True if `special` does with fewer numbers what `general` does too.
+fn is_special(special: &str, general: &str) -> bool {
+    contains(general, special) || (special, general) == ("torque_offset", "asymmetric_coulomb")
+}
+
+/// True if `general` is `special` for some of its parameters.
+pub(super) fn contains(general: &str, special: &str) -> bool {
+    matches!(
+        (general, special),
+        (
+            "asymmetric_coulomb" | "friction_drift" | "position_dependent_coulomb" | "stribeck",
+            "coulomb"
+        ) | ("backlash", "compliance")
+            | ("sensor_nonlinearity", "sensor_gain")
+            | (
+                "cogging" | "contact" | "end_stop" | "gravity" | "spring",
+                "torque_offset"
+            )
+            | ("cogging" | "contact" | "end_stop", "gravity" | "spring")
+            | ("contact", "end_stop")
+    )
+}
+
+/// Names in a round that this recording cannot tell from the winner.
+pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
+    let winner = &round.rivals[0];
+    let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
+    let close = level(&winner.fit) + TIE_SHARE * gain;
+    let rivals = round.rivals[1..].iter();
+    rivals
+        .filter(|rival| level(&rival.fit) <= close && !contains(rival.name, winner.name))
+        .map(|rival| rival.name)
+        .collect()
+}
+
+/// The special cases of the best rival, from where it stands: what else is known of the device took long
+/// to find.
+pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
+    let best = rivals
+        .iter()
+        .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+    let Some((best, held)) = best.and_then(|best| Some((best, best.held()?))) else {
+        return Vec::new();
+    };
+    let beside = |rival: &Rival| -> Vec<&str> {
+        let terms = rival.fit.hypothesis.terms.split_last();
+        terms.map_or(Vec::new(), |(_, rest)| {
+            rest.iter().map(|t| t.kind.name).collect()
+        })
+    };
+    let special = all
+        .iter()
+        .filter(|rival| is_special(rival.name, best.name) && beside(rival) == beside(best));
+    let started = special.filter_map(|rival| {
+        let mut rival = rival.clone();
+        let own = rival.held()?;
+        (own == held).then(|| rival.fit.x[..held].copy_from_slice(&best.fit.x[..held]))?;
+        let terms = best.fit.hypothesis.terms.split_last()?.1;
+        rival.fit.hypothesis.terms[..terms.len()].clone_from_slice(terms);
+        Some(rival)
+    });
+    started.collect()
+}

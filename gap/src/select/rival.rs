@@ -1,0 +1,58 @@
+//! A hypothesis with one more effect.
+
+use crate::fit::Fit;
+use crate::hypothesis::{Hypothesis, Term};
+
+/// A hypothesis that was tried in addition to what was known.
+#[derive(Clone, Debug)]
+pub(crate) struct Rival {
+    pub name: &'static str,
+    pub fit: Fit,
+}
+
+impl Rival {
+    pub(super) fn parameters(&self) -> usize {
+        self.fit.hypothesis.terms.iter().map(|t| t.free.len()).sum()
+    }
+
+    /// Coordinates of what stands beside its last effect.
+    pub(super) fn held(&self) -> Option<usize> {
+        let last = self.fit.hypothesis.terms.last()?;
+        self.fit.x.len().checked_sub(last.free.len())
+    }
+
+    /// Its last effect as it was fitted, as a place to start from.
+    pub(super) fn found(&self) -> Option<Term> {
+        let mut term = self.fit.hypothesis.terms.last()?.clone();
+        let x = &self.fit.x[self.fit.x.len() - term.free.len()..];
+        term.values = term.at(x);
+        for coordinate in &mut term.free {
+            coordinate.start = term.values[coordinate.parameter];
+        }
+        Some(term)
+    }
+}
+
+/// `known` with one more term, at the point where both stand.
+pub(super) fn extended(known: &Fit, term: &Term) -> (Hypothesis, Vec<f64>) {
+    let mut hypothesis = known.hypothesis.clone();
+    hypothesis.terms.push(term.clone());
+    let mut x = known.x.clone();
+    x.extend(term.free.iter().map(|_| 0.0));
+    (hypothesis, x)
+}
+
+/// A rival of two effects on top of `null` in the other order.
+pub(super) fn turned(both: &Rival, null: &Fit) -> Option<Rival> {
+    let mut fit = both.fit.clone();
+    let nudges = null.x.len();
+    let [first, _] = &fit.hypothesis.terms[..] else {
+        return None;
+    };
+    let split = first.free.len();
+    let name = first.kind.name;
+    fit.hypothesis.terms.swap(0, 1);
+    fit.x[nudges..].rotate_left(split);
+    fit.std[nudges..].rotate_left(split);
+    Some(Rival { name, fit })
+}

@@ -1,0 +1,217 @@
+//! Every effect tried on a few windows, to see which are worth more.
+
+use super::level;
+use super::rival::{Rival, extended};
+use super::round::Search;
+use crate::candidate::{Candidate, Evidence, candidates};
+use crate::fit::{Fit, Part, Problem, turn};
+use crate::hypothesis::Term;
+use crate::motion::{Motion, Scales};
+use crate::stage::Stage;
+use rayon::prelude::*;
+
+/// Iterations from every start, and starts of an effect that go on from there.
+const FIRST_ITERATIONS: usize = 2;
+const STARTS_KEPT: usize = 1;
+/// More starts are a scan: so many of its lowest points are fitted, and so many go on.
+const MOST_STARTS_FITTED: usize = 20;
+const SCANNED_FITTED: usize = 4;
+/// Effects with more starts go on from where they were found before.
+const HINTED_STARTS: usize = 5;
+const SCANNED_KEPT: usize = 3;
+const SCANNED_ITERATIONS: usize = 6;
+/// Effects that are fitted on then.
+const PROMISING: usize = 14;
+const SCREENING_ITERATIONS: usize = 4;
+/// Samples that suffice to tell the promising effects from the others, and fewest windows.
+const SCREENING_SAMPLES: f64 = 3000.0;
+const SCREENING_WINDOWS: f64 = 12.0;
+
+/// Where starts are compared: on some windows, beside what is known, which stays.
+struct Ground<'a> {
+    problem: &'a Problem<'a>,
+    known: &'a Fit,
+    chosen: &'a [bool],
+    /// The same data restarted four times as often, and its windows.
+    soon: Option<(&'a Problem<'a>, Vec<bool>)>,
+}
+
+impl Ground<'_> {
+    fn begun(&self, start: &Term) -> Fit {
+        self.fit(self.problem, self.chosen, start, FIRST_ITERATIONS)
+    }
+
+    fn fit(&self, problem: &Problem<'_>, chosen: &[bool], start: &Term, iterations: usize) -> Fit {
+        let (hypothesis, x) = extended(self.known, start);
+        let held = self.known.x.len();
+        problem.fit(&hypothesis, x, held, Part::Chosen(chosen), iterations)
+    }
+
+    /// The starts around the lowest points of a scan.
+    fn scanned(&self, starts: &[Term]) -> Vec<Term> {
+        let cost = |start: &Term| level(&self.fit(self.problem, self.chosen, start, 0));
+        let mut low = lowest(starts, cost);
+        // What swings out of step over the horizon is still in step over a quarter of it.
+        if let Some((quarter, chosen)) = &self.soon {
+            low.extend(lowest(starts, |s| level(&self.fit(quarter, chosen, s, 0))));
+        }
+        let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
+        first(around.par_iter().map(|s| (cost(s), s)).collect())
+    }
+
+    /// The best fits of an effect, from all its starts.
+    fn best(&self, candidate: &Candidate) -> Vec<Fit> {
+        let scanned =
+            (candidate.starts.len() > MOST_STARTS_FITTED).then(|| self.scanned(&candidate.starts));
+        let starts = scanned.as_ref().unwrap_or(&candidate.starts);
+        let mut fits: Vec<Fit> = starts.par_iter().map(|start| self.begun(start)).collect();
+        fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
+        // Two masses have many poor optima, and what is fitted first is seldom the best.
+        fits.truncate(if scanned.is_some() {
+            SCANNED_KEPT
+        } else {
+            STARTS_KEPT
+        });
+        fits
+    }
+}
+
+impl Search<'_> {
+    /// Every effect on top of `known` but those in `skipped`, fitted to the chosen windows.
+    pub(super) fn screened(
+        &self,
+        known: &Fit,
+        skipped: &[&str],
+        chosen: &[bool],
+        hints: &[Rival],
+    ) -> Vec<Rival> {
+        (self.progress)(Stage::Screening);
+        let problem = self.problem;
+        let mut known = known.clone();
+        if known.hypothesis.terms.is_empty() {
+            // Where the model's own numbers have gone to make up for an effect is no place to look for it.
+            known.x.fill(0.0);
+        }
+        let quarter = problem.quarter.as_deref();
+        let ground = Ground {
+            problem,
+            known: &known,
+            chosen,
+            soon: quarter.map(|quarter| (quarter, blocks(quarter))),
+        };
+        let tried = self.tried(&known, skipped, hints);
+        let begun = tried.par_iter();
+        let begun = begun.map(|candidate| (ground.best(candidate), candidate.kind.name));
+        let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
+        begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
+        begun
+            .into_par_iter()
+            .enumerate()
+            .filter_map(|(rank, (fits, name))| {
+                let iterations = match fits.len() {
+                    _ if rank >= PROMISING => 0,
+                    1 => SCREENING_ITERATIONS,
+                    _ => SCANNED_ITERATIONS,
+                };
+                // What the model's own numbers took of the effect, they give back now.
+                let fits = fits.into_par_iter().map(|fit| {
+                    problem.fit(&fit.hypothesis, fit.x, 0, Part::Chosen(chosen), iterations)
+                });
+                let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
+                Some(Rival { name, fit })
+            })
+            .collect()
+    }
+
+    /// The effects that `known` does not have, with their starts.
+    fn tried(&self, known: &Fit, skipped: &[&str], hints: &[Rival]) -> Vec<Candidate> {
+        let Problem {
+            recording, series, ..
+        } = self.problem;
+        let device = known
+            .hypothesis
+            .device(&recording.model, &self.problem.nudges, &known.x);
+        let motions = series.iter();
+        let motions = motions.map(|s| Motion::of(s, &device, recording.restart_half_width));
+        let motions: Vec<Motion> = motions.collect();
+        let mut tried = candidates(&Evidence {
+            series,
+            motions: &motions,
+            scales: &Scales::of(series, &motions, &device, recording.horizon),
+            device: &device,
+            window_costs: &window_costs(self.problem, known),
+        });
+        let terms = &known.hypothesis.terms;
+        tried.retain(|candidate| {
+            let name = candidate.kind.name;
+            !self.given.excluded.contains(&name)
+                && !skipped.contains(&name)
+                && terms.iter().all(|term| term.kind.name != name)
+        });
+        for candidate in &mut tried {
+            let name = candidate.kind.name;
+            let measured = self.given.measured.as_ref().filter(|t| t.kind.name == name);
+            let hint = hints.iter().find(|hint| hint.name == name);
+            let hint = hint.filter(|_| candidate.starts.len() > HINTED_STARTS);
+            if let Some(start) = measured.cloned().or_else(|| hint?.found()) {
+                candidate.starts = vec![start];
+            }
+        }
+        tried
+    }
+
+    /// The windows on which effects are screened: half of them those that miss most, half from
+    /// everywhere.
+    pub(super) fn screening_windows(&self, known: &Fit) -> Vec<bool> {
+        let problem = self.problem;
+        let costs = window_costs(problem, known);
+        let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
+        let count = costs.len();
+        let share = (SCREENING_SAMPLES / samples as f64).max(SCREENING_WINDOWS / count as f64);
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|&a, &b| costs[b].total_cmp(&costs[a]));
+        let mut chosen: Vec<bool> = (0..count).map(|w| turn(w) < 0.5 * share).collect();
+        for &w in order
+            .iter()
+            .take((0.5 * share * count as f64).ceil() as usize)
+        {
+            chosen[w] = true;
+        }
+        chosen
+    }
+}
+
+fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
+    (0..problem.window_count())
+        .map(|w| fit.costs.log(w))
+        .collect()
+}
+
+/// The starts, in the order of a scan for either side of the sensor, at which a cost is lower than at their neighbours:
+/// the lowest of them.
+fn lowest(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
+    let costs: Vec<f64> = starts.par_iter().map(&cost).collect();
+    let beside = |i: usize, j: Option<usize>| {
+        j.and_then(|j| Some((costs.get(j)?, starts.get(j)?)))
+            .filter(|(_, start)| start.sensor_on_load == starts[i].sensor_on_load)
+            .map_or(f64::INFINITY, |(cost, _)| *cost)
+    };
+    let minima = (0..starts.len())
+        .filter(|&i| costs[i] <= beside(i, i.checked_sub(1)).min(beside(i, Some(i + 1))));
+    first(minima.map(|i| (costs[i], &starts[i])).collect())
+}
+
+/// Those of the lowest cost.
+fn first(mut costs: Vec<(f64, &Term)>) -> Vec<Term> {
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    costs.truncate(SCANNED_FITTED);
+    costs.into_iter().map(|(_, start)| start.clone()).collect()
+}
+
+/// Windows in blocks of four from everywhere, with as many samples as screening takes.
+fn blocks(problem: &Problem<'_>) -> Vec<bool> {
+    let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
+    let count = problem.window_count();
+    let share = (SCREENING_SAMPLES / samples as f64).max(4.0 * SCREENING_WINDOWS / count as f64);
+    (0..count).map(|w| turn(w / 4) < share).collect()
+}

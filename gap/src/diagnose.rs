@@ -83,8 +83,9 @@ const QUIET_GAP: f64 = 2.0;
 const SURE: f64 = 6.0;
 /// Probability that two columns and the dynamics are not wrong together.
 const COMPARED: f64 = 0.97;
-/// Share of the gap that a further effect must close.
+/// Share of the gap that a further effect must close, or of what those before it leave.
 const LEAST_SHRINK: f64 = 0.05;
+const LEAST_SHRINK_OF_REST: f64 = 0.5;
 
 /// Coarse samples that rival models are fitted to: more would not tell them apart better, only later.
 const MOST_SAMPLES: usize = 60_000;
@@ -127,7 +128,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     progress(Stage::Shrink);
     let mut steps = closings(&problem, &selection);
     // What does not close the gap by itself has no place, however well it suits the robust cost.
-    let idle = (kept.max(1)..steps.len()).find(|&i| steps[i].own[0] < LEAST_SHRINK);
+    let idle = (kept.max(1)..steps.len())
+        .find(|&i| steps[i].own[0] < LEAST_SHRINK && steps[i].of_rest < LEAST_SHRINK_OF_REST);
     if let Some(first) = idle {
         steps.truncate(first);
         selection.last = selection.rounds.drain(first..).next();
@@ -217,9 +219,10 @@ fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
     }
 }
 
-/// Shrink of one effect and of all up to it: value and 95 % interval.
+/// Shrink of one effect and of all up to it: value and 95 % interval; and of what those before it left.
 struct Step {
     own: [f64; 3],
+    of_rest: f64,
     total: [f64; 3],
 }
 
@@ -240,6 +243,7 @@ fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
         };
         let step = Step {
             own: shrink(&before, &after, &floor, &nominal),
+            of_rest: shrink(&before, &after, &floor, &before)[0],
             total: shrink(&nominal, &after, &floor, &nominal),
         };
         before = after;

@@ -80,6 +80,8 @@ pub(crate) struct Match {
     pub shrink: [f64; 3],
     /// Names that make the columns differ alike.
     pub ties: Vec<&'static str>,
+    /// True if it leaves nothing but noise.
+    pub is_all: bool,
 }
 
 impl Match {
@@ -125,6 +127,7 @@ impl Comparison {
         match &self.outcome {
             // More than one of them may be there.
             Outcome::Unlike => Vec::new(),
+            _ if self.like().is_some_and(|like| !like.is_all) => Vec::new(),
             _ => all.filter(|name| Some(*name) != like).collect(),
         }
     }
@@ -263,6 +266,7 @@ fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
         kind: best.kind,
         values: best.values,
         ties,
+        is_all: best.left < MOST_NOISE * columns.variance,
     })
 }
 

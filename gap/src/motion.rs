@@ -41,7 +41,7 @@ impl Motion {
         for (i, noise) in (0..n).zip(noises) {
             let now = series.time[i];
             let from = series.input_time[i];
-            line.command(&device.drive, from, series.input[i]);
+            line.command_settled(from, series.settled_nm(&device.drive, i));
             let dt = series.input_time.get(i + 1).map_or(0.0, |next| next - from);
             let (torque, _) = line.piece(from, dt);
             motion.drive_nm.push(torque.at(0.5 * dt));
@@ -76,7 +76,6 @@ pub(crate) struct Scales {
     pub position: [f64; 2],
     pub velocity: f64,
     pub input: f64,
-    pub largest_input: f64,
     pub torque: f64,
     pub friction: f64,
     pub period_s: f64,
@@ -123,10 +122,6 @@ impl Scales {
             position: [quantile(&positions, 0.005), quantile(&positions, 0.995)],
             velocity: rms(&all(|m| &m.velocity)).max(f64::MIN_POSITIVE),
             input: rms(&inputs).max(f64::MIN_POSITIVE),
-            largest_input: inputs
-                .iter()
-                .fold(0.0f64, |m, u| m.max(u.abs()))
-                .max(f64::MIN_POSITIVE),
             torque,
             friction: levels[0].max(levels[1]).max(FRICTION_SHARE * torque),
             period_s: crate::series::median_period(&series[0].time),

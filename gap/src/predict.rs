@@ -86,9 +86,8 @@ impl Predictor {
             next_input: 0,
         };
         // Up to the first sample, which may lie a little later: what it says is the nearest.
-        running
-            .line
-            .command(&self.device.drive, start_s, series.input[0]);
+        let settled_nm = series.settled_nm(&self.device.drive, 0);
+        running.line.command_settled(start_s, settled_nm);
         for (index, window) in series.windows.iter().enumerate() {
             // One window before a wanted one is enough for what is carried over to settle.
             let leads = remembers && wanted(index + 1);
@@ -143,6 +142,14 @@ impl Predictor {
             || self.device.sensing.hysteresis > 0.0
     }
 
+    /// Tells the drive the next input.
+    #[inline]
+    fn command(&self, running: &mut Running, series: &Series, at_s: f64) {
+        let settled_nm = series.settled_nm(&self.device.drive, running.next_input);
+        running.line.command_settled(at_s, settled_nm);
+        running.next_input += 1;
+    }
+
     /// Lets the drive alone run on to `to_s` of the run: the device is restarted there.
     fn skip_to(&self, running: &mut Running, series: &Series, to_s: f64) {
         loop {
@@ -155,9 +162,7 @@ impl Predictor {
             }
             match next {
                 Some(&at) if at <= to_s => {
-                    let input = series.input[running.next_input];
-                    running.line.command(&self.device.drive, at, input);
-                    running.next_input += 1;
+                    self.command(running, series, at);
                 }
                 _ => return,
             }
@@ -171,9 +176,7 @@ impl Predictor {
             while let Some(&at) = series.input_time.get(running.next_input)
                 && at <= running.now_s
             {
-                let input = series.input[running.next_input];
-                running.line.command(&self.device.drive, at, input);
-                running.next_input += 1;
+                self.command(running, series, at);
             }
             let next = series.input_time.get(running.next_input);
             let until = next.map_or(to_s, |&at| at.min(to_s));

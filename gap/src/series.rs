@@ -1,6 +1,7 @@
 //! A run cut into prediction windows, each with its restart.
 
 use crate::restart::Restart;
+use host_sim::drive::Drive;
 use recording::{Recording, Run};
 use std::ops::Range;
 
@@ -17,6 +18,13 @@ pub struct Window {
     pub restart_noise: f64,
 }
 
+/// One of the inputs that are put together, and its share of the time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Told {
+    input: f64,
+    share: f64,
+}
+
 /// A run as the prediction sees it.
 #[derive(Clone, Debug)]
 pub struct Series {
@@ -29,8 +37,11 @@ pub struct Series {
     /// From which on each input is held, s: those of the samples, or where samples are put together, of the
     /// first.
     pub input_time: Vec<f64>,
-    /// One a position, held up to the next.
+    /// One a position, held up to the next: the mean where samples are put together.
     pub input: Vec<f64>,
+    /// What was told one after the other, where samples are put together; for each of them up to where.
+    pub(crate) told: Vec<Told>,
+    pub(crate) told_up_to: Vec<usize>,
     /// What each position is the mean over, s; 0 for an instant.
     pub span_s: f64,
     /// What to add to the run's time for that of the session, s.
@@ -53,6 +64,8 @@ impl Series {
             position: run.position.clone(),
             input_time: run.time.clone(),
             input: run.input.clone(),
+            told: Vec::new(),
+            told_up_to: Vec::new(),
             span_s: 0.0,
             session_offset_s,
             windows,
@@ -62,6 +75,18 @@ impl Series {
     /// Time of sample `i` on the session's clock, s.
     pub fn session(&self, i: usize) -> f64 {
         self.time[i] + self.session_offset_s
+    }
+
+    /// Torque that a drive makes of input `i` once delay and lag have passed, N m: where samples are put together the
+    /// mean of what it makes of each, as a limit or a dead band of the mean would be something else.
+    pub(crate) fn settled_nm(&self, drive: &Drive, i: usize) -> f64 {
+        let Some(&end) = self.told_up_to.get(i) else {
+            return drive.settled(self.input[i]);
+        };
+        let start = i.checked_sub(1).map_or(0, |before| self.told_up_to[before]);
+        let made = self.told[start..end].iter();
+        made.map(|told| told.share * drive.settled(told.input))
+            .sum()
     }
 
     /// Some of its windows as a series of their own.
@@ -74,6 +99,11 @@ impl Series {
             };
         };
         let rows = first.samples.start..last.samples.end;
+        let told_before = |row: usize| {
+            let before = row.checked_sub(1).and_then(|i| self.told_up_to.get(i));
+            before.copied().unwrap_or(0)
+        };
+        let told = told_before(rows.start)..told_before(rows.end);
         let windows = windows.iter().map(|window| Window {
             samples: window.samples.start - rows.start..window.samples.end - rows.start,
             ..window.clone()
@@ -84,7 +114,14 @@ impl Series {
             time: self.time[rows.clone()].to_vec(),
             position: self.position[rows.clone()].to_vec(),
             input_time: self.input_time[rows.clone()].to_vec(),
-            input: self.input[rows].to_vec(),
+            input: self.input[rows.clone()].to_vec(),
+            told: self.told[told.clone()].to_vec(),
+            told_up_to: self.told_up_to[..]
+                .get(rows)
+                .unwrap_or_default()
+                .iter()
+                .map(|end| end - told.start)
+                .collect(),
             span_s: self.span_s,
             session_offset_s: self.session_offset_s,
         }
@@ -92,8 +129,7 @@ impl Series {
 
     /// Puts samples together to about [`FINE_PERIOD_S`], input and position averaged; the restarts stay
     /// as they are. What moves faster than that carries no torque that a device of inertia shows.
-    /// What exceeds `limit` is clipped before: its mean would not be.
-    fn coarsened(self, limit: Option<f64>) -> Self {
+    fn coarsened(self) -> Self {
         let period = median_period(&self.time);
         let group = (FINE_PERIOD_S * (1.0 + 1e-6) / period).floor() as usize;
         if group < 2 {
@@ -104,10 +140,13 @@ impl Series {
             position: Vec::new(),
             input_time: Vec::new(),
             input: Vec::new(),
+            told: Vec::new(),
+            told_up_to: Vec::new(),
             span_s: group as f64 * period,
             windows: Vec::new(),
             ..self
         };
+        let mut firsts = Vec::new();
         for window in &self.windows {
             let start = coarse.time.len();
             for first in window.samples.clone().step_by(group) {
@@ -117,6 +156,7 @@ impl Series {
                 coarse.time.push(mean(&self.time));
                 coarse.position.push(mean(&self.position));
                 coarse.input_time.push(self.time[first]);
+                firsts.push(first);
             }
             coarse.windows.push(Window {
                 samples: start..coarse.time.len(),
@@ -124,33 +164,28 @@ impl Series {
                 ..window.clone()
             });
         }
-        let limit = limit.unwrap_or(f64::INFINITY).abs();
-        let acting: Vec<f64> = self.input.iter().map(|u| u.clamp(-limit, limit)).collect();
-        coarse.input = held_means(&self.time, &acting, &coarse.input_time);
+        let held_s = |row: usize| {
+            self.time
+                .get(row + 1)
+                .map_or(period, |t| t - self.time[row])
+        };
+        let ends = firsts.iter().skip(1).copied().chain([self.time.len()]);
+        for (&first, end) in firsts.iter().zip(ends) {
+            let all_s: f64 = (first..end).map(held_s).sum();
+            let told = (first..end).map(|row| Told {
+                input: self.input[row],
+                share: held_s(row) / all_s,
+            });
+            let before = coarse.told.len();
+            coarse.told.extend(told);
+            coarse.told_up_to.push(coarse.told.len());
+            let told = coarse.told[before..].iter();
+            coarse
+                .input
+                .push(told.map(|told| told.share * told.input).sum());
+        }
         coarse
     }
-}
-
-/// Means of an input that is held from each of `time` to the next, from each of `at` to the next.
-fn held_means(time: &[f64], input: &[f64], at: &[f64]) -> Vec<f64> {
-    let mut row = 0;
-    let mut impulse = 0.0;
-    // Integral of the input up to an instant; the instants do not go back.
-    let mut impulses = Vec::with_capacity(at.len());
-    for &t in at {
-        while time.get(row + 1).is_some_and(|&next| next <= t) {
-            impulse += input[row] * (time[row + 1] - time[row]);
-            row += 1;
-        }
-        impulses.push(impulse + input[row] * (t - time[row]));
-    }
-    let last = input.last().copied().unwrap_or(0.0);
-    (0..at.len())
-        .map(|i| match at.get(i + 1) {
-            Some(next) => (impulses[i + 1] - impulses[i]) / (next - at[i]),
-            None => last,
-        })
-        .collect()
 }
 
 /// Median difference of consecutive times, s.
@@ -204,10 +239,9 @@ pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
 /// All runs at about a millisecond, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
     let offsets = session_offsets(recording);
-    let limit = recording.model.input_limit;
     // One run at a time, so that a long session is never held twice at full rate.
     (0..recording.runs.len())
-        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened(limit))
+        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened())
         .collect()
 }
 
@@ -258,7 +292,8 @@ fn session_offsets(recording: &Recording) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use recording::{Drive, Model};
+    use host_sim::device::Device;
+    use recording::Model;
 
     const PERIOD_S: f64 = 2.5e-4;
     const HORIZON_S: f64 = 0.1;
@@ -280,7 +315,7 @@ mod tests {
             ..Model::new(1.0)
         };
         let mut recording = Recording::new("stepping", HORIZON_S, model);
-        let run = Run::new("run.csv", Drive::OpenLoop, time, input, position);
+        let run = Run::new("run.csv", recording::Drive::OpenLoop, time, input, position);
         recording.runs.push(run);
         recording
     }
@@ -293,7 +328,8 @@ mod tests {
         for (k, window) in series.windows.iter().enumerate().take(2) {
             let rows = window.samples.clone();
             let ends = |i: usize| series.input_time[i + 1] - series.input_time[i];
-            let impulse: f64 = rows.map(|i| series.input[i] * ends(i)).sum();
+            let drive = Device::nominal(&recording.model).drive;
+            let impulse: f64 = rows.map(|i| series.settled_nm(&drive, i) * ends(i)).sum();
             let sign = if k == 0 { 1.0 } else { -1.0 };
             let acting = sign * LIMIT * (3.0 * PERIOD_S + 0.5 * (HORIZON_S - 3.0 * PERIOD_S));
             assert!((impulse - acting).abs() < 1e-9, "{impulse} {acting}");

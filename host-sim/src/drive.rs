@@ -84,7 +84,13 @@ impl DriveLine {
     /// From `now_s` on the drive is told `input`; call with times that do not go back.
     #[inline]
     pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64) {
-        self.receive(now_s, Torque::held(drive.settled(input)));
+        self.command_settled(now_s, drive.settled(input));
+    }
+
+    /// As [`Self::command`], by the torque that comes of it once delay and lag have passed, N m.
+    #[inline]
+    pub fn command_settled(&mut self, now_s: f64, settled_nm: f64) {
+        self.receive(now_s, Torque::held(settled_nm));
     }
 
     /// As [`Self::command`], with a motor that makes the torque `made` of the `input` that it is told.

@@ -111,6 +111,7 @@ fn two_masses([low, high]: [f64; 2], count: usize, start: impl Fn(f64) -> Term) 
 
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let mut all = guesses(kind, e);
+    all.extend(ripples(kind, e));
     all.extend(spread(kind, e));
     all
 }
@@ -196,6 +197,34 @@ fn guesses(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     free.map(|free| term(kind, free, &[])).into_iter().collect()
 }
 
+/// Periods of a ripple over the span of the motion.
+const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
+
+/// Starts of a friction that comes and goes with the turns of something that is not round.
+fn ripples(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let level = e.device.mechanics.friction.level_nm[0];
+    if kind.name != "position_dependent_coulomb" || level <= 0.0 {
+        return Vec::new();
+    }
+    let start = |turns: f64| {
+        let wave_number = turns * TAU / e.scales.span();
+        let found = regress(e, |m| {
+            let friction = -level * m.velocity.signum();
+            let (sin, cos) = (wave_number * m.position).sin_cos();
+            [friction * sin, friction * (cos - 1.0), friction]
+        });
+        let [sine, cosine, more] = found?;
+        let free = vec![
+            log(2, (1.0 + more).max(0.1)),
+            linear(3, sine, 0.3),
+            linear(4, cosine, 0.3),
+            linear(5, wave_number, 0.2 * wave_number),
+        ];
+        Some(term(kind, free, &[(0, 0.0), (1, 0.0)]))
+    };
+    RIPPLES.into_iter().filter_map(start).collect()
+}
+
 /// Starts spread over the sizes that the recording could show.
 fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -222,8 +251,13 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             })
             .collect(),
         "saturation" => {
-            let largest = s.largest_input.min(e.device.drive.limit);
-            each(&[0.9, 0.7, 0.4], &|f| vec![log(0, f * largest)])
+            let inputs = e.series.iter().flat_map(|s| &s.input);
+            let inputs: Vec<f64> = inputs.map(|u| u.abs()).collect();
+            // Where it would clip the largest, a few, many.
+            let limits = [1.0, 0.99, 0.95, 0.8, 0.5].map(|share| quantile(&inputs, share));
+            each(&limits, &|limit| {
+                vec![log(0, 0.9 * limit.max(0.1 * s.input))]
+            })
         }
         "lag" | "delay" | "sensor_lag" => each(&[1.0, 6.0, 30.0], &|f| {
             vec![log(
@@ -365,10 +399,16 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "sensor_nonlinearity" => {
             let reach = s.position[0].abs().max(s.position[1].abs());
-            let mut all = one(vec![
-                linear(0, 0.0, 0.1 / reach),
-                linear(1, 0.0, 0.1 / (reach * reach)),
-            ]);
+            let middle = 0.5 * (s.position[0] + s.position[1]);
+            // A curve that is right at zero, or in the middle of what is passed.
+            let bent = [0.0, middle].map(|middle| {
+                let free = vec![
+                    linear(0, 0.0, 0.1 / reach),
+                    linear(1, 0.0, 0.1 / (reach * reach)),
+                ];
+                term(kind, free, &[(6, middle)])
+            });
+            let mut all = bent.to_vec();
             // An eccentric disk or poles show as a ripple, of which one period or a few are passed.
             for turns in [0.5, 1.0, 2.0] {
                 let wave_number = turns * TAU / s.span();

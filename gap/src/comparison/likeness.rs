@@ -168,7 +168,8 @@ impl<'a> Scope<'a> {
     /// A bent curve, and one with a ripple.
     fn curves(&self, kind: &Kind) -> Vec<Vec<f64>> {
         let r = self.reach;
-        let curve = |[a, b, s, c, n]: [f64; 5], o| vec![a / (r * r), b / r.powi(3), s, c, n, o];
+        let curve =
+            |[a, b, s, c, n]: [f64; 5], o| vec![a / (r * r), b / r.powi(3), s, c, n, o, 0.0];
         let bent = self.linear(|x| [(x / r).powi(2), (x / r).powi(3), 1.0]);
         let bent = bent.map(|[a, b, o]| curve([a, b, 0.0, 0.0, 1.0 / r], o));
         let rippled = |wave_number: f64| {

@@ -3,12 +3,12 @@
 use super::LEAST_LEVEL;
 use super::{Channel, Kind, Parameter, Quantity};
 
-/// `F = F_c max(0, l + a x + b x²) sign(v)`.
+/// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1)) sign(v)`.
 pub const KIND: Kind = Kind {
     name: "position_dependent_coulomb",
     channel: Channel::Friction,
     about: "Dry friction that depends on the position",
-    equation: "F = F_c max(0, l + a x + b x²) sign(v)",
+    equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1)) sign(v)",
     parameters: &[
         Parameter {
             name: "slope",
@@ -31,11 +31,35 @@ pub const KIND: Kind = Kind {
             typical: [0.5, 2.0],
             about: "at position zero, over the model's",
         },
+        Parameter {
+            name: "ripple_sine",
+            quantity: Quantity::Ratio,
+            default: 0.0,
+            typical: [-0.5, 0.5],
+            about: "of a pulley that is not round, relative to the model's level",
+        },
+        Parameter {
+            name: "ripple_cosine",
+            quantity: Quantity::Ratio,
+            default: 0.0,
+            typical: [-0.5, 0.5],
+            about: "likewise",
+        },
+        Parameter {
+            name: "wave_number",
+            quantity: Quantity::PerPosition,
+            default: 6.0,
+            typical: [1.0, 60.0],
+            about: "2π over the period of the ripple",
+        },
     ],
     install: |device, p| {
         let level = p[2].max(LEAST_LEVEL);
-        device.mechanics.friction.scale(level);
-        device.mechanics.friction.position_slope = p[0] / level;
-        device.mechanics.friction.position_curve = p[1] / level;
+        let friction = &mut device.mechanics.friction;
+        friction.scale(level);
+        friction.position_slope = p[0] / level;
+        friction.position_curve = p[1] / level;
+        friction.position_ripple = [p[3] / level, p[4] / level];
+        friction.position_wave_number = p[5];
     },
 };

@@ -2,12 +2,12 @@
 
 use super::{Channel, Kind, Parameter, Quantity};
 
-/// `y = x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1)`.
+/// `y = x + a (x − m)² + b (x − m)³ + r sin(n x) + s (cos(n x) − 1) + o`.
 pub const KIND: Kind = Kind {
     name: "sensor_nonlinearity",
     channel: Channel::Sensing,
     about: "The sensor's curve is bent",
-    equation: "y = x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o",
+    equation: "y = x + a (x − m)² + b (x − m)³ + r sin(n x) + s (cos(n x) − 1) + o",
     parameters: &[
         Parameter {
             name: "quadratic",
@@ -51,12 +51,39 @@ pub const KIND: Kind = Kind {
             typical: [-0.02, 0.02],
             about: "of the reading at zero",
         },
+        Parameter {
+            name: "middle",
+            quantity: Quantity::Position,
+            default: 0.0,
+            typical: [-0.3, 0.3],
+            about: "m, around which the curve is bent",
+        },
     ],
     install: |device, p| {
-        device.sensing.quadratic = p[0];
-        device.sensing.cubic = p[1];
+        let [a, b, m] = [p[0], p[1], p[6]];
+        device.sensing.gain += m * (3.0 * b * m - 2.0 * a);
+        device.sensing.quadratic = a - 3.0 * b * m;
+        device.sensing.cubic = b;
         device.sensing.ripple = [p[2], p[3]];
         device.sensing.wave_number = p[4];
-        device.sensing.offset = p[5];
+        device.sensing.offset = p[5] + m * m * (a - b * m);
     },
 };
+
+#[cfg(test)]
+mod tests {
+    use super::KIND;
+    use crate::device::Device;
+    use recording::Model;
+
+    #[test]
+    fn is_bent_around_its_middle() {
+        let [a, b, m, o] = [0.3, -0.8, 0.2, 0.01];
+        let mut device = Device::nominal(&Model::new(1.0));
+        (KIND.install)(&mut device, &[a, b, 0.0, 0.0, 6.0, o, m]);
+        for x in [-0.4, 0.0, 0.2, 0.5] {
+            let bent = x + a * (x - m).powi(2) + b * (x - m).powi(3) + o;
+            assert!((device.sensing.curve(x) - bent).abs() < 1e-12, "{x}");
+        }
+    }
+}

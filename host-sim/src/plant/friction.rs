@@ -14,10 +14,15 @@ pub struct Friction {
     pub static_ratio: f64,
     /// Speed over which the level falls from static to sliding, rad/s.
     pub stribeck_velocity: f64,
-    /// Dependence on position: `p = max(0, 1 + slope (x − centre) + curve (x − centre)²)`.
+    /// Dependence on position: `p = max(0, 1 + slope x + curve x² + r sin(n x) + s (cos(n x) − 1))` with
+    /// x from the centre.
     pub position_slope: f64,
     /// Likewise, 1/rad².
     pub position_curve: f64,
+    /// Likewise, r and s.
+    pub position_ripple: [f64; 2],
+    /// Likewise, n, 1/rad.
+    pub position_wave_number: f64,
     /// Likewise, rad.
     pub position_centre: f64,
     /// Share of the driving torque that is added to the level.
@@ -42,6 +47,8 @@ impl Friction {
             stribeck_velocity: 0.0,
             position_slope: 0.0,
             position_curve: 0.0,
+            position_ripple: [0.0; 2],
+            position_wave_number: 0.0,
             position_centre: 0.0,
             load_share: 0.0,
             drift_per_s: 0.0,
@@ -63,6 +70,7 @@ impl Friction {
         self.static_ratio == 1.0
             && self.position_slope == 0.0
             && self.position_curve == 0.0
+            && self.position_ripple == [0.0; 2]
             && self.load_share == 0.0
             && self.drift_per_s == 0.0
     }
@@ -117,7 +125,11 @@ impl Friction {
     #[inline]
     fn scaled(&self, direction: f64, position: f64, t_s: f64) -> f64 {
         let x = position - self.position_centre;
-        let p = 1.0 + x * (self.position_slope + x * self.position_curve);
+        let mut p = 1.0 + x * (self.position_slope + x * self.position_curve);
+        if self.position_ripple != [0.0; 2] {
+            let (sin, cos) = (self.position_wave_number * x).sin_cos();
+            p += self.position_ripple[0] * sin + self.position_ripple[1] * (cos - 1.0);
+        }
         let d = 1.0 + self.drift_per_s * t_s;
         self.level_nm[usize::from(direction < 0.0)] * p.max(0.0) * d.max(0.0)
     }

@@ -6,6 +6,7 @@ use crate::predict::Predictor;
 use crate::series::Series;
 use crate::whitening::{Whitening, whitenings};
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use recording::Recording;
 
 /// What every fit shares.
@@ -87,6 +88,9 @@ const WIDE: usize = 2;
 const LONGEST_MOVE: f64 = 1.5;
 /// Coordinates stay within this: a factor of 20 from where they start, or five of their scales.
 const REACH: f64 = 5.0;
+/// Moves of one coordinate that are tried where no slope leads on, and how often.
+const POLLED: [f64; 6] = [-0.4, -0.1, -0.02, 0.02, 0.1, 0.4];
+const MOST_POLLS: usize = 3;
 const FIRST_DAMPING: f64 = 1e-2;
 const MOST_DAMPING: f64 = 1e4;
 /// An iteration that gains less than this share of the cost is the last.
@@ -229,6 +233,38 @@ impl Problem<'_> {
         let residuals = self.residuals(&predictor, part);
         let whitenings = self.whitenings(&predictor, &residuals, part);
         costs(&self.whitened(&residuals, &whitenings))
+    }
+
+    /// A fit to all windows carried on until looking to both sides along each coordinate leads no further: slopes say
+    /// nothing across a kink or a step.
+    pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
+        let mut best = self.fit(&fit.hypothesis, fit.x.clone(), 0, Part::All, iterations);
+        for _ in 0..MOST_POLLS {
+            let total = |fit: &Fit| sum_log(&fit.costs) + self.prior(&fit.x);
+            let beside: Vec<Vec<f64>> = (0..best.x.len())
+                .flat_map(|i| POLLED.map(|by| (i, by)))
+                .map(|(i, by)| {
+                    let mut x = best.x.clone();
+                    x[i] = (x[i] + by).clamp(-REACH, REACH);
+                    x
+                })
+                .collect();
+            let polled = beside.into_par_iter().map(|x| {
+                let costs = self.costs(&best.hypothesis, &x, Part::All);
+                (sum_log(&costs) + self.prior(&x), x)
+            });
+            let lowest = polled.min_by(|a, b| a.0.total_cmp(&b.0));
+            let lowest = lowest.filter(|(low, _)| *low < total(&best) - LEAST_WINDOW_GAIN);
+            let Some((_, x)) = lowest else {
+                break;
+            };
+            let again = self.fit(&best.hypothesis, x, 0, Part::All, iterations);
+            if total(&again) >= total(&best) {
+                break;
+            }
+            best = again;
+        }
+        best
     }
 
     /// Fits `hypothesis` from `x` on a part of the windows by Levenberg's and Marquardt's method with

@@ -74,7 +74,7 @@ impl Search<'_> {
 
     fn round_with(&self, known: &Fit, hints: &[Rival], found: Option<Rival>) -> Option<Round> {
         let chosen = self.screening_windows(known);
-        let screened = self.screened(known, &[], &chosen, hints);
+        let screened = self.screened(known, &chosen, hints);
         let mut rivals = self.finals(screened.clone(), known, &chosen);
         if let Some(found) = found {
             rivals
@@ -93,10 +93,9 @@ impl Search<'_> {
         let hints = &first.screened;
         let chosen = self.screening_windows(null);
         let leaders = &first.rivals[..first.rivals.len().min(LEADERS)];
-        let names: Vec<&str> = leaders.iter().map(|rival| rival.name).collect();
-        let screened = leaders.iter().enumerate();
-        let screened = screened
-            .flat_map(|(rank, leader)| self.screened(&leader.fit, &names[..rank], &chosen, hints))
+        let screened = leaders
+            .iter()
+            .flat_map(|leader| self.screened(&leader.fit, &chosen, hints))
             .collect();
         let both = ranked(self.finals(screened, null, &chosen), null)?.swap_remove(0);
         let turned = turned(&both, null)?;
@@ -184,13 +183,7 @@ impl Search<'_> {
             rivals.insert(0, special);
         }
         let winner = &mut rivals[0].fit;
-        *winner = self.problem.fit(
-            &winner.hypothesis,
-            winner.x.clone(),
-            0,
-            Part::All,
-            POLISHING_ITERATIONS,
-        );
+        *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         let (significance, earned) =
             earns_its_place(self.problem, &self.perfect, known, &rivals[0]);
         Some(Round {

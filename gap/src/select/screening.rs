@@ -17,7 +17,7 @@ const STARTS_KEPT: usize = 1;
 const MOST_STARTS_FITTED: usize = 20;
 const SCANNED_FITTED: usize = 4;
 /// Effects with more starts go on from where they were found before.
-const HINTED_STARTS: usize = 5;
+const HINTED_STARTS: usize = 8;
 const SCANNED_KEPT: usize = 3;
 const SCANNED_ITERATIONS: usize = 6;
 /// Effects that are fitted on then.
@@ -77,14 +77,8 @@ impl Ground<'_> {
 }
 
 impl Search<'_> {
-    /// Every effect on top of `known` but those in `skipped`, fitted to the chosen windows.
-    pub(super) fn screened(
-        &self,
-        known: &Fit,
-        skipped: &[&str],
-        chosen: &[bool],
-        hints: &[Rival],
-    ) -> Vec<Rival> {
+    /// Every effect on top of `known`, fitted to the chosen windows.
+    pub(super) fn screened(&self, known: &Fit, chosen: &[bool], hints: &[Rival]) -> Vec<Rival> {
         (self.progress)(Stage::Screening);
         let problem = self.problem;
         let mut known = known.clone();
@@ -99,7 +93,7 @@ impl Search<'_> {
             chosen,
             soon: quarter.map(|quarter| (quarter, blocks(quarter))),
         };
-        let tried = self.tried(&known, skipped, hints);
+        let tried = self.tried(&known, hints);
         let begun = tried.par_iter();
         let begun = begun.map(|candidate| (ground.best(candidate), candidate.kind.name));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
@@ -124,7 +118,7 @@ impl Search<'_> {
     }
 
     /// The effects that `known` does not have, with their starts.
-    fn tried(&self, known: &Fit, skipped: &[&str], hints: &[Rival]) -> Vec<Candidate> {
+    fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
         let Problem {
             recording, series, ..
         } = self.problem;
@@ -144,9 +138,7 @@ impl Search<'_> {
         let terms = &known.hypothesis.terms;
         tried.retain(|candidate| {
             let name = candidate.kind.name;
-            !self.given.excluded.contains(&name)
-                && !skipped.contains(&name)
-                && terms.iter().all(|term| term.kind.name != name)
+            !self.given.excluded.contains(&name) && terms.iter().all(|term| term.kind.name != name)
         });
         for candidate in &mut tried {
             let name = candidate.kind.name;

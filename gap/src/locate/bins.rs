@@ -5,16 +5,14 @@
 pub(super) struct Point {
     /// On the axis.
     pub at: f64,
+    /// Which of the things measured it is.
+    pub index: usize,
     /// Prediction window that it lies in: within one, nothing is independent.
     pub block: usize,
     /// Samples, or what stands for them.
     pub weight: f64,
-    /// Of the gap, squared.
+    /// Of the gap.
     pub excess: f64,
-    /// What the model misses, with its sign, of unit variance if it misses nothing.
-    pub missing: f64,
-    /// The same along the motion: what friction changes there.
-    pub driving: f64,
 }
 
 /// Consecutive stretches of an axis with about the same weight each.
@@ -112,12 +110,12 @@ impl Bins {
 
     /// Shares of weight and gap of each bin.
     fn sums(&self) -> Vec<[f64; 2]> {
-        let bins = self.bounds.windows(2).map(|b| {
-            let bin = self.points[b[0]..b[1]].iter();
-            let [w, e] = bin.fold([0.0; 2], |[w, e], p| [w + p.weight, e + p.excess]);
+        let sums = self.parts().map(|bin| {
+            let sums = bin.iter().map(|p| [p.weight, p.excess]);
+            let [w, e] = sums.fold([0.0; 2], |[w, e], [x, y]| [w + x, e + y]);
             [w / self.weight, e / self.excess]
         });
-        bins.collect()
+        sums.collect()
     }
 
     /// Surplus of the `count` bins with the largest, wherever they lie.
@@ -150,33 +148,56 @@ impl Bins {
         best
     }
 
-    /// Share of what is missing that is a function of the place: the correlation ratio (Pearson, 1905),
-    /// less what noise alone would give.
-    pub(super) fn explained(&self) -> f64 {
-        self.between(|p| p.missing, 0.0)
+    /// The best stretch of those that begin where the axis does.
+    pub(super) fn best_from_start(&self) -> Stretch {
+        let none = Stretch {
+            from: self.edge(0),
+            to: self.edge(0),
+            share_of_gap: 0.0,
+            share_of_weight: 0.0,
+        };
+        let grown = self
+            .sums()
+            .into_iter()
+            .enumerate()
+            .scan(none, |s, (i, sum)| {
+                s.to = self.edge(i + 1);
+                s.share_of_weight += sum[0];
+                s.share_of_gap += sum[1];
+                Some(*s)
+            });
+        grown
+            .max_by(|a, b| a.surplus().total_cmp(&b.surplus()))
+            .unwrap_or(none)
     }
 
-    /// The same for what is missing along the motion, a constant left out: friction that changes with the
-    /// place.
-    pub(super) fn explained_along(&self) -> f64 {
-        let mean = self.points.iter().map(|p| p.driving).sum::<f64>() / self.points.len() as f64;
-        self.between(|p| p.driving, mean)
+    /// What each of `count` things would have of the gap if the place alone decided, by index.
+    pub(super) fn expected(&self, count: usize) -> Vec<f64> {
+        let mut expected = vec![0.0; count];
+        for bin in self.parts() {
+            let sum = |of: fn(&Point) -> f64| bin.iter().map(of).sum::<f64>();
+            let density = sum(|p| p.excess) / sum(|p| p.weight).max(f64::MIN_POSITIVE);
+            for p in bin {
+                expected[p.index] = density * p.weight;
+            }
+        }
+        expected
     }
 
-    fn between(&self, value: impl Fn(&Point) -> f64, level: f64) -> f64 {
-        let bins = self.bounds.windows(2).map(|b| {
-            let n = (b[1] - b[0]) as f64;
-            let mean = self.points[b[0]..b[1]].iter().map(&value).sum::<f64>() / n;
-            n * (mean - level).powi(2) - 1.0
-        });
-        let between: f64 = bins.sum();
-        let all = self.points.iter().map(|p| p.missing * p.missing - 1.0);
-        let all: f64 = all.sum();
+    /// Share of the squared `values` that is a function of the place: the correlation ratio (Pearson, 1905)
+    /// from pairs of values in different windows, so that neither noise nor what goes on in one window counts.
+    pub(super) fn explained(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let between: f64 = self.parts().map(|bin| across(bin, &value)).sum();
+        let all: f64 = self.points.iter().map(|p| value(p.index).powi(2)).sum();
         if all > 0.0 {
             (between / all).clamp(0.0, 1.0)
         } else {
             0.0
         }
+    }
+
+    fn parts(&self) -> impl Iterator<Item = &[Point]> {
+        self.bounds.windows(2).map(|b| &self.points[b[0]..b[1]])
     }
 
     /// 95 % interval of the share of the gap that `stretch` carries, by resampling the windows.
@@ -215,19 +236,35 @@ impl Bins {
     }
 }
 
+/// Sum of each value times the mean of those in other windows.
+fn across(bin: &[Point], value: impl Fn(usize) -> f64) -> f64 {
+    let mut values: Vec<(usize, f64)> = bin.iter().map(|p| (p.block, value(p.index))).collect();
+    values.sort_by_key(|(block, _)| *block);
+    let sum: f64 = values.iter().map(|(_, v)| v).sum();
+    let windows = values.chunk_by(|a, b| a.0 == b.0).map(|window| {
+        let others = values.len() - window.len();
+        let own: f64 = window.iter().map(|(_, v)| v).sum();
+        if others > 0 {
+            own * (sum - own) / others as f64
+        } else {
+            0.0
+        }
+    });
+    windows.sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Hundred points from 0 to 99, each with a weight of one.
-    fn points(excess: impl Fn(f64) -> f64, missing: impl Fn(f64) -> f64) -> Vec<Point> {
+    /// Hundred points from 0 to 99, each with a weight of one; every fourth lies in the same window.
+    fn points(excess: impl Fn(f64) -> f64) -> Vec<Point> {
         let points = (0..100).map(|i| Point {
             at: f64::from(i),
-            block: i as usize / 5,
+            index: i as usize,
+            block: i as usize % 4,
             weight: 1.0,
             excess: excess(f64::from(i)),
-            missing: missing(f64::from(i)),
-            driving: missing(f64::from(i)),
         });
         points.collect()
     }
@@ -235,7 +272,7 @@ mod tests {
     #[test]
     fn the_stretch_is_found_and_its_shares_add_up() {
         let inside = |x: f64| if (40.0..50.0).contains(&x) { 9.0 } else { 0.1 };
-        let bins = Bins::new(points(inside, |_| 0.0), 50).unwrap();
+        let bins = Bins::new(points(inside), 50).unwrap();
         let best = bins.best(None).unwrap();
         assert!((best.from - 39.5).abs() < 1e-9 && (best.to - 49.5).abs() < 1e-9);
         assert!((best.share_of_gap - 90.0 / 99.0).abs() < 1e-9);
@@ -254,24 +291,48 @@ mod tests {
             70..75 => 6.0,
             _ => 0.0,
         };
-        let bins = Bins::new(points(two, |_| 0.0), 20).unwrap();
+        let bins = Bins::new(points(two), 20).unwrap();
         let first = bins.stretch(19.5, 29.5);
         let second = bins.best(Some(&first)).unwrap();
         assert!(second.from >= 29.5 && second.to >= 74.5, "{second:?}");
     }
 
     #[test]
-    fn a_function_of_the_place_is_explained_and_an_alternation_is_not() {
-        let course = Bins::new(points(|_| 1.0, |x| 0.2 * (x - 50.0)), 20).unwrap();
-        assert!(course.explained() > 0.9);
-        let sign = |x: f64| if x as i32 % 2 == 0 { 10.0 } else { -10.0 };
-        let alternation = Bins::new(points(|_| 1.0, sign), 10).unwrap();
-        assert!(alternation.explained() < 0.1);
+    fn a_function_of_the_place_is_explained_and_what_one_window_has_is_not() {
+        let bins = Bins::new(points(|_| 1.0), 10).unwrap();
+        assert!(bins.explained(|i| i as f64 - 50.0) > 0.9);
+        assert!(bins.explained(|i| if i / 4 % 2 == 0 { 1.0 } else { -1.0 }) < 0.2);
+        assert!(bins.explained(|i| if i % 4 == 0 { 9.0 } else { 0.0 }) < 0.1);
+    }
+
+    #[test]
+    fn what_another_axis_decides_leaves_no_stretch() {
+        let late = |x: f64| if x < 50.0 { 1.0 } else { 7.0 };
+        let expected = Bins::new(points(late), 20).unwrap().expected(100);
+        let mut same = points(late);
+        for p in &mut same {
+            (p.at, p.weight) = (-p.at, expected[p.index]);
+        }
+        let left = Bins::new(same, 20).unwrap().best(None);
+        assert!(left.is_none_or(|s| s.surplus() < 1e-9), "{left:?}");
+    }
+
+    #[test]
+    fn a_stretch_from_the_start_begins_there() {
+        let two = |x: f64| match x as i32 {
+            0..10 => 3.0,
+            70..75 => 9.0,
+            _ => 0.0,
+        };
+        let bins = Bins::new(points(two), 20).unwrap();
+        let start = bins.best_from_start();
+        assert!((start.from, start.to) == (0.0, 9.5), "{start:?}");
+        assert!((start.share_of_gap - 30.0 / 75.0).abs() < 1e-9);
     }
 
     #[test]
     fn without_excess_there_is_nothing_to_part() {
-        assert!(Bins::new(points(|_| 0.0, |_| 0.0), 10).is_none());
+        assert!(Bins::new(points(|_| 0.0), 10).is_none());
         assert!(Bins::new(Vec::new(), 10).is_none());
     }
 }

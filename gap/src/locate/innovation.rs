@@ -7,7 +7,7 @@ use crate::whitening::whitenings;
 use rayon::prelude::*;
 
 /// One short prediction against the measurement, with the motion during it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Innovation {
     /// Prediction window in which it begins, by running index over all series.
     pub window: usize,
@@ -33,6 +33,18 @@ pub(super) struct Innovation {
     pub excess: f64,
     /// The acceleration that the prediction misses, in its standard deviations.
     pub missing: f64,
+}
+
+impl Innovation {
+    /// The excess by the measure of the fits, in which no single event outweighs all else.
+    pub(super) fn robust(&self) -> f64 {
+        self.samples * (self.excess / self.samples).ln_1p()
+    }
+
+    /// 1 or -1 with the motion.
+    pub(super) fn direction(&self) -> f64 {
+        if self.velocity < 0.0 { -1.0 } else { 1.0 }
+    }
 }
 
 /// Shortest prediction, s.

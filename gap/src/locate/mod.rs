@@ -1,7 +1,9 @@
 //! Where the gap lies, from the data alone.
 
 mod bins;
+mod evidence;
 mod innovation;
+mod level;
 mod spectrum;
 
 use crate::comparison::{Comparison, Outcome};
@@ -9,48 +11,21 @@ use crate::diagnosis::Region;
 use crate::fit::{Fit, Problem};
 use crate::perfect::WHITE;
 use crate::predict::Predictor;
-use crate::series::{Series, median_period};
-use bins::{Bins, Point, Stretch};
+use bins::Stretch;
+use evidence::{Evidence, LEAST_SURPLUS, span};
 use host_sim::effects::Channel;
-use innovation::{Innovation, innovations};
+use innovation::innovations;
 
 /// A share of the gap that is most of it: its place is told first.
 const MOST: f64 = 0.5;
 /// What a channel's even share would be: there are five, and every sample passes through each.
 const ONE_CHANNEL: f64 = 0.2;
-/// Bins of an axis.
-const BINS: usize = 40;
-/// Bins of time, where short events are looked for.
-const TIME_BINS: usize = 80;
-/// Bins in which a slow course over time is looked for.
-const COARSE_TIME_BINS: usize = 8;
 /// Axes that are told.
 const AXES: usize = 3;
-/// A surplus below this is no place: the gap then goes with the axis all along.
-const LEAST_SURPLUS: f64 = 0.1;
 /// Robust excess per window up to which there is no gap to locate.
 const NOTICEABLE: f64 = 0.01;
 /// The gap must be this share of the squared innovations; noise alone may pass for some.
 const LEAST_EXCESS: f64 = 0.1;
-/// Weight of a band of frequencies or of a run: some of them always stand out, as excitation is uneven.
-const UNEVEN_WEIGHT: f64 = 0.5;
-/// A stretch of time with at least this surplus holds an event, which no other axis can place.
-const EVENT_SURPLUS: f64 = 0.65;
-/// So do this many bins of time, wherever they lie.
-const EVENTS: usize = 4;
-/// What that is worth.
-const EVENT_STRENGTH: f64 = 0.5;
-/// Weight of a slow course of friction over time: what repeats itself has none.
-const COURSE_WEIGHT: f64 = 2.5;
-
-/// What speaks for an axis.
-struct Evidence {
-    axis: &'static str,
-    bins: Bins,
-    stretch: Stretch,
-    strength: f64,
-}
-
 /// Parts of the data that carry more of the gap than their share of the samples, the most telling first: three
 /// different axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
 pub(crate) fn regions(
@@ -88,8 +63,9 @@ fn sensing(comparison: &Comparison) -> Option<Region> {
 
 /// Three axes and what else stands out on them.
 ///
-/// An axis speaks by a stretch that carries more than its share, and by what of the missing acceleration
-/// is a function of it. Motion couples the axes, so that the next best ones are told too.
+/// An axis speaks by a stretch that carries more than its share, and by how much of the missing
+/// acceleration is a function of it, beyond a constant and a level of friction. Motion couples the axes, so
+/// that the next best ones are told too.
 fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     if null.costs.mean_log() <= WHITE + NOTICEABLE {
         return Vec::new();
@@ -111,19 +87,9 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     if excess <= LEAST_EXCESS * (excess + samples) {
         return Vec::new();
     }
-    let mut axes: Vec<Evidence> = [
-        velocity(&all),
-        plain("position", &all, |i| i.position),
-        plain("input", &all, |i| i.input),
-        plain("acceleration", &all, |i| i.acceleration),
-        time(&all, &problem.series),
-        run(&all, &problem.series),
-        frequency(&all, problem, &predictor),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
-    axes.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    let series = &problem.series;
+    let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
+    let mut axes = evidence::Axes::new(&all, series).ranked(&predictions, recording.horizon);
     axes.truncate(AXES);
     let second = axes.iter().filter_map(|e| {
         let stretch = e.bins.best(Some(&e.stretch))?;
@@ -134,115 +100,6 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
         .chain(second)
         .map(|(e, stretch)| region(problem, e, stretch))
         .collect()
-}
-
-fn points(all: &[Innovation], at: impl Fn(&Innovation) -> f64) -> Vec<Point> {
-    let points = all.iter().map(|i| Point {
-        at: at(i),
-        block: i.window,
-        weight: i.samples,
-        excess: i.excess,
-        missing: i.missing,
-        driving: i.missing * i.velocity.signum(),
-    });
-    points.collect()
-}
-
-fn plain(axis: &'static str, all: &[Innovation], at: fn(&Innovation) -> f64) -> Option<Evidence> {
-    let bins = Bins::new(points(all, at), BINS)?;
-    let best = bins.best(None).unwrap_or_else(|| bins.whole());
-    Some(Evidence {
-        axis,
-        strength: best.surplus() + bins.explained() + bins.explained_along(),
-        stretch: if best.surplus() < LEAST_SURPLUS {
-            bins.whole()
-        } else {
-            best
-        },
-        bins,
-    })
-}
-
-/// Velocity; what lags behind a reversal belongs to it, too.
-fn velocity(all: &[Innovation]) -> Option<Evidence> {
-    let now = plain("velocity", all, |i| i.velocity)?;
-    let Some(reversal) = plain("velocity", all, |i| i.slowest) else {
-        return Some(now);
-    };
-    let at_rest = reversal.stretch.from <= 0.0 && reversal.stretch.to >= 0.0;
-    if at_rest && reversal.stretch.surplus() > now.stretch.surplus() {
-        Some(Evidence {
-            strength: reversal.strength.max(now.strength),
-            ..reversal
-        })
-    } else {
-        Some(now)
-    }
-}
-
-/// Time, on the clock of the session, the best stretch cut to one run if the runs' own times overlap.
-fn time(all: &[Innovation], series: &[Series]) -> Option<Evidence> {
-    let bins = Bins::new(points(all, |i| i.session_s), TIME_BINS)?;
-    let coarse = Bins::new(points(all, |i| i.session_s), COARSE_TIME_BINS)?;
-    let mut stretch = bins.best(None)?;
-    let event = stretch.surplus().max(bins.densest(EVENTS)) > EVENT_SURPLUS;
-    let strength = stretch.surplus()
-        + COURSE_WEIGHT * coarse.explained_along()
-        + if event { EVENT_STRENGTH } else { 0.0 };
-    if series.iter().any(|s| s.session_offset_s != 0.0) {
-        let cut = series.iter().map(|s| {
-            let (from, to) = span(s);
-            bins.stretch(from.max(stretch.from), to.min(stretch.to))
-        });
-        stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
-    }
-    Some(Evidence {
-        axis: "time",
-        bins,
-        stretch,
-        strength,
-    })
-}
-
-/// First and last time of a series on the clock of the session, s.
-fn span(series: &Series) -> (f64, f64) {
-    let last = series.time.len().saturating_sub(1);
-    (series.session(0), series.session(last))
-}
-
-/// The run that carries most beyond its share.
-fn run(all: &[Innovation], series: &[Series]) -> Option<Evidence> {
-    let bins = Bins::new(points(all, |i| i.run as f64), BINS)?;
-    let runs = series
-        .iter()
-        .map(|s| bins.stretch(s.run as f64, s.run as f64));
-    let stretch = runs.max_by(|a, b| a.surplus().total_cmp(&b.surplus()))?;
-    (stretch.surplus() > LEAST_SURPLUS).then(|| Evidence {
-        axis: "run",
-        strength: UNEVEN_WEIGHT * stretch.surplus(),
-        bins,
-        stretch,
-    })
-}
-
-/// A band of frequencies; what goes with the change of the input is an error of phase and belongs here.
-fn frequency(all: &[Innovation], problem: &Problem<'_>, predictor: &Predictor) -> Option<Evidence> {
-    let series = &problem.series;
-    let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
-    let period_s = series
-        .iter()
-        .map(|s| median_period(&s.time))
-        .fold(0.0, f64::max);
-    let points = spectrum::points(series, &predictions, problem.recording.horizon, period_s);
-    let bins = Bins::new(points, BINS)?;
-    let stretch = bins.best(None)?;
-    let change = Bins::new(self::points(all, |i| i.input_change), BINS)?;
-    Some(Evidence {
-        axis: "frequency",
-        strength: UNEVEN_WEIGHT * stretch.surplus() + change.explained(),
-        bins,
-        stretch,
-    })
 }
 
 fn region(problem: &Problem<'_>, evidence: &Evidence, stretch: Stretch) -> Region {

@@ -1,0 +1,240 @@
+//! What speaks for each axis.
+
+use super::bins::{Bins, Point, Stretch};
+use super::innovation::Innovation;
+use super::level::Level;
+use super::spectrum;
+use crate::series::{Series, median_period};
+
+/// Bins of an axis.
+const BINS: usize = 40;
+/// Bins of time, where short events are looked for.
+const TIME_BINS: usize = 80;
+/// Bins in which a slow course over time is looked for.
+const COARSE_TIME_BINS: usize = 8;
+/// A surplus below this is no place: the gap then goes with the axis all along.
+pub(super) const LEAST_SURPLUS: f64 = 0.1;
+/// Weight of a band of frequencies or of a run: some of them always stand out, as excitation is uneven.
+const UNEVEN_WEIGHT: f64 = 0.5;
+/// Bins of time that the events of a recording take, wherever they lie.
+const EVENTS: usize = 4;
+/// With at least this surplus they are events, which no other axis can place.
+const EVENT_SURPLUS: f64 = 0.65;
+/// And this much by the robust measure: what grows out of a fault that is there all along is no event.
+const ROBUST_EVENT_SURPLUS: f64 = 0.3;
+/// What that is worth.
+const EVENT_STRENGTH: f64 = 0.5;
+/// Weight of a slow course of friction over time: what repeats itself has none.
+const COURSE_WEIGHT: f64 = 2.5;
+
+/// What speaks for an axis.
+pub(super) struct Evidence {
+    pub axis: &'static str,
+    pub bins: Bins,
+    pub stretch: Stretch,
+    pub strength: f64,
+}
+
+/// Axes of which the motion alone decides where it is on them.
+const OF_MOTION: [(&str, Place); 4] = [
+    ("velocity", |i| i.velocity),
+    ("position", |i| i.position),
+    ("input", |i| i.input),
+    ("acceleration", |i| i.acceleration),
+];
+
+type Place = fn(&Innovation) -> f64;
+
+/// The axes of some innovations, and what speaks for each.
+///
+/// How strongly an axis speaks goes by the robust measure, so that one violent moment does not decide
+/// it; the stretches that are told, and their shares, go by the squares, of which the gap is made.
+pub(super) struct Axes<'a> {
+    all: &'a [Innovation],
+    level: Level,
+    series: &'a [Series],
+}
+
+impl<'a> Axes<'a> {
+    pub(super) fn new(all: &'a [Innovation], series: &'a [Series]) -> Self {
+        Self {
+            all,
+            level: Level::of(all),
+            series,
+        }
+    }
+
+    /// Every axis that says something, the most telling first.
+    pub(super) fn ranked(&self, predictions: &[Vec<f64>], horizon_s: f64) -> Vec<Evidence> {
+        let of_motion = OF_MOTION.map(|(axis, place)| match axis {
+            "velocity" => self.velocity(),
+            _ => self.plain(axis, place),
+        });
+        let others = [
+            self.time(),
+            self.run(),
+            self.frequency(predictions, horizon_s),
+        ];
+        let mut axes: Vec<Evidence> = of_motion.into_iter().chain(others).flatten().collect();
+        axes.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+        axes
+    }
+
+    fn bins(&self, at: impl Fn(&Innovation) -> f64, excess: Place, count: usize) -> Option<Bins> {
+        let points = self.all.iter().enumerate().map(|(index, i)| Point {
+            at: at(i),
+            index,
+            block: i.window,
+            weight: i.samples,
+            excess: excess(i),
+        });
+        Bins::new(points.collect(), count)
+    }
+
+    /// Share of what is missing that is a function of the place, constant and level of friction apart.
+    fn explained(&self, bins: &Bins) -> f64 {
+        self.level.share_of_rest * bins.explained(|i| self.level.rest[i])
+    }
+
+    /// The same along the motion: friction that changes with the place.
+    fn explained_along(&self, bins: &Bins) -> f64 {
+        let along = |i: usize| self.level.rest[i] * self.all[i].direction();
+        self.level.share_of_rest * bins.explained(along)
+    }
+
+    /// The best stretch by the robust measure.
+    fn best(&self, at: Place) -> Option<Stretch> {
+        let bins = self.bins(at, Innovation::robust, BINS)?;
+        Some(bins.best(None).unwrap_or_else(|| bins.whole()))
+    }
+
+    fn plain(&self, axis: &'static str, at: Place) -> Option<Evidence> {
+        let bins = self.bins(at, |i| i.excess, BINS)?;
+        let standing_out = |stretch: &Stretch| stretch.surplus() >= LEAST_SURPLUS;
+        let best = self.best(at)?;
+        let stretch = Some(best)
+            .filter(standing_out)
+            .map(|best| bins.stretch(best.from, best.to))
+            .filter(standing_out)
+            .or_else(|| bins.best(None).filter(standing_out))
+            .unwrap_or_else(|| bins.whole());
+        let everywhere = match axis {
+            "velocity" => self.level.direction,
+            "position" | "input" => self.level.constant,
+            _ => 0.0,
+        };
+        let course = self.explained(&bins).max(self.explained_along(&bins));
+        Some(Evidence {
+            axis,
+            strength: best.surplus() + course + everywhere,
+            stretch,
+            bins,
+        })
+    }
+
+    /// Velocity; what comes at a reversal or shortly after, in either direction, belongs to it, too.
+    fn velocity(&self) -> Option<Evidence> {
+        let now = self.plain("velocity", |i| i.velocity)?;
+        let near_rest = self.bins(|i| i.slowest.abs(), |i| i.excess, BINS)?;
+        let rest = near_rest.best_from_start();
+        let surplus = self.best(|i| i.velocity)?.surplus();
+        if rest.surplus() <= surplus {
+            return Some(now);
+        }
+        let bins = self.bins(|i| i.slowest, |i| i.excess, BINS)?;
+        Some(Evidence {
+            strength: now.strength + rest.surplus() - surplus,
+            stretch: bins.stretch(-rest.to, rest.to),
+            bins,
+            ..now
+        })
+    }
+
+    /// Time, on the clock of the session, the best stretch cut to one run if the runs' own times overlap.
+    fn time(&self) -> Option<Evidence> {
+        let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
+        let robust = self.bins(|i| i.session_s, Innovation::robust, TIME_BINS)?;
+        let coarse = self.bins(|i| i.session_s, |i| i.excess, COARSE_TIME_BINS)?;
+        let mut stretch = bins.best(None)?;
+        let event =
+            bins.densest(EVENTS) > EVENT_SURPLUS && robust.densest(EVENTS) > ROBUST_EVENT_SURPLUS;
+        let strength = self.surplus_of_time()
+            + COURSE_WEIGHT * self.explained_along(&coarse)
+            + if event { EVENT_STRENGTH } else { 0.0 };
+        if self.series.iter().any(|s| s.session_offset_s != 0.0) {
+            let cut = self.series.iter().map(|s| {
+                let (from, to) = span(s);
+                bins.stretch(from.max(stretch.from), to.min(stretch.to))
+            });
+            stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
+        }
+        Some(Evidence {
+            axis: "time",
+            bins,
+            stretch,
+            strength,
+        })
+    }
+
+    /// Surplus of times beyond what each of the other axes makes of them: where the motion is livelier, the
+    /// gap is larger.
+    fn surplus_of_time(&self) -> f64 {
+        let left = OF_MOTION.iter().filter_map(|(_, place)| {
+            let expected = self
+                .bins(place, |i| i.excess, BINS)?
+                .expected(self.all.len());
+            let points = self.all.iter().enumerate().map(|(index, i)| Point {
+                at: i.session_s,
+                index,
+                block: i.window,
+                weight: expected[index],
+                excess: i.excess,
+            });
+            let bins = Bins::new(points.collect(), TIME_BINS)?;
+            let best = bins.best(None).map_or(0.0, |best| best.surplus());
+            Some(best.max(bins.densest(EVENTS)))
+        });
+        left.min_by(f64::total_cmp).unwrap_or(0.0)
+    }
+
+    /// The run that carries most beyond its share.
+    fn run(&self) -> Option<Evidence> {
+        let bins = self.bins(|i| i.run as f64, |i| i.excess, BINS)?;
+        let runs = self
+            .series
+            .iter()
+            .map(|s| bins.stretch(s.run as f64, s.run as f64));
+        let stretch = runs.max_by(|a, b| a.surplus().total_cmp(&b.surplus()))?;
+        (stretch.surplus() > LEAST_SURPLUS).then(|| Evidence {
+            axis: "run",
+            strength: UNEVEN_WEIGHT * stretch.surplus(),
+            bins,
+            stretch,
+        })
+    }
+
+    /// A band of frequencies; what goes with the change of the input is an error of phase and belongs here.
+    fn frequency(&self, predictions: &[Vec<f64>], horizon_s: f64) -> Option<Evidence> {
+        let period_s = self
+            .series
+            .iter()
+            .map(|s| median_period(&s.time))
+            .fold(0.0, f64::max);
+        let points = spectrum::points(self.series, predictions, horizon_s, period_s);
+        let bins = Bins::new(points, BINS)?;
+        let stretch = bins.best(None)?;
+        let change = self.bins(|i| i.input_change, |i| i.excess, BINS)?;
+        Some(Evidence {
+            axis: "frequency",
+            strength: UNEVEN_WEIGHT * stretch.surplus() + self.explained(&change),
+            bins,
+            stretch,
+        })
+    }
+}
+
+/// First and last time of a series on the clock of the session, s.
+pub(super) fn span(series: &Series) -> (f64, f64) {
+    let last = series.time.len().saturating_sub(1);
+    (series.session(0), series.session(last))
+}

@@ -245,6 +245,29 @@ fn a_stiff_link_makes_one_device_of_two_wherever_the_friction_is() {
 }
 
 #[test]
+fn each_side_of_a_play_is_slowed_by_its_share_of_the_viscous_friction() {
+    let (load_share, load_friction) = (0.4, 0.3);
+    let plant = Plant::new(Mechanics {
+        viscous: 2e-3,
+        link: Some(Link {
+            load_share,
+            stiffness: 100.0,
+            damping: 0.1,
+            play: 2.0,
+            load_friction,
+            sensor_on_load: false,
+        }),
+        ..Mechanics::inertia(5e-4)
+    });
+    let mut state = plant.state(0.0, 0.0, 1.0);
+    plant.advance(&mut state, Torque::held(0.0), 0.2);
+    let slowed = |friction: f64, inertia: f64| (-0.2 * friction * 2e-3 / (inertia * 5e-4)).exp();
+    let motor = slowed(1.0 - load_friction, 1.0 - load_share);
+    assert!((state.velocity - motor).abs() < 1e-6);
+    assert!((state.load_velocity - slowed(load_friction, load_share)).abs() < 1e-6);
+}
+
+#[test]
 fn friction_on_the_load_side_holds_the_load_while_the_motor_turns() {
     let plant = Plant::new(Mechanics {
         friction: Friction::coulomb(0.015),

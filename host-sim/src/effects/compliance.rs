@@ -37,7 +37,7 @@ pub const KIND: Kind = Kind {
             quantity: Quantity::Ratio,
             default: 0.0,
             typical: [0.0, 1.0],
-            about: "share of the dry friction on the load side",
+            about: "share of the friction on the load side",
         },
     ],
     install: |device, p| {

@@ -1,8 +1,8 @@
 //! A transmission that is not rigid.
 
-/// Splits the inertia in two, with a spring, a damper and play between the halves. The drive, viscous
-/// friction, cogging and the constant torque act on the motor side; gravity, springs and barriers on the
-/// load side; dry friction on both.
+/// Splits the inertia in two, with a spring, a damper and play between the halves. The drive, cogging
+/// and the constant torque act on the motor side; gravity, springs and barriers on the load side; friction,
+/// viscous and dry, in the bearings of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// Share of the inertia on the load side, between 0 and 1.
@@ -13,7 +13,7 @@ pub struct Link {
     pub damping: f64,
     /// Free travel between the two contacts, rad.
     pub play: f64,
-    /// Share of the dry friction on the load side, between 0 and 1; none of it where friction has bristles.
+    /// Share of the friction on the load side, between 0 and 1; none of it where friction has bristles.
     pub load_friction: f64,
     /// True if the position sensor sits on the load side.
     pub sensor_on_load: bool,

@@ -183,7 +183,7 @@ impl Rest {
 pub struct Plant {
     mechanics: Mechanics,
     dry: bool,
-    /// Share of the dry friction on either side of the link.
+    /// Share of the friction on the motor side and on the load side of the link.
     friction_share: [f64; 2],
     plain: bool,
     passing_barriers: bool,

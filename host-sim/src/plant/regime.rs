@@ -40,9 +40,8 @@ const fn has_bristles(n: usize) -> bool {
 impl Mechanics {
     /// What acts where the motor is, dry friction apart, N m.
     #[inline(always)]
-    fn motor_side(&self, drive_nm: f64, position: f64, velocity: f64) -> f64 {
-        let mut torque =
-            drive_nm + self.offset_nm - (self.viscous + self.drag * velocity.abs()) * velocity;
+    fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
+        let mut torque = drive_nm + self.offset_nm;
         if let Some(cogging) = &self.cogging {
             torque += cogging.amplitude_nm * (cogging.wave_number * position + cogging.phase).sin();
         }
@@ -68,43 +67,40 @@ impl Mechanics {
         torque
     }
 
-    /// On the motor side, all but dry friction, N m.
-    #[inline]
-    fn pull(&self, state: &State, drive_nm: f64) -> f64 {
-        let motor = self.motor_side(drive_nm, state.position, state.velocity);
-        motor
-            + match &self.link {
-                Some(link) => -link.torque(
-                    state.position - state.load_position,
-                    state.velocity - state.load_velocity,
-                ),
-                None => self.load_side(
-                    &state.pendulum,
-                    &state.touch,
-                    state.position,
-                    state.velocity,
-                ),
-            }
+    /// Friction that grows with velocity, N m.
+    #[inline(always)]
+    fn drag(&self, velocity: f64) -> f64 {
+        (self.viscous + self.drag * velocity.abs()) * velocity
     }
 }
 
-impl Mechanics {
+impl Plant {
+    /// On the motor side, all but dry friction, N m.
+    #[inline]
+    fn pull(&self, state: &State, drive_nm: f64) -> f64 {
+        let m = &self.mechanics;
+        let (position, velocity) = (state.position, state.velocity);
+        let motor = m.motor_side(drive_nm, position) - self.friction_share[0] * m.drag(velocity);
+        motor
+            + match &m.link {
+                Some(link) => -link.torque(
+                    position - state.load_position,
+                    velocity - state.load_velocity,
+                ),
+                None => m.load_side(&state.pendulum, &state.touch, position, velocity),
+            }
+    }
+
     /// On the load side of a link, all but dry friction, N m.
     #[inline]
     fn load_pull(&self, state: &State) -> f64 {
-        let through = self.link.map_or(0.0, |link| {
-            link.torque(
-                state.position - state.load_position,
-                state.velocity - state.load_velocity,
-            )
+        let m = &self.mechanics;
+        let (position, velocity) = (state.load_position, state.load_velocity);
+        let through = m.link.map_or(0.0, |link| {
+            link.torque(state.position - position, state.velocity - velocity)
         });
-        through
-            + self.load_side(
-                &state.pendulum,
-                &state.touch,
-                state.load_position,
-                state.load_velocity,
-            )
+        through + m.load_side(&state.pendulum, &state.touch, position, velocity)
+            - self.friction_share[1] * m.drag(velocity)
     }
 }
 
@@ -112,7 +108,7 @@ impl Plant {
     /// The phase that follows on rest under this drive.
     #[inline]
     fn phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
-        let pull = self.mechanics.pull(state, drive_nm);
+        let pull = self.pull(state, drive_nm);
         if pull.abs() <= self.holding(state, pull, drive_nm) {
             Phase::Stick
         } else {
@@ -123,7 +119,7 @@ impl Plant {
     /// Likewise, of the load side.
     #[inline]
     fn load_phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
-        let pull = self.mechanics.load_pull(state);
+        let pull = self.load_pull(state);
         if pull.abs() <= self.load_holding(state, pull, drive_nm) {
             Phase::Stick
         } else {
@@ -244,7 +240,7 @@ impl Plant {
         if state.rest.position != state.position {
             state.rest = Rest {
                 position: state.position,
-                pull_nm: self.mechanics.pull(state, 0.0),
+                pull_nm: self.pull(state, 0.0),
             };
         }
         let holds = |drive_nm: f64| {
@@ -383,7 +379,7 @@ impl Plant {
         }
         if !self.plain {
             let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
-            let push = m.pull(state, drive_nm).abs() + level * m.friction.static_ratio;
+            let push = self.pull(state, drive_nm).abs() + level * m.friction.static_ratio;
             longest = longest.min(m.friction.longest_step(
                 m.inertia,
                 state.velocity.abs(),
@@ -495,14 +491,16 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
         let m = &self.plant.mechanics;
         let drive_nm = self.torque.at(t);
         let (load_position, load_velocity) = Self::load(x);
-        let mut motor = m.motor_side(drive_nm, x[0], x[1]);
-        let load = m.load_side(&self.pendulum, self.touch, load_position, load_velocity);
+        let share = self.plant.friction_share;
+        let mut motor = m.motor_side(drive_nm, x[0]);
+        let mut load = m.load_side(&self.pendulum, self.touch, load_position, load_velocity);
         let mut rate = [0.0; N];
         if is_linked(N) {
             let through = m
                 .link
                 .map_or(0.0, |link| link.torque(x[0] - x[2], x[1] - x[3]));
-            motor -= through;
+            motor -= through + share[0] * m.drag(x[1]);
+            load -= share[1] * m.drag(load_velocity);
             rate[2] = load_velocity;
             rate[3] = if self.load.held {
                 0.0
@@ -511,7 +509,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
                 (load + through - friction) * self.plant.inverse_inertia[1]
             };
         } else {
-            motor += load;
+            motor += load - m.drag(x[1]);
         }
         let (friction, bristle_rate) = self.friction(t, drive_nm, x);
         rate[0] = x[1];
@@ -549,11 +547,11 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
             let state = self.state_at(x);
             let drive_nm = self.torque.at(t);
             if self.held {
-                let pull = m.pull(&state, drive_nm);
+                let pull = self.plant.pull(&state, drive_nm);
                 guard = guard.min(self.plant.holding(&state, pull, drive_nm) - pull.abs());
             }
             if self.load.held {
-                let pull = m.load_pull(&state);
+                let pull = self.plant.load_pull(&state);
                 guard = guard.min(self.plant.load_holding(&state, pull, drive_nm) - pull.abs());
             }
         }

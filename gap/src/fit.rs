@@ -91,6 +91,8 @@ const REACH: f64 = 5.0;
 /// Moves of one coordinate that are tried where no slope leads on, and how often.
 const POLLED: [f64; 6] = [-0.4, -0.1, -0.02, 0.02, 0.1, 0.4];
 const MOST_POLLS: usize = 3;
+/// What such a move must gain in robust cost: less is within what a window leaves by chance.
+const POLL_GAIN: f64 = 0.5;
 const FIRST_DAMPING: f64 = 1e-2;
 const MOST_DAMPING: f64 = 1e4;
 /// An iteration that gains less than this share of the cost is the last.
@@ -254,7 +256,7 @@ impl Problem<'_> {
                 (sum_log(&costs) + self.prior(&x), x)
             });
             let lowest = polled.min_by(|a, b| a.0.total_cmp(&b.0));
-            let lowest = lowest.filter(|(low, _)| *low < total(&best) - LEAST_WINDOW_GAIN);
+            let lowest = lowest.filter(|(low, _)| *low < total(&best) - POLL_GAIN);
             let Some((_, x)) = lowest else {
                 break;
             };

@@ -78,8 +78,11 @@ fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, f64)]) -> T
 const CONTACT_DAMPING: f64 = 0.1;
 /// Natural frequency of bristles, in rad a coarse sample.
 const RESOLVED_RATE: f64 = 2.0;
-/// Natural frequency of the flanks of a play, over the coarse sampling rate: stiff beside what is seen.
-const FLANK_FREQUENCY: f64 = 0.06;
+/// Natural frequency of the flanks of a play, over the coarse sampling rate: an impact lasts some samples, and is the
+/// same to them if it lasts less.
+const FLANK_FREQUENCY: f64 = 0.2;
+/// Relative damping of the flanks: a rebound has half the speed.
+const FLANK_DAMPING: f64 = 0.22;
 
 /// Where a twisting transmission may ring, over the frequency of the motion.
 const RESONANCES: [f64; 2] = [1.0, 100.0];
@@ -230,6 +233,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let m = &e.device.mechanics;
     let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
+    let rubs = level > 0.0 || m.viscous > 0.0;
     let stiffness = s.torque / s.span();
     let one = |free: Vec<Coordinate>| vec![term(kind, free, &[])];
     let each = |starts: &[f64], f: &dyn Fn(f64) -> Vec<Coordinate>| -> Vec<Term> {
@@ -375,11 +379,18 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "backlash" => {
             let rate = TAU * FLANK_FREQUENCY / s.period_s.max(1e-3);
             let share = 0.5;
-            let k = rate * rate * m.inertia * share * (1.0 - share);
+            let reduced = m.inertia * share * (1.0 - share);
+            let k = rate * rate * reduced;
+            let damping = 2.0 * FLANK_DAMPING * rate * reduced;
             two_masses(PLAYS, PLAY_STARTS, |play| {
-                let mut free = vec![log(0, play * s.span()), linear(1, share, 0.15)];
-                free.extend((level > 0.0).then(|| linear(4, 0.5, 0.3)));
-                term(kind, free, &[(2, k), (3, damped(k, m.inertia) * 2.0)])
+                let mut free = vec![
+                    log(0, play * s.span()),
+                    linear(1, share, 0.15),
+                    log(2, k),
+                    log(3, damping),
+                ];
+                free.extend(rubs.then(|| linear(4, 0.5, 0.3)));
+                term(kind, free, &[])
             })
         }
         "compliance" => {
@@ -393,7 +404,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                     log(1, damped(k, m.inertia) * 0.5),
                     linear(2, share, 0.15),
                 ];
-                free.extend((level > 0.0).then(|| linear(3, 0.5, 0.3)));
+                free.extend(rubs.then(|| linear(3, 0.5, 0.3)));
                 term(kind, free, &[])
             })
         }

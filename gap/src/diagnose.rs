@@ -110,7 +110,9 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
     let without = options.without.iter().map(String::as_str);
     let cleared = comparison.iter().flat_map(|c| c.excluded());
-    let excluded: Vec<&str> = without.chain(cleared).collect();
+    let no_pendulum = recording.units.is_length() && recording.model.gravity == 0.0;
+    let linear = no_pendulum.then_some("gravity");
+    let excluded: Vec<&str> = without.chain(cleared).chain(linear).collect();
     let like = comparison.as_ref().and_then(Comparison::like);
     let like = like.filter(|like| !excluded.contains(&like.kind.name));
     let given = Given {
@@ -120,8 +122,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
     let mut selection = select::select(&problem, &given, progress);
 
+    let nominal = Device::nominal(&recording.model);
+    let (before, _) = measure(recording, &nominal);
     let kept = usize::from(selection.given);
-    if selection.rounds.len() > kept && selection.left(selection.fit()) > MOST_LEFT {
+    // Where noise and restarts alone leave as much, there is nothing to name.
+    let is_gap = before.before > before.floor;
+    if selection.rounds.len() > kept && (!is_gap || selection.left(selection.fit()) > MOST_LEFT) {
         selection.last = selection.rounds.drain(kept..).next();
     }
 
@@ -136,8 +142,6 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     }
 
     let model = corrected(&problem, selection.fit());
-    let nominal = Device::nominal(&recording.model);
-    let (before, _) = measure(recording, &nominal);
     let (after, _) = measure(recording, &model.device());
     let floor = after.floor.min(before.before);
     let total = steps.last().map_or([0.0; 3], |step| step.total);

@@ -24,6 +24,14 @@ pub struct Units {
     pub input: String,
 }
 
+impl Units {
+    /// True if the position is a length: that of a linear axis, which has no pendulum.
+    pub fn is_length(&self) -> bool {
+        let lengths = ["m", "dm", "cm", "mm", "µm", "um", "in", "inch"];
+        lengths.contains(&self.position.trim())
+    }
+}
+
 impl Default for Units {
     fn default() -> Self {
         Self {

@@ -141,6 +141,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         selection.last = selection.rounds.drain(first..).next();
     }
 
+    // Nor have effects that leave the gap no smaller than it was.
+    if kept == 0 && steps.last().is_some_and(|step| step.total[0] <= 0.0) {
+        steps.clear();
+        selection.last = selection.rounds.drain(..).next();
+    }
+
     let model = corrected(&problem, selection.fit());
     let (after, _) = measure(recording, &model.device());
     let floor = after.floor.min(before.before);

@@ -10,5 +10,6 @@ pub mod motor;
 pub mod paddle;
 pub mod plant;
 pub mod presets;
+pub mod ripple;
 pub mod sensing;
 pub mod sensors;

@@ -1,5 +1,7 @@
 //! From the position to its reading, before noise and quantising.
 
+use crate::ripple::Ripple;
+
 /// A reading that jumps and stays off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
@@ -18,10 +20,8 @@ pub struct Sensing {
     pub quadratic: f64,
     /// b, 1/position².
     pub cubic: f64,
-    /// r and s, in units of position.
-    pub ripple: [f64; 2],
-    /// n, 1/position.
-    pub wave_number: f64,
+    /// r, s and n, in units of position.
+    pub ripple: Ripple,
     /// o, in units of position.
     pub offset: f64,
     /// Width of the play, in units of position.
@@ -39,8 +39,7 @@ impl Sensing {
             gain: 1.0,
             quadratic: 0.0,
             cubic: 0.0,
-            ripple: [0.0; 2],
-            wave_number: 0.0,
+            ripple: Ripple::NONE,
             offset: 0.0,
             hysteresis: 0.0,
             lag_s: 0.0,
@@ -57,29 +56,27 @@ impl Sensing {
     #[inline]
     pub fn curve(&self, x: f64) -> f64 {
         let smooth = self.offset + x * (self.gain + x * (self.quadratic + x * self.cubic));
-        if self.ripple == [0.0; 2] {
+        if self.ripple.is_none() {
             return smooth;
         }
-        let (sin, cos) = (self.wave_number * x).sin_cos();
-        smooth + self.ripple[0] * sin + self.ripple[1] * (cos - 1.0)
+        smooth + self.ripple.at(x)
     }
 
     /// Slope of the curve.
     #[inline]
     pub fn slope(&self, x: f64) -> f64 {
         let smooth = self.gain + x * (2.0 * self.quadratic + x * 3.0 * self.cubic);
-        if self.ripple == [0.0; 2] {
+        if self.ripple.is_none() {
             return smooth;
         }
-        let (sin, cos) = (self.wave_number * x).sin_cos();
-        smooth + self.wave_number * (self.ripple[0] * cos - self.ripple[1] * sin)
+        smooth + self.ripple.slope(x)
     }
 
     /// The position whose curve reads `y`: Newton's method from the linear part, which suffices as
     /// long as the curve is monotone between the two.
     pub fn inverse(&self, y: f64) -> f64 {
         let mut x = (y - self.offset) / self.gain;
-        if self.quadratic == 0.0 && self.cubic == 0.0 && self.ripple == [0.0; 2] {
+        if self.quadratic == 0.0 && self.cubic == 0.0 && self.ripple.is_none() {
             return x;
         }
         for _ in 0..INVERSE_ITERATIONS {

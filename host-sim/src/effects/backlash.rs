@@ -1,7 +1,7 @@
 //! Play between motor and load.
 
-use super::LEAST_SHARE;
 use super::{Channel, Kind, Parameter, Quantity};
+use super::{LEAST_SHARE, LOAD_FRICTION};
 use crate::plant::Link;
 
 /// `T = 0 within the play, K d beyond`.
@@ -39,13 +39,7 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 0.1],
             about: "of the flanks, in contact",
         },
-        Parameter {
-            name: "load_friction",
-            quantity: Quantity::Ratio,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "share of the friction on the load side",
-        },
+        LOAD_FRICTION,
     ],
     install: |device, p| {
         device.mechanics.link = Some(Link {

@@ -1,7 +1,7 @@
 //! A transmission that twists between motor and load.
 
-use super::LEAST_SHARE;
 use super::{Channel, Kind, Parameter, Quantity};
+use super::{LEAST_SHARE, LOAD_FRICTION};
 use crate::plant::Link;
 
 /// `T = K d + D d'`.
@@ -32,13 +32,7 @@ pub const KIND: Kind = Kind {
             typical: [0.1, 0.9],
             about: "of the inertia behind the twist",
         },
-        Parameter {
-            name: "load_friction",
-            quantity: Quantity::Ratio,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "share of the friction on the load side",
-        },
+        LOAD_FRICTION,
     ],
     install: |device, p| {
         device.mechanics.link = Some(Link {

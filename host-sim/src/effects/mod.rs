@@ -171,6 +171,23 @@ const LEAST_SHARE: f64 = 0.01;
 /// Least level of a dry friction that varies, over the model's.
 const LEAST_LEVEL: f64 = 0.01;
 
+/// Of a transmission between two masses.
+const LOAD_FRICTION: Parameter = Parameter {
+    name: "load_friction",
+    quantity: Quantity::Ratio,
+    default: 0.0,
+    typical: [0.0, 1.0],
+    about: "share of the friction on the load side",
+};
+/// Of a [`Ripple`](crate::ripple::Ripple).
+const WAVE_NUMBER: Parameter = Parameter {
+    name: "wave_number",
+    quantity: Quantity::PerPosition,
+    default: 6.0,
+    typical: [1.0, 60.0],
+    about: "2π over the period of the ripple",
+};
+
 /// All kinds, in the order of the contract's vocabulary.
 pub const KINDS: &[&Kind] = &[
     &torque_gain::KIND,

@@ -1,7 +1,8 @@
 //! Dry friction that depends on the position.
 
-use super::LEAST_LEVEL;
 use super::{Channel, Kind, Parameter, Quantity};
+use super::{LEAST_LEVEL, WAVE_NUMBER};
+use crate::ripple::Ripple;
 
 /// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1)) sign(v)`.
 pub const KIND: Kind = Kind {
@@ -45,13 +46,7 @@ pub const KIND: Kind = Kind {
             typical: [-0.5, 0.5],
             about: "likewise",
         },
-        Parameter {
-            name: "wave_number",
-            quantity: Quantity::PerPosition,
-            default: 6.0,
-            typical: [1.0, 60.0],
-            about: "2π over the period of the ripple",
-        },
+        WAVE_NUMBER,
     ],
     install: |device, p| {
         let level = p[2].max(LEAST_LEVEL);
@@ -59,7 +54,10 @@ pub const KIND: Kind = Kind {
         friction.scale(level);
         friction.position_slope = p[0] / level;
         friction.position_curve = p[1] / level;
-        friction.position_ripple = [p[3] / level, p[4] / level];
-        friction.position_wave_number = p[5];
+        friction.position_ripple = Ripple {
+            sine: p[3] / level,
+            cosine: p[4] / level,
+            wave_number: p[5],
+        };
     },
 };

@@ -1,6 +1,8 @@
 //! The sensor's curve is bent.
 
+use super::WAVE_NUMBER;
 use super::{Channel, Kind, Parameter, Quantity};
+use crate::ripple::Ripple;
 
 /// `y = x + a (x − m)² + b (x − m)³ + r sin(n x) + s (cos(n x) − 1) + o`.
 pub const KIND: Kind = Kind {
@@ -37,13 +39,7 @@ pub const KIND: Kind = Kind {
             typical: [-0.02, 0.02],
             about: "of the curve",
         },
-        Parameter {
-            name: "wave_number",
-            quantity: Quantity::PerPosition,
-            default: 6.0,
-            typical: [1.0, 60.0],
-            about: "2π over the period of the ripple",
-        },
+        WAVE_NUMBER,
         Parameter {
             name: "offset",
             quantity: Quantity::Position,
@@ -64,8 +60,11 @@ pub const KIND: Kind = Kind {
         device.sensing.gain += m * (3.0 * b * m - 2.0 * a);
         device.sensing.quadratic = a - 3.0 * b * m;
         device.sensing.cubic = b;
-        device.sensing.ripple = [p[2], p[3]];
-        device.sensing.wave_number = p[4];
+        device.sensing.ripple = Ripple {
+            sine: p[2],
+            cosine: p[3],
+            wave_number: p[4],
+        };
         device.sensing.offset = p[5] + m * m * (a - b * m);
     },
 };

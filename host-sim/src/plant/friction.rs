@@ -1,5 +1,7 @@
 //! Dry friction: the level that opposes sliding, and the one that holds at rest.
 
+use crate::ripple::Ripple;
+
 /// Dry friction with stick and slip. The level in one direction is
 ///
 /// `F(x, v, t, T) = s · p(x) · d(t) · [1 + (r − 1) e^−(v/v_s)²] + µ |T|`
@@ -19,10 +21,8 @@ pub struct Friction {
     pub position_slope: f64,
     /// Likewise, 1/rad².
     pub position_curve: f64,
-    /// Likewise, r and s.
-    pub position_ripple: [f64; 2],
-    /// Likewise, n, 1/rad.
-    pub position_wave_number: f64,
+    /// Likewise, its last two terms.
+    pub position_ripple: Ripple,
     /// Likewise, rad.
     pub position_centre: f64,
     /// Share of the driving torque that is added to the level.
@@ -47,8 +47,7 @@ impl Friction {
             stribeck_velocity: 0.0,
             position_slope: 0.0,
             position_curve: 0.0,
-            position_ripple: [0.0; 2],
-            position_wave_number: 0.0,
+            position_ripple: Ripple::NONE,
             position_centre: 0.0,
             load_share: 0.0,
             drift_per_s: 0.0,
@@ -70,7 +69,7 @@ impl Friction {
         self.static_ratio == 1.0
             && self.position_slope == 0.0
             && self.position_curve == 0.0
-            && self.position_ripple == [0.0; 2]
+            && self.position_ripple.is_none()
             && self.load_share == 0.0
             && self.drift_per_s == 0.0
     }
@@ -126,9 +125,8 @@ impl Friction {
     fn scaled(&self, direction: f64, position: f64, t_s: f64) -> f64 {
         let x = position - self.position_centre;
         let mut p = 1.0 + x * (self.position_slope + x * self.position_curve);
-        if self.position_ripple != [0.0; 2] {
-            let (sin, cos) = (self.position_wave_number * x).sin_cos();
-            p += self.position_ripple[0] * sin + self.position_ripple[1] * (cos - 1.0);
+        if !self.position_ripple.is_none() {
+            p += self.position_ripple.at(x);
         }
         let d = 1.0 + self.drift_per_s * t_s;
         self.level_nm[usize::from(direction < 0.0)] * p.max(0.0) * d.max(0.0)

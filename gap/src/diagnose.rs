@@ -11,7 +11,6 @@ use crate::shrink::shrink;
 use crate::stage::Stage;
 use crate::{comparison, experiment, locate};
 use host_sim::device::Device;
-use rayon::prelude::*;
 use recording::Recording;
 use std::time::Instant;
 
@@ -128,7 +127,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     // Where noise and restarts alone leave as much, there is nothing to name.
     let is_gap = before.before > before.floor;
     if selection.rounds.len() > kept && (!is_gap || selection.left(selection.fit()) > MOST_LEFT) {
-        selection.last = selection.rounds.drain(kept..).next();
+        selection.withdraw(kept);
     }
 
     progress(Stage::Shrink);
@@ -138,13 +137,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         .find(|&i| steps[i].own[0] < LEAST_SHRINK && steps[i].of_rest < LEAST_SHRINK_OF_REST);
     if let Some(first) = idle {
         steps.truncate(first);
-        selection.last = selection.rounds.drain(first..).next();
+        selection.withdraw(first);
     }
 
     // Nor have effects that leave the gap no smaller than it was.
     if kept == 0 && steps.last().is_some_and(|step| step.total[0] <= 0.0) {
         steps.clear();
-        selection.last = selection.rounds.drain(..).next();
+        selection.withdraw(0);
     }
 
     let model = corrected(&problem, selection.fit());
@@ -249,7 +248,7 @@ fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
         let after = if select::is_event(round.rivals[0].name) {
             problem.window_squares(&round.so_far, Part::All)
         } else {
-            unseen_squares(problem, &round.so_far)
+            problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))
         };
         let step = Step {
             own: shrink(&before, &after, &floor, &nominal),
@@ -260,21 +259,6 @@ fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
         step
     });
     steps.collect()
-}
-
-/// Squared residuals and samples of each window under a fit to the half that it is not in.
-fn unseen_squares(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
-    let halves: Vec<Vec<f64>> = [true, false]
-        .into_par_iter()
-        .map(|half| {
-            let fold = select::fold(problem, fit, half);
-            problem.window_squares(&fold, Part::Half(!half))
-        })
-        .collect();
-    let pairs = halves[0].iter().zip(&halves[1]);
-    pairs
-        .map(|(a, b)| if a.is_nan() { *b } else { *a })
-        .collect()
 }
 
 fn findings(

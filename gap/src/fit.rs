@@ -93,6 +93,8 @@ const POLLED: [f64; 6] = [-0.4, -0.1, -0.02, 0.02, 0.1, 0.4];
 const MOST_POLLS: usize = 3;
 /// What such a move must gain in robust cost: less is within what a window leaves by chance.
 const POLL_GAIN: f64 = 0.5;
+/// Iterations on either half.
+const HALF_ITERATIONS: usize = 5;
 const FIRST_DAMPING: f64 = 1e-2;
 const MOST_DAMPING: f64 = 1e4;
 /// An iteration that gains less than this share of the cost is the last.
@@ -101,6 +103,25 @@ const LEAST_GAIN: f64 = 5e-4;
 const LEAST_WINDOW_GAIN: f64 = 0.1;
 
 impl Problem<'_> {
+    /// What `of` says of each window under a fit to the half that it is not in, by running index. It says NaN of
+    /// windows outside the part that it is given.
+    pub(crate) fn unseen(
+        &self,
+        fit: &Fit,
+        of: impl Fn(&Fit, Part<'_>) -> Vec<f64> + Sync,
+    ) -> Vec<f64> {
+        let [first, second] = [true, false].map(|half| {
+            let x = fit.x.clone();
+            move || self.fit(&fit.hypothesis, x, 0, Part::Half(half), HALF_ITERATIONS)
+        });
+        let (first, second) = rayon::join(
+            || of(&first(), Part::Half(false)),
+            || of(&second(), Part::Half(true)),
+        );
+        let pairs = first.into_iter().zip(second);
+        pairs.map(|(a, b)| if a.is_nan() { b } else { a }).collect()
+    }
+
     pub(crate) fn window_count(&self) -> usize {
         self.series.iter().map(|s| s.windows.len()).sum()
     }

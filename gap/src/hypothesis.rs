@@ -53,6 +53,9 @@ pub(crate) struct Term {
     pub sensor_on_load: bool,
 }
 
+/// How far from a start its neighbours are, in scales.
+const NEIGHBOUR: f64 = 1.4;
+
 impl Term {
     /// The parameters at the coordinates `x` of this term.
     pub(crate) fn at(&self, x: &[f64]) -> Vec<f64> {
@@ -62,12 +65,7 @@ impl Term {
         }
         values
     }
-}
 
-/// How far from a start its neighbours are, in scales.
-const NEIGHBOUR: f64 = 1.4;
-
-impl Term {
     /// This start and its neighbours along every coordinate that is linear.
     pub(crate) fn around(&self) -> Vec<Self> {
         let mut all = vec![self.clone()];

@@ -114,7 +114,6 @@ fn two_masses([low, high]: [f64; 2], count: usize, start: impl Fn(f64) -> Term) 
 
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let mut all = guesses(kind, e);
-    all.extend(ripples(kind, e));
     all.extend(spread(kind, e));
     all
 }
@@ -206,9 +205,6 @@ const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
 /// Starts of a friction that comes and goes with the turns of something that is not round.
 fn ripples(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let level = e.device.mechanics.friction.level_nm[0];
-    if kind.name != "position_dependent_coulomb" || level <= 0.0 {
-        return Vec::new();
-    }
     let start = |turns: f64| {
         let wave_number = turns * TAU / e.scales.span();
         let found = regress(e, |m| {
@@ -289,16 +285,15 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "position_dependent_coulomb" if level > 0.0 => {
             let reach = s.position[0].abs().max(s.position[1].abs());
             let bends = [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.8)].iter();
-            bends
-                .map(|(slope, curve)| {
-                    let free = vec![
-                        linear(0, slope / reach, 0.5 / reach),
-                        linear(1, curve / (reach * reach), 0.5 / (reach * reach)),
-                        log(2, 1.0),
-                    ];
-                    term(kind, free, &[])
-                })
-                .collect()
+            let bent = bends.map(|(slope, curve)| {
+                let free = vec![
+                    linear(0, slope / reach, 0.5 / reach),
+                    linear(1, curve / (reach * reach), 0.5 / (reach * reach)),
+                    log(2, 1.0),
+                ];
+                term(kind, free, &[])
+            });
+            ripples(kind, e).into_iter().chain(bent).collect()
         }
         "stribeck" if level > 0.0 => [(0.4, 0.03), (0.4, 0.15), (1.0, 0.4)]
             .iter()

@@ -10,7 +10,7 @@ use crate::fit::{Fit, Part, Problem};
 use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::stage::Stage;
-pub(crate) use place::{fold, is_event};
+pub(crate) use place::is_event;
 pub(crate) use ranking::ties;
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;
@@ -59,6 +59,11 @@ impl Selection {
     /// The fit with all effects.
     pub(crate) fn fit(&self) -> &Fit {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
+    }
+
+    /// Takes back the effects from one on; the first of them found nothing more, then.
+    pub(crate) fn withdraw(&mut self, from: usize) {
+        self.last = self.rounds.drain(from..).next();
     }
 
     /// Share of the null's robust excess that a fit leaves.

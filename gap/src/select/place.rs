@@ -3,10 +3,7 @@
 use super::{Rival, is_quiet};
 use crate::fit::{Costs, Fit, Part, Problem};
 use crate::perfect::{Perfect, mean_and_error};
-use rayon::prelude::*;
 
-/// Iterations on either half.
-const FOLD_ITERATIONS: usize = 5;
 /// A gain on windows that the fit has not seen must be this many standard errors from zero. With some
 /// thirty rivals that is a chance of about 1 % for the luckiest of them.
 const LEAST_SIGNIFICANCE: f64 = 3.3;
@@ -85,32 +82,12 @@ pub(super) fn is_local(name: &str) -> bool {
     is_event(name) || name == "end_stop"
 }
 
-/// Costs of every window under a fit to the half that it is not in.
+/// Costs of every window under a fit that has not seen it.
 fn held_out(problem: &Problem<'_>, fit: &Fit) -> Costs {
-    let halves: Vec<Costs> = [true, false]
-        .into_par_iter()
-        .map(|half| {
-            let fold = fold(problem, fit, half);
-            problem.costs(&fold.hypothesis, &fold.x, Part::Half(!half))
-        })
-        .collect();
-    let pairs = halves[0].per_sample.iter().zip(&halves[1].per_sample);
-    Costs {
-        per_sample: pairs
-            .map(|(a, b)| if a.is_nan() { *b } else { *a })
-            .collect(),
-    }
-}
-
-/// The hypothesis of `fit`, fitted to one half.
-pub(crate) fn fold(problem: &Problem<'_>, fit: &Fit, half: bool) -> Fit {
-    problem.fit(
-        &fit.hypothesis,
-        fit.x.clone(),
-        0,
-        Part::Half(half),
-        FOLD_ITERATIONS,
-    )
+    let per_sample = problem.unseen(fit, |fit, half| {
+        problem.costs(&fit.hypothesis, &fit.x, half).per_sample
+    });
+    Costs { per_sample }
 }
 
 /// A model in which nothing moves can look good on slow motion: with restarts four times as often it

@@ -157,9 +157,8 @@ impl Search<'_> {
     pub(super) fn screening_windows(&self, known: &Fit) -> Vec<bool> {
         let problem = self.problem;
         let costs = window_costs(problem, known);
-        let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
         let count = costs.len();
-        let share = (SCREENING_SAMPLES / samples as f64).max(SCREENING_WINDOWS / count as f64);
+        let share = screening_share(problem, SCREENING_WINDOWS);
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&a, &b| costs[b].total_cmp(&costs[a]));
         let mut chosen: Vec<bool> = (0..count).map(|w| turn(w) < 0.5 * share).collect();
@@ -202,8 +201,14 @@ fn first(mut costs: Vec<(f64, &Term)>) -> Vec<Term> {
 
 /// Windows in blocks of four from everywhere, with as many samples as screening takes.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
+    let share = screening_share(problem, 4.0 * SCREENING_WINDOWS);
+    (0..problem.window_count())
+        .map(|w| turn(w / 4) < share)
+        .collect()
+}
+
+/// Share of the windows on which effects are screened, `fewest` of them at least.
+fn screening_share(problem: &Problem<'_>, fewest: f64) -> f64 {
     let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
-    let count = problem.window_count();
-    let share = (SCREENING_SAMPLES / samples as f64).max(4.0 * SCREENING_WINDOWS / count as f64);
-    (0..count).map(|w| turn(w / 4) < share).collect()
+    (SCREENING_SAMPLES / samples as f64).max(fewest / problem.window_count() as f64)
 }

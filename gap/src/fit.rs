@@ -65,6 +65,9 @@ impl Costs {
     }
 }
 
+/// Change of the residuals, per series, by one coordinate.
+pub(crate) type Slope = Vec<Vec<f64>>;
+
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
@@ -112,7 +115,7 @@ impl Problem<'_> {
     ) -> Vec<f64> {
         let [first, second] = [true, false].map(|half| {
             let x = fit.x.clone();
-            move || self.fit(&fit.hypothesis, x, 0, Part::Half(half), HALF_ITERATIONS)
+            move || self.fit(&fit.hypothesis, x, Part::Half(half), HALF_ITERATIONS)
         });
         let (first, second) = rayon::join(
             || of(&first(), Part::Half(false)),
@@ -261,7 +264,7 @@ impl Problem<'_> {
     /// A fit to all windows carried on until looking to both sides along each coordinate leads no further: slopes say
     /// nothing across a kink or a step.
     pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
-        let mut best = self.fit(&fit.hypothesis, fit.x.clone(), 0, Part::All, iterations);
+        let mut best = self.fit(&fit.hypothesis, fit.x.clone(), Part::All, iterations);
         for _ in 0..MOST_POLLS {
             let total = |fit: &Fit| sum_log(&fit.costs) + self.prior(&fit.x);
             let beside: Vec<Vec<f64>> = (0..best.x.len())
@@ -281,7 +284,7 @@ impl Problem<'_> {
             let Some((_, x)) = lowest else {
                 break;
             };
-            let again = self.fit(&best.hypothesis, x, 0, Part::All, iterations);
+            let again = self.fit(&best.hypothesis, x, Part::All, iterations);
             if total(&again) >= total(&best) {
                 break;
             }
@@ -290,17 +293,56 @@ impl Problem<'_> {
         best
     }
 
+    /// Change of the residuals of a part by each coordinate of a fit.
+    pub(crate) fn slopes(&self, fit: &Fit, part: Part<'_>) -> Vec<Slope> {
+        let base = self.residuals(&self.predictor(&fit.hypothesis, &fit.x), part);
+        let along = |i| self.slope(&fit.hypothesis, &fit.x, &base, i, DIFFERENCES[0], part);
+        (0..fit.x.len()).into_par_iter().map(along).collect()
+    }
+
+    /// Change of the residuals from those at `x`, which are `base`, by coordinate `i`.
+    fn slope(
+        &self,
+        hypothesis: &Hypothesis,
+        x: &[f64],
+        base: &[Vec<f64>],
+        i: usize,
+        difference: f64,
+        part: Part<'_>,
+    ) -> Slope {
+        let mut moved = x.to_vec();
+        moved[i] += difference;
+        let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
+        for (slope, base) in slope.iter_mut().zip(base) {
+            for (s, r) in slope.iter_mut().zip(base) {
+                *s = (*s - r) / difference;
+            }
+        }
+        slope
+    }
+
     /// Fits `hypothesis` from `x` on a part of the windows by Levenberg's and Marquardt's method with
-    /// iteratively re-weighted windows, `iterations` at most. The first `held` coordinates stay.
+    /// iteratively re-weighted windows, `iterations` at most.
     pub(crate) fn fit(
         &self,
         hypothesis: &Hypothesis,
-        mut x: Vec<f64>,
-        held: usize,
+        x: Vec<f64>,
         part: Part<'_>,
         iterations: usize,
     ) -> Fit {
-        let n = x.len() - held;
+        self.fit_beside(&[], hypothesis, x, part, iterations)
+    }
+
+    /// The same where the slopes along the first coordinates are known well enough: it costs the others' alone.
+    pub(crate) fn fit_beside(
+        &self,
+        known: &[Slope],
+        hypothesis: &Hypothesis,
+        mut x: Vec<f64>,
+        part: Part<'_>,
+        iterations: usize,
+    ) -> Fit {
+        let n = x.len();
         let mut damping = FIRST_DAMPING;
         let mut predictor = self.predictor(hypothesis, &x);
         let mut residuals = self.residuals(&predictor, part);
@@ -310,33 +352,25 @@ impl Problem<'_> {
         let mut total = sum_log(&now) + self.prior(&x);
         let mut normal = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
-        let mut slopes: Vec<Vec<Vec<f64>>> = Vec::with_capacity(n);
+        let mut slopes: Vec<Slope> = Vec::new();
         for iteration in 0..iterations {
             let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
             if n == 0 {
                 break;
             }
-            let stale = iteration % NUDGES_EVERY != 0 && !slopes.is_empty();
-            for i in 0..n {
-                if stale && held + i < self.nudges.len() {
+            let stale = iteration % NUDGES_EVERY != 0;
+            for i in known.len()..n {
+                let at = i - known.len();
+                if at == slopes.len() {
+                    slopes.push(Slope::new());
+                } else if stale && i < self.nudges.len() {
                     continue;
                 }
-                let mut moved = x.clone();
-                moved[held + i] += difference;
-                let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
-                for (slope, base) in slope.iter_mut().zip(&residuals) {
-                    for (s, r) in slope.iter_mut().zip(base) {
-                        *s = (*s - r) / difference;
-                    }
-                }
-                if i < slopes.len() {
-                    slopes[i] = slope;
-                } else {
-                    slopes.push(slope);
-                }
+                slopes[at] = self.slope(hypothesis, &x, &residuals, i, difference, part);
             }
-            let columns: Vec<Vec<Vec<f64>>> = slopes
+            let columns: Vec<Vec<Vec<f64>>> = known
                 .iter()
+                .chain(&slopes)
                 .map(|slope| self.whitened(slope, &whitenings))
                 .collect();
             let mut gradient = DVector::zeros(n);
@@ -359,9 +393,9 @@ impl Problem<'_> {
                 for j in 0..i {
                     normal[(j, i)] = normal[(i, j)];
                 }
-                if held + i < self.nudges.len() {
+                if i < self.nudges.len() {
                     normal[(i, i)] += PRIOR_WEIGHT;
-                    gradient[i] += PRIOR_WEIGHT * x[held + i];
+                    gradient[i] += PRIOR_WEIGHT * x[i];
                 }
             }
             let mut improved = None;
@@ -375,7 +409,7 @@ impl Problem<'_> {
                     continue;
                 };
                 let mut trial = x.clone();
-                for (x, dx) in trial[held..].iter_mut().zip(&step) {
+                for (x, dx) in trial.iter_mut().zip(&step) {
                     *x = (*x - dx.clamp(-LONGEST_MOVE, LONGEST_MOVE)).clamp(-REACH, REACH);
                 }
                 let at = self.predictor(hypothesis, &trial);
@@ -406,12 +440,10 @@ impl Problem<'_> {
                 break;
             }
         }
-        let mut std = vec![0.0; held];
-        std.extend(deviations(&normal, &scatter));
         Fit {
             hypothesis: hypothesis.clone(),
             x,
-            std,
+            std: deviations(&normal, &scatter),
             costs: now,
         }
     }

@@ -212,13 +212,7 @@ mod tests {
             nudges: Vec::new(),
             quarter: None,
         };
-        let null = problem.fit(
-            &Hypothesis { terms: Vec::new() },
-            Vec::new(),
-            0,
-            Part::All,
-            1,
-        );
+        let null = problem.fit(&Hypothesis { terms: Vec::new() }, Vec::new(), Part::All, 1);
         regions(&problem, &null, None)
     }
 

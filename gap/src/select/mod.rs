@@ -96,7 +96,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     progress(Stage::Nominal);
     let bare = Hypothesis { terms: Vec::new() };
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
-    let null = problem.fit(&bare, x, 0, Part::All, NULL_ITERATIONS);
+    let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
     let mut selection = Selection {
         perfect: Perfect::of(problem, &null),
         null,

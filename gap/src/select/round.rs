@@ -58,7 +58,7 @@ impl Search<'_> {
         let (hypothesis, x) = extended(null, term);
         let fit = self
             .problem
-            .fit(&hypothesis, x, 0, Part::All, FITTING_ITERATIONS);
+            .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
         Round {
             known: null.clone(),
             so_far: fit.clone(),
@@ -117,7 +117,7 @@ impl Search<'_> {
         let mut x = null.x.clone();
         x.extend(&rival.fit.x[null.x.len()..rival.fit.x.len() - free]);
         self.problem
-            .fit(&hypothesis, x, 0, Part::All, FITTING_ITERATIONS)
+            .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
     }
 
     /// The most promising ones, fitted to all windows.
@@ -130,7 +130,7 @@ impl Search<'_> {
                 name: rival.name,
                 fit: self
                     .problem
-                    .fit(&rival.fit.hypothesis, rival.fit.x, 0, Part::All, iterations),
+                    .fit(&rival.fit.hypothesis, rival.fit.x, Part::All, iterations),
             });
             fits.collect()
         };

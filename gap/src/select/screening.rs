@@ -4,7 +4,7 @@ use super::level;
 use super::rival::{Rival, extended};
 use super::round::Search;
 use crate::candidate::{Candidate, Evidence, candidates};
-use crate::fit::{Fit, Part, Problem, turn};
+use crate::fit::{Fit, Part, Problem, Slope, turn};
 use crate::hypothesis::Term;
 use crate::motion::{Motion, Scales};
 use crate::stage::Stage;
@@ -27,10 +27,12 @@ const SCREENING_ITERATIONS: usize = 4;
 const SCREENING_SAMPLES: f64 = 3000.0;
 const SCREENING_WINDOWS: f64 = 12.0;
 
-/// Where starts are compared: on some windows, beside what is known, which stays.
+/// Where starts are compared: on some windows, beside what is known, which gives way to them.
 struct Ground<'a> {
     problem: &'a Problem<'a>,
     known: &'a Fit,
+    /// Of what is known.
+    slopes: Vec<Slope>,
     chosen: &'a [bool],
     /// The same data restarted four times as often, and its windows.
     soon: Option<(&'a Problem<'a>, Vec<bool>)>,
@@ -38,22 +40,25 @@ struct Ground<'a> {
 
 impl Ground<'_> {
     fn begun(&self, start: &Term) -> Fit {
-        self.fit(self.problem, self.chosen, start, FIRST_ITERATIONS)
-    }
-
-    fn fit(&self, problem: &Problem<'_>, chosen: &[bool], start: &Term, iterations: usize) -> Fit {
         let (hypothesis, x) = extended(self.known, start);
-        let held = self.known.x.len();
-        problem.fit(&hypothesis, x, held, Part::Chosen(chosen), iterations)
+        let part = Part::Chosen(self.chosen);
+        let known = &self.slopes;
+        self.problem
+            .fit_beside(known, &hypothesis, x, part, FIRST_ITERATIONS)
     }
 
     /// The starts around the lowest points of a scan.
     fn scanned(&self, starts: &[Term]) -> Vec<Term> {
-        let cost = |start: &Term| level(&self.fit(self.problem, self.chosen, start, 0));
+        let cost_on = |problem: &Problem<'_>, chosen, start: &Term| {
+            let (hypothesis, x) = extended(self.known, start);
+            let costs = problem.costs(&hypothesis, &x, Part::Chosen(chosen));
+            costs.mean_log()
+        };
+        let cost = |start: &Term| cost_on(self.problem, self.chosen, start);
         let mut low = lowest(starts, cost);
         // What swings out of step over the horizon is still in step over a quarter of it.
         if let Some((quarter, chosen)) = &self.soon {
-            low.extend(lowest(starts, |s| level(&self.fit(quarter, chosen, s, 0))));
+            low.extend(lowest(starts, |start| cost_on(quarter, chosen, start)));
         }
         let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
         first(around.par_iter().map(|s| (cost(s), s)).collect())
@@ -90,6 +95,7 @@ impl Search<'_> {
         let ground = Ground {
             problem,
             known: &known,
+            slopes: problem.slopes(&known, Part::Chosen(chosen)),
             chosen,
             soon: quarter.map(|quarter| (quarter, blocks(quarter))),
         };
@@ -109,7 +115,7 @@ impl Search<'_> {
                 };
                 // What the model's own numbers took of the effect, they give back now.
                 let fits = fits.into_par_iter().map(|fit| {
-                    problem.fit(&fit.hypothesis, fit.x, 0, Part::Chosen(chosen), iterations)
+                    problem.fit(&fit.hypothesis, fit.x, Part::Chosen(chosen), iterations)
                 });
                 let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
                 Some(Rival { name, fit })

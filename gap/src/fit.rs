@@ -8,6 +8,7 @@ use crate::whitening::{Whitening, whitenings};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use recording::Recording;
+use std::borrow::Cow;
 
 /// What every fit shares.
 pub(crate) struct Problem<'a> {
@@ -66,7 +67,14 @@ impl Costs {
 }
 
 /// Change of the residuals, per series, by one coordinate.
-pub(crate) type Slope = Vec<Vec<f64>>;
+type Slope = Vec<Vec<f64>>;
+
+/// What is known well enough near a fit: the slopes along its coordinates, and how uncertain the restarts leave the
+/// windows.
+pub(crate) struct Ground {
+    slopes: Vec<Slope>,
+    whitenings: Vec<Option<Whitening>>,
+}
 
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
@@ -293,11 +301,15 @@ impl Problem<'_> {
         best
     }
 
-    /// Change of the residuals of a part by each coordinate of a fit.
-    pub(crate) fn slopes(&self, fit: &Fit, part: Part<'_>) -> Vec<Slope> {
-        let base = self.residuals(&self.predictor(&fit.hypothesis, &fit.x), part);
-        let along = |i| self.slope(&fit.hypothesis, &fit.x, &base, i, DIFFERENCES[0], part);
-        (0..fit.x.len()).into_par_iter().map(along).collect()
+    /// What fits of more on top of `fit` share.
+    pub(crate) fn ground(&self, fit: &Fit, part: Part<'_>) -> Ground {
+        let predictor = self.predictor(&fit.hypothesis, &fit.x);
+        let residuals = self.residuals(&predictor, part);
+        let along = |i| self.slope(&fit.hypothesis, &fit.x, &residuals, i, DIFFERENCES[0], part);
+        Ground {
+            slopes: (0..fit.x.len()).into_par_iter().map(along).collect(),
+            whitenings: self.whitenings(&predictor, &residuals, part),
+        }
     }
 
     /// Change of the residuals from those at `x`, which are `base`, by coordinate `i`.
@@ -330,13 +342,13 @@ impl Problem<'_> {
         part: Part<'_>,
         iterations: usize,
     ) -> Fit {
-        self.fit_beside(&[], hypothesis, x, part, iterations)
+        self.fit_on(None, hypothesis, x, part, iterations)
     }
 
-    /// The same where the slopes along the first coordinates are known well enough: it costs the others' alone.
-    pub(crate) fn fit_beside(
+    /// The same on top of a fit, at a fraction of the time.
+    pub(crate) fn fit_on(
         &self,
-        known: &[Slope],
+        ground: Option<&Ground>,
         hypothesis: &Hypothesis,
         mut x: Vec<f64>,
         part: Part<'_>,
@@ -346,7 +358,12 @@ impl Problem<'_> {
         let mut damping = FIRST_DAMPING;
         let mut predictor = self.predictor(hypothesis, &x);
         let mut residuals = self.residuals(&predictor, part);
-        let mut whitenings = self.whitenings(&predictor, &residuals, part);
+        let known = ground.map_or(&[][..], |ground| &ground.slopes);
+        let whiten = |predictor: &Predictor, residuals: &[Vec<f64>]| match ground {
+            Some(ground) => Cow::Borrowed(&ground.whitenings),
+            None => Cow::Owned(self.whitenings(predictor, residuals, part)),
+        };
+        let mut whitenings = whiten(&predictor, &residuals);
         let mut whitened = self.whitened(&residuals, &whitenings);
         let mut now = costs(&whitened);
         let mut total = sum_log(&now) + self.prior(&x);
@@ -432,7 +449,7 @@ impl Problem<'_> {
             };
             let small = total - trial_total < (LEAST_GAIN * total).min(LEAST_WINDOW_GAIN);
             (x, predictor, residuals) = (trial, at, r);
-            whitenings = self.whitenings(&predictor, &residuals, part);
+            whitenings = whiten(&predictor, &residuals);
             whitened = self.whitened(&residuals, &whitenings);
             now = costs(&whitened);
             total = sum_log(&now) + self.prior(&x);

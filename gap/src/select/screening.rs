@@ -4,11 +4,12 @@ use super::level;
 use super::rival::{Rival, extended};
 use super::round::Search;
 use crate::candidate::{Candidate, Evidence, candidates};
-use crate::fit::{Fit, Part, Problem, Slope, turn};
+use crate::fit::{Fit, Ground, Part, Problem, turn};
 use crate::hypothesis::Term;
 use crate::motion::{Motion, Scales};
 use crate::stage::Stage;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// Iterations from every start, and starts of an effect that go on from there.
 const FIRST_ITERATIONS: usize = 2;
@@ -27,41 +28,55 @@ const SCREENING_ITERATIONS: usize = 4;
 const SCREENING_SAMPLES: f64 = 3000.0;
 const SCREENING_WINDOWS: f64 = 12.0;
 
-/// Where starts are compared: on some windows, beside what is known, which gives way to them.
-struct Ground<'a> {
+/// The windows on which starts are compared, on top of what is known.
+struct Field<'a> {
     problem: &'a Problem<'a>,
     known: &'a Fit,
-    /// Of what is known.
-    slopes: Vec<Slope>,
-    chosen: &'a [bool],
-    /// The same data restarted four times as often, and its windows.
-    soon: Option<(&'a Problem<'a>, Vec<bool>)>,
+    chosen: Cow<'a, [bool]>,
+    ground: Ground,
 }
 
-impl Ground<'_> {
-    fn begun(&self, start: &Term) -> Fit {
-        let (hypothesis, x) = extended(self.known, start);
-        let part = Part::Chosen(self.chosen);
-        let known = &self.slopes;
-        self.problem
-            .fit_beside(known, &hypothesis, x, part, FIRST_ITERATIONS)
+impl<'a> Field<'a> {
+    fn new(problem: &'a Problem<'a>, known: &'a Fit, chosen: impl Into<Cow<'a, [bool]>>) -> Self {
+        let chosen = chosen.into();
+        Self {
+            ground: problem.ground(known, Part::Chosen(&chosen)),
+            problem,
+            known,
+            chosen,
+        }
     }
 
+    fn begun(&self, start: &Term, iterations: usize) -> Fit {
+        let (hypothesis, x) = extended(self.known, start);
+        let ground = Some(&self.ground);
+        let part = Part::Chosen(&self.chosen);
+        self.problem
+            .fit_on(ground, &hypothesis, x, part, iterations)
+    }
+
+    fn cost(&self, start: &Term) -> f64 {
+        level(&self.begun(start, 0))
+    }
+}
+
+/// The data as they are, and restarted four times as often.
+struct Fields<'a> {
+    whole: Field<'a>,
+    soon: Option<Field<'a>>,
+}
+
+impl Fields<'_> {
     /// The starts around the lowest points of a scan.
     fn scanned(&self, starts: &[Term]) -> Vec<Term> {
-        let cost_on = |problem: &Problem<'_>, chosen, start: &Term| {
-            let (hypothesis, x) = extended(self.known, start);
-            let costs = problem.costs(&hypothesis, &x, Part::Chosen(chosen));
-            costs.mean_log()
-        };
-        let cost = |start: &Term| cost_on(self.problem, self.chosen, start);
-        let mut low = lowest(starts, cost);
+        let mut low = lowest(starts, |start| self.whole.cost(start));
         // What swings out of step over the horizon is still in step over a quarter of it.
-        if let Some((quarter, chosen)) = &self.soon {
-            low.extend(lowest(starts, |start| cost_on(quarter, chosen, start)));
+        if let Some(soon) = &self.soon {
+            low.extend(lowest(starts, |start| soon.cost(start)));
         }
         let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
-        first(around.par_iter().map(|s| (cost(s), s)).collect())
+        let costs = around.par_iter().map(|s| (self.whole.cost(s), s));
+        first(costs.collect())
     }
 
     /// The best fits of an effect, from all its starts.
@@ -69,7 +84,8 @@ impl Ground<'_> {
         let scanned =
             (candidate.starts.len() > MOST_STARTS_FITTED).then(|| self.scanned(&candidate.starts));
         let starts = scanned.as_ref().unwrap_or(&candidate.starts);
-        let mut fits: Vec<Fit> = starts.par_iter().map(|start| self.begun(start)).collect();
+        let begun = |start: &Term| self.whole.begun(start, FIRST_ITERATIONS);
+        let mut fits: Vec<Fit> = starts.par_iter().map(begun).collect();
         fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
         // Two masses have many poor optima, and what is fitted first is seldom the best.
         fits.truncate(if scanned.is_some() {
@@ -92,16 +108,13 @@ impl Search<'_> {
             known.x.fill(0.0);
         }
         let quarter = problem.quarter.as_deref();
-        let ground = Ground {
-            problem,
-            known: &known,
-            slopes: problem.slopes(&known, Part::Chosen(chosen)),
-            chosen,
-            soon: quarter.map(|quarter| (quarter, blocks(quarter))),
+        let fields = Fields {
+            whole: Field::new(problem, &known, chosen),
+            soon: quarter.map(|quarter| Field::new(quarter, &known, blocks(quarter))),
         };
         let tried = self.tried(&known, hints);
         let begun = tried.par_iter();
-        let begun = begun.map(|candidate| (ground.best(candidate), candidate.kind.name));
+        let begun = begun.map(|candidate| (fields.best(candidate), candidate.kind.name));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
         begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
         begun

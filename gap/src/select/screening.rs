@@ -14,11 +14,9 @@ use std::borrow::Cow;
 /// Iterations from every start, and starts of an effect that go on from there.
 const FIRST_ITERATIONS: usize = 2;
 const STARTS_KEPT: usize = 1;
-/// More starts are a scan: so many of its lowest points are fitted, and so many go on.
+/// More starts are a scan: so many of its lowest points are fitted, and so many go on. It is made once.
 const MOST_STARTS_FITTED: usize = 20;
 const SCANNED_FITTED: usize = 4;
-/// Effects with more starts go on from where they were found before.
-const HINTED_STARTS: usize = 8;
 const SCANNED_KEPT: usize = 3;
 const SCANNED_ITERATIONS: usize = 6;
 /// Effects that are fitted on then.
@@ -163,7 +161,7 @@ impl Search<'_> {
             let name = candidate.kind.name;
             let measured = self.given.measured.as_ref().filter(|t| t.kind.name == name);
             let hint = hints.iter().find(|hint| hint.name == name);
-            let hint = hint.filter(|_| candidate.starts.len() > HINTED_STARTS);
+            let hint = hint.filter(|_| candidate.starts.len() > MOST_STARTS_FITTED);
             if let Some(start) = measured.cloned().or_else(|| hint?.found()) {
                 candidate.starts = vec![start];
             }

@@ -48,7 +48,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let persisting = term(kind, &jumps);
     // A counter may also start anew with every run.
     let mut anew = Vec::new();
-    for series in e.series {
+    for (index, series) in e.series.iter().enumerate() {
         let Some(last) = series.time.len().checked_sub(1) else {
             continue;
         };
@@ -56,9 +56,10 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         let mine: Vec<_> = jumps.iter().copied().filter(|j| within(j.0)).collect();
         let sum: f64 = mine.iter().map(|j| j.2).sum();
         anew.extend(mine);
-        if sum != 0.0 {
-            let end = series.session(last);
-            anew.push((end, end + 2.0 * e.scales.period_s, -sum));
+        let mut next = e.series[index + 1..].iter().filter(|s| !s.time.is_empty());
+        if let Some(next) = next.next().filter(|_| sum != 0.0) {
+            let start = next.session(0) - 0.5 * next.span_s;
+            anew.push((start, start, -sum));
         }
     }
     vec![persisting, term(kind, &anew)]
@@ -73,17 +74,19 @@ fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
     Some(x[b] - x[a] - motion * (time[b] - time[a]))
 }
 
-/// A term of jumps, each about two instants and with a height.
+/// A term of jumps, each between two instants, or at one, and with a height.
 fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)]) -> Term {
     let mut values = Vec::new();
     let mut free = Vec::new();
     for (before, after, height) in jumps {
         // Within a sample that is a mean the instant shows in the height of that sample.
-        free.push(linear(
-            values.len(),
-            0.5 * (before + after),
-            0.5 * (after - before),
-        ));
+        if after > before {
+            free.push(linear(
+                values.len(),
+                0.5 * (before + after),
+                0.5 * (after - before),
+            ));
+        }
         values.push(0.5 * (before + after));
         free.push(linear(values.len(), *height, 0.5 * height.abs()));
         values.push(*height);

@@ -174,8 +174,10 @@ impl Search<'_> {
         (self.progress)(Stage::Judging);
         let mut rivals = ranked(rivals, known)?;
         // What needs a moment of its own is none where the same thing at all times leaves nothing.
+        let halfway = 0.5 * (level(known) + level(&rivals[0].fit));
         let special = rivals.iter().position(|rival| {
             contains(rivals[0].name, rival.name)
+                && level(&rival.fit) <= halfway
                 && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit))
         });
         if let Some(special) = special {

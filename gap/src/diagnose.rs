@@ -85,6 +85,8 @@ const COMPARED: f64 = 0.97;
 /// Share of the gap that a further effect must close, or of what those before it leave.
 const LEAST_SHRINK: f64 = 0.05;
 const LEAST_SHRINK_OF_REST: f64 = 0.5;
+/// Or of the robust excess, as a few windows in which a hidden state is wrong may be most of the gap.
+const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 
 /// Coarse samples that rival models are fitted to: more would not tell them apart better, only later.
 const MOST_SAMPLES: usize = 60_000;
@@ -133,8 +135,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     progress(Stage::Shrink);
     let mut steps = closings(&problem, &selection);
     // What does not close the gap by itself has no place, however well it suits the robust cost.
-    let idle = (kept.max(1)..steps.len())
-        .find(|&i| steps[i].own[0] < LEAST_SHRINK && steps[i].of_rest < LEAST_SHRINK_OF_REST);
+    let idle = (kept.max(1)..steps.len()).find(|&i| {
+        let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
+        steps[i].own[0] < LEAST_SHRINK
+            && steps[i].of_rest < LEAST_SHRINK_OF_REST
+            && before - after < LEAST_TYPICAL_SHRINK
+    });
     if let Some(first) = idle {
         steps.truncate(first);
         selection.withdraw(first);
@@ -338,14 +344,14 @@ fn compared(finding: &mut Finding, like: &Match, given: bool) {
 fn confidence(round: &Round, perfect: f64) -> f64 {
     let known = &round.known;
     let winner = &round.rivals[0];
-    let gain = known.costs.mean_log() - winner.fit.costs.mean_log();
+    let gain = known.costs.level() - winner.fit.costs.level();
     let next = round
         .rivals
         .get(1)
-        .map_or(known.costs.mean_log(), |r| r.fit.costs.mean_log());
-    let margin = ((next - winner.fit.costs.mean_log()) / gain.max(1e-9)).clamp(0.0, 1.0);
-    let left = ((winner.fit.costs.mean_log() - perfect)
-        / (known.costs.mean_log() - perfect).max(f64::MIN_POSITIVE))
+        .map_or(known.costs.level(), |r| r.fit.costs.level());
+    let margin = ((next - winner.fit.costs.level()) / gain.max(1e-9)).clamp(0.0, 1.0);
+    let left = ((winner.fit.costs.level() - perfect)
+        / (known.costs.level() - perfect).max(f64::MIN_POSITIVE))
     .clamp(0.0, 1.0);
     let sure = (round.significance / SURE).min(1.0);
     (0.55 + 0.8 * sure * margin.sqrt() * (1.0 - 0.6 * left)).clamp(0.3, 0.99)
@@ -359,7 +365,7 @@ fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tr
             if named.contains(&rival.name) || all.iter().any(|t| t.name == rival.name) {
                 continue;
             }
-            let gain = round.known.costs.mean_log() - rival.fit.costs.mean_log();
+            let gain = round.known.costs.level() - rival.fit.costs.level();
             let why_not = if gain <= 0.0 {
                 "no gain".to_owned()
             } else if rival.name == winner.name {

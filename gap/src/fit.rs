@@ -45,24 +45,49 @@ pub(crate) fn turn(window: usize) -> f64 {
     (window as f64 + 0.5) * 0.618_033_988_749_895 % 1.0
 }
 
-/// Costs of the windows of a part at one point.
+/// What one point costs on the windows of a part.
 #[derive(Clone, Debug)]
 pub(crate) struct Costs {
     /// Whitened squared residual per sample, by running index; NaN for windows that take no part.
     pub per_sample: Vec<f64>,
+    /// Cost of moving the model's own numbers within their tolerances.
+    pub prior: f64,
 }
 
 impl Costs {
+    fn new(whitened: &[Vec<f64>], prior: f64) -> Self {
+        let per_sample = whitened.iter().map(|r| {
+            if r.is_empty() {
+                f64::NAN
+            } else {
+                let c = dot(r, r) / r.len() as f64;
+                // A model that runs away is bad, not undefined.
+                if c.is_finite() { c } else { f64::MAX }
+            }
+        });
+        Self {
+            per_sample: per_sample.collect(),
+            prior,
+        }
+    }
+
     /// Robust cost of one window: `ln(1 + c/n)`, from ln 2 for a perfect model.
     pub(crate) fn log(&self, window: usize) -> f64 {
         self.per_sample[window].ln_1p()
     }
 
-    /// Mean robust cost over the windows that took part.
-    pub(crate) fn mean_log(&self) -> f64 {
-        let taken = self.per_sample.iter().filter(|c| !c.is_nan());
-        let (sum, count) = taken.fold((0.0, 0), |(s, n), c| (s + c.ln_1p(), n + 1));
-        sum / f64::from(count.max(1))
+    fn taken(&self) -> impl Iterator<Item = f64> {
+        self.per_sample.iter().copied().filter(|c| !c.is_nan())
+    }
+
+    /// What a fit makes least: the robust costs of the windows that took part and the prior.
+    fn sum(&self) -> f64 {
+        self.taken().map(f64::ln_1p).sum::<f64>() + self.prior
+    }
+
+    /// The same per window.
+    pub(crate) fn level(&self) -> f64 {
+        self.sum() / self.taken().count().max(1) as f64
     }
 }
 
@@ -84,6 +109,15 @@ pub(crate) struct Fit {
     /// Standard deviation of each coordinate.
     pub std: Vec<f64>,
     pub costs: Costs,
+}
+
+impl Fit {
+    /// Sum of the squared moves of the model's own numbers, in standard deviations, and how many they are.
+    pub(crate) fn nudged(&self) -> (f64, f64) {
+        let free: usize = self.hypothesis.terms.iter().map(|t| t.free.len()).sum();
+        let z = &self.x[..self.x.len() - free];
+        (z.iter().map(|z| z * z).sum(), z.len() as f64)
+    }
 }
 
 /// Weight of a squared standard deviation of tolerance against the robust cost of a window.
@@ -266,7 +300,7 @@ impl Problem<'_> {
         let predictor = self.predictor(hypothesis, x);
         let residuals = self.residuals(&predictor, part);
         let whitenings = self.whitenings(&predictor, &residuals, part);
-        costs(&self.whitened(&residuals, &whitenings))
+        Costs::new(&self.whitened(&residuals, &whitenings), self.prior(x))
     }
 
     /// A fit to all windows carried on until looking to both sides along each coordinate leads no further: slopes say
@@ -274,7 +308,7 @@ impl Problem<'_> {
     pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
         let mut best = self.fit(&fit.hypothesis, fit.x.clone(), Part::All, iterations);
         for _ in 0..MOST_POLLS {
-            let total = |fit: &Fit| sum_log(&fit.costs) + self.prior(&fit.x);
+            let total = |fit: &Fit| fit.costs.sum();
             let beside: Vec<Vec<f64>> = (0..best.x.len())
                 .flat_map(|i| POLLED.map(|by| (i, by)))
                 .map(|(i, by)| {
@@ -285,7 +319,7 @@ impl Problem<'_> {
                 .collect();
             let polled = beside.into_par_iter().map(|x| {
                 let costs = self.costs(&best.hypothesis, &x, Part::All);
-                (sum_log(&costs) + self.prior(&x), x)
+                (costs.sum(), x)
             });
             let lowest = polled.min_by(|a, b| a.0.total_cmp(&b.0));
             let lowest = lowest.filter(|(low, _)| *low < total(&best) - POLL_GAIN);
@@ -365,8 +399,8 @@ impl Problem<'_> {
         };
         let mut whitenings = whiten(&predictor, &residuals);
         let mut whitened = self.whitened(&residuals, &whitenings);
-        let mut now = costs(&whitened);
-        let mut total = sum_log(&now) + self.prior(&x);
+        let mut now = Costs::new(&whitened, self.prior(&x));
+        let mut total = now.sum();
         let mut normal = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
         let mut slopes: Vec<Slope> = Vec::new();
@@ -432,7 +466,7 @@ impl Problem<'_> {
                 let at = self.predictor(hypothesis, &trial);
                 let r = self.residuals(&at, part);
                 let w = self.whitened(&r, &whitenings);
-                let trial_total = sum_log(&costs(&w)) + self.prior(&trial);
+                let trial_total = Costs::new(&w, self.prior(&trial)).sum();
                 if trial_total < total {
                     damping = (0.2 * damping).max(1e-6);
                     improved = Some((trial, at, r, trial_total));
@@ -451,8 +485,8 @@ impl Problem<'_> {
             (x, predictor, residuals) = (trial, at, r);
             whitenings = whiten(&predictor, &residuals);
             whitened = self.whitened(&residuals, &whitenings);
-            now = costs(&whitened);
-            total = sum_log(&now) + self.prior(&x);
+            now = Costs::new(&whitened, self.prior(&x));
+            total = now.sum();
             if small && iteration >= WIDE {
                 break;
             }
@@ -477,26 +511,6 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
         }
         None => vec![f64::INFINITY; n],
     }
-}
-
-fn costs(whitened: &[Vec<f64>]) -> Costs {
-    let per_sample = whitened.iter().map(|r| {
-        if r.is_empty() {
-            f64::NAN
-        } else {
-            let c = dot(r, r) / r.len() as f64;
-            // A model that runs away is bad, not undefined.
-            if c.is_finite() { c } else { f64::MAX }
-        }
-    });
-    Costs {
-        per_sample: per_sample.collect(),
-    }
-}
-
-fn sum_log(costs: &Costs) -> f64 {
-    let taken = costs.per_sample.iter().filter(|c| !c.is_nan());
-    taken.map(|c| c.ln_1p()).sum()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

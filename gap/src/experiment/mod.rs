@@ -193,6 +193,7 @@ mod tests {
             std: Vec::new(),
             costs: Costs {
                 per_sample: vec![cost; 10],
+                prior: 0.0,
             },
         }
     }

@@ -67,7 +67,7 @@ fn sensing(comparison: &Comparison) -> Option<Region> {
 /// acceleration is a function of it, beyond a constant and a level of friction. Motion couples the axes, so
 /// that the next best ones are told too.
 fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
-    if null.costs.mean_log() <= WHITE + NOTICEABLE {
+    if null.costs.level() <= WHITE + NOTICEABLE {
         return Vec::new();
     }
     let recording = problem.recording;

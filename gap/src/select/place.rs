@@ -25,13 +25,13 @@ pub(super) fn earns_its_place(
 ) -> (f64, bool) {
     let windows = 0..problem.window_count();
     let unseen = [held_out(problem, known), held_out(problem, &winner.fit)];
-    let gains: Vec<f64> = windows
-        .clone()
-        .map(|w| unseen[0].log(w) - unseen[1].log(w))
-        .collect();
-    let (gain, error) = mean_and_error(&gains);
+    let gains = windows.clone().map(|w| unseen[0].log(w) - unseen[1].log(w));
+    let gains: Vec<f64> = gains.collect();
+    let (mean, error) = mean_and_error(&gains);
+    // What the model's own numbers need no longer make up for is a gain without an error.
+    let gain = mean + (unseen[0].prior - unseen[1].prior) / gains.len() as f64;
     let significance = gain / error.max(f64::MIN_POSITIVE);
-    let excess = (unseen[0].mean_log() - perfect.level).max(0.0);
+    let excess = (unseen[0].level() - perfect.level).max(0.0);
     let least = if gain > LARGE_SHARE * excess {
         LARGE_SIGNIFICANCE
     } else {
@@ -87,14 +87,17 @@ fn held_out(problem: &Problem<'_>, fit: &Fit) -> Costs {
     let per_sample = problem.unseen(fit, |fit, half| {
         problem.costs(&fit.hypothesis, &fit.x, half).per_sample
     });
-    Costs { per_sample }
+    Costs {
+        per_sample,
+        prior: fit.costs.prior,
+    }
 }
 
 /// A model in which nothing moves can look good on slow motion: with restarts four times as often it
 /// must not be worse.
 fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool {
     problem.quarter.as_ref().is_none_or(|quarter| {
-        let cost = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All).mean_log();
+        let cost = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All).level();
         cost(fit) <= cost(known)
     })
 }

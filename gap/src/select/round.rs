@@ -75,7 +75,7 @@ impl Search<'_> {
     fn round_with(&self, known: &Fit, hints: &[Rival], found: Option<Rival>) -> Option<Round> {
         let chosen = self.screening_windows(known);
         let screened = self.screened(known, &chosen, hints);
-        let mut rivals = self.finals(screened.clone(), known, &chosen);
+        let mut rivals = self.finals(screened.clone(), known);
         if let Some(found) = found {
             rivals
                 .retain(|rival| rival.name != found.name || level(&rival.fit) < level(&found.fit));
@@ -97,7 +97,7 @@ impl Search<'_> {
             .iter()
             .flat_map(|leader| self.screened(&leader.fit, &chosen, hints))
             .collect();
-        let both = ranked(self.finals(screened, null, &chosen), null)?.swap_remove(0);
+        let both = ranked(self.finals(screened, null), null)?.swap_remove(0);
         let turned = turned(&both, null)?;
         // Each in turn is looked for anew beside the other.
         let mut beside_second =
@@ -121,10 +121,9 @@ impl Search<'_> {
     }
 
     /// The most promising ones, fitted to all windows.
-    fn finals(&self, mut screened: Vec<Rival>, known: &Fit, chosen: &[bool]) -> Vec<Rival> {
-        let screened_level = |rival: &Rival| level_on(&rival.fit, chosen);
+    fn finals(&self, mut screened: Vec<Rival>, known: &Fit) -> Vec<Rival> {
         (self.progress)(Stage::Finalists);
-        screened.sort_by(|a, b| screened_level(a).total_cmp(&screened_level(b)));
+        screened.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
         let fitted = |rivals: Vec<Rival>, iterations: usize| -> Vec<Rival> {
             let fits = rivals.into_par_iter().map(|rival| Rival {
                 name: rival.name,
@@ -201,10 +200,3 @@ impl Search<'_> {
 
 /// Effects that show in few windows and are among the finalists whatever their rank.
 const MOST_LOCAL: usize = 3;
-
-/// Mean robust cost on the chosen windows.
-fn level_on(fit: &Fit, chosen: &[bool]) -> f64 {
-    let costs = chosen.iter().enumerate().filter(|(_, chosen)| **chosen);
-    let (sum, count) = costs.fold((0.0, 0), |(s, n), (w, _)| (s + fit.costs.log(w), n + 1));
-    sum / f64::from(count.max(1))
-}

@@ -85,7 +85,8 @@ fn imagined(recording: &Recording, predictor: &Predictor) -> Recording {
     own.runs = recording.runs.iter().map(|r| middle(r, share)).collect();
     let sensor = recording.sensor("position");
     let mut noise = Noise::new(SEED);
-    for series in series::full(&own, 2.0 * recording.horizon) {
+    for mut series in series::full(&own, 2.0 * recording.horizon) {
+        begin_at_rest(&mut series, predictor);
         // What is seen as noise has the quantising in it.
         let quantising = sensor.resolution.powi(2) / 12.0;
         let added = (typical_noise(&series).powi(2) - quantising)
@@ -102,6 +103,26 @@ fn imagined(recording: &Recording, predictor: &Predictor) -> Recording {
         own.runs[series.run].position = position.collect();
     }
     own
+}
+
+/// Lets a run begin at rest where that suits its first window better: the cubic through the first samples makes a speed
+/// of a break-away.
+fn begin_at_rest(series: &mut Series, predictor: &Predictor) {
+    let (Some(first), Some(&value)) = (series.windows.first(), series.position.first()) else {
+        return;
+    };
+    let rows = first.samples.clone();
+    let cubic = first.restart;
+    let squares = |series: &Series| -> f64 {
+        let predicted = predictor.predict_shifted(series, [0.0, 0.0], |w| w == 0);
+        let pairs = predicted[rows.clone()].iter().zip(&series.position);
+        pairs.map(|(p, m)| (p - m).powi(2)).sum()
+    };
+    let moving = squares(series);
+    series.windows[0].restart = cubic.at_rest(value);
+    if squares(series) >= moving {
+        series.windows[0].restart = cubic;
+    }
 }
 
 fn typical_noise(series: &Series) -> f64 {

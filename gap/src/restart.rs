@@ -30,6 +30,16 @@ pub struct Restart {
 }
 
 impl Restart {
+    /// The same instant, at rest at `value`.
+    pub(crate) fn at_rest(self, value: f64) -> Self {
+        Self {
+            value,
+            slope: 0.0,
+            curvature: 0.0,
+            ..self
+        }
+    }
+
     /// Fits the samples within ± `half_width_s` of `time_s`, or the nearest nine if those are fewer.
     /// `None` if the run has fewer than four samples.
     pub fn fit(time: &[f64], position: &[f64], time_s: f64, half_width_s: f64) -> Option<Self> {

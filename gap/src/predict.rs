@@ -32,6 +32,9 @@ fn span(values: &[f64]) -> f64 {
     (high - low).max(f64::MIN_POSITIVE)
 }
 
+/// Windows that lead up to a wanted one at most.
+const MOST_LEAD: usize = 6;
+
 struct Running {
     line: DriveLine,
     state: State,
@@ -88,13 +91,15 @@ impl Predictor {
         // Up to the first sample, which may lie a little later: what it says is the nearest.
         let settled_nm = series.settled_nm(&self.device.drive, 0);
         running.line.command_settled(start_s, settled_nm);
+        let lead = self.lead(series);
+        let taken: Vec<bool> = (0..series.windows.len())
+            .map(|index| (index..series.windows.len().min(index + lead + 1)).any(&wanted))
+            .collect();
         for (index, window) in series.windows.iter().enumerate() {
-            // One window before a wanted one is enough for what is carried over to settle.
-            let leads = remembers && wanted(index + 1);
-            if !wanted(index) && !leads {
+            if !taken[index] {
                 continue;
             }
-            if remembers && (index == 0 || wanted(index - 1) || wanted(index)) {
+            if remembers && (index == 0 || taken[index - 1]) {
                 self.follow_to(&mut running, series, window.restart.time_s);
             } else {
                 self.skip_to(&mut running, series, window.restart.time_s);
@@ -140,6 +145,24 @@ impl Predictor {
         mechanics.link.is_some()
             || mechanics.presliding.is_some()
             || self.device.sensing.hysteresis > 0.0
+    }
+
+    /// Windows before a wanted one in which what is carried over settles.
+    fn lead(&self, series: &Series) -> usize {
+        if !self.remembers() {
+            return 0;
+        }
+        let mechanics = &self.device.mechanics;
+        let memory_s = mechanics
+            .link
+            .map_or(0.0, |link| link.memory_s(mechanics.inertia));
+        let starts = series.windows.iter().map(|w| w.restart.time_s);
+        let (first, last) = starts.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
+            (a.min(t), b.max(t))
+        });
+        let window_s = (last - first) / (series.windows.len() - 1).max(1) as f64;
+        let windows = (memory_s / window_s).ceil();
+        (windows as usize).clamp(1, MOST_LEAD)
     }
 
     /// Tells the drive the next input.

@@ -87,6 +87,8 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 log(0, amplitude),
                 linear(1, n, 0.2 * lowest),
                 linear(2, phase, 0.5),
+                linear(3, 0.0, 0.3 * amplitude),
+                linear(4, 0.0, 0.3 * amplitude),
             ];
             super::term(kind, free, &[])
         })

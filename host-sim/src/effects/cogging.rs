@@ -3,12 +3,12 @@
 use super::{Channel, Kind, Parameter, Quantity};
 use crate::plant::Cogging;
 
-/// `T = A sin(n x + φ)`.
+/// `T = A sin θ + a sin 2θ + b cos 2θ` with `θ = n x + φ`.
 pub const KIND: Kind = Kind {
     name: "cogging",
     channel: Channel::Actuation,
     about: "The torque ripples with position",
-    equation: "T = A sin(n x + φ)",
+    equation: "T = A sin θ + a sin 2θ + b cos 2θ, θ = n x + φ",
     parameters: &[
         Parameter {
             name: "amplitude",
@@ -31,12 +31,27 @@ pub const KIND: Kind = Kind {
             typical: [-3.2, 3.2],
             about: "at position zero",
         },
+        Parameter {
+            name: "second_sine",
+            quantity: Quantity::Torque,
+            default: 0.0,
+            typical: [-0.002, 0.002],
+            about: "of the second harmonic",
+        },
+        Parameter {
+            name: "second_cosine",
+            quantity: Quantity::Torque,
+            default: 0.0,
+            typical: [-0.002, 0.002],
+            about: "of the second harmonic",
+        },
     ],
     install: |device, p| {
         device.mechanics.cogging = Some(Cogging {
             amplitude_nm: p[0],
             wave_number: p[1],
             phase: p[2],
+            second_nm: [p[3], p[4]],
         });
     },
 };

@@ -36,9 +36,18 @@ impl Link {
         }
     }
 
+    fn reduced(&self, inertia: f64) -> f64 {
+        inertia * self.load_share * (1.0 - self.load_share)
+    }
+
+    /// Time constant with which a ringing of the two sides dies away, s; infinite without damping.
+    pub fn memory_s(&self, inertia: f64) -> f64 {
+        2.0 * self.reduced(inertia) / self.damping
+    }
+
     /// Fastest rate of the relative motion, 1/s.
     pub(super) fn fastest_rate(&self, inertia: f64) -> f64 {
-        let reduced = inertia * self.load_share * (1.0 - self.load_share);
+        let reduced = self.reduced(inertia);
         (self.stiffness / reduced).sqrt() + self.damping / reduced
     }
 }

@@ -11,6 +11,7 @@
 //! contact begin and end at events that are located, not stepped over.
 
 mod barrier;
+mod cogging;
 mod friction;
 mod link;
 mod pendulum;
@@ -22,6 +23,7 @@ mod torque;
 use pendulum::Pendulum;
 
 pub use barrier::{Barrier, Touch};
+pub use cogging::Cogging;
 pub use friction::Friction;
 pub use link::Link;
 pub use presliding::Presliding;
@@ -29,17 +31,6 @@ pub use torque::Torque;
 
 /// Most barriers that a plant can have: two stops and something outside.
 pub const BARRIERS: usize = 3;
-
-/// Torque that varies sinusoidally with position.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cogging {
-    /// Amplitude, N m.
-    pub amplitude_nm: f64,
-    /// Periods per radian times 2π.
-    pub wave_number: f64,
-    /// Phase at position zero, rad.
-    pub phase: f64,
-}
 
 /// Everything that acts on the joint. Angles in rad (or the recording's unit of position).
 #[derive(Clone, Debug, PartialEq)]
@@ -94,8 +85,8 @@ impl Mechanics {
 
     /// Of the smooth part, 1/s: natural frequencies plus dampings.
     fn fastest_rate(&self) -> f64 {
-        let cogging = self.cogging.map_or(0.0, |c| c.amplitude_nm * c.wave_number);
-        let stiffness = self.gravity.abs() + self.stiffness.abs() + cogging.abs();
+        let cogging = self.cogging.map_or(0.0, |cogging| cogging.stiffness());
+        let stiffness = self.gravity.abs() + self.stiffness.abs() + cogging;
         let link = self
             .link
             .map_or(0.0, |link| link.fastest_rate(self.inertia));

@@ -43,7 +43,7 @@ impl Mechanics {
     fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
         let mut torque = drive_nm + self.offset_nm;
         if let Some(cogging) = &self.cogging {
-            torque += cogging.amplitude_nm * (cogging.wave_number * position + cogging.phase).sin();
+            torque += cogging.torque(position);
         }
         torque
     }

@@ -85,7 +85,8 @@ const COMPARED: f64 = 0.97;
 /// Share of the gap that a further effect must close, or of what those before it leave.
 const LEAST_SHRINK: f64 = 0.05;
 const LEAST_SHRINK_OF_REST: f64 = 0.5;
-/// Or of the robust excess, as a few windows in which a hidden state is wrong may be most of the gap.
+/// Or surely something of the gap and this share of the robust excess: a few windows in which a hidden state is wrong may
+/// be most of the gap.
 const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 
 /// Coarse samples that rival models are fitted to: more would not tell them apart better, only later.
@@ -137,9 +138,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     // What does not close the gap by itself has no place, however well it suits the robust cost.
     let idle = (kept.max(1)..steps.len()).find(|&i| {
         let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
-        steps[i].own[0] < LEAST_SHRINK
-            && steps[i].of_rest < LEAST_SHRINK_OF_REST
-            && before - after < LEAST_TYPICAL_SHRINK
+        let typical = before - after >= LEAST_TYPICAL_SHRINK && steps[i].own[1] > 0.0;
+        steps[i].own[0] < LEAST_SHRINK && steps[i].of_rest < LEAST_SHRINK_OF_REST && !typical
     });
     if let Some(first) = idle {
         steps.truncate(first);

@@ -84,6 +84,11 @@ const FLANK_FREQUENCY: f64 = 0.2;
 /// Relative damping of the flanks: a rebound has half the speed.
 const FLANK_DAMPING: f64 = 0.22;
 
+/// Shares of the samples that may lie beyond a stop: none where it is touched once.
+const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
+/// Stiffness of a stop over torque by span of the motion.
+const HARDNESS: [f64; 2] = [20.0, 200.0];
+
 /// Where a twisting transmission may ring, over the frequency of the motion.
 const RESONANCES: [f64; 2] = [1.0, 100.0];
 /// And the highest frequency that samples follow, over their rate.
@@ -351,14 +356,17 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let beyond = s.span();
             // One stop at a time, the other out of reach, then both.
             let mut all = contact::as_stops(kind, e);
-            for share in [0.002, 0.02, 0.08] {
+            for (share, hard) in STOPPED_SHARES
+                .iter()
+                .flat_map(|&s| HARDNESS.map(|h| (s, h)))
+            {
                 let (low, high) = (
                     quantile(&positions, share),
                     quantile(&positions, 1.0 - share),
                 );
                 let far = (s.position[0] - beyond, s.position[1] + beyond);
                 for (lower, upper) in [(far.0, high), (low, far.1), (low, high)] {
-                    let k = 20.0 * stiffness;
+                    let k = hard * stiffness;
                     let mut free = vec![log(2, k), log(3, damped(k, m.inertia))];
                     if lower > far.0 {
                         free.push(linear(0, lower, 0.05 * beyond));

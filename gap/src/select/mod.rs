@@ -68,9 +68,12 @@ impl Selection {
         self.last = self.rounds.drain(from..).next();
     }
 
-    /// Share of the null's robust excess that a fit leaves.
+    /// Share of the null's robust excess that a fit leaves; none where there is no excess but in a window or two.
     pub(crate) fn left(&self, fit: &Fit) -> f64 {
-        let excess = (level(&self.null) - self.perfect.level).max(f64::MIN_POSITIVE);
+        let excess = level(&self.null) - self.perfect.level;
+        if excess <= QUIET_EXCESS {
+            return 0.0;
+        }
         ((level(fit) - self.perfect.level) / excess).max(0.0)
     }
 

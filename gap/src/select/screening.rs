@@ -1,6 +1,7 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
 use super::level;
+use super::place::is_local;
 use super::rival::{Rival, extended};
 use super::round::Search;
 use crate::candidate::{Candidate, Evidence, candidates};
@@ -14,11 +15,12 @@ use std::borrow::Cow;
 /// Iterations from every start, and starts of an effect that go on from there.
 const FIRST_ITERATIONS: usize = 2;
 const STARTS_KEPT: usize = 1;
-/// More starts are a scan: so many of its lowest points are fitted, and so many go on. It is made once.
-const MOST_STARTS_FITTED: usize = 20;
+/// More starts are a scan, which is made once: so many of its lowest points are fitted.
+const MOST_STARTS_FITTED: usize = 30;
 const SCANNED_FITTED: usize = 4;
-const SCANNED_KEPT: usize = 3;
-const SCANNED_ITERATIONS: usize = 6;
+/// Starts that go on where there are many optima, and for how long.
+const MANY_KEPT: usize = 3;
+const MANY_ITERATIONS: usize = 6;
 /// Effects that are fitted on then.
 const PROMISING: usize = 14;
 const SCREENING_ITERATIONS: usize = 4;
@@ -58,10 +60,15 @@ impl<'a> Field<'a> {
     }
 }
 
-/// The data as they are, and restarted four times as often.
+/// Where an effect begins to be fitted.
 struct Fields<'a> {
+    /// With the model's own numbers as they were given: where they have gone to make up for an effect is no place to look
+    /// for it.
     whole: Field<'a>,
+    /// The same data restarted four times as often.
     soon: Option<Field<'a>>,
+    /// With the model's own numbers as fitted: what shows in few windows leaves them where they are.
+    fitted: Field<'a>,
 }
 
 impl Fields<'_> {
@@ -82,15 +89,14 @@ impl Fields<'_> {
         let scanned =
             (candidate.starts.len() > MOST_STARTS_FITTED).then(|| self.scanned(&candidate.starts));
         let starts = scanned.as_ref().unwrap_or(&candidate.starts);
-        let begun = |start: &Term| self.whole.begun(start, FIRST_ITERATIONS);
+        let is_local = is_local(candidate.kind.name);
+        let field = if is_local { &self.fitted } else { &self.whole };
+        let begun = |start: &Term| field.begun(start, FIRST_ITERATIONS);
         let mut fits: Vec<Fit> = starts.par_iter().map(begun).collect();
         fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
-        // Two masses have many poor optima, and what is fitted first is seldom the best.
-        fits.truncate(if scanned.is_some() {
-            SCANNED_KEPT
-        } else {
-            STARTS_KEPT
-        });
+        // Two masses and hard contacts have many poor optima, and what is fitted first is seldom the best.
+        let many = scanned.is_some() || is_local;
+        fits.truncate(if many { MANY_KEPT } else { STARTS_KEPT });
         fits
     }
 }
@@ -100,17 +106,17 @@ impl Search<'_> {
     pub(super) fn screened(&self, known: &Fit, chosen: &[bool], hints: &[Rival]) -> Vec<Rival> {
         (self.progress)(Stage::Screening);
         let problem = self.problem;
-        let mut known = known.clone();
+        let mut given = known.clone();
         if known.hypothesis.terms.is_empty() {
-            // Where the model's own numbers have gone to make up for an effect is no place to look for it.
-            known.x.fill(0.0);
+            given.x.fill(0.0);
         }
         let quarter = problem.quarter.as_deref();
         let fields = Fields {
-            whole: Field::new(problem, &known, chosen),
-            soon: quarter.map(|quarter| Field::new(quarter, &known, blocks(quarter))),
+            whole: Field::new(problem, &given, chosen),
+            soon: quarter.map(|quarter| Field::new(quarter, &given, blocks(quarter))),
+            fitted: Field::new(problem, known, chosen),
         };
-        let tried = self.tried(&known, hints);
+        let tried = self.tried(&given, hints);
         let begun = tried.par_iter();
         let begun = begun.map(|candidate| (fields.best(candidate), candidate.kind.name));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
@@ -122,7 +128,7 @@ impl Search<'_> {
                 let iterations = match fits.len() {
                     _ if rank >= PROMISING => 0,
                     1 => SCREENING_ITERATIONS,
-                    _ => SCANNED_ITERATIONS,
+                    _ => MANY_ITERATIONS,
                 };
                 // What the model's own numbers took of the effect, they give back now.
                 let fits = fits.into_par_iter().map(|fit| {

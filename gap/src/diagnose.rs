@@ -339,16 +339,14 @@ fn compared(finding: &mut Finding, like: &Match, given: bool) {
     }
 }
 
-/// Probability that the winner of a round is right: from how much better it is than the next that is
-/// not tied with it, and how little it leaves.
+/// Probability that the winner of a round is right: from how much better it is than the next that is not more of the
+/// same, and how little it leaves.
 fn confidence(round: &Round, perfect: f64) -> f64 {
     let known = &round.known;
     let winner = &round.rivals[0];
     let gain = known.costs.level() - winner.fit.costs.level();
-    let next = round
-        .rivals
-        .get(1)
-        .map_or(known.costs.level(), |r| r.fit.costs.level());
+    let next = select::others(round).next();
+    let next = next.map_or(known.costs.level(), |r| r.fit.costs.level());
     let margin = ((next - winner.fit.costs.level()) / gain.max(1e-9)).clamp(0.0, 1.0);
     let left = ((winner.fit.costs.level() - perfect)
         / (known.costs.level() - perfect).max(f64::MIN_POSITIVE))

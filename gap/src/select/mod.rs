@@ -11,7 +11,7 @@ use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::stage::Stage;
 pub(crate) use place::is_event;
-pub(crate) use ranking::ties;
+pub(crate) use ranking::{others, ties};
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;
 use round::Search;

@@ -60,11 +60,16 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     let winner = &round.rivals[0];
     let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
     let close = level(&winner.fit) + TIE_SHARE * gain;
-    let rivals = round.rivals[1..].iter();
-    rivals
-        .filter(|rival| level(&rival.fit) <= close && !contains(rival.name, winner.name))
-        .map(|rival| rival.name)
-        .collect()
+    let tied = others(round).filter(|rival| level(&rival.fit) <= close);
+    tied.map(|rival| rival.name).collect()
+}
+
+/// The rivals of the winner of a round that do not contain it.
+pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
+    let winner = round.rivals[0].name;
+    round.rivals[1..]
+        .iter()
+        .filter(move |rival| !contains(rival.name, winner))
 }
 
 /// The special cases of the best rival, from where it stands: what else is known of the device took long

@@ -4,6 +4,7 @@ use super::{Evidence, linear, log, term};
 use crate::hypothesis::Term;
 use crate::motion::{quantile, rms};
 use host_sim::effects::Kind;
+use std::ops::Range;
 
 /// A window counts as hit from this much robust cost above the quiet ones.
 const HIT_MARGIN: f64 = 0.7;
@@ -64,9 +65,13 @@ pub(super) fn as_stops(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 }
 
 fn pushes(e: &Evidence<'_>) -> Vec<Push> {
-    let Some((series, windows)) = stretch(e) else {
-        return Vec::new();
-    };
+    let stretches = stretches(e).into_iter();
+    stretches
+        .flat_map(|(series, windows)| pushes_during(e, series, windows))
+        .collect()
+}
+
+fn pushes_during(e: &Evidence<'_>, series: usize, windows: Range<usize>) -> Vec<Push> {
     let data = &e.series[series];
     let rows = data.windows[windows.start].samples.start..data.windows[windows.end - 1].samples.end;
     let motion = &e.motions[series];
@@ -113,9 +118,9 @@ fn pushes(e: &Evidence<'_>) -> Vec<Push> {
     all
 }
 
-/// The run of windows with the largest sum of cost above the quiet level (Kadane's algorithm), if it is
-/// short and stands out.
-fn stretch(e: &Evidence<'_>) -> Option<(usize, core::ops::Range<usize>)> {
+/// The run of windows with the largest sum of cost above the quiet level (Kadane's algorithm), if it is short and stands
+/// out, and the worst of its windows.
+fn stretches(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
     let finite: Vec<f64> = e
         .window_costs
         .iter()
@@ -123,12 +128,16 @@ fn stretch(e: &Evidence<'_>) -> Option<(usize, core::ops::Range<usize>)> {
         .filter(|c| c.is_finite())
         .collect();
     let quiet = quantile(&finite, QUIET);
-    let mut best: Option<(f64, usize, core::ops::Range<usize>)> = None;
+    let mut best: Option<(f64, usize, Range<usize>)> = None;
+    let mut worst = (f64::NEG_INFINITY, 0);
     let mut base = 0;
     for (index, series) in e.series.iter().enumerate() {
         let (mut sum, mut start) = (0.0, 0);
         for w in 0..series.windows.len() {
             let cost = e.window_costs[base + w];
+            if cost > worst.0 {
+                worst = (cost, base + w);
+            }
             sum += if cost.is_finite() { cost } else { quiet } - quiet - HIT_MARGIN;
             if sum <= 0.0 {
                 (sum, start) = (0.0, w + 1);
@@ -138,7 +147,15 @@ fn stretch(e: &Evidence<'_>) -> Option<(usize, core::ops::Range<usize>)> {
         }
         base += series.windows.len();
     }
-    let (_, index, windows) = best?;
-    let share = windows.len() as f64 / e.window_costs.len() as f64;
-    (share <= LONGEST_SHARE).then_some((index, windows))
+    let Some((_, index, windows)) = best else {
+        return Vec::new();
+    };
+    if windows.len() as f64 > LONGEST_SHARE * e.window_costs.len() as f64 {
+        return Vec::new();
+    }
+    let before: usize = e.series[..index].iter().map(|s| s.windows.len()).sum();
+    let inside = worst.1.checked_sub(before).filter(|w| windows.contains(w));
+    let inside = inside.filter(|_| windows.len() > 1);
+    let alone = inside.map(|w| (index, w..w + 1));
+    core::iter::once((index, windows)).chain(alone).collect()
 }

@@ -1,9 +1,9 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
-use super::level;
 use super::place::is_local;
 use super::rival::{Rival, extended};
 use super::round::Search;
+use super::{QUIET_EXCESS, level};
 use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::{Fit, Ground, Part, Problem, turn};
 use crate::hypothesis::Term;
@@ -117,6 +117,20 @@ impl Search<'_> {
             fitted: Field::new(problem, known, chosen),
         };
         let tried = self.tried(&given, hints);
+        let (few, scans): (Vec<_>, Vec<_>) = tried
+            .into_iter()
+            .partition(|candidate| candidate.starts.len() <= MOST_STARTS_FITTED);
+        let mut rivals = self.fitted_on(chosen, &fields, &few);
+        let enough = self.perfect.level + QUIET_EXCESS;
+        // What is scanned takes more numbers and most of the time.
+        if rivals.iter().all(|rival| level(&rival.fit) > enough) {
+            rivals.extend(self.fitted_on(chosen, &fields, &scans));
+        }
+        rivals
+    }
+
+    /// The best fit of each of some effects, the most promising ones fitted on.
+    fn fitted_on(&self, chosen: &[bool], fields: &Fields<'_>, tried: &[Candidate]) -> Vec<Rival> {
         let begun = tried.par_iter();
         let begun = begun.map(|candidate| (fields.best(candidate), candidate.kind.name));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
@@ -132,7 +146,8 @@ impl Search<'_> {
                 };
                 // What the model's own numbers took of the effect, they give back now.
                 let fits = fits.into_par_iter().map(|fit| {
-                    problem.fit(&fit.hypothesis, fit.x, Part::Chosen(chosen), iterations)
+                    let part = Part::Chosen(chosen);
+                    self.problem.fit(&fit.hypothesis, fit.x, part, iterations)
                 });
                 let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
                 Some(Rival { name, fit })

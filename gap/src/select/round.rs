@@ -93,10 +93,13 @@ impl Search<'_> {
         let hints = &first.screened;
         let chosen = self.screening_windows(null);
         let leaders = &first.rivals[..first.rivals.len().min(LEADERS)];
-        let screened = leaders
-            .iter()
-            .flat_map(|leader| self.screened(&leader.fit, &chosen, hints))
-            .collect();
+        let mut screened = Vec::new();
+        for leader in leaders {
+            screened.extend(self.screened(&leader.fit, &chosen, hints));
+            if self.suffices(&screened) {
+                break;
+            }
+        }
         let both = ranked(self.finals(screened, null), null)?.swap_remove(0);
         let turned = turned(&both, null)?;
         // Each in turn is looked for anew beside the other.

@@ -121,12 +121,17 @@ impl Search<'_> {
             .into_iter()
             .partition(|candidate| candidate.starts.len() <= MOST_STARTS_FITTED);
         let mut rivals = self.fitted_on(chosen, &fields, &few);
-        let enough = self.perfect.level + QUIET_EXCESS;
         // What is scanned takes more numbers and most of the time.
-        if rivals.iter().all(|rival| level(&rival.fit) > enough) {
+        if !self.suffices(&rivals) {
             rivals.extend(self.fitted_on(chosen, &fields, &scans));
         }
         rivals
+    }
+
+    /// True if one of the rivals leaves no more than a perfect model does.
+    pub(super) fn suffices(&self, rivals: &[Rival]) -> bool {
+        let enough = self.perfect.level + QUIET_EXCESS;
+        rivals.iter().any(|rival| level(&rival.fit) <= enough)
     }
 
     /// The best fit of each of some effects, the most promising ones fitted on.

@@ -2,9 +2,10 @@
 
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
-use crate::fit::{Fit, Part, Problem};
+use crate::fit::Fit;
 use crate::hypothesis::{Hypothesis, nudges};
 use crate::measure::measure;
+use crate::problem::{Part, Problem};
 use crate::select::{self, Given, Round, Selection};
 use crate::series;
 use crate::shrink::shrink;

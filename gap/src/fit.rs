@@ -1,95 +1,14 @@
 //! Robust nonlinear least squares on whitened window residuals.
 
-use crate::hypothesis::{Hypothesis, Nudge};
-use crate::measure::perfect_variance;
+use crate::costs::Costs;
+use crate::hypothesis::Hypothesis;
 use crate::predict::Predictor;
-use crate::series::Series;
-use crate::whitening::{Whitening, whitenings};
+use crate::problem::{PRIOR_WEIGHT, Part, Problem};
+use crate::whitening::Whitening;
+use crate::whitening::dot;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use recording::Recording;
 use std::borrow::Cow;
-
-/// What every fit shares.
-pub(crate) struct Problem<'a> {
-    pub recording: &'a Recording,
-    pub series: Vec<Series>,
-    pub nudges: Vec<Nudge>,
-    /// The same data restarted four times as often.
-    pub quarter: Option<Box<Problem<'a>>>,
-}
-
-/// Which windows take part, by running index over all series.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Part<'a> {
-    All,
-    /// One of two halves.
-    Half(bool),
-    /// Those that are true here.
-    Chosen(&'a [bool]),
-}
-
-impl Part<'_> {
-    pub(crate) fn has(self, window: usize) -> bool {
-        match self {
-            Self::All => true,
-            Self::Half(first) => (turn(window) < 0.5) == first,
-            Self::Chosen(chosen) => chosen.get(window).copied().unwrap_or(false),
-        }
-    }
-}
-
-/// A number from 0 to 1 for each window, in a sequence that no period fits.
-pub(crate) fn turn(window: usize) -> f64 {
-    // The golden ratio's multiples are the sequence worst matched by any period.
-    (window as f64 + 0.5) * 0.618_033_988_749_895 % 1.0
-}
-
-/// What one point costs on the windows of a part.
-#[derive(Clone, Debug)]
-pub(crate) struct Costs {
-    /// Whitened squared residual per sample, by running index; NaN for windows that take no part.
-    pub per_sample: Vec<f64>,
-    /// Cost of moving the model's own numbers within their tolerances.
-    pub prior: f64,
-}
-
-impl Costs {
-    fn new(whitened: &[Vec<f64>], prior: f64) -> Self {
-        let per_sample = whitened.iter().map(|r| {
-            if r.is_empty() {
-                f64::NAN
-            } else {
-                let c = dot(r, r) / r.len() as f64;
-                // A model that runs away is bad, not undefined.
-                if c.is_finite() { c } else { f64::MAX }
-            }
-        });
-        Self {
-            per_sample: per_sample.collect(),
-            prior,
-        }
-    }
-
-    /// Robust cost of one window: `ln(1 + c/n)`, from ln 2 for a perfect model.
-    pub(crate) fn log(&self, window: usize) -> f64 {
-        self.per_sample[window].ln_1p()
-    }
-
-    fn taken(&self) -> impl Iterator<Item = f64> {
-        self.per_sample.iter().copied().filter(|c| !c.is_nan())
-    }
-
-    /// What a fit makes least: the robust costs of the windows that took part and the prior.
-    fn sum(&self) -> f64 {
-        self.taken().map(f64::ln_1p).sum::<f64>() + self.prior
-    }
-
-    /// The same per window.
-    pub(crate) fn level(&self) -> f64 {
-        self.sum() / self.taken().count().max(1) as f64
-    }
-}
 
 /// Change of the residuals, per series, by one coordinate.
 type Slope = Vec<Vec<f64>>;
@@ -120,8 +39,6 @@ impl Fit {
     }
 }
 
-/// Weight of a squared standard deviation of tolerance against the robust cost of a window.
-const PRIOR_WEIGHT: f64 = 0.25;
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
 /// kinks of stick and slip, then narrow.
 const DIFFERENCES: [f64; 2] = [0.15, 0.02];
@@ -165,142 +82,6 @@ impl Problem<'_> {
         );
         let pairs = first.into_iter().zip(second);
         pairs.map(|(a, b)| if a.is_nan() { b } else { a }).collect()
-    }
-
-    pub(crate) fn window_count(&self) -> usize {
-        self.series.iter().map(|s| s.windows.len()).sum()
-    }
-
-    fn predictor(&self, hypothesis: &Hypothesis, x: &[f64]) -> Predictor {
-        let device = hypothesis.device(&self.recording.model, &self.nudges, x);
-        Predictor::new(device, self.recording)
-    }
-
-    /// Root mean square of measured minus predicted position on some data.
-    pub(crate) fn plain_gap(&self, series: &[Series], fit: &Fit) -> f64 {
-        let predictor = self.predictor(&fit.hypothesis, &fit.x);
-        let mut sum = 0.0;
-        let mut count = 0;
-        for series in series {
-            for (p, m) in predictor.predict(series).iter().zip(&series.position) {
-                sum += (p - m).powi(2);
-                count += 1;
-            }
-        }
-        (sum / f64::from(count.max(1))).sqrt()
-    }
-
-    /// Squared residuals of each window of a part, by running index; NaN for the others.
-    pub(crate) fn window_squares(&self, fit: &Fit, part: Part<'_>) -> Vec<f64> {
-        let predictor = self.predictor(&fit.hypothesis, &fit.x);
-        let residuals = self.residuals(&predictor, part);
-        let pairs = self.series.iter().zip(&residuals).zip(self.bases());
-        pairs
-            .flat_map(|((series, residual), base)| {
-                series.windows.iter().enumerate().map(move |(w, window)| {
-                    if part.has(base + w) {
-                        let r = &residual[window.samples.clone()];
-                        dot(r, r)
-                    } else {
-                        f64::NAN
-                    }
-                })
-            })
-            .collect()
-    }
-
-    /// Squares that noise and restarts alone would leave in each window with this fit.
-    pub(crate) fn floor_squares(&self, fit: &Fit) -> Vec<f64> {
-        let predictor = self.predictor(&fit.hypothesis, &fit.x);
-        let series = self.series.iter();
-        series
-            .flat_map(|series| {
-                let predicted = predictor.predict(series);
-                let variance = perfect_variance(&predictor, series, &predicted);
-                let windows = series.windows.iter();
-                let sums = windows.map(|w| variance[w.samples.clone()].iter().sum::<f64>());
-                sums.collect::<Vec<_>>()
-            })
-            .collect()
-    }
-
-    /// Running index of the first window of each series.
-    fn bases(&self) -> Vec<usize> {
-        let counts = self.series.iter().scan(0, |next, s| {
-            let base = *next;
-            *next += s.windows.len();
-            Some(base)
-        });
-        counts.collect()
-    }
-
-    /// Measured minus predicted, per series.
-    fn residuals(&self, predictor: &Predictor, part: Part<'_>) -> Vec<Vec<f64>> {
-        let pairs = self.series.iter().zip(self.bases());
-        pairs
-            .map(|(series, base)| {
-                let wanted = |w: usize| part.has(base + w);
-                let mut out = predictor.predict_shifted(series, [0.0, 0.0], wanted);
-                for (p, m) in out.iter_mut().zip(&series.position) {
-                    *p = m - *p;
-                }
-                out
-            })
-            .collect()
-    }
-
-    fn whitenings(
-        &self,
-        predictor: &Predictor,
-        residuals: &[Vec<f64>],
-        part: Part<'_>,
-    ) -> Vec<Option<Whitening>> {
-        let mut all = Vec::new();
-        for ((series, residual), base) in self.series.iter().zip(residuals).zip(self.bases()) {
-            let predicted: Vec<f64> = series
-                .position
-                .iter()
-                .zip(residual)
-                .map(|(m, r)| m - r)
-                .collect();
-            all.extend(whitenings(predictor, series, &predicted, |w| {
-                part.has(base + w)
-            }));
-        }
-        all
-    }
-
-    /// Whitened copies of the residuals of the windows that take part, by running index.
-    fn whitened(&self, residuals: &[Vec<f64>], whitenings: &[Option<Whitening>]) -> Vec<Vec<f64>> {
-        let windows = self
-            .series
-            .iter()
-            .zip(residuals)
-            .flat_map(|(s, r)| s.windows.iter().map(move |w| &r[w.samples.clone()]));
-        windows
-            .zip(whitenings)
-            .map(|(residual, whitening)| match whitening {
-                Some(whitening) => {
-                    let mut residual = residual.to_vec();
-                    whitening.apply(&mut residual);
-                    residual
-                }
-                None => Vec::new(),
-            })
-            .collect()
-    }
-
-    fn prior(&self, x: &[f64]) -> f64 {
-        let z = &x[..self.nudges.len()];
-        PRIOR_WEIGHT * z.iter().map(|z| z * z).sum::<f64>()
-    }
-
-    /// Costs of a hypothesis at a point, with the whitening of that point.
-    pub(crate) fn costs(&self, hypothesis: &Hypothesis, x: &[f64], part: Part<'_>) -> Costs {
-        let predictor = self.predictor(hypothesis, x);
-        let residuals = self.residuals(&predictor, part);
-        let whitenings = self.whitenings(&predictor, &residuals, part);
-        Costs::new(&self.whitened(&residuals, &whitenings), self.prior(x))
     }
 
     /// A fit to all windows carried on until looking to both sides along each coordinate leads no further: slopes say
@@ -511,8 +292,4 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
         }
         None => vec![f64::INFINITY; n],
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -22,6 +22,7 @@
 
 mod candidate;
 mod comparison;
+mod costs;
 mod diagnose;
 pub mod diagnosis;
 mod experiment;
@@ -34,6 +35,7 @@ mod motion;
 mod noise;
 mod perfect;
 pub mod predict;
+mod problem;
 pub mod restart;
 mod select;
 pub mod series;

@@ -1,8 +1,9 @@
 //! What a perfect model would cost on a recording: of the same motion, with the same sensor.
 
-use crate::fit::{Fit, Part, Problem};
+use crate::fit::Fit;
 use crate::motion::quantile;
 use crate::predict::Predictor;
+use crate::problem::{Part, Problem};
 use crate::series::{self, Series};
 use host_sim::sensors::Noise;
 use recording::{Recording, Run};

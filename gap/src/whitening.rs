@@ -90,3 +90,8 @@ pub(crate) fn whitenings(
         })
         .collect()
 }
+
+/// Inner product of two residuals.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -7,9 +7,10 @@
 mod columns;
 mod likeness;
 
-use crate::fit::{Fit, Part, Problem};
+use crate::fit::Fit;
 use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
 use crate::perfect::mean_and_error;
+use crate::problem::{Part, Problem};
 use crate::series::Series;
 use crate::shrink::shrink;
 use columns::Columns;

@@ -4,8 +4,9 @@ mod menu;
 mod trial;
 
 use crate::diagnosis::NextExperiment;
-use crate::fit::{Fit, Problem};
+use crate::fit::Fit;
 use crate::motion::rms;
+use crate::problem::Problem;
 use crate::select::{Rival, Selection, ties};
 use haptic_paddle::excitation::{Excitation, Shape};
 use host_sim::device::Device;
@@ -145,7 +146,7 @@ fn settings(excitation: &Excitation) -> BTreeMap<&'static str, f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Costs;
+    use crate::costs::Costs;
     use crate::hypothesis::{Hypothesis, Term};
     use crate::perfect::{Perfect, WHITE};
     use crate::select::Round;

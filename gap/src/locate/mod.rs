@@ -8,9 +8,10 @@ mod spectrum;
 
 use crate::comparison::{Comparison, Outcome};
 use crate::diagnosis::Region;
-use crate::fit::{Fit, Problem};
+use crate::fit::Fit;
 use crate::perfect::WHITE;
 use crate::predict::Predictor;
+use crate::problem::Problem;
 use bins::Stretch;
 use evidence::{Evidence, LEAST_SURPLUS, span};
 use host_sim::effects::Channel;
@@ -140,8 +141,8 @@ fn region(problem: &Problem<'_>, evidence: &Evidence, stretch: Stretch) -> Regio
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::Part;
     use crate::hypothesis::Hypothesis;
+    use crate::problem::Part;
     use crate::series;
     use host_sim::device::Device;
     use host_sim::drive::DriveLine;

@@ -6,9 +6,10 @@ mod rival;
 mod round;
 mod screening;
 
-use crate::fit::{Fit, Part, Problem};
+use crate::fit::Fit;
 use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
+use crate::problem::{Part, Problem};
 use crate::stage::Stage;
 pub(crate) use place::is_event;
 pub(crate) use ranking::{others, ties};

@@ -4,9 +4,10 @@ use super::place::{earns_its_place, is_local};
 use super::ranking::{contains, ranked, special_cases};
 use super::rival::{Rival, extended, turned};
 use super::{Given, LEADERS, is_quiet, level};
-use crate::fit::{Fit, Part, Problem};
+use crate::fit::Fit;
 use crate::hypothesis::Term;
 use crate::perfect::Perfect;
+use crate::problem::{Part, Problem};
 use crate::stage::Stage;
 use rayon::prelude::*;
 

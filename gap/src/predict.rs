@@ -32,8 +32,10 @@ fn span(values: &[f64]) -> f64 {
     (high - low).max(f64::MIN_POSITIVE)
 }
 
+/// Time constants after which a ringing has died away, to a twentieth.
+const SETTLED: f64 = 3.0;
 /// Windows that lead up to a wanted one at most.
-const MOST_LEAD: usize = 6;
+const MOST_LEAD: usize = 8;
 
 struct Running {
     line: DriveLine,
@@ -161,7 +163,7 @@ impl Predictor {
             (a.min(t), b.max(t))
         });
         let window_s = (last - first) / (series.windows.len() - 1).max(1) as f64;
-        let windows = (memory_s / window_s).ceil();
+        let windows = (SETTLED * memory_s / window_s).ceil();
         (windows as usize).clamp(1, MOST_LEAD)
     }
 

@@ -1,7 +1,7 @@
 //! A perfect model's gap is the floor; a wrong one's is above it.
 
 use host_sim::device::Device;
-use host_sim::plant::{Plant, Torque};
+use host_sim::plant::{Link, Plant, Torque};
 use recording::{Drive, Model, Recording, Run, Sensor};
 
 /// Deterministic, near-normal noise of unit variance: the sum of twelve uniform numbers.
@@ -32,7 +32,10 @@ fn paddle() -> Model {
 
 /// What a device that is exactly `model` leaves in a recording whose nominal model is `nominal`.
 fn recording(model: &Model, nominal: Model, noise: f64, resolution: f64, seed: u64) -> Recording {
-    let device = Device::nominal(model);
+    recorded(&Device::nominal(model), nominal, noise, resolution, seed)
+}
+
+fn recorded(device: &Device, nominal: Model, noise: f64, resolution: f64, seed: u64) -> Recording {
     let plant = Plant::new(device.mechanics.clone());
     let mut state = plant.state(0.0, 0.05, 0.0);
     let mut random = Noise(seed);
@@ -40,7 +43,7 @@ fn recording(model: &Model, nominal: Model, noise: f64, resolution: f64, seed: u
     for i in 0..12_000 {
         let t = f64::from(i) * 5e-4;
         let u = 0.0015 * (11.0 * t).sin() + 0.0012 * (4.3 * t).cos();
-        let seen = state.position + noise * random.next();
+        let seen = plant.seen(&state).0 + noise * random.next();
         time.push(t);
         input.push(u);
         position.push(if resolution > 0.0 {
@@ -116,5 +119,36 @@ fn a_thinned_recording_is_predicted_as_the_whole_one() {
         for (i, p) in predicted.iter().enumerate() {
             assert!((p - all[at + i]).abs() < 1e-4, "{i}: {p} {}", all[at + i]);
         }
+    }
+}
+
+#[test]
+fn what_rings_has_settled_in_a_window_that_stands_alone() {
+    let mut device = Device::nominal(&paddle());
+    // Rings at some 5 Hz for several windows of 0.3 s.
+    device.mechanics.link = Some(Link {
+        load_share: 0.5,
+        stiffness: 0.14,
+        damping: 5e-4,
+        play: 0.0,
+        load_friction: 0.5,
+        sensor_on_load: true,
+    });
+    let recording = recorded(&device, paddle(), 0.0, 2e-5, 7);
+    let predictor = gap::predict::Predictor::new(device, &recording);
+    for series in gap::series::coarse(&recording, recording.horizon) {
+        let all = predictor.predict(&series);
+        let alone = predictor.predict_shifted(&series, [0.0, 0.0], |w| w % 10 == 9);
+        let rms = |of: &dyn Fn(usize) -> f64| -> f64 {
+            let windows = series.windows.iter().enumerate();
+            let rows = windows.filter(|(w, _)| w % 10 == 9);
+            let squares = rows
+                .flat_map(|(_, w)| w.samples.clone())
+                .map(|i| of(i).powi(2));
+            squares.sum::<f64>().sqrt()
+        };
+        let apart = rms(&|i| alone[i] - all[i]);
+        let moved = rms(&|i| series.position[i]);
+        assert!(apart < 1e-3 * moved, "{apart} apart of {moved}");
     }
 }

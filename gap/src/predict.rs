@@ -34,8 +34,9 @@ fn span(values: &[f64]) -> f64 {
 
 /// Time constants after which a ringing has died away, to a twentieth.
 const SETTLED: f64 = 3.0;
-/// Windows that lead up to a wanted one at most.
+/// Windows that lead up to a wanted one at most, and how many are gone through for each that is wanted.
 const MOST_LEAD: usize = 8;
+const MOST_TAKEN: f64 = 2.5;
 
 struct Running {
     line: DriveLine,
@@ -93,10 +94,7 @@ impl Predictor {
         // Up to the first sample, which may lie a little later: what it says is the nearest.
         let settled_nm = series.settled_nm(&self.device.drive, 0);
         running.line.command_settled(start_s, settled_nm);
-        let lead = self.lead(series);
-        let taken: Vec<bool> = (0..series.windows.len())
-            .map(|index| (index..series.windows.len().min(index + lead + 1)).any(&wanted))
-            .collect();
+        let taken = self.taken(series, wanted);
         for (index, window) in series.windows.iter().enumerate() {
             if !taken[index] {
                 continue;
@@ -147,6 +145,25 @@ impl Predictor {
         mechanics.link.is_some()
             || mechanics.presliding.is_some()
             || self.device.sensing.hysteresis > 0.0
+    }
+
+    /// The windows to go through for those that are wanted: with some before them in which what is carried over
+    /// settles.
+    fn taken(&self, series: &Series, wanted: impl Fn(usize) -> bool) -> Vec<bool> {
+        let count = series.windows.len();
+        let wanted: Vec<bool> = (0..count).map(wanted).collect();
+        let number = |of: &[bool]| of.iter().filter(|taken| **taken).count();
+        let most = MOST_TAKEN * number(&wanted) as f64;
+        let with = |lead: usize| -> Vec<bool> {
+            let ahead = |index: usize| index..count.min(index + lead + 1);
+            (0..count)
+                .map(|index| wanted[ahead(index)].contains(&true))
+                .collect()
+        };
+        let longest = self.lead(series);
+        let mut leads = (1..=longest).rev().map(with);
+        let affordable = leads.find(|taken| number(taken) as f64 <= most);
+        affordable.unwrap_or_else(|| with(longest.min(1)))
     }
 
     /// Windows before a wanted one in which what is carried over settles.

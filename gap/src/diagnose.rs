@@ -74,8 +74,6 @@ impl CorrectedModel {
 
 /// Largest share of the excess that may be left for a gap to count as explained.
 const EXPLAINED: f64 = 0.15;
-/// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
-const MOST_LEFT: f64 = 0.7;
 /// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
 /// and near stick and slip they are anything but.
 const QUIET_GAP: f64 = 2.0;
@@ -130,7 +128,9 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let kept = usize::from(selection.given);
     // Where noise and restarts alone leave as much, there is nothing to name.
     let is_gap = before.before > before.floor;
-    if selection.rounds.len() > kept && (!is_gap || selection.left(selection.fit()) > MOST_LEFT) {
+    if selection.rounds.len() > kept
+        && (!is_gap || selection.left(selection.fit()) > select::MOST_LEFT)
+    {
         selection.withdraw(kept);
     }
 

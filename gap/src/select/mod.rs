@@ -28,6 +28,8 @@ const LIKELY_ERRORS: f64 = 4.0;
 const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
+/// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
+pub(crate) const MOST_LEFT: f64 = 0.7;
 /// Share of the excess that an effect may leave and still be looked at as the only one of its size.
 const MOST_LEFT_ALONE: f64 = 0.15;
 /// Share of the excess that the better of two effects closes by itself at least.
@@ -135,13 +137,18 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let settled = alone || selection.given;
-    let pair = (promising && !settled && !selection.is_quiet()).then(|| search.pair(&first));
+    let hopeless = |selection: &Selection, fit: &Fit| selection.left(fit) > MOST_LEFT;
+    let worth = |both: &Fit| !hopeless(&selection, both);
+    let pair = (promising && !settled && !selection.is_quiet()).then(|| search.pair(&first, worth));
     match pair.flatten() {
         Some(pair) => selection.rounds.extend(pair),
         None if first.earned => selection.rounds.push(first),
         None => selection.last = Some(first),
     }
     while (1..MOST_EFFECTS).contains(&selection.rounds.len()) && !suffices(selection.fit()) {
+        if !selection.given && hopeless(&selection, selection.fit()) {
+            break;
+        }
         match search.round(selection.fit(), &hints) {
             Some(round) if round.earned => selection.rounds.push(round),
             nothing => {

@@ -88,8 +88,9 @@ impl Search<'_> {
     }
 
     /// The two effects that explain most together, if each earns its place beside the other: the first
-    /// is one of those that came out best alone in `first`, the second is looked for on top of each.
-    pub(crate) fn pair(&self, first: &Round) -> Option<[Round; 2]> {
+    /// is one of those that came out best alone in `first`, the second is looked for on top of each. None where the fit
+    /// of both is not `worth` more.
+    pub(crate) fn pair(&self, first: &Round, worth: impl Fn(&Fit) -> bool) -> Option<[Round; 2]> {
         let null = &first.known;
         let hints = &first.screened;
         let chosen = self.screening_windows(null);
@@ -102,6 +103,9 @@ impl Search<'_> {
             }
         }
         let both = ranked(self.finals(screened, null), null)?.swap_remove(0);
+        if !worth(&both.fit) {
+            return None;
+        }
         let turned = turned(&both, null)?;
         // Each in turn is looked for anew beside the other.
         let mut beside_second =

@@ -30,6 +30,8 @@ const NULL_ITERATIONS: usize = 10;
 const MOST_EFFECTS: usize = 3;
 /// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
 pub(crate) const MOST_LEFT: f64 = 0.7;
+/// Share of it that two effects may leave for a third to be looked for.
+const HOPELESS: f64 = 0.75;
 /// Share of the excess that an effect may leave and still be looked at as the only one of its size.
 const MOST_LEFT_ALONE: f64 = 0.15;
 /// Share of the excess that the better of two effects closes by itself at least.
@@ -137,7 +139,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let settled = alone || selection.given;
-    let hopeless = |selection: &Selection, fit: &Fit| selection.left(fit) > MOST_LEFT;
+    let hopeless = |selection: &Selection, fit: &Fit| selection.left(fit) > HOPELESS;
     let worth = |both: &Fit| !hopeless(&selection, both);
     let pair = (promising && !settled && !selection.is_quiet()).then(|| search.pair(&first, worth));
     match pair.flatten() {

@@ -4,8 +4,7 @@ use crate::costs::Costs;
 use crate::hypothesis::Hypothesis;
 use crate::predict::Predictor;
 use crate::problem::{PRIOR_WEIGHT, Part, Problem};
-use crate::whitening::Whitening;
-use crate::whitening::dot;
+use crate::whitening::{Whitening, dot};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -89,7 +88,7 @@ impl Problem<'_> {
     pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
         let mut best = self.fit(&fit.hypothesis, fit.x.clone(), Part::All, iterations);
         for _ in 0..MOST_POLLS {
-            let total = |fit: &Fit| fit.costs.sum();
+            let total = best.costs.sum();
             let beside: Vec<Vec<f64>> = (0..best.x.len())
                 .flat_map(|i| POLLED.map(|by| (i, by)))
                 .map(|(i, by)| {
@@ -103,12 +102,12 @@ impl Problem<'_> {
                 (costs.sum(), x)
             });
             let lowest = polled.min_by(|a, b| a.0.total_cmp(&b.0));
-            let lowest = lowest.filter(|(low, _)| *low < total(&best) - POLL_GAIN);
+            let lowest = lowest.filter(|(low, _)| *low < total - POLL_GAIN);
             let Some((_, x)) = lowest else {
                 break;
             };
             let again = self.fit(&best.hypothesis, x, Part::All, iterations);
-            if total(&again) >= total(&best) {
+            if again.costs.sum() >= total {
                 break;
             }
             best = again;

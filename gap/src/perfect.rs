@@ -116,7 +116,9 @@ fn begin_at_rest(series: &mut Series, predictor: &Predictor) {
     let cubic = first.restart;
     let squares = |series: &Series| -> f64 {
         let predicted = predictor.predict_shifted(series, [0.0, 0.0], |w| w == 0);
-        let pairs = predicted[rows.clone()].iter().zip(&series.position);
+        let pairs = predicted[rows.clone()]
+            .iter()
+            .zip(&series.position[rows.clone()]);
         pairs.map(|(p, m)| (p - m).powi(2)).sum()
     };
     let moving = squares(series);

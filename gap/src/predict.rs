@@ -175,11 +175,11 @@ impl Predictor {
         let memory_s = mechanics
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
-        let starts = series.windows.iter().map(|w| w.restart.time_s);
-        let (first, last) = starts.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| {
-            (a.min(t), b.max(t))
-        });
-        let window_s = (last - first) / (series.windows.len() - 1).max(1) as f64;
+        let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
+            return 0;
+        };
+        let all_s = last.restart.time_s - first.restart.time_s;
+        let window_s = all_s / (series.windows.len() - 1).max(1) as f64;
         let windows = (SETTLED * memory_s / window_s).ceil();
         (windows as usize).clamp(1, MOST_LEAD)
     }

@@ -1,6 +1,7 @@
 //! What the model misses everywhere alike, and the rest, which some axis may explain.
 
 use super::innovation::Innovation;
+use crate::whitening::dot;
 
 /// The missing acceleration, by a robust measure, as a constant, a level along the motion and a rest.
 #[derive(Clone, Debug)]
@@ -20,8 +21,7 @@ impl Level {
         let missing: Vec<f64> = all.iter().map(|i| robust(i.missing)).collect();
         let directions: Vec<f64> = all.iter().map(Innovation::direction).collect();
         let n = all.len() as f64;
-        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let square = |x: &[f64]| dot(x, x);
         let less = |constant: f64, along: f64| -> Vec<f64> {
             let pairs = missing.iter().zip(&directions);
             pairs.map(|(m, d)| m - constant - along * d).collect()

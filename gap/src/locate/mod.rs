@@ -27,6 +27,7 @@ const AXES: usize = 3;
 const NOTICEABLE: f64 = 0.01;
 /// The gap must be this share of the squared innovations; noise alone may pass for some.
 const LEAST_EXCESS: f64 = 0.1;
+
 /// Parts of the data that carry more of the gap than their share of the samples, the most telling first: three
 /// different axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
 pub(crate) fn regions(

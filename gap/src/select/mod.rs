@@ -82,6 +82,11 @@ impl Selection {
         ((level(fit) - self.perfect.level) / excess).max(0.0)
     }
 
+    /// True if a fit leaves so much that nothing more can bring a name.
+    fn is_hopeless(&self, fit: &Fit) -> bool {
+        self.left(fit) > HOPELESS
+    }
+
     /// True if the numbers of the nominal model, within their tolerances, leave nothing to be found.
     pub(crate) fn is_quiet(&self) -> bool {
         is_quiet(&self.null, &self.perfect)
@@ -139,16 +144,15 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let settled = alone || selection.given;
-    let hopeless = |selection: &Selection, fit: &Fit| selection.left(fit) > HOPELESS;
-    let worth = |both: &Fit| !hopeless(&selection, both);
-    let pair = (promising && !settled && !selection.is_quiet()).then(|| search.pair(&first, worth));
+    let pair = (promising && !settled && !selection.is_quiet())
+        .then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
     match pair.flatten() {
         Some(pair) => selection.rounds.extend(pair),
         None if first.earned => selection.rounds.push(first),
         None => selection.last = Some(first),
     }
     while (1..MOST_EFFECTS).contains(&selection.rounds.len()) && !suffices(selection.fit()) {
-        if !selection.given && hopeless(&selection, selection.fit()) {
+        if !selection.given && selection.is_hopeless(selection.fit()) {
             break;
         }
         match search.round(selection.fit(), &hints) {

@@ -21,6 +21,7 @@ const NEAR: f64 = 0.3;
 const ALWAYS_NEAR: usize = 2;
 /// More, for the one that is named.
 const POLISHING_ITERATIONS: usize = 15;
+
 /// One effect on top of what was known, with what stood beside it.
 #[derive(Clone, Debug)]
 pub(crate) struct Round {

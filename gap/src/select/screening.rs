@@ -48,7 +48,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    fn begun(&self, start: &Term, iterations: usize) -> Fit {
+    fn fit(&self, start: &Term, iterations: usize) -> Fit {
         let (hypothesis, x) = extended(self.known, start);
         let ground = Some(&self.ground);
         let part = Part::Chosen(&self.chosen);
@@ -57,48 +57,27 @@ impl<'a> Field<'a> {
     }
 
     fn cost(&self, start: &Term) -> f64 {
-        level(&self.begun(start, 0))
+        level(&self.fit(start, 0))
     }
-}
 
-/// Where an effect begins to be fitted.
-struct Fields<'a> {
-    /// With the model's own numbers as they were given: where they have gone to make up for an effect is no place to look
-    /// for it.
-    whole: Field<'a>,
-    /// The same data restarted four times as often.
-    soon: Option<Field<'a>>,
-    /// With the model's own numbers as fitted: what shows in few windows leaves them where they are.
-    fitted: Field<'a>,
-}
+    /// The best `kept` fits from some starts.
+    fn begun(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
+        let begun = |start: &Term| self.fit(start, FIRST_ITERATIONS);
+        let mut fits: Vec<Fit> = starts.par_iter().map(begun).collect();
+        fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
+        fits.truncate(kept);
+        fits
+    }
 
-impl Fields<'_> {
-    /// The starts around the lowest points of a scan.
-    fn scanned(&self, starts: &[Term]) -> Vec<Term> {
-        let mut low = lowest(starts, |start| self.whole.cost(start));
+    /// The starts around the lowest points of a scan, here and where the same data are restarted four times as often.
+    fn scanned(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
+        let mut low = lowest(starts, |start| self.cost(start));
         // What swings out of step over the horizon is still in step over a quarter of it.
-        if let Some(soon) = &self.soon {
+        if let Some(soon) = soon {
             low.extend(lowest(starts, |start| soon.cost(start)));
         }
         let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
-        let costs = around.par_iter().map(|s| (self.whole.cost(s), s));
-        first(costs.collect())
-    }
-
-    /// The best fits of an effect, from all its starts.
-    fn best(&self, candidate: &Candidate) -> Vec<Fit> {
-        let scanned =
-            (candidate.starts.len() > MOST_STARTS_FITTED).then(|| self.scanned(&candidate.starts));
-        let starts = scanned.as_ref().unwrap_or(&candidate.starts);
-        let is_local = is_local(candidate.kind.name);
-        let field = if is_local { &self.fitted } else { &self.whole };
-        let begun = |start: &Term| field.begun(start, FIRST_ITERATIONS);
-        let mut fits: Vec<Fit> = starts.par_iter().map(begun).collect();
-        fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
-        // Two masses and hard contacts have many poor optima, and what is fitted first is seldom the best.
-        let many = scanned.is_some() || is_local;
-        fits.truncate(if many { MANY_KEPT } else { STARTS_KEPT });
-        fits
+        first(around.par_iter().map(|s| (self.cost(s), s)).collect())
     }
 }
 
@@ -107,24 +86,36 @@ impl Search<'_> {
     pub(super) fn screened(&self, known: &Fit, chosen: &[bool], hints: &[Rival]) -> Vec<Rival> {
         (self.progress)(Stage::Screening);
         let problem = self.problem;
-        let mut given = known.clone();
-        if known.hypothesis.terms.is_empty() {
-            given.x.fill(0.0);
-        }
-        let quarter = problem.quarter.as_deref();
-        let fields = Fields {
-            whole: Field::new(problem, &given, chosen),
-            soon: quarter.map(|quarter| Field::new(quarter, &given, blocks(quarter))),
-            fitted: Field::new(problem, known, chosen),
-        };
-        let tried = self.tried(&given, hints);
-        let (few, scans): (Vec<_>, Vec<_>) = tried
+        let as_fitted = Field::new(problem, known, chosen);
+        // Where the model's own numbers have gone to make up for an effect is no place to look for it.
+        let given = known.hypothesis.terms.is_empty().then(|| Fit {
+            x: vec![0.0; known.x.len()],
+            ..known.clone()
+        });
+        let as_given = given
+            .as_ref()
+            .map(|given| Field::new(problem, given, chosen));
+        let field = as_given.as_ref().unwrap_or(&as_fitted);
+        let (few, scans): (Vec<_>, Vec<_>) = self
+            .tried(field.known, hints)
             .into_iter()
             .partition(|candidate| candidate.starts.len() <= MOST_STARTS_FITTED);
-        let mut rivals = self.fitted_on(chosen, &fields, &few);
+        let mut rivals = self.fitted_on(chosen, &few, |candidate| {
+            // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
+            if is_local(candidate.kind.name) {
+                as_fitted.begun(&candidate.starts, MANY_KEPT)
+            } else {
+                field.begun(&candidate.starts, STARTS_KEPT)
+            }
+        });
         // What is scanned takes more numbers and most of the time.
-        if !self.suffices(&rivals) {
-            rivals.extend(self.fitted_on(chosen, &fields, &scans));
+        if !scans.is_empty() && !self.suffices(&rivals) {
+            let quarter = problem.quarter.as_deref();
+            let soon = quarter.map(|quarter| Field::new(quarter, field.known, blocks(quarter)));
+            rivals.extend(self.fitted_on(chosen, &scans, |candidate| {
+                let starts = field.scanned(soon.as_ref(), &candidate.starts);
+                field.begun(&starts, MANY_KEPT)
+            }));
         }
         rivals
     }
@@ -135,10 +126,14 @@ impl Search<'_> {
         rivals.iter().any(|rival| level(&rival.fit) <= enough)
     }
 
-    /// The best fit of each of some effects, the most promising ones fitted on.
-    fn fitted_on(&self, chosen: &[bool], fields: &Fields<'_>, tried: &[Candidate]) -> Vec<Rival> {
-        let begun = tried.par_iter();
-        let begun = begun.map(|candidate| (fields.best(candidate), candidate.kind.name));
+    /// The best fit of each of some effects, from the fits that are `begun`, the most promising ones fitted on.
+    fn fitted_on(
+        &self,
+        chosen: &[bool],
+        tried: &[Candidate],
+        begun: impl Fn(&Candidate) -> Vec<Fit> + Sync,
+    ) -> Vec<Rival> {
+        let begun = tried.par_iter().map(|c| (begun(c), c.kind.name));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
         begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
         begun

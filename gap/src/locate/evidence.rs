@@ -16,9 +16,9 @@ const COARSE_TIME_BINS: usize = 8;
 pub(super) const LEAST_SURPLUS: f64 = 0.1;
 /// Weight of a band of frequencies or of a run: some of them always stand out, as excitation is uneven.
 const UNEVEN_WEIGHT: f64 = 0.5;
-/// Bins of time that the events of a recording take, wherever they lie.
+/// Bins of time that the moments of a recording take, wherever they lie.
 const EVENTS: usize = 4;
-/// With at least this surplus they are events, which no other axis can place.
+/// With at least this surplus they, or one stretch, are an event, which no other axis can place.
 const EVENT_SURPLUS: f64 = 0.65;
 /// And this much by the robust measure: what grows out of a fault that is there all along is no event.
 const ROBUST_EVENT_SURPLUS: f64 = 0.3;
@@ -47,21 +47,38 @@ type Place = fn(&Innovation) -> f64;
 
 /// The axes of some innovations, and what speaks for each.
 ///
-/// How strongly an axis speaks goes by the robust measure, so that one violent moment does not decide
-/// it; the stretches that are told, and their shares, go by the squares, of which the gap is made.
+/// How strongly an axis speaks goes by the robust measure, so that one violent moment does not decide it, unless the
+/// gap is such moments; the stretches that are told, and their shares, go by the squares, of which the gap is made.
 pub(super) struct Axes<'a> {
     all: &'a [Innovation],
     level: Level,
     series: &'a [Series],
+    /// True if the gap is an event.
+    event: bool,
 }
 
 impl<'a> Axes<'a> {
     pub(super) fn new(all: &'a [Innovation], series: &'a [Series]) -> Self {
-        Self {
+        let axes = Self {
             all,
             level: Level::of(all),
             series,
-        }
+            event: false,
+        };
+        let event = axes.is_event().unwrap_or(false);
+        Self { event, ..axes }
+    }
+
+    /// True if most of the gap lies in one stretch of time or in a few moments.
+    fn is_event(&self) -> Option<bool> {
+        let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
+        let robust = self.bins(|i| i.session_s, Innovation::robust, TIME_BINS)?;
+        let one = bins.best(None)?;
+        let beside = robust.stretch(one.from, one.to);
+        let stands_out =
+            |squares: f64, robust: f64| squares > EVENT_SURPLUS && robust > ROBUST_EVENT_SURPLUS;
+        let few = stands_out(bins.densest(EVENTS), robust.densest(EVENTS));
+        Some(few || stands_out(one.surplus(), beside.surplus()))
     }
 
     /// Every axis that says something, the most telling first.
@@ -102,9 +119,14 @@ impl<'a> Axes<'a> {
         self.level.share_of_rest * bins.explained(along)
     }
 
-    /// The best stretch by the robust measure.
+    /// The best stretch by the measure that decides.
     fn best(&self, at: Place) -> Option<Stretch> {
-        let bins = self.bins(at, Innovation::robust, BINS)?;
+        let measure: Place = if self.event {
+            |i| i.excess
+        } else {
+            Innovation::robust
+        };
+        let bins = self.bins(at, measure, BINS)?;
         Some(bins.best(None).unwrap_or_else(|| bins.whole()))
     }
 
@@ -153,14 +175,14 @@ impl<'a> Axes<'a> {
     /// Time, on the clock of the session, the best stretch cut to one run if the runs' own times overlap.
     fn time(&self) -> Option<Evidence> {
         let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
-        let robust = self.bins(|i| i.session_s, Innovation::robust, TIME_BINS)?;
         let coarse = self.bins(|i| i.session_s, |i| i.excess, COARSE_TIME_BINS)?;
         let mut stretch = bins.best(None)?;
-        let event =
-            bins.densest(EVENTS) > EVENT_SURPLUS && robust.densest(EVENTS) > ROBUST_EVENT_SURPLUS;
-        let strength = self.surplus_of_time()
-            + COURSE_WEIGHT * self.explained_along(&coarse)
-            + if event { EVENT_STRENGTH } else { 0.0 };
+        let surplus = if self.event {
+            stretch.surplus() + EVENT_STRENGTH
+        } else {
+            self.surplus_of_time()
+        };
+        let strength = surplus + COURSE_WEIGHT * self.explained_along(&coarse);
         if self.series.iter().any(|s| s.session_offset_s != 0.0) {
             let cut = self.series.iter().map(|s| {
                 let (from, to) = span(s);

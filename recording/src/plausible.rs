@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use crate::error::{Error, Fault};
 use crate::statistics::{extremes, is_constant, median, quantile};
-use crate::{Model, Recording, Run};
+use crate::{Drive, Model, Recording, Run};
 
 /// A window with fewer samples than this cannot be judged at all, so the time is in another unit.
 const SAMPLES_PER_HORIZON: f64 = 3.0;
@@ -15,6 +15,8 @@ const SAMPLES_PER_HORIZON: f64 = 3.0;
 const TRAVELS: f64 = 10.0;
 /// The median input is this many times the stated limit.
 const LIMITS: f64 = 20.0;
+/// The same for the input of a loop, which may be logged before it is limited and swing far beyond.
+const LOOP_LIMITS: f64 = 200.0;
 /// The median acceleration is this many times what twice the model's torques together give.
 const ACCELERATIONS: f64 = 10.0;
 /// The same for an axis with gravity that spans more than [`TURN_RAD`]: a pendulum does not spin by accident.
@@ -58,7 +60,11 @@ pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
                 .filter(|input| *input > 0.0)
                 .collect(),
         );
-        if typical > LIMITS * limit {
+        let limits = match run.drive {
+            Drive::OpenLoop => LIMITS,
+            Drive::ClosedLoop => LOOP_LIMITS,
+        };
+        if typical > limits * limit {
             return Err(Error::new(Fault::InputUnit { typical, limit }));
         }
     }

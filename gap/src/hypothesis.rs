@@ -66,24 +66,32 @@ impl Term {
         values
     }
 
+    /// The same term begun at the coordinates `x`.
+    pub(crate) fn moved(&self, x: &[f64]) -> Self {
+        let mut moved = self.clone();
+        moved.values = self.at(x);
+        for coordinate in &mut moved.free {
+            coordinate.start = moved.values[coordinate.parameter];
+        }
+        moved
+    }
+
     /// This start and its neighbours along every coordinate that is linear.
     pub(crate) fn around(&self) -> Vec<Self> {
         let mut all = vec![self.clone()];
         for (i, coordinate) in self.free.iter().enumerate() {
-            let Scale::Linear(scale) = coordinate.scale else {
+            if coordinate.scale == Scale::Log {
                 continue;
+            }
+            let beside = |by: f64| {
+                let mut x = vec![0.0; self.free.len()];
+                x[i] = by;
+                move |term: &Self| term.moved(&x)
             };
-            let moved = |by: f64| {
-                move |mut term: Self| {
-                    term.free[i].start += by * scale;
-                    term.values[term.free[i].parameter] = term.free[i].start;
-                    term
-                }
-            };
-            let beside: Vec<Self> = all.iter().cloned().map(moved(NEIGHBOUR)).collect();
-            let other: Vec<Self> = all.iter().cloned().map(moved(-NEIGHBOUR)).collect();
-            all.extend(beside);
-            all.extend(other);
+            let low: Vec<Self> = all.iter().map(beside(-NEIGHBOUR)).collect();
+            let high: Vec<Self> = all.iter().map(beside(NEIGHBOUR)).collect();
+            all.extend(high);
+            all.extend(low);
         }
         all
     }

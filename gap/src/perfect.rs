@@ -12,7 +12,7 @@ use recording::{Recording, Run};
 pub(crate) const WHITE: f64 = core::f64::consts::LN_2;
 /// Rows that suffice.
 const MOST_ROWS: usize = 60_000;
-/// Most that restarts at kinks may add: beyond, the model is too wrong to stand in for the device.
+/// Most that restarts at kinks may add where nothing says that the model stands in for the device.
 const MOST_ADDED: f64 = 0.5;
 const SEED: u64 = 0x6861_7074_6963;
 
@@ -60,9 +60,17 @@ impl Perfect {
         let mean = (first.len() as f64 * mean_first + later * mean_odd) / count.max(1.0);
         let worst = first.iter().chain(&odd).fold(mean, |m, c| m.max(*c));
         Self {
-            level: mean.clamp(WHITE, WHITE + MOST_ADDED),
+            level: mean.max(WHITE),
             error,
             worst: worst - mean,
+        }
+    }
+
+    /// The same for a model that may be too wrong to stand in for the device.
+    pub(crate) fn bounded(self) -> Self {
+        Self {
+            level: self.level.min(WHITE + MOST_ADDED),
+            ..self
         }
     }
 }

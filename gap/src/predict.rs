@@ -172,6 +172,10 @@ impl Predictor {
             return 0;
         }
         let mechanics = &self.device.mechanics;
+        // Where a play stands is known once it has been crossed.
+        if mechanics.link.is_some_and(|link| link.play > 0.0) {
+            return MOST_LEAD;
+        }
         let memory_s = mechanics
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));

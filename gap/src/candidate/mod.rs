@@ -78,9 +78,9 @@ fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, f64)]) -> T
 const CONTACT_DAMPING: f64 = 0.1;
 /// Natural frequency of bristles, in rad a coarse sample.
 const RESOLVED_RATE: f64 = 2.0;
-/// Natural frequency of the flanks of a play, over the coarse sampling rate: an impact lasts some samples, and is the
-/// same to them if it lasts less.
-const FLANK_FREQUENCY: f64 = 0.2;
+/// Natural frequency of the flanks of a play, over the coarse sampling rate: an impact lasts some samples, and harder
+/// flanks do nearly the same.
+const FLANK_FREQUENCY: f64 = 0.06;
 /// Relative damping of the flanks: a rebound has half the speed.
 const FLANK_DAMPING: f64 = 0.22;
 
@@ -94,27 +94,26 @@ const RESONANCES: [f64; 2] = [1.0, 100.0];
 /// And the highest frequency that samples follow, over their rate.
 const HIGHEST_RESONANCE: f64 = 0.2;
 /// How wide a play may be, over the span of the motion.
-const PLAYS: [f64; 2] = [0.002, 0.2];
+const PLAYS: [f64; 2] = [0.0027, 0.15];
 /// Resonances that are tried: what rings is found within some percent of its frequency only; and plays.
 const RESONANCE_STARTS: usize = 90;
-const PLAY_STARTS: usize = 24;
+const PLAY_STARTS: usize = 8;
+/// Shares of the inertia and of the friction beyond a play that are tried with each: a side that flies free tells them.
+const FREE_SHARES: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
+const FREE_FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
-/// Starts of a transmission between two masses of the same size, by the size of what is free in it: `count` values by
-/// equal ratios, each for a sensor on the motor's and on the load's side.
-fn two_masses([low, high]: [f64; 2], count: usize, start: impl Fn(f64) -> Term) -> Vec<Term> {
+/// Starts of a transmission between two masses, by the size of what is free in it: `count` values by equal ratios, each
+/// for a sensor on the motor's and on the load's side.
+fn two_masses([low, high]: [f64; 2], count: usize, starts: impl Fn(f64) -> Vec<Term>) -> Vec<Term> {
     let ratio = (high / low).powf(1.0 / (count - 1) as f64);
-    let sides = [false, true].into_iter();
-    let each_side = |sensor_on_load| {
-        let sizes = (0..count).map(move |k| low * ratio.powi(k as i32));
-        sizes.map(move |size| (size, sensor_on_load))
-    };
-    sides
-        .flat_map(each_side)
-        .map(|(size, sensor_on_load)| Term {
-            sensor_on_load,
-            ..start(size)
-        })
-        .collect()
+    let sizes = (0..count).map(|k| low * ratio.powi(k as i32));
+    let motor: Vec<Term> = sizes.flat_map(starts).collect();
+    let load = motor.iter().cloned().map(|start| Term {
+        sensor_on_load: true,
+        ..start
+    });
+    let load: Vec<Term> = load.collect();
+    [motor, load].concat()
 }
 
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
@@ -381,19 +380,23 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "backlash" => {
             let rate = TAU * FLANK_FREQUENCY / s.period_s.max(1e-3);
-            let share = 0.5;
-            let reduced = m.inertia * share * (1.0 - share);
-            let k = rate * rate * reduced;
-            let damping = 2.0 * FLANK_DAMPING * rate * reduced;
+            let frictions = if rubs { &FREE_FRICTIONS[..] } else { &[0.5] };
             two_masses(PLAYS, PLAY_STARTS, |play| {
-                let mut free = vec![
-                    log(0, play * s.span()),
-                    linear(1, share, 0.15),
-                    log(2, k),
-                    log(3, damping),
-                ];
-                free.extend(rubs.then(|| linear(4, 0.5, 0.3)));
-                term(kind, free, &[])
+                let pairs = FREE_SHARES
+                    .iter()
+                    .flat_map(|&share| frictions.iter().map(move |&friction| (share, friction)));
+                let start = |(share, friction): (f64, f64)| {
+                    let reduced = m.inertia * share * (1.0 - share);
+                    let mut free = vec![
+                        log(0, play * s.span()),
+                        linear(1, share, 0.15),
+                        log(2, rate * rate * reduced),
+                        log(3, 2.0 * FLANK_DAMPING * rate * reduced),
+                    ];
+                    free.extend(rubs.then(|| linear(4, friction, 0.3)));
+                    term(kind, free, &[])
+                };
+                pairs.map(start).collect()
             })
         }
         "compliance" => {
@@ -408,7 +411,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                     linear(2, share, 0.15),
                 ];
                 free.extend(rubs.then(|| linear(3, 0.5, 0.3)));
-                term(kind, free, &[])
+                vec![term(kind, free, &[])]
             })
         }
         "sensor_nonlinearity" => {

@@ -1,5 +1,6 @@
 //! Which effects earn their place.
 
+mod evolution;
 mod place;
 mod ranking;
 mod rival;
@@ -87,6 +88,11 @@ impl Selection {
         self.left(fit) > HOPELESS
     }
 
+    /// True if a fit leaves no more than it would if it were right, and not nearly as much as the null.
+    fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
+        self.left(fit) <= MOST_LEFT && is_quiet(fit, &Perfect::of(problem, fit))
+    }
+
     /// True if the numbers of the nominal model, within their tolerances, leave nothing to be found.
     pub(crate) fn is_quiet(&self) -> bool {
         is_quiet(&self.null, &self.perfect)
@@ -117,7 +123,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
     let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
     let mut selection = Selection {
-        perfect: Perfect::of(problem, &null),
+        perfect: Perfect::of(problem, &null).bounded(),
         null,
         given: false,
         rounds: Vec::new(),
@@ -129,7 +135,6 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         progress,
         perfect: selection.perfect,
     };
-    let suffices = |fit: &Fit| is_quiet(fit, &Perfect::of(problem, fit));
     let certain = given.measured.as_ref();
     let certain = certain.filter(|_| given.certain && !selection.is_quiet());
     let first = match certain {
@@ -141,7 +146,9 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     };
     selection.given = certain.is_some();
     let hints = first.screened.clone();
-    let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
+    let alone = first.earned
+        && (selection.left(&first.so_far) < MOST_LEFT_ALONE
+            || selection.suffices(problem, &first.so_far));
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let settled = alone || selection.given;
     let pair = (promising && !settled && !selection.is_quiet())
@@ -151,7 +158,9 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         None if first.earned => selection.rounds.push(first),
         None => selection.last = Some(first),
     }
-    while (1..MOST_EFFECTS).contains(&selection.rounds.len()) && !suffices(selection.fit()) {
+    while (1..MOST_EFFECTS).contains(&selection.rounds.len())
+        && !selection.suffices(problem, selection.fit())
+    {
         if !selection.given && selection.is_hopeless(selection.fit()) {
             break;
         }

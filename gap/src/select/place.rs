@@ -84,6 +84,11 @@ pub(super) fn is_local(name: &str) -> bool {
     is_event(name) || name == "end_stop"
 }
 
+/// True for effects whose impacts leave no slope to follow.
+pub(super) fn bounces(name: &str) -> bool {
+    name == "backlash"
+}
+
 /// Costs of every window under a fit that has not seen it.
 fn held_out(problem: &Problem<'_>, fit: &Fit) -> Costs {
     let per_sample = problem.unseen(fit, |fit, half| {

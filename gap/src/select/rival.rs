@@ -23,13 +23,8 @@ impl Rival {
 
     /// Its last effect as it was fitted, as a place to start from.
     pub(super) fn found(&self) -> Option<Term> {
-        let mut term = self.fit.hypothesis.terms.last()?.clone();
-        let x = &self.fit.x[self.fit.x.len() - term.free.len()..];
-        term.values = term.at(x);
-        for coordinate in &mut term.free {
-            coordinate.start = term.values[coordinate.parameter];
-        }
-        Some(term)
+        let term = self.fit.hypothesis.terms.last()?;
+        Some(term.moved(&self.fit.x[self.fit.x.len() - term.free.len()..]))
     }
 }
 

@@ -1,6 +1,7 @@
 //! One more effect on top of what is known.
 
-use super::place::{earns_its_place, is_local};
+use super::evolution::evolved;
+use super::place::{bounces, earns_its_place, is_local};
 use super::ranking::{contains, ranked, special_cases};
 use super::rival::{Rival, extended, turned};
 use super::{Given, LEADERS, is_quiet, level};
@@ -21,6 +22,8 @@ const NEAR: f64 = 0.3;
 const ALWAYS_NEAR: usize = 2;
 /// More, for the one that is named.
 const POLISHING_ITERATIONS: usize = 15;
+/// Spread, in scales, of a search around the winner where slopes lead nowhere.
+const NARROWLY: f64 = 0.15;
 
 /// One effect on top of what was known, with what stood beside it.
 #[derive(Clone, Debug)]
@@ -186,13 +189,22 @@ impl Search<'_> {
         let special = rivals.iter().position(|rival| {
             contains(rivals[0].name, rival.name)
                 && level(&rival.fit) <= halfway
-                && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit))
+                && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
         });
         if let Some(special) = special {
             let special = rivals.remove(special);
             rivals.insert(0, special);
         }
+        let name = rivals[0].name;
         let winner = &mut rivals[0].fit;
+        if bounces(name) {
+            let cost = |x: &[f64]| {
+                let costs = self.problem.costs(&winner.hypothesis, x, Part::All);
+                costs.level()
+            };
+            let (_, x) = evolved(winner.x.clone(), NARROWLY, cost);
+            winner.x = x;
+        }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         let (significance, earned) =
             earns_its_place(self.problem, &self.perfect, known, &rivals[0]);

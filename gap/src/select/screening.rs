@@ -1,6 +1,7 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
-use super::place::is_local;
+use super::evolution::evolved;
+use super::place::{bounces, is_local};
 use super::rival::{Rival, extended};
 use super::round::Search;
 use super::{QUIET_EXCESS, level};
@@ -28,6 +29,10 @@ const SCREENING_ITERATIONS: usize = 4;
 /// Samples that suffice to tell the promising effects from the others, and fewest windows.
 const SCREENING_SAMPLES: f64 = 3000.0;
 const SCREENING_WINDOWS: f64 = 12.0;
+/// Spread, in scales, of a search from the lowest points of a scan.
+const WIDELY: f64 = 0.5;
+/// Windows of a block.
+const BLOCK: usize = 8;
 
 /// The windows on which starts are compared, on top of what is known.
 struct Field<'a> {
@@ -79,6 +84,20 @@ impl<'a> Field<'a> {
         let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
         first(around.par_iter().map(|s| (self.cost(s), s)).collect())
     }
+
+    /// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
+    fn searched(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
+        let soon = soon.unwrap_or(self);
+        let low = lowest(starts, |start| soon.cost(start));
+        let found = low.par_iter().map(|start| {
+            let x = vec![0.0; start.free.len()];
+            let (_, x) = evolved(x, WIDELY, |x| soon.cost(&start.moved(x)));
+            let (cost, x) = evolved(x, WIDELY, |x| self.cost(&start.moved(x)));
+            (cost, start.moved(&x))
+        });
+        let found: Vec<(f64, Term)> = found.collect();
+        first(found.iter().map(|(cost, start)| (*cost, start)).collect())
+    }
 }
 
 impl Search<'_> {
@@ -112,10 +131,22 @@ impl Search<'_> {
         if !scans.is_empty() && !self.suffices(&rivals) {
             let quarter = problem.quarter.as_deref();
             let soon = quarter.map(|quarter| Field::new(quarter, field.known, blocks(quarter)));
-            rivals.extend(self.fitted_on(chosen, &scans, |candidate| {
-                let starts = field.scanned(soon.as_ref(), &candidate.starts);
-                field.begun(&starts, MANY_KEPT)
-            }));
+            let whole = Field::new(problem, field.known, blocks(problem));
+            let scanned = self.fitted_on(&whole.chosen, &scans, |candidate| {
+                let starts = if bounces(candidate.kind.name) {
+                    whole.searched(soon.as_ref(), &candidate.starts)
+                } else {
+                    whole.scanned(soon.as_ref(), &candidate.starts)
+                };
+                whole.begun(&starts, MANY_KEPT)
+            });
+            // Weighed on the same windows as the others.
+            let weighed = scanned.into_par_iter().map(|rival| {
+                let Fit { hypothesis, x, .. } = rival.fit;
+                let fit = problem.fit(&hypothesis, x, Part::Chosen(chosen), 0);
+                Rival { fit, ..rival }
+            });
+            rivals.par_extend(weighed);
         }
         rivals
     }
@@ -218,17 +249,22 @@ fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
 }
 
 /// The starts, in the order of a scan for either side of the sensor, at which a cost is lower than at their neighbours:
-/// the lowest of them.
+/// the lowest of them. Of starts of the same size the lowest stands for all.
 fn lowest(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
     let costs: Vec<f64> = starts.par_iter().map(&cost).collect();
+    let costs: Vec<(f64, &Term)> = costs.into_iter().zip(starts).collect();
+    let sizes = costs.chunk_by(|(_, a), (_, b)| a.values[0] == b.values[0]);
+    let sizes: Vec<(f64, &Term)> = sizes
+        .filter_map(|same| same.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied())
+        .collect();
     let beside = |i: usize, j: Option<usize>| {
-        j.and_then(|j| Some((costs.get(j)?, starts.get(j)?)))
-            .filter(|(_, start)| start.sensor_on_load == starts[i].sensor_on_load)
+        j.and_then(|j| sizes.get(j))
+            .filter(|(_, start)| start.sensor_on_load == sizes[i].1.sensor_on_load)
             .map_or(f64::INFINITY, |(cost, _)| *cost)
     };
-    let minima = (0..starts.len())
-        .filter(|&i| costs[i] <= beside(i, i.checked_sub(1)).min(beside(i, Some(i + 1))));
-    first(minima.map(|i| (costs[i], &starts[i])).collect())
+    let minima = (0..sizes.len())
+        .filter(|&i| sizes[i].0 <= beside(i, i.checked_sub(1)).min(beside(i, Some(i + 1))));
+    first(minima.map(|i| sizes[i]).collect())
 }
 
 /// Those of the lowest cost.
@@ -238,11 +274,18 @@ fn first(mut costs: Vec<(f64, &Term)>) -> Vec<Term> {
     costs.into_iter().map(|(_, start)| start.clone()).collect()
 }
 
-/// Windows in blocks of four from everywhere, with as many samples as screening takes.
+/// Windows in blocks from everywhere, with as many samples as screening takes: what is carried from window to window
+/// settles in the first of a block.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
-    let share = screening_share(problem, 4.0 * SCREENING_WINDOWS);
+    // As long for windows that are a quarter as long.
+    let length = if problem.quarter.is_some() {
+        BLOCK
+    } else {
+        4 * BLOCK
+    };
+    let share = screening_share(problem, 3.0 * length as f64);
     (0..problem.window_count())
-        .map(|w| turn(w / 4) < share)
+        .map(|w| turn(w / length) < share)
         .collect()
 }
 

@@ -1,0 +1,33 @@
+//! A search among many optima, where slopes lead nowhere: a simple evolution strategy (Rechenberg, 1973).
+
+use host_sim::sensors::Noise;
+use rayon::prelude::*;
+
+/// Children of a generation.
+const CHILDREN: usize = 12;
+/// Generations.
+const GENERATIONS: usize = 8;
+/// What becomes of the spread of the children when none is better.
+const NARROWER: f64 = 0.75;
+const SEED: u64 = 0x6576_6f6c_7665;
+
+/// The best by a cost among the descendants of `x`, and what it costs. The first children have a standard deviation of
+/// `spread` in each coordinate.
+pub(super) fn evolved(
+    x: Vec<f64>,
+    mut spread: f64,
+    cost: impl Fn(&[f64]) -> f64 + Sync,
+) -> (f64, Vec<f64>) {
+    let mut noise = Noise::new(SEED);
+    let mut best = (cost(&x), x);
+    for _ in 0..GENERATIONS {
+        let mut child = || best.1.iter().map(|x| x + noise.next(spread)).collect();
+        let children: Vec<Vec<f64>> = (0..CHILDREN).map(|_| child()).collect();
+        let costs = children.into_par_iter().map(|x| (cost(&x), x));
+        match costs.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some(child) if child.0 < best.0 => best = child,
+            _ => spread *= NARROWER,
+        }
+    }
+    best
+}

@@ -12,6 +12,7 @@ use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
 use crate::stage::Stage;
+use place::bounces;
 pub(crate) use place::is_event;
 pub(crate) use ranking::{others, ties};
 pub(crate) use rival::Rival;
@@ -90,7 +91,11 @@ impl Selection {
 
     /// True if a fit leaves no more than it would if it were right, and not nearly as much as the null.
     fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
-        self.left(fit) <= MOST_LEFT && is_quiet(fit, &Perfect::of(problem, fit))
+        let perfect = Perfect::of(problem, fit);
+        // After some impacts even the right model has lost its way.
+        let bounces = fit.hypothesis.terms.iter().any(|t| bounces(t.kind.name));
+        let perfect = if bounces { perfect } else { perfect.bounded() };
+        self.left(fit) <= MOST_LEFT && is_quiet(fit, &perfect)
     }
 
     /// True if the numbers of the nominal model, within their tolerances, leave nothing to be found.

@@ -9,7 +9,6 @@ mod spectrum;
 use crate::comparison::{Comparison, Outcome};
 use crate::diagnosis::Region;
 use crate::fit::Fit;
-use crate::perfect::WHITE;
 use crate::predict::Predictor;
 use crate::problem::Problem;
 use bins::Stretch;
@@ -23,8 +22,6 @@ const MOST: f64 = 0.5;
 const ONE_CHANNEL: f64 = 0.2;
 /// Axes that are told.
 const AXES: usize = 3;
-/// Robust excess per window up to which there is no gap to locate.
-const NOTICEABLE: f64 = 0.01;
 /// The gap must be this share of the squared innovations; noise alone may pass for some.
 const LEAST_EXCESS: f64 = 0.1;
 
@@ -69,9 +66,6 @@ fn sensing(comparison: &Comparison) -> Option<Region> {
 /// acceleration is a function of it, beyond a constant and a level of friction. Motion couples the axes, so
 /// that the next best ones are told too.
 fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
-    if null.costs.level() <= WHITE + NOTICEABLE {
-        return Vec::new();
-    }
     let recording = problem.recording;
     let device = null
         .hypothesis

@@ -1,6 +1,7 @@
 //! Windowed prediction: what a device would have done with the recorded input.
 
-use crate::series::{Series, Window};
+use crate::series::{FINE_PERIOD_S, Series, Window};
+use core::f64::consts::TAU;
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use host_sim::plant::{Plant, State};
@@ -20,6 +21,9 @@ pub type Shift = [f64; 2];
 
 /// A slope within this many standard deviations of zero is that of a reading that stands.
 const STANDING: f64 = 3.0;
+
+/// Rate of what samples that are put together still follow, rad/s.
+const FASTEST_RATE: f64 = 0.25 * TAU / FINE_PERIOD_S;
 
 /// Distance from its restart, in spans of what was measured, at which a model has run away.
 const FARTHEST: f64 = 100.0;
@@ -49,7 +53,11 @@ struct Running {
 
 impl Predictor {
     /// Predicts with `device` what the recording's `position` column shows.
-    pub fn new(device: Device, recording: &Recording) -> Self {
+    pub fn new(mut device: Device, recording: &Recording) -> Self {
+        let mechanics = &mut device.mechanics;
+        // Harder links are the same to the samples, at many times the steps.
+        let link = mechanics.link;
+        mechanics.link = link.map(|link| link.bounded(mechanics.inertia, FASTEST_RATE));
         Self {
             plant: Plant::quick(device.mechanics.clone()),
             device,
@@ -247,7 +255,7 @@ impl Predictor {
 
     fn logged_gain(&self, period_s: f64) -> f64 {
         match self.sensor.cutoff_hz {
-            Some(cutoff) => (core::f64::consts::TAU * cutoff * period_s).min(1.0),
+            Some(cutoff) => (TAU * cutoff * period_s).min(1.0),
             None => 1.0,
         }
     }

@@ -51,7 +51,7 @@ pub struct Series {
 }
 
 /// Median sampling period above which samples are not put together, s.
-const FINE_PERIOD_S: f64 = 1e-3;
+pub(crate) const FINE_PERIOD_S: f64 = 1e-3;
 
 impl Series {
     /// All samples of `run`, restarted every `horizon_s`.

@@ -40,6 +40,16 @@ impl Link {
         inertia * self.load_share * (1.0 - self.load_share)
     }
 
+    /// The same no stiffer and no more damped than what rings at `rate`, in rad/s, and is critically damped there.
+    pub fn bounded(self, inertia: f64, rate: f64) -> Self {
+        let reduced = self.reduced(inertia);
+        Self {
+            stiffness: self.stiffness.min(rate * rate * reduced),
+            damping: self.damping.min(2.0 * rate * reduced),
+            ..self
+        }
+    }
+
     /// Time constant with which a ringing of the two sides dies away, s; infinite without damping.
     pub fn memory_s(&self, inertia: f64) -> f64 {
         2.0 * self.reduced(inertia) / self.damping
@@ -49,5 +59,33 @@ impl Link {
     pub(super) fn fastest_rate(&self, inertia: f64) -> f64 {
         let reduced = self.reduced(inertia);
         (self.stiffness / reduced).sqrt() + self.damping / reduced
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bounded_link_is_as_hard_as_the_rate_at_most() {
+        let soft = Link {
+            load_share: 0.5,
+            stiffness: 4.0,
+            damping: 0.1,
+            play: 0.01,
+            load_friction: 0.5,
+            sensor_on_load: false,
+        };
+        assert_eq!(soft.bounded(0.04, 100.0), soft);
+        let hard = Link {
+            stiffness: 4e6,
+            damping: 1e3,
+            ..soft
+        };
+        let bounded = hard.bounded(0.04, 100.0);
+        let natural = (bounded.stiffness / bounded.reduced(0.04)).sqrt();
+        assert!((natural - 100.0).abs() < 1e-9);
+        // Critically damped: twice the natural frequency over the reduced inertia.
+        assert!((bounded.damping / bounded.reduced(0.04) - 200.0).abs() < 1e-9);
     }
 }

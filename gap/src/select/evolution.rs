@@ -31,3 +31,28 @@ pub(super) fn evolved(
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lowest_of_many_optima_is_approached() {
+        // Slopes lead to the nearest of the optima, about one apart.
+        let rugged = |x: &[f64]| {
+            let ripples = x.iter().map(|x| x * x + 0.5 * (1.0 - (6.0 * x).cos()));
+            ripples.sum::<f64>()
+        };
+        let start = vec![1.9, -1.2, 0.9];
+        let before = rugged(&start);
+        let (after, x) = evolved(start, 0.5, rugged);
+        assert!(after < 0.1 * before, "{after} of {before} at {x:?}");
+        assert!((after - rugged(&x)).abs() < f64::EPSILON);
+    }
+
+    #[test]
+    fn the_start_is_kept_where_nothing_is_better() {
+        let (cost, x) = evolved(vec![0.0; 2], 0.5, |x| x.iter().map(|x| x.abs()).sum());
+        assert_eq!((cost, x), (0.0, vec![0.0; 2]));
+    }
+}

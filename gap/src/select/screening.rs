@@ -23,8 +23,9 @@ const SCANNED_FITTED: usize = 4;
 /// Starts that go on where there are many optima, and for how long.
 const MANY_KEPT: usize = 3;
 const MANY_ITERATIONS: usize = 6;
-/// Effects that are fitted on then.
+/// Effects that are fitted on then; beside two masses, which take ten times as long, fewer.
 const PROMISING: usize = 14;
+const PROMISING_BESIDE_MASSES: usize = 6;
 const SCREENING_ITERATIONS: usize = 4;
 /// Samples that suffice to tell the promising effects from the others, and fewest windows.
 const SCREENING_SAMPLES: f64 = 3000.0;
@@ -119,7 +120,7 @@ impl Search<'_> {
             .tried(field.known, hints)
             .into_iter()
             .partition(|candidate| candidate.starts.len() <= MOST_STARTS_FITTED);
-        let mut rivals = self.fitted_on(chosen, &few, |candidate| {
+        let mut rivals = self.fitted_on(known, chosen, &few, |candidate| {
             // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
             if is_local(candidate.kind.name) {
                 as_fitted.begun(&candidate.starts, MANY_KEPT)
@@ -132,7 +133,7 @@ impl Search<'_> {
             let quarter = problem.quarter.as_deref();
             let soon = quarter.map(|quarter| Field::new(quarter, field.known, blocks(quarter)));
             let whole = Field::new(problem, field.known, blocks(problem));
-            let scanned = self.fitted_on(&whole.chosen, &scans, |candidate| {
+            let scanned = self.fitted_on(known, &whole.chosen, &scans, |candidate| {
                 let starts = if bounces(candidate.kind.name) {
                     whole.searched(soon.as_ref(), &candidate.starts)
                 } else {
@@ -157,13 +158,25 @@ impl Search<'_> {
         rivals.iter().any(|rival| level(&rival.fit) <= enough)
     }
 
-    /// The best fit of each of some effects, from the fits that are `begun`, the most promising ones fitted on.
+    fn has_two_masses(&self, fit: &Fit) -> bool {
+        let predictor = self.problem.predictor(&fit.hypothesis, &fit.x);
+        predictor.device().mechanics.link.is_some()
+    }
+
+    /// The best fit of each of some effects on top of `known`, from the fits that are `begun`, the most promising ones
+    /// fitted on.
     fn fitted_on(
         &self,
+        known: &Fit,
         chosen: &[bool],
         tried: &[Candidate],
         begun: impl Fn(&Candidate) -> Vec<Fit> + Sync,
     ) -> Vec<Rival> {
+        let promising = if self.has_two_masses(known) {
+            PROMISING_BESIDE_MASSES
+        } else {
+            PROMISING
+        };
         let begun = tried.par_iter().map(|c| (begun(c), c.kind.name));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
         begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
@@ -172,7 +185,7 @@ impl Search<'_> {
             .enumerate()
             .filter_map(|(rank, (fits, name))| {
                 let iterations = match fits.len() {
-                    _ if rank >= PROMISING => 0,
+                    _ if rank >= promising => 0,
                     1 => SCREENING_ITERATIONS,
                     _ => MANY_ITERATIONS,
                 };

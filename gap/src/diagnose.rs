@@ -77,6 +77,8 @@ const EXPLAINED: f64 = 0.15;
 /// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
 /// and near stick and slip they are anything but.
 const QUIET_GAP: f64 = 2.0;
+/// Factor within which the floor is known.
+const FLOOR_DOUBT: f64 = 1.2;
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
 const SURE: f64 = 6.0;
 /// Probability that two columns and the dynamics are not wrong together.
@@ -116,21 +118,19 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let excluded: Vec<&str> = without.chain(cleared).chain(linear).collect();
     let like = comparison.as_ref().and_then(Comparison::like);
     let like = like.filter(|like| !excluded.contains(&like.kind.name));
+    let nominal = Device::nominal(&recording.model);
+    let (before, _) = measure(recording, &nominal);
     let given = Given {
+        // Where noise and restarts alone leave as much, there is nothing to name.
+        is_gap: before.before > FLOOR_DOUBT * before.floor,
         measured: like.map(Match::term),
         certain: comparison.as_ref().is_some_and(Comparison::is_certain),
         excluded,
     };
     let mut selection = select::select(&problem, &given, progress);
 
-    let nominal = Device::nominal(&recording.model);
-    let (before, _) = measure(recording, &nominal);
     let kept = usize::from(selection.given);
-    // Where noise and restarts alone leave as much, there is nothing to name.
-    let is_gap = before.before > before.floor;
-    if selection.rounds.len() > kept
-        && (!is_gap || selection.left(selection.fit()) > select::MOST_LEFT)
-    {
+    if selection.rounds.len() > kept && selection.left(selection.fit()) > select::MOST_LEFT {
         selection.withdraw(kept);
     }
 

@@ -43,6 +43,8 @@ const LEADERS: usize = 3;
 
 /// What is known before the search.
 pub(crate) struct Given<'a> {
+    /// True if there is more than noise and restarts leave.
+    pub is_gap: bool,
     /// Effects that are not there, or not to be tried.
     pub excluded: Vec<&'a str>,
     /// An effect that was measured otherwise: it is tried at this size alone.
@@ -134,6 +136,9 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         rounds: Vec::new(),
         last: None,
     };
+    if !given.is_gap {
+        return selection;
+    }
     let search = Search {
         problem,
         given,

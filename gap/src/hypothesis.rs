@@ -83,15 +83,14 @@ impl Term {
             if coordinate.scale == Scale::Log {
                 continue;
             }
-            let beside = |by: f64| {
+            let beside = [NEIGHBOUR, -NEIGHBOUR].map(|by| {
                 let mut x = vec![0.0; self.free.len()];
                 x[i] = by;
-                move |term: &Self| term.moved(&x)
-            };
-            let low: Vec<Self> = all.iter().map(beside(-NEIGHBOUR)).collect();
-            let high: Vec<Self> = all.iter().map(beside(NEIGHBOUR)).collect();
-            all.extend(high);
-            all.extend(low);
+                x
+            });
+            let moved = beside.iter().flat_map(|x| all.iter().map(|t| t.moved(x)));
+            let moved: Vec<Self> = moved.collect();
+            all.extend(moved);
         }
         all
     }

@@ -6,8 +6,7 @@ use crate::hypothesis::{Hypothesis, Nudge};
 use crate::measure::perfect_variance;
 use crate::predict::Predictor;
 use crate::series::Series;
-use crate::whitening::dot;
-use crate::whitening::{Whitening, whitenings};
+use crate::whitening::{Whitening, dot, whitenings};
 use recording::Recording;
 
 /// What every fit shares.

@@ -7,7 +7,7 @@ mod regression;
 
 use crate::hypothesis::{Coordinate, Scale, Term};
 use crate::motion::{Motion, Scales, quantile};
-use crate::series::Series;
+use crate::series::{FINE_PERIOD_S, Series};
 use core::f64::consts::TAU;
 use host_sim::device::Device;
 use host_sim::effects::{KINDS, Kind};
@@ -312,7 +312,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             .iter()
             .map(|f| {
                 // Bristles that ring faster than samples follow are stick.
-                let stiffest = m.inertia * (RESOLVED_RATE / s.period_s.max(1e-3)).powi(2);
+                let stiffest = m.inertia * (RESOLVED_RATE / s.period_s.max(FINE_PERIOD_S)).powi(2);
                 let distance = (f * s.span()).max(level / stiffest);
                 let damping = damped(level / distance, m.inertia) * 3.0;
                 term(
@@ -379,7 +379,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             all
         }
         "backlash" => {
-            let rate = TAU * FLANK_FREQUENCY / s.period_s.max(1e-3);
+            let rate = TAU * FLANK_FREQUENCY / s.period_s.max(FINE_PERIOD_S);
             let frictions = if rubs { &FREE_FRICTIONS[..] } else { &[0.5] };
             two_masses(PLAYS, PLAY_STARTS, |play| {
                 let pairs = FREE_SHARES
@@ -400,7 +400,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             })
         }
         "compliance" => {
-            let highest = HIGHEST_RESONANCE / s.period_s.max(1e-3);
+            let highest = HIGHEST_RESONANCE / s.period_s.max(FINE_PERIOD_S);
             let [low, high] = RESONANCES.map(|ratio| (ratio * s.motion_hz()).min(highest));
             let share = 0.5;
             two_masses([low, high], RESONANCE_STARTS, |hertz| {

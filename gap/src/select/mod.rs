@@ -93,11 +93,14 @@ impl Selection {
 
     /// True if a fit leaves no more than it would if it were right, and not nearly as much as the null.
     fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
+        if self.left(fit) > MOST_LEFT {
+            return false;
+        }
         let perfect = Perfect::of(problem, fit);
         // After some impacts even the right model has lost its way.
         let bounces = fit.hypothesis.terms.iter().any(|t| bounces(t.kind.name));
         let perfect = if bounces { perfect } else { perfect.bounded() };
-        self.left(fit) <= MOST_LEFT && is_quiet(fit, &perfect)
+        is_quiet(fit, &perfect)
     }
 
     /// True if the numbers of the nominal model, within their tolerances, leave nothing to be found.
@@ -156,26 +159,29 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     };
     selection.given = certain.is_some();
     let hints = first.screened.clone();
-    let alone = first.earned
-        && (selection.left(&first.so_far) < MOST_LEFT_ALONE
-            || selection.suffices(problem, &first.so_far));
+    let mut enough = first.earned && selection.suffices(problem, &first.so_far);
+    let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
-    let settled = alone || selection.given;
+    let settled = alone || enough || selection.given;
     let pair = (promising && !settled && !selection.is_quiet())
         .then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
     match pair.flatten() {
-        Some(pair) => selection.rounds.extend(pair),
+        Some(pair) => {
+            selection.rounds.extend(pair);
+            enough = selection.suffices(problem, selection.fit());
+        }
         None if first.earned => selection.rounds.push(first),
         None => selection.last = Some(first),
     }
-    while (1..MOST_EFFECTS).contains(&selection.rounds.len())
-        && !selection.suffices(problem, selection.fit())
-    {
+    while !enough && (1..MOST_EFFECTS).contains(&selection.rounds.len()) {
         if !selection.given && selection.is_hopeless(selection.fit()) {
             break;
         }
         match search.round(selection.fit(), &hints) {
-            Some(round) if round.earned => selection.rounds.push(round),
+            Some(round) if round.earned => {
+                selection.rounds.push(round);
+                enough = selection.suffices(problem, selection.fit());
+            }
             nothing => {
                 selection.last = nothing;
                 break;

@@ -195,15 +195,10 @@ impl Search<'_> {
             let special = rivals.remove(special);
             rivals.insert(0, special);
         }
-        let name = rivals[0].name;
-        let winner = &mut rivals[0].fit;
+        let Rival { name, fit: winner } = &mut rivals[0];
         if bounces(name) {
-            let cost = |x: &[f64]| {
-                let costs = self.problem.costs(&winner.hypothesis, x, Part::All);
-                costs.level()
-            };
-            let (_, x) = evolved(winner.x.clone(), NARROWLY, cost);
-            winner.x = x;
+            let costs = |x: &[f64]| self.problem.costs(&winner.hypothesis, x, Part::All);
+            (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
         }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         let (significance, earned) =

@@ -19,9 +19,6 @@ pub struct Predictor {
 /// Displacement of every restart state, in standard deviations of the fit of value and slope.
 pub type Shift = [f64; 2];
 
-/// A slope within this many standard deviations of zero is that of a reading that stands.
-const STANDING: f64 = 3.0;
-
 /// Rate of what samples that are put together still follow, rad/s.
 const FASTEST_RATE: f64 = 0.25 * TAU / FINE_PERIOD_S;
 
@@ -46,6 +43,8 @@ struct Running {
     line: DriveLine,
     state: State,
     reading: Reading,
+    /// True if this goes on from the last window.
+    follows: bool,
     filtered: f64,
     now_s: f64,
     next_input: usize,
@@ -95,6 +94,7 @@ impl Predictor {
             line: DriveLine::at_rest(&self.device.drive),
             state: self.plant.state(start_s + series.session_offset_s, x, 0.0),
             reading: Reading::at_rest(&self.device.sensing, x),
+            follows: true,
             filtered: first.restart.value,
             now_s: start_s,
             next_input: 0,
@@ -107,10 +107,14 @@ impl Predictor {
             if !taken[index] {
                 continue;
             }
-            if remembers && (index == 0 || taken[index - 1]) {
-                self.follow_to(&mut running, series, window.restart.time_s);
+            let restart_s = window.restart.time_s;
+            running.follows = remembers && (index == 0 || taken[index - 1]);
+            if running.follows {
+                let dt_s = restart_s - running.now_s;
+                self.follow_to(&mut running, series, restart_s);
+                self.read(&mut running, dt_s, 0.0, false);
             } else {
-                self.skip_to(&mut running, series, window.restart.time_s);
+                self.skip_to(&mut running, series, restart_s);
             }
             self.restart(&mut running, series, window, shift);
             for i in window.samples.clone() {
@@ -153,6 +157,7 @@ impl Predictor {
         mechanics.link.is_some()
             || mechanics.presliding.is_some()
             || self.device.sensing.hysteresis > 0.0
+            || self.device.sensing.lag_s > 0.0
     }
 
     /// The windows to go through for those that are wanted: with some before them in which what is carried over
@@ -181,12 +186,14 @@ impl Predictor {
         }
         let mechanics = &self.device.mechanics;
         // Where a play stands is known once it has been crossed.
-        if mechanics.link.is_some_and(|link| link.play > 0.0) {
+        let plays = mechanics.link.is_some_and(|link| link.play > 0.0);
+        if plays || self.device.sensing.hysteresis > 0.0 {
             return MOST_LEAD;
         }
-        let memory_s = mechanics
+        let ringing_s = mechanics
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
+        let memory_s = ringing_s.max(self.device.sensing.lag_s);
         let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
             return 0;
         };
@@ -274,27 +281,41 @@ impl Predictor {
             None => 0.0,
         };
         let logged_s = self.logged_lag_s(period_s.max(f64::MIN_POSITIVE));
-        // Undo the two first-order lags, the column's own and the sensor's.
-        let (sum, product) = (logged_s + sensing.lag_s, logged_s * sensing.lag_s);
-        let behind = value + sum * slope + product * fit.curvature - sensing.jumped(session_s);
-        let rate = slope + sum * fit.curvature;
+        // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
+        let lagged = value + logged_s * slope - sensing.jumped(session_s);
+        let [lag, lag_rate] = self.sensor_lag(running);
+        let behind = lagged + lag;
+        let rate = slope + logged_s * fit.curvature + lag_rate;
         running.filtered = value;
 
         let half = 0.5 * sensing.hysteresis;
         let (seen, seen_rate) = self.plant.seen(&running.state);
-        // Where in the play the position stands cannot be seen.
-        let inside = (sensing.curve(seen) - running.reading.middle).clamp(-half, half);
+        // Where in the play the position stands cannot be seen; what moves takes it along.
+        let inside = if running.follows {
+            (sensing.curve(seen) - running.reading.middle).clamp(-half, half)
+        } else {
+            half.copysign(rate)
+        };
         let x = sensing.inverse(behind + inside);
-        // A reading that stands within the play says nothing of the speed.
-        let stands = slope.abs() <= STANDING * sd(1);
-        let v = if half > 0.0 && inside.abs() < half && stands {
+        // Within the play the reading says nothing of the speed, and its slope is bent where the play is crossed.
+        let v = if inside.abs() < half {
             seen_rate
         } else {
             rate / sensing.slope(x)
         };
-        let lagged = value + logged_s * slope - sensing.jumped(session_s);
         running.reading = Reading::resumed(behind, lagged);
         running.state = self.plant.restart(&running.state, session_s, x, v);
+    }
+
+    /// How far the sensor lags, and how fast that grows.
+    fn sensor_lag(&self, running: &Running) -> [f64; 2] {
+        let sensing = &self.device.sensing;
+        if sensing.lag_s <= 0.0 || !running.follows {
+            return [0.0; 2];
+        }
+        let (x, v) = self.plant.seen(&running.state);
+        let lag = running.reading.middle - running.reading.lagged;
+        [lag, sensing.slope(x) * v - lag / sensing.lag_s]
     }
 
     /// What the sensor shows now.

@@ -29,6 +29,8 @@ pub(crate) struct Evidence<'a> {
 pub(crate) struct Candidate {
     pub kind: &'static Kind,
     pub starts: Vec<Term>,
+    /// More starts, between which no slope leads: worth a fit where they are near as they are.
+    pub grid: Vec<Term>,
 }
 
 /// Every effect that the recording could show, in the order of the vocabulary.
@@ -36,6 +38,7 @@ pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
     let all = KINDS.iter().map(|&kind| Candidate {
         kind,
         starts: starts(kind, evidence),
+        grid: grid(kind, evidence),
     });
     all.filter(|candidate| !candidate.starts.is_empty())
         .collect()
@@ -74,6 +77,10 @@ fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, f64)]) -> T
     }
 }
 
+/// Widths of a gate over the input's root mean square, and how many of them.
+const GATES: [f64; 2] = [0.03, 1.5];
+const GATE_STARTS: usize = 40;
+
 /// Relative damping of the springs that stand in for contacts whose damping is not looked for.
 const CONTACT_DAMPING: f64 = 0.1;
 /// Natural frequency of bristles, in rad a coarse sample.
@@ -102,18 +109,33 @@ const PLAY_STARTS: usize = 8;
 const FREE_SHARES: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
 const FREE_FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
+/// `count` values by equal ratios.
+fn geometric([low, high]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
+    let ratio = (high / low).powf(1.0 / (count - 1) as f64);
+    (0..count).map(move |k| low * ratio.powi(k as i32))
+}
+
 /// Starts of a transmission between two masses, by the size of what is free in it: `count` values by equal ratios, each
 /// for a sensor on the motor's and on the load's side.
-fn two_masses([low, high]: [f64; 2], count: usize, starts: impl Fn(f64) -> Vec<Term>) -> Vec<Term> {
-    let ratio = (high / low).powf(1.0 / (count - 1) as f64);
-    let sizes = (0..count).map(|k| low * ratio.powi(k as i32));
-    let motor: Vec<Term> = sizes.flat_map(starts).collect();
+fn two_masses(sizes: [f64; 2], count: usize, starts: impl Fn(f64) -> Vec<Term>) -> Vec<Term> {
+    let motor: Vec<Term> = geometric(sizes, count).flat_map(starts).collect();
     let load = motor.iter().cloned().map(|start| Term {
         sensor_on_load: true,
         ..start
     });
     let load: Vec<Term> = load.collect();
     [motor, load].concat()
+}
+
+/// Dead bands that let all through beyond them: each sample comes through at a width of its own.
+fn grid(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    if kind.name != "deadband" {
+        return Vec::new();
+    }
+    let widths = geometric(GATES, GATE_STARTS).map(|f| f * e.scales.input);
+    widths
+        .map(|width| term(kind, vec![log(0, width)], &[(1, 1.0)]))
+        .collect()
 }
 
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
@@ -248,12 +270,7 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "torque_offset" => each(&[0.3, -0.3], &|f| {
             vec![linear(0, f * s.friction, 0.2 * s.torque)]
         }),
-        "deadband" => [0.0, 1.0]
-            .iter()
-            .flat_map(|jump| {
-                [0.05, 0.2, 0.6].map(|f| term(kind, vec![log(0, f * s.input)], &[(1, *jump)]))
-            })
-            .collect(),
+        "deadband" => each(&[0.05, 0.2, 0.6], &|f| vec![log(0, f * s.input)]),
         "saturation" => {
             let inputs = e.series.iter().flat_map(|s| &s.input);
             let inputs: Vec<f64> = inputs.map(|u| u.abs()).collect();

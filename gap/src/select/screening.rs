@@ -66,6 +66,11 @@ impl<'a> Field<'a> {
         level(&self.fit(start, 0))
     }
 
+    /// Those of many starts that cost least as they are.
+    fn near(&self, starts: &[Term]) -> Vec<Term> {
+        first(starts.par_iter().map(|s| (self.cost(s), s)).collect())
+    }
+
     /// The best `kept` fits from some starts.
     fn begun(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
         let begun = |start: &Term| self.fit(start, FIRST_ITERATIONS);
@@ -125,7 +130,8 @@ impl Search<'_> {
             if is_local(candidate.kind.name) {
                 as_fitted.begun(&candidate.starts, MANY_KEPT)
             } else {
-                field.begun(&candidate.starts, STARTS_KEPT)
+                let near = field.near(&candidate.grid);
+                field.begun(&[&candidate.starts[..], &near].concat(), STARTS_KEPT)
             }
         });
         // What is scanned takes more numbers and most of the time.

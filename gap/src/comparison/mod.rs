@@ -29,7 +29,7 @@ pub(crate) const SENSING: [&str; 5] = [
 
 /// Columns whose disagreement goes with no effect by more than this share of the noise, in squares, agree.
 const AGREEMENT: f64 = 0.1;
-/// So do those that disagree by less than this many standard errors.
+/// So do those that disagree within the noise and by less than this many standard errors.
 const LEAST_SIGNIFICANCE: f64 = 4.0;
 /// And those that agree leave no more than this many times the noise, in squares: it is known to some 15 %, and coloured
 /// by quantising.
@@ -220,8 +220,8 @@ fn compared(
             // The other column may lag or have play where `position` cannot lead.
             let turned = of(&own, &other);
             match likely(&turned, &disagreement(&turned.tracks)) {
-                Some(_) => Outcome::OtherWrong,
-                None => Outcome::Unlike,
+                Some(_) if share[0] <= DECISIVE => Outcome::OtherWrong,
+                _ => Outcome::Unlike,
             }
         }
     };
@@ -238,10 +238,10 @@ fn compared(
 fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
     let mut all = likenesses(columns).into_iter();
     let best = all.next()?;
-    let before = mean_square(difference);
-    let closed = before - best.left;
+    let disagreement = mean_square(difference);
+    let closed = disagreement - best.left;
     if closed < AGREEMENT * columns.variance
-        || best.left - columns.variance > MOST_LEFT * (before - columns.variance)
+        || best.left - columns.variance > MOST_LEFT * (disagreement - columns.variance)
     {
         return None;
     }
@@ -249,8 +249,9 @@ fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
     let [before, after] = [difference, &left].map(|r| window_squares(columns, r));
     let gains: Vec<f64> = before.iter().zip(&after).map(|(b, a)| b - a).collect();
     let (gain, error) = mean_and_error(&gains);
-    // Jumps that cancel in the mean are no chance either.
-    if gain < LEAST_SIGNIFICANCE * error && best.kind.name != "lost_counts" {
+    // Far more than noise is no chance however few the windows, nor are jumps that cancel in the mean.
+    let is_faint = disagreement < MOST_NOISE * columns.variance;
+    if is_faint && gain < LEAST_SIGNIFICANCE * error && best.kind.name != "lost_counts" {
         return None;
     }
     let floor: Vec<f64> = windows(columns)

@@ -52,6 +52,14 @@ impl Problem<'_> {
         self.series.iter().map(|s| s.windows.len()).sum()
     }
 
+    /// Lowest and highest measured position.
+    pub(crate) fn extremes(&self) -> [f64; 2] {
+        let positions = self.series.iter().flat_map(|s| &s.position);
+        positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(*x), high.max(*x)]
+        })
+    }
+
     pub(crate) fn predictor(&self, hypothesis: &Hypothesis, x: &[f64]) -> Predictor {
         let device = hypothesis.device(&self.recording.model, &self.nudges, x);
         Predictor::new(device, self.recording)

@@ -55,9 +55,12 @@ impl Device {
         device
     }
 
-    /// Puts hard stops at the ends of `travel`, in place of any before.
+    /// Puts hard stops at the ends of `travel`, in place of any before but one that is there already.
     pub fn set_stops(&mut self, travel: [f64; 2], stiffness: f64, damping: f64) {
         for (place, at, side) in [(LOWER_STOP, travel[0], -1.0), (UPPER_STOP, travel[1], 1.0)] {
+            if self.mechanics.barriers[place].is_some_and(|stop| stop.at == at) {
+                continue;
+            }
             self.mechanics.barriers[place] = Some(Barrier {
                 at,
                 side,

@@ -13,6 +13,9 @@ const QUIET: f64 = 0.4;
 /// A stretch longer than this share of the recording is no passing contact.
 const LONGEST_SHARE: f64 = 0.5;
 
+/// Spans of the motion beyond it at which a stop is none.
+const OUT_OF_REACH: f64 = 10.0;
+
 /// Something that pushes back, and when.
 #[derive(Clone, Copy)]
 struct Push {
@@ -45,10 +48,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 
 /// As stops, which push back whenever the device comes there.
 pub(super) fn as_stops(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
-    let far = [
-        e.scales.position[0] - e.scales.span(),
-        e.scales.position[1] + e.scales.span(),
-    ];
+    let far = untouched(e.travel, e.scales.position);
     let mut pushes = pushes(e);
     // How long it was takes no part.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
@@ -62,6 +62,32 @@ pub(super) fn as_stops(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         term(kind, free, &[(1 - upper, far[1 - upper])])
     });
     stops.collect()
+}
+
+/// Where stops are that a motion between `extremes` did not show: those of the nominal model, or none.
+pub(crate) fn untouched(travel: Option<[f64; 2]>, [low, high]: [f64; 2]) -> [f64; 2] {
+    let away = OUT_OF_REACH * (high - low);
+    let [lower, upper] = travel.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    [
+        if lower < low { lower } else { low }.max(low - away),
+        if upper > high { upper } else { high }.min(high + away),
+    ]
+}
+
+/// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
+pub(crate) fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
+    let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
+    let (Some(lower), Some(upper)) = (place(0), place(1)) else {
+        return Vec::new();
+    };
+    let without = |(stop, at): (usize, usize)| {
+        let (mut term, mut x) = (stops.clone(), x.to_vec());
+        term.values[stop] = untouched[stop];
+        term.free.remove(at);
+        x.remove(at);
+        (term, x)
+    };
+    [(0, lower), (1, upper)].map(without).into()
 }
 
 fn pushes(e: &Evidence<'_>) -> Vec<Push> {

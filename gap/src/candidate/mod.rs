@@ -5,6 +5,8 @@ mod contact;
 mod jumps;
 mod regression;
 
+pub(crate) use contact::{one_sided, untouched};
+
 use crate::hypothesis::{Coordinate, Scale, Term};
 use crate::motion::{Motion, Scales, quantile};
 use crate::series::{FINE_PERIOD_S, Series};
@@ -20,6 +22,8 @@ pub(crate) struct Evidence<'a> {
     pub scales: &'a Scales,
     /// The device without the effect that is looked for.
     pub device: &'a Device,
+    /// Places of the nominal model's stops.
+    pub travel: Option<[f64; 2]>,
     /// Robust cost of each window without the effect, by running index.
     pub window_costs: &'a [f64],
 }
@@ -369,7 +373,6 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 .iter()
                 .flat_map(|m| m.position.iter().copied())
                 .collect();
-            let beyond = s.span();
             // One stop at a time, the other out of reach, then both.
             let mut all = contact::as_stops(kind, e);
             for (share, hard) in STOPPED_SHARES
@@ -380,15 +383,15 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                     quantile(&positions, share),
                     quantile(&positions, 1.0 - share),
                 );
-                let far = (s.position[0] - beyond, s.position[1] + beyond);
-                for (lower, upper) in [(far.0, high), (low, far.1), (low, high)] {
+                let far = untouched(e.travel, s.position);
+                for (lower, upper) in [(far[0], high), (low, far[1]), (low, high)] {
                     let k = hard * stiffness;
                     let mut free = vec![log(2, k), log(3, damped(k, m.inertia))];
-                    if lower > far.0 {
-                        free.push(linear(0, lower, 0.05 * beyond));
+                    if lower > far[0] {
+                        free.push(linear(0, lower, 0.05 * s.span()));
                     }
-                    if upper < far.1 {
-                        free.push(linear(1, upper, 0.05 * beyond));
+                    if upper < far[1] {
+                        free.push(linear(1, upper, 0.05 * s.span()));
                     }
                     all.push(term(kind, free, &[(0, lower), (1, upper)]));
                 }

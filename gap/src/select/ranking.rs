@@ -16,7 +16,7 @@ const TIE_SHARE: f64 = 0.04;
 pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let best = level(&rivals.first()?.fit);
-    let close = best + PARSIMONY * (level(known) - best).max(0.0);
+    let close = enough(known, &rivals.first()?.fit);
     let winner = (0..rivals.len())
         .filter(|&i| level(&rivals[i].fit) <= close)
         .min_by_key(|&i| (rivals[i].parameters(), i))?;
@@ -30,6 +30,11 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> 
     let winner = rivals.remove(winner);
     rivals.insert(0, winner);
     Some(rivals)
+}
+
+/// What one with fewer parameters than `best` may leave and win.
+pub(super) fn enough(known: &Fit, best: &Fit) -> f64 {
+    level(best) + PARSIMONY * (level(known) - level(best)).max(0.0)
 }
 
 /// True if `special` does with fewer numbers what `general` does too.

@@ -2,11 +2,12 @@
 
 use super::evolution::evolved;
 use super::place::{bounces, earns_its_place, is_local};
-use super::ranking::{contains, ranked, special_cases};
+use super::ranking::{contains, enough, ranked, special_cases};
 use super::rival::{Rival, extended, turned};
 use super::{Given, LEADERS, is_quiet, level};
+use crate::candidate::{one_sided, untouched};
 use crate::fit::Fit;
-use crate::hypothesis::Term;
+use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
 use crate::stage::Stage;
@@ -132,6 +133,28 @@ impl Search<'_> {
             .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
     }
 
+    /// Two stops, or one of them where the other gains next to nothing: beyond the motion any place would do.
+    fn one_stop(&self, known: &Fit, both: &Fit) -> Fit {
+        let Some((stops, others)) = both.hypothesis.terms.split_last() else {
+            return both.clone();
+        };
+        let (before, own) = both.x.split_at(both.x.len() - stops.free.len());
+        let travel = self.problem.recording.model.travel;
+        let untouched = untouched(travel, self.problem.extremes());
+        let single = one_sided(stops, own, untouched).into_iter();
+        let fits = single.map(|(stop, own)| {
+            let terms = [others, &[stop]].concat();
+            let x = [before, &own].concat();
+            let hypothesis = Hypothesis { terms };
+            self.problem
+                .fit(&hypothesis, x, Part::All, SHORT_ITERATIONS)
+        });
+        let enough = enough(known, both);
+        let fits = fits.filter(|fit| level(fit) <= enough);
+        fits.min_by(|a, b| level(a).total_cmp(&level(b)))
+            .unwrap_or_else(|| both.clone())
+    }
+
     /// The most promising ones, fitted to all windows.
     fn finals(&self, mut screened: Vec<Rival>, known: &Fit) -> Vec<Rival> {
         (self.progress)(Stage::Finalists);
@@ -201,6 +224,9 @@ impl Search<'_> {
             (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
         }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
+        if *name == "end_stop" {
+            *winner = self.one_stop(known, winner);
+        }
         let (significance, earned) =
             earns_its_place(self.problem, &self.perfect, known, &rivals[0]);
         Some(Round {

@@ -222,6 +222,7 @@ impl Search<'_> {
             motions: &motions,
             scales: &Scales::of(series, &motions, &device, recording.horizon),
             device: &device,
+            travel: recording.model.travel,
             window_costs: &window_costs(self.problem, known),
         });
         let terms = &known.hypothesis.terms;

@@ -83,6 +83,11 @@ const FLOOR_DOUBT: f64 = 1.2;
 const SURE: f64 = 6.0;
 /// Probability that two columns and the dynamics are not wrong together.
 const COMPARED: f64 = 0.97;
+/// Probability that a name is right where something else is missing, for which it may stand in: of 21 such names on five
+/// blind sets 17 were right.
+const SURE_IN_PART: f64 = 0.85;
+/// What an effect rests on.
+const PREDICTION: &str = "prediction";
 /// Share of the gap that a further effect must close, or of what those before it leave.
 const LEAST_SHRINK: f64 = 0.05;
 const LEAST_SHRINK_OF_REST: f64 = 0.5;
@@ -179,7 +184,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         Verdict::PartlyExplained
     };
 
-    let effects = findings(&problem, &selection, &steps, comparison.as_ref());
+    let mut effects = findings(&problem, &selection, &steps, comparison.as_ref());
+    if verdict == Verdict::PartlyExplained {
+        for effect in effects.iter_mut().filter(|e| e.basis == PREDICTION) {
+            effect.confidence = effect.confidence.min(SURE_IN_PART);
+        }
+    }
     let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
     progress(Stage::Where);
     let regions = if verdict == Verdict::NoGap {
@@ -312,7 +322,7 @@ fn findings(
             channel: term.kind.channel.name(),
             confidence: confidence(round, selection.perfect.level),
             not_separable_from: select::ties(round),
-            basis: "prediction",
+            basis: PREDICTION,
             parameters,
             shrink: step.own[0],
             shrink_interval: [step.own[1], step.own[2]],

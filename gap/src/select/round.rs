@@ -21,6 +21,8 @@ const FITTING_ITERATIONS: usize = 8;
 /// Share of the best one's gain within which another is near it, and how many are in any case.
 const NEAR: f64 = 0.3;
 const ALWAYS_NEAR: usize = 2;
+/// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for.
+const LITTLE: f64 = 0.1;
 /// More, for the one that is named.
 const POLISHING_ITERATIONS: usize = 15;
 /// Spread, in scales, of a search around the winner where slopes lead nowhere.
@@ -100,10 +102,15 @@ impl Search<'_> {
         let hints = &first.screened;
         let chosen = self.screening_windows(null);
         let leaders = &first.rivals[..first.rivals.len().min(LEADERS)];
+        let unexplained = self
+            .problem
+            .costs(&null.hypothesis, &null.x, Part::Chosen(&chosen))
+            .level();
+        let most = self.perfect.level + LITTLE * (unexplained - self.perfect.level);
         let mut screened = Vec::new();
         for leader in leaders {
             screened.extend(self.screened(&leader.fit, &chosen, hints));
-            if self.suffices(&screened) {
+            if screened.iter().any(|rival| level(&rival.fit) <= most) {
                 break;
             }
         }

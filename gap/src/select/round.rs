@@ -99,7 +99,9 @@ impl Search<'_> {
     /// of both is not `worth` more.
     pub(crate) fn pair(&self, first: &Round, worth: impl Fn(&Fit) -> bool) -> Option<[Round; 2]> {
         let null = &first.known;
-        let hints = &first.screened;
+        // What bounces is looked for anew beside the best one.
+        let mut hints = first.screened.clone();
+        hints.retain(|rival| !bounces(rival.name));
         let chosen = self.screening_windows(null);
         let leaders = &first.rivals[..first.rivals.len().min(LEADERS)];
         let unexplained = self
@@ -109,7 +111,11 @@ impl Search<'_> {
         let most = self.perfect.level + LITTLE * (unexplained - self.perfect.level);
         let mut screened = Vec::new();
         for leader in leaders {
-            screened.extend(self.screened(&leader.fit, &chosen, hints));
+            let beside = self.screened(&leader.fit, &chosen, &hints);
+            if screened.is_empty() {
+                hints.extend(beside.iter().filter(|rival| bounces(rival.name)).cloned());
+            }
+            screened.extend(beside);
             if screened.iter().any(|rival| level(&rival.fit) <= most) {
                 break;
             }
@@ -121,11 +127,11 @@ impl Search<'_> {
         let turned = turned(&both, null)?;
         // Each in turn is looked for anew beside the other.
         let mut beside_second =
-            self.round_with(&self.without_last(&turned, null), hints, Some(turned))?;
+            self.round_with(&self.without_last(&turned, null), &hints, Some(turned))?;
         let winner = &beside_second.rivals[0];
         let both = self::turned(winner, null)?;
         let first_alone = self.without_last(&both, null);
-        let beside_first = self.round_with(&first_alone, hints, Some(both))?;
+        let beside_first = self.round_with(&first_alone, &hints, Some(both))?;
         beside_second.so_far = first_alone;
         (beside_second.earned && beside_first.earned).then_some([beside_second, beside_first])
     }

@@ -121,10 +121,12 @@ impl Search<'_> {
             .as_ref()
             .map(|given| Field::new(problem, given, chosen));
         let field = as_given.as_ref().unwrap_or(&as_fitted);
-        let (few, scans): (Vec<_>, Vec<_>) = self
-            .tried(field.known, hints)
-            .into_iter()
-            .partition(|candidate| candidate.starts.len() <= MOST_STARTS_FITTED);
+        let (few, scans): (Vec<_>, Vec<_>) =
+            self.tried(field.known, hints)
+                .into_iter()
+                .partition(|candidate| {
+                    candidate.starts.len() <= MOST_STARTS_FITTED && !bounces(candidate.kind.name)
+                });
         let mut rivals = self.fitted_on(known, chosen, &few, |candidate| {
             // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
             if is_local(candidate.kind.name) {

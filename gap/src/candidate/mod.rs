@@ -254,6 +254,29 @@ fn ripples(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     RIPPLES.into_iter().filter_map(start).collect()
 }
 
+/// Time constants with which a friction settles, over the duration.
+const SETTLINGS: [f64; 2] = [0.15, 0.5];
+
+/// Starts of a friction that settles as something warms up.
+fn warm_ups(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let level = e.device.mechanics.friction.level_nm[0];
+    let start = |share: f64| {
+        let settling_s = share * e.scales.duration_s;
+        let found = regress(e, |m| {
+            let friction = -level * m.velocity.signum();
+            [friction * -(-m.session_s / settling_s).exp_m1(), friction]
+        });
+        let [all, more] = found?;
+        let free = vec![
+            linear(0, all / settling_s, 0.5 / settling_s),
+            log(1, (1.0 + more).max(0.1)),
+            log(2, settling_s),
+        ];
+        Some(term(kind, free, &[]))
+    };
+    SETTLINGS.into_iter().filter_map(start).collect()
+}
+
 /// Starts spread over the sizes that the recording could show.
 fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -344,9 +367,13 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             })
             .collect(),
         "load_dependent_friction" => each(&[0.05, 0.2], &|f| vec![log(0, f)]),
-        "friction_drift" if level > 0.0 => each(&[0.3, -0.3], &|f| {
-            vec![linear(0, f / s.duration_s, 0.5 / s.duration_s), log(1, 1.0)]
-        }),
+        "friction_drift" if level > 0.0 => {
+            let lasting = [0.3, -0.3].map(|f| {
+                let free = vec![linear(0, f / s.duration_s, 0.5 / s.duration_s), log(1, 1.0)];
+                term(kind, free, &[])
+            });
+            warm_ups(kind, e).into_iter().chain(lasting).collect()
+        }
         "inertia" => one(vec![log(0, m.inertia)]),
         "gravity" => one(vec![
             linear(0, m.gravity, 0.1 * s.torque),

@@ -2,13 +2,14 @@
 
 use super::LEAST_LEVEL;
 use super::{Channel, Kind, Parameter, Quantity};
+use crate::plant::Drift;
 
-/// `F = F_c (l + d t) sign(v)`.
+/// `F = F_c (l + d t) sign(v)`, or with τ (1 − e^(−t/τ)) in the place of t.
 pub const KIND: Kind = Kind {
     name: "friction_drift",
     channel: Channel::Friction,
     about: "Dry friction that changes over the session",
-    equation: "F = F_c (l + d t) sign(v)",
+    equation: "F = F_c (l + d τ (1 − exp(−t/τ))) sign(v), without τ F_c (l + d t) sign(v)",
     parameters: &[
         Parameter {
             name: "rate",
@@ -24,10 +25,20 @@ pub const KIND: Kind = Kind {
             typical: [0.5, 2.0],
             about: "at the start, over the model's",
         },
+        Parameter {
+            name: "settling",
+            quantity: Quantity::Time,
+            default: 0.0,
+            typical: [0.0, 20.0],
+            about: "time constant with which it settles; 0 if it does not",
+        },
     ],
     install: |device, p| {
         let level = p[1].max(LEAST_LEVEL);
         device.mechanics.friction.scale(level);
-        device.mechanics.friction.drift_per_s = p[0] / level;
+        device.mechanics.friction.drift = Some(Drift {
+            rate_per_s: p[0] / level,
+            settling_s: Some(p[2]).filter(|settling_s| *settling_s > 0.0),
+        });
     },
 };

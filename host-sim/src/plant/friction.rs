@@ -27,8 +27,28 @@ pub struct Friction {
     pub position_centre: f64,
     /// Share of the driving torque that is added to the level.
     pub load_share: f64,
-    /// Relative growth per second: `d = max(0, 1 + drift t)`.
-    pub drift_per_s: f64,
+    /// Dependence on time, if any: `d = max(0, 1 + growth(t))`.
+    pub drift: Option<Drift>,
+}
+
+/// Growth of a level as something warms up: `r τ (1 − e^(−t/τ))`, or `r t` where it never settles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drift {
+    /// Relative, at the start, 1/s.
+    pub rate_per_s: f64,
+    /// Time constant with which it settles, s.
+    pub settling_s: Option<f64>,
+}
+
+impl Drift {
+    #[inline]
+    fn growth(&self, t_s: f64) -> f64 {
+        let since_s = match self.settling_s {
+            Some(settling_s) => -settling_s * (-t_s / settling_s).exp_m1(),
+            None => t_s,
+        };
+        self.rate_per_s * since_s
+    }
 }
 
 /// Stribeck velocities beyond which the curve is flat to 1e-4.
@@ -50,7 +70,7 @@ impl Friction {
             position_ripple: Ripple::NONE,
             position_centre: 0.0,
             load_share: 0.0,
-            drift_per_s: 0.0,
+            drift: None,
         }
     }
 
@@ -71,7 +91,7 @@ impl Friction {
             && self.position_curve == 0.0
             && self.position_ripple.is_none()
             && self.load_share == 0.0
-            && self.drift_per_s == 0.0
+            && self.drift.is_none()
     }
 
     /// Sliding level against motion in `direction` (±1), N m.
@@ -128,7 +148,7 @@ impl Friction {
         if !self.position_ripple.is_none() {
             p += self.position_ripple.at(x);
         }
-        let d = 1.0 + self.drift_per_s * t_s;
+        let d = 1.0 + self.drift.map_or(0.0, |drift| drift.growth(t_s));
         self.level_nm[usize::from(direction < 0.0)] * p.max(0.0) * d.max(0.0)
     }
 }

@@ -24,7 +24,7 @@ use pendulum::Pendulum;
 
 pub use barrier::{Barrier, Touch};
 pub use cogging::Cogging;
-pub use friction::Friction;
+pub use friction::{Drift, Friction};
 pub use link::Link;
 pub use presliding::Presliding;
 pub use torque::Torque;
@@ -243,7 +243,7 @@ impl Plant {
                 && !passing_barriers
                 && mechanics.link.is_none()
                 && mechanics.presliding.is_none()
-                && mechanics.friction.drift_per_s == 0.0,
+                && mechanics.friction.drift.is_none(),
             inverse_inertia: match &mechanics.link {
                 Some(link) => [
                     1.0 / (mechanics.inertia * (1.0 - link.load_share)),

@@ -186,14 +186,15 @@ impl Predictor {
         }
         let mechanics = &self.device.mechanics;
         // Where a play stands is known once it has been crossed.
+        // So is how far a sensor lags once the device has been followed for a while.
         let plays = mechanics.link.is_some_and(|link| link.play > 0.0);
-        if plays || self.device.sensing.hysteresis > 0.0 {
+        let sensing = &self.device.sensing;
+        if plays || sensing.hysteresis > 0.0 || sensing.lag_s > 0.0 {
             return MOST_LEAD;
         }
-        let ringing_s = mechanics
+        let memory_s = mechanics
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
-        let memory_s = ringing_s.max(self.device.sensing.lag_s);
         let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
             return 0;
         };

@@ -154,17 +154,17 @@ impl Friction {
             level.backward
         } / bristle.stiffness;
         let z = memory.deflection;
-        let sliding = if z * v <= 0.0 || slip <= 0.0 {
+        let sliding = if slip <= 0.0 {
+            0.0
+        } else if bristle.elastic_share == 0.0 {
+            1.0
+        } else if z * v <= 0.0 {
             0.0
         } else {
             let bent = (z / slip).abs();
             let share =
                 ((bent - bristle.elastic_share) / (1.0 - bristle.elastic_share)).clamp(0.0, 1.0);
-            if bristle.elastic_share > 0.0 {
-                0.5 + 0.5 * (std::f64::consts::PI * (share - 0.5)).sin()
-            } else {
-                1.0
-            }
+            0.5 + 0.5 * (std::f64::consts::PI * (share - 0.5)).sin()
         };
         // Exact for constant velocity, so that any speed is stable.
         memory.deflection = if sliding > 0.0 {

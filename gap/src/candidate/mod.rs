@@ -277,6 +277,15 @@ fn warm_ups(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     SETTLINGS.into_iter().filter_map(start).collect()
 }
 
+/// Square and cube by which a sensor's curve departs at the ends of the motion, over half of its span.
+const BENDS: [[f64; 2]; 5] = [
+    [0.0, 0.0],
+    [0.2, 0.0],
+    [-0.2, 0.0],
+    [0.0, 0.3],
+    [0.0, -0.15],
+];
+
 /// Starts spread over the sizes that the recording could show.
 fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -465,14 +474,15 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let reach = s.position[0].abs().max(s.position[1].abs());
             let middle = 0.5 * (s.position[0] + s.position[1]);
             // A curve that is right at zero, or in the middle of what is passed.
-            let bent = [0.0, middle].map(|middle| {
+            let bent = |middle: f64, reach: f64, [square, cube]: [f64; 2]| {
                 let free = vec![
-                    linear(0, 0.0, 0.1 / reach),
-                    linear(1, 0.0, 0.1 / (reach * reach)),
+                    linear(0, square / reach, 0.2 / reach),
+                    linear(1, cube / (reach * reach), 0.2 / (reach * reach)),
                 ];
                 term(kind, free, &[(6, middle)])
-            });
-            let mut all = bent.to_vec();
+            };
+            let mut all = vec![bent(0.0, reach, [0.0, 0.0])];
+            all.extend(BENDS.map(|bend| bent(middle, 0.5 * s.span(), bend)));
             // An eccentric disk or poles show as a ripple, of which one period or a few are passed.
             for turns in [0.5, 1.0, 2.0] {
                 let wave_number = turns * TAU / s.span();

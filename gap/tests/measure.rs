@@ -1,7 +1,9 @@
 //! A perfect model's gap is the floor; a wrong one's is above it.
 
 use host_sim::device::Device;
+use host_sim::effects::Effect;
 use host_sim::plant::{Link, Plant, Torque};
+use host_sim::sensing::Reading;
 use recording::{Drive, Model, Recording, Run, Sensor};
 
 /// Deterministic, near-normal noise of unit variance: the sum of twelve uniform numbers.
@@ -38,12 +40,14 @@ fn recording(model: &Model, nominal: Model, noise: f64, resolution: f64, seed: u
 fn recorded(device: &Device, nominal: Model, noise: f64, resolution: f64, seed: u64) -> Recording {
     let plant = Plant::new(device.mechanics.clone());
     let mut state = plant.state(0.0, 0.05, 0.0);
+    let mut reading = Reading::at_rest(&device.sensing, 0.05);
     let mut random = Noise(seed);
     let (mut time, mut input, mut position) = (vec![], vec![], vec![]);
     for i in 0..12_000 {
         let t = f64::from(i) * 5e-4;
         let u = 0.0015 * (11.0 * t).sin() + 0.0012 * (4.3 * t).cos();
-        let seen = plant.seen(&state).0 + noise * random.next();
+        let shown = reading.follow(&device.sensing, plant.seen(&state).0, 5e-4);
+        let seen = shown + noise * random.next();
         time.push(t);
         input.push(u);
         position.push(if resolution > 0.0 {
@@ -82,6 +86,24 @@ fn a_perfect_model_is_at_the_floor() {
             (0.6..1.25).contains(&ratio),
             "noise {noise}, quantum {resolution}: {ratio}"
         );
+    }
+}
+
+#[test]
+fn what_a_sensor_hides_is_carried_over_the_restarts() {
+    for effect in ["sensor_lag:time=0.03", "sensor_hysteresis:width=0.03"] {
+        let mut device = Device::nominal(&paddle());
+        effect.parse::<Effect>().unwrap().install(&mut device);
+        for seed in 0..4 {
+            let recording = recorded(&device, paddle(), 1e-4, 0.0, seed);
+            let (blind, _) = gap::measure(&recording, &Device::nominal(&paddle()));
+            let (gap, _) = gap::measure(&recording, &device);
+            let excess = (gap.before.powi(2) - gap.floor.powi(2)).max(0.0).sqrt();
+            assert!(
+                excess < 0.05 * blind.before,
+                "{effect}, {seed}: {gap:?}, {blind:?}"
+            );
+        }
     }
 }
 

@@ -64,14 +64,11 @@ pub(super) fn as_stops(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     stops.collect()
 }
 
-/// Where stops are that a motion between `extremes` did not show: those of the nominal model, or none.
-pub(crate) fn untouched(travel: Option<[f64; 2]>, [low, high]: [f64; 2]) -> [f64; 2] {
+/// Where stops are that a motion between `extremes` did not show: those of the nominal model, or out of reach.
+pub(crate) fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
+    let [low, high] = extremes;
     let away = OUT_OF_REACH * (high - low);
-    let [lower, upper] = travel.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-    [
-        if lower < low { lower } else { low }.max(low - away),
-        if upper > high { upper } else { high }.min(high + away),
-    ]
+    travel.unwrap_or([low - away, high + away])
 }
 
 /// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
@@ -182,4 +179,30 @@ fn stretches(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
     let inside = inside.filter(|w| windows.contains(w) && windows.len() > 1);
     let alone = inside.map(|w| (index, w..w + 1));
     core::iter::once((index, windows)).chain(alone).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use host_sim::effects;
+
+    #[test]
+    fn the_other_stop_is_left_where_the_model_has_it() {
+        let kind = effects::kind("end_stop").unwrap();
+        let free = vec![linear(0, -0.2, 0.1), linear(1, 0.3, 0.1), log(2, 20.0)];
+        let both = term(kind, free, &[]);
+        let places = |travel| {
+            let singles = one_sided(&both, &[0.5, 0.0, 0.1], untouched(travel, [-0.2, 0.3]));
+            let hundredths = |place: &f64| (100.0 * place).round();
+            let places = singles
+                .iter()
+                .map(|(term, x)| term.at(x)[..2].iter().map(hundredths).collect::<Vec<_>>());
+            places.collect::<Vec<_>>()
+        };
+        assert_eq!(
+            places(Some([-0.6, 0.6])),
+            [vec![-60.0, 30.0], vec![-15.0, 60.0]]
+        );
+        assert_eq!(places(None)[0], [-520.0, 30.0]);
+    }
 }

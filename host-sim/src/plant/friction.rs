@@ -152,3 +152,26 @@ impl Friction {
         self.level_nm[usize::from(direction < 0.0)] * p.max(0.0) * d.max(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_that_drifts_grows_on_or_settles() {
+        let level = |settling_s, t_s| {
+            let drift = Some(Drift {
+                rate_per_s: 0.1,
+                settling_s,
+            });
+            let friction = Friction {
+                drift,
+                ..Friction::coulomb(2.0)
+            };
+            friction.holding(1.0, 0.0, t_s, 0.0)
+        };
+        assert!((level(None, 30.0) - 8.0).abs() < 1e-12);
+        assert!((level(Some(10.0), 10.0) - 2.0 * (2.0 - (-1.0f64).exp())).abs() < 1e-12);
+        assert!((level(Some(10.0), 1e3) - 4.0).abs() < 1e-12);
+    }
+}

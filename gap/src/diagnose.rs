@@ -88,6 +88,7 @@ const COMPARED: f64 = 0.97;
 const SURE_IN_PART: f64 = 0.85;
 /// What an effect rests on.
 const PREDICTION: &str = "prediction";
+const SENSOR_COMPARISON: &str = "sensor_comparison";
 /// Share of the gap that a further effect must close, or of what those before it leave.
 const LEAST_SHRINK: f64 = 0.05;
 const LEAST_SHRINK_OF_REST: f64 = 0.5;
@@ -341,7 +342,7 @@ fn findings(
 /// Rests an effect on the comparison of two columns, from which it was `given` or that it was found to agree with.
 fn compared(finding: &mut Finding, like: &Match, given: bool) {
     let [shrink, low, high] = like.shrink;
-    finding.basis = "sensor_comparison";
+    finding.basis = SENSOR_COMPARISON;
     finding.shrink = shrink;
     finding.shrink_interval = [low, high];
     if given {

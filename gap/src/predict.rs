@@ -43,8 +43,6 @@ struct Running {
     line: DriveLine,
     state: State,
     reading: Reading,
-    /// True if this goes on from the last window.
-    follows: bool,
     filtered: f64,
     now_s: f64,
     next_input: usize,
@@ -94,7 +92,6 @@ impl Predictor {
             line: DriveLine::at_rest(&self.device.drive),
             state: self.plant.state(start_s + series.session_offset_s, x, 0.0),
             reading: Reading::at_rest(&self.device.sensing, x),
-            follows: true,
             filtered: first.restart.value,
             now_s: start_s,
             next_input: 0,
@@ -108,15 +105,15 @@ impl Predictor {
                 continue;
             }
             let restart_s = window.restart.time_s;
-            running.follows = remembers && (index == 0 || taken[index - 1]);
-            if running.follows {
+            let follows = remembers && (index == 0 || taken[index - 1]);
+            if follows {
                 let dt_s = restart_s - running.now_s;
                 self.follow_to(&mut running, series, restart_s);
                 self.read(&mut running, dt_s, 0.0, false);
             } else {
                 self.skip_to(&mut running, series, restart_s);
             }
-            self.restart(&mut running, series, window, shift);
+            self.restart(&mut running, series, window, shift, follows);
             for i in window.samples.clone() {
                 let before_s = running.now_s;
                 self.follow_to(&mut running, series, series.time[i]);
@@ -262,8 +259,16 @@ impl Predictor {
         }
     }
 
-    /// Puts the device where the sensor shows it; what the sensor does not show goes on as it was.
-    fn restart(&self, running: &mut Running, series: &Series, window: &Window, shift: Shift) {
+    /// Puts the device where the sensor shows it; what the sensor does not show goes on as it was if this follows the
+    /// last window.
+    fn restart(
+        &self,
+        running: &mut Running,
+        series: &Series,
+        window: &Window,
+        shift: Shift,
+        follows: bool,
+    ) {
         let fit = &window.restart;
         let sd = |i: usize| window.restart.covariance[i][i].sqrt() * window.restart_noise;
         let value = fit.value + shift[0] * sd(0);
@@ -278,7 +283,11 @@ impl Predictor {
         let logged_s = self.logged_lag_s(period_s.max(f64::MIN_POSITIVE));
         // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
         let lagged = value + logged_s * slope - sensing.jumped(session_s);
-        let [lag, lag_rate] = self.sensor_lag(running);
+        let [lag, lag_rate] = if follows {
+            self.sensor_lag(running)
+        } else {
+            [0.0; 2]
+        };
         let behind = lagged + lag;
         let rate = slope + logged_s * fit.curvature + lag_rate;
         running.filtered = value;
@@ -286,7 +295,7 @@ impl Predictor {
         let half = 0.5 * sensing.hysteresis;
         let (seen, seen_rate) = self.plant.seen(&running.state);
         // Where in the play the position stands cannot be seen; what moves takes it along.
-        let inside = if running.follows {
+        let inside = if follows {
             (sensing.curve(seen) - running.reading.middle).clamp(-half, half)
         } else {
             half.copysign(rate)
@@ -305,7 +314,7 @@ impl Predictor {
     /// How far the sensor lags, and how fast that grows.
     fn sensor_lag(&self, running: &Running) -> [f64; 2] {
         let sensing = &self.device.sensing;
-        if sensing.lag_s <= 0.0 || !running.follows {
+        if sensing.lag_s <= 0.0 {
             return [0.0; 2];
         }
         let (x, v) = self.plant.seen(&running.state);

@@ -377,11 +377,11 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             .collect(),
         "load_dependent_friction" => each(&[0.05, 0.2], &|f| vec![log(0, f)]),
         "friction_drift" if level > 0.0 => {
-            let lasting = [0.3, -0.3].map(|f| {
-                let free = vec![linear(0, f / s.duration_s, 0.5 / s.duration_s), log(1, 1.0)];
-                term(kind, free, &[])
-            });
-            warm_ups(kind, e).into_iter().chain(lasting).collect()
+            let mut all = warm_ups(kind, e);
+            all.extend(each(&[0.3, -0.3], &|f| {
+                vec![linear(0, f / s.duration_s, 0.5 / s.duration_s), log(1, 1.0)]
+            }));
+            all
         }
         "inertia" => one(vec![log(0, m.inertia)]),
         "gravity" => one(vec![

@@ -102,10 +102,7 @@ fn largest_input(problem: &Problem<'_>) -> f64 {
 /// From rest at the middle of what was recorded, or where a spring or gravity holds it.
 fn setting(problem: &Problem<'_>) -> Setting {
     let model = &problem.recording.model;
-    let positions = problem.series.iter().flat_map(|s| &s.position);
-    let [low, high] = positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| {
-        [a.min(*x), b.max(*x)]
-    });
+    let [low, high] = problem.extremes();
     let rest = if model.stiffness > 0.0 {
         model.stiffness_zero
     } else if model.gravity > 0.0 {

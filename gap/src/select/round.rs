@@ -146,11 +146,9 @@ impl Search<'_> {
             .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
     }
 
-    /// Two stops, or one of them where the other gains next to nothing: beyond the motion any place would do.
-    fn one_stop(&self, known: &Fit, both: &Fit) -> Fit {
-        let Some((stops, others)) = both.hypothesis.terms.split_last() else {
-            return both.clone();
-        };
+    /// One of two stops where the other gains next to nothing: beyond the motion any place would do.
+    fn one_stop(&self, known: &Fit, both: &Fit) -> Option<Fit> {
+        let (stops, others) = both.hypothesis.terms.split_last()?;
         let (before, own) = both.x.split_at(both.x.len() - stops.free.len());
         let travel = self.problem.recording.model.travel;
         let untouched = untouched(travel, self.problem.extremes());
@@ -165,7 +163,6 @@ impl Search<'_> {
         let enough = enough(known, both);
         let fits = fits.filter(|fit| level(fit) <= enough);
         fits.min_by(|a, b| level(a).total_cmp(&level(b)))
-            .unwrap_or_else(|| both.clone())
     }
 
     /// The most promising ones, fitted to all windows.
@@ -237,8 +234,10 @@ impl Search<'_> {
             (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
         }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
-        if *name == "end_stop" {
-            *winner = self.one_stop(known, winner);
+        if *name == "end_stop"
+            && let Some(single) = self.one_stop(known, winner)
+        {
+            *winner = single;
         }
         let (significance, earned) =
             earns_its_place(self.problem, &self.perfect, known, &rivals[0]);

@@ -88,7 +88,7 @@ impl<'a> Field<'a> {
             low.extend(lowest(starts, |start| soon.cost(start)));
         }
         let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
-        first(around.par_iter().map(|s| (self.cost(s), s)).collect())
+        self.near(&around)
     }
 
     /// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
@@ -161,7 +161,7 @@ impl Search<'_> {
     }
 
     /// True if one of the rivals leaves no more than a perfect model does.
-    pub(super) fn suffices(&self, rivals: &[Rival]) -> bool {
+    fn suffices(&self, rivals: &[Rival]) -> bool {
         let enough = self.perfect.level + QUIET_EXCESS;
         rivals.iter().any(|rival| level(&rival.fit) <= enough)
     }

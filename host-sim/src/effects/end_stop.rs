@@ -28,7 +28,7 @@ pub const KIND: Kind = Kind {
             quantity: Quantity::Stiffness,
             default: 20.0,
             typical: [1.0, 100.0],
-            about: "of both",
+            about: "of both; a stop where the model has one already stays that one",
         },
         Parameter {
             name: "damping",

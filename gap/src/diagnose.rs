@@ -72,6 +72,9 @@ impl CorrectedModel {
     }
 }
 
+/// Why a gap beyond its floor may be none.
+const HIDDEN: &str = "this gap is no finding: restarts that fall on kinks of the motion, or inputs that the log averages, \
+     leave a right model as much; log every period of the loop to see more";
 /// Largest share of the excess that may be left for a gap to count as explained.
 const EXPLAINED: f64 = 0.15;
 /// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
@@ -174,7 +177,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
     let verdict = if selection.rounds.is_empty() {
-        if selection.is_quiet() || is_within_floor(&problem, &selection.null) {
+        if selection.quiet || is_within_floor(&problem, &selection.null) {
             Verdict::NoGap
         } else {
             Verdict::Unexplained
@@ -204,7 +207,9 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         .iter()
         .filter_map(|c| c.line(&recording.units.position));
     let oddities = recording.oddities.iter().map(ToString::to_string);
-    let warnings = oddities.chain(disagreement).collect();
+    let unseen = verdict == Verdict::NoGap && after.before > QUIET_GAP * after.floor;
+    let unseen = unseen.then(|| HIDDEN.to_owned());
+    let warnings = oddities.chain(disagreement).chain(unseen).collect();
     let diagnosis = Diagnosis {
         format: 1,
         verdict,

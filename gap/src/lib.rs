@@ -28,6 +28,7 @@ pub mod diagnosis;
 mod experiment;
 mod fit;
 mod hypothesis;
+mod intersample;
 mod locate;
 mod measure;
 pub mod model_file;

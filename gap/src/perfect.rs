@@ -12,11 +12,11 @@ use recording::{Recording, Run};
 pub(crate) const WHITE: f64 = core::f64::consts::LN_2;
 /// Rows that suffice.
 const MOST_ROWS: usize = 60_000;
-/// Most that restarts at kinks may add where nothing says that the model stands in for the device.
+/// Most that restarts and inputs may add where nothing says that the model stands in for the device.
 const MOST_ADDED: f64 = 0.5;
 const SEED: u64 = 0x6861_7074_6963;
 
-/// What noise, quantising and restarts that fall on a kink leave of a model that is right.
+/// What noise, quantising, restarts that fall on a kink and inputs that are means leave of a model that is right.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Perfect {
     /// Mean robust cost of a window, [`WHITE`] at least.
@@ -95,6 +95,9 @@ fn imagined(recording: &Recording, predictor: &Predictor) -> Recording {
     let sensor = recording.sensor("position");
     let mut noise = Noise::new(SEED);
     for mut series in series::full(&own, 2.0 * recording.horizon) {
+        if let Some(pid) = &recording.runs[series.run].controller {
+            series.resample_inputs(pid, typical_noise(&series));
+        }
         begin_at_rest(&mut series, predictor);
         // What is seen as noise has the quantising in it.
         let quantising = sensor.resolution.powi(2) / 12.0;

@@ -66,7 +66,7 @@ fn open(selection: &Selection) -> Option<Vec<&Rival>> {
     if let Some(all) = tied.next() {
         return Some(all);
     }
-    let unexplained = selection.rounds.is_empty() && !selection.is_quiet();
+    let unexplained = selection.rounds.is_empty() && !selection.quiet;
     let best = selection.last.as_ref()?.rivals.get(..2)?;
     unexplained.then(|| best.iter().collect())
 }
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    fn next(rounds: Vec<Round>, last: Option<Round>, null_cost: f64) -> Option<NextExperiment> {
+    fn next(rounds: Vec<Round>, last: Option<Round>, quiet: bool) -> Option<NextExperiment> {
         let recording = recording();
         let problem = Problem {
             recording: &recording,
@@ -220,13 +220,14 @@ mod tests {
             nudges: Vec::new(),
             quarter: None,
         };
-        let null = fit(None, null_cost);
+        let null = fit(None, 9.0);
         let perfect = Perfect {
             level: WHITE,
             error: 0.0,
             worst: 0.0,
         };
         let selection = Selection {
+            quiet,
             given: false,
             null,
             perfect,
@@ -241,7 +242,7 @@ mod tests {
 
     #[test]
     fn tied_rivals_are_separated_within_what_was_given() {
-        let next = next(vec![round(&[(STATIC, 1.0), (ELASTIC, 1.0)])], None, 9.0).unwrap();
+        let next = next(vec![round(&[(STATIC, 1.0), (ELASTIC, 1.0)])], None, false).unwrap();
         assert_eq!(next.separates, ["stribeck", "presliding"]);
         assert!(next.difference_over_noise > 1.0, "{next:?}");
         assert!(next.settings["amplitude"] <= LARGEST_INPUT, "{next:?}");
@@ -250,11 +251,11 @@ mod tests {
     #[test]
     fn nothing_open_needs_no_experiment() {
         assert_eq!(
-            next(vec![round(&[(STATIC, 1.0), (ELASTIC, 5.0)])], None, 9.0),
+            next(vec![round(&[(STATIC, 1.0), (ELASTIC, 5.0)])], None, false),
             None
         );
         assert_eq!(
-            next(vec![], Some(round(&[(STATIC, 1.0), (ELASTIC, 1.0)])), 1.0),
+            next(vec![], Some(round(&[(STATIC, 1.0), (ELASTIC, 1.0)])), true),
             None
         );
     }
@@ -262,7 +263,7 @@ mod tests {
     #[test]
     fn an_unexplained_gap_asks_between_the_two_best() {
         let last = round(&[(STATIC, 5.0), (ELASTIC, 6.0), ("viscous", 7.0)]);
-        let next = next(vec![], Some(last), 9.0).unwrap();
+        let next = next(vec![], Some(last), false).unwrap();
         assert_eq!(next.separates, ["stribeck", "presliding"]);
     }
 }

@@ -57,9 +57,11 @@ pub(crate) struct Given<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
     pub null: Fit,
+    /// True if the null leaves no more than it would if it were right: nothing is missing that could be seen.
+    pub quiet: bool,
     /// True if the first round was given.
     pub given: bool,
-    /// What the null would cost if it were right.
+    /// What the null would cost if it were right, as far as it can stand in for the device.
     pub perfect: Perfect,
     pub rounds: Vec<Round>,
     /// The round that found nothing more.
@@ -102,11 +104,6 @@ impl Selection {
         let perfect = if bounces { perfect } else { perfect.bounded() };
         is_quiet(fit, &perfect)
     }
-
-    /// True if the numbers of the nominal model, within their tolerances, leave nothing to be found.
-    pub(crate) fn is_quiet(&self) -> bool {
-        is_quiet(&self.null, &self.perfect)
-    }
 }
 
 /// True if a fit leaves no more than a perfect model may, in the mean and in the worst window, and the model's own
@@ -132,14 +129,16 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let bare = Hypothesis { terms: Vec::new() };
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
     let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
+    let perfect = Perfect::of(problem, &null);
     let mut selection = Selection {
-        perfect: Perfect::of(problem, &null).bounded(),
+        quiet: is_quiet(&null, &perfect),
+        perfect: perfect.bounded(),
         null,
         given: false,
         rounds: Vec::new(),
         last: None,
     };
-    if !given.is_gap {
+    if !given.is_gap || selection.quiet {
         return selection;
     }
     let search = Search {
@@ -149,7 +148,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         perfect: selection.perfect,
     };
     let certain = given.measured.as_ref();
-    let certain = certain.filter(|_| given.certain && !selection.is_quiet());
+    let certain = certain.filter(|_| given.certain);
     let first = match certain {
         Some(term) => Some(search.given(&selection.null, term)),
         None => search.round(&selection.null, &[]),
@@ -163,8 +162,8 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let settled = alone || enough || selection.given;
-    let pair = (promising && !settled && !selection.is_quiet())
-        .then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
+    let pair =
+        (promising && !settled).then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
     match pair.flatten() {
         Some(pair) => {
             selection.rounds.extend(pair);

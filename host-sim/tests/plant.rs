@@ -204,6 +204,7 @@ fn bristles_bent_to_their_limit_let_go_of_a_restart_at_rest() {
         distance: 1e-3,
         damping: 0.01,
         exponent: 1.0,
+        elastic: 0.0,
     };
     let plant = Plant::new(Mechanics {
         presliding: Some(bristles),

@@ -363,16 +363,16 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "quadratic_drag" => one(vec![linear(0, 0.0, 0.1 * s.torque / s.velocity.powi(2))]),
         "presliding" if level > 0.0 => [0.003, 0.015, 0.06]
             .iter()
-            .map(|f| {
+            .flat_map(|f| {
                 // Bristles that ring faster than samples follow are stick.
                 let stiffest = m.inertia * (RESOLVED_RATE / s.period_s.max(FINE_PERIOD_S)).powi(2);
                 let distance = (f * s.span()).max(level / stiffest);
                 let damping = damped(level / distance, m.inertia) * 3.0;
-                term(
-                    kind,
-                    vec![log(0, distance), log(1, damping), log(2, 0.7)],
-                    &[],
-                )
+                let bristles = |last| vec![log(0, distance), log(1, damping), last];
+                [
+                    term(kind, bristles(log(2, 0.7)), &[]),
+                    term(kind, bristles(linear(3, 0.4, 0.2)), &[]),
+                ]
             })
             .collect(),
         "load_dependent_friction" => each(&[0.05, 0.2], &|f| vec![log(0, f)]),

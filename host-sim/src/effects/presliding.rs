@@ -6,7 +6,10 @@ use crate::plant::Presliding;
 /// Below, a solver would see a corner; above, bristles would hardly slide.
 const EXPONENTS: [f64; 2] = [0.05, 4.0];
 
-/// `z' = v (1 − z sgn v / z_s)^n, F = F_c z / z_s + σ z'`.
+/// Bristles that are elastic up to where they slide would be a spring.
+const MOST_ELASTIC: f64 = 0.95;
+
+/// `z' = v (1 − z sgn v / z_s)^n, F = F_c z / z_s + σ z'`, purely elastic up to a share of `z_s` and on the way back.
 pub const KIND: Kind = Kind {
     name: "presliding",
     channel: Channel::Friction,
@@ -34,12 +37,20 @@ pub const KIND: Kind = Kind {
             typical: [0.1, 1.5],
             about: "n, 1 for the LuGre model, less for bristles that slide more suddenly",
         },
+        Parameter {
+            name: "elastic",
+            quantity: Quantity::Ratio,
+            default: 0.0,
+            typical: [0.2, 0.8],
+            about: "share of the distance below which nothing slides",
+        },
     ],
     install: |device, p| {
         device.mechanics.presliding = Some(Presliding {
             distance: p[0].abs().max(f64::MIN_POSITIVE),
             damping: p[1].max(0.0),
             exponent: p[2].clamp(EXPONENTS[0], EXPONENTS[1]),
+            elastic: p[3].clamp(0.0, MOST_ELASTIC),
         });
     },
 };

@@ -5,7 +5,10 @@
 ///
 /// `z' = v (1 − z sgn v / z_s)ⁿ`, `F = (z / z_s) F_sliding + σ₁ z'`.
 ///
-/// With n = 1 it is the LuGre model; towards 0 the bristles are elastic until they slide at once.
+/// With n = 1 it is the LuGre model; towards 0 the bristles slide more suddenly. With an elastic share e above 0 they are
+/// purely elastic up to e z_s and on their way back (Dupont, Hayward, Armstrong and Altpeter, IEEE TAC 47, 2002):
+///
+/// `z' = v (1 − s)ⁿ`, `s = max(0, (z sgn v / z_s − e) / (1 − e))`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Presliding {
     /// Deflection `z_s` at which the bristles slide, rad.
@@ -14,6 +17,8 @@ pub struct Presliding {
     pub damping: f64,
     /// Dahl's exponent n.
     pub exponent: f64,
+    /// Share e of `z_s` up to which they are purely elastic, below 1; with 0 they are on no part of their way.
+    pub elastic: f64,
 }
 
 /// Share of its sliding deflection at which a bristle counts as sliding.
@@ -25,7 +30,12 @@ impl Presliding {
     /// Rate of the deflection, rad/s.
     #[inline]
     pub(super) fn rate(&self, velocity: f64, deflection: f64) -> f64 {
-        let left = 1.0 - deflection * velocity.signum() / self.distance;
+        let bent = deflection * velocity.signum() / self.distance;
+        let left = if self.elastic > 0.0 {
+            (1.0 - bent).min(1.0 - self.elastic) / (1.0 - self.elastic)
+        } else {
+            1.0 - bent
+        };
         if self.exponent == 1.0 {
             velocity * left
         } else if left < LAST {
@@ -64,6 +74,7 @@ mod tests {
                 distance,
                 damping: 0.0,
                 exponent,
+                elastic: 0.0,
             };
             let (steps, velocity) = (80_000, -0.3);
             let dt = 0.8 * distance / 0.3 / f64::from(steps);
@@ -73,11 +84,26 @@ mod tests {
     }
 
     #[test]
+    fn springs_back_where_it_is_elastic() {
+        let bristles = Presliding {
+            distance: 0.01,
+            damping: 0.0,
+            exponent: 1.0,
+            elastic: 0.4,
+        };
+        // All of the way below its share and back, half of it halfway between there and where it slides.
+        assert_eq!(bristles.rate(2.0, 0.0039), 2.0);
+        assert_eq!(bristles.rate(-2.0, 0.0099), -2.0);
+        assert!((bristles.rate(2.0, 0.007) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn never_bends_beyond_where_it_slides() {
         let bristles = Presliding {
             distance: 0.01,
             damping: 0.0,
             exponent: 0.1,
+            elastic: 0.0,
         };
         let z = (0..40_000).fold(0.0, |z, _| z + 1e-6 * bristles.rate(0.5, z));
         assert!(z > 0.97 * 0.01 && z < 1.01 * 0.01, "{z}");

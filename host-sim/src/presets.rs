@@ -3,7 +3,7 @@
 use crate::closed_loop::{LoopSetup, Rates};
 use crate::device::Device;
 use crate::motor::Motor;
-use crate::plant::Friction;
+use crate::plant::{Friction, Stribeck};
 use crate::sensing::Sensing;
 use haptic_paddle::settings::Settings;
 use recording::Model;
@@ -35,8 +35,11 @@ pub fn refit() -> Device {
     let mut device = Device::nominal(&model);
     device.mechanics.friction = Friction {
         level_nm: [RATIO * 0.585e-3, RATIO * 0.375e-3],
-        static_ratio: 1.08,
-        stribeck_velocity: 0.1,
+        stribeck: Stribeck {
+            ratio: 1.08,
+            velocity: 0.1,
+            ..Stribeck::NONE
+        },
         ..Friction::coulomb(0.0)
     };
     device

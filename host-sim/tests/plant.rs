@@ -49,8 +49,8 @@ fn sticks_without_creep_below_the_level_and_breaks_away_above() {
 #[test]
 fn the_static_level_is_settable_apart_from_the_sliding_one() {
     let mut mechanics = paddle();
-    mechanics.friction.static_ratio = 1.4;
-    mechanics.friction.stribeck_velocity = 0.1;
+    mechanics.friction.stribeck.ratio = 1.4;
+    mechanics.friction.stribeck.velocity = 0.1;
     let plant = Plant::new(mechanics);
     let mut state = plant.state(0.0, 0.0, 0.0);
     plant.advance(&mut state, Torque::held(0.0209), 0.01);
@@ -163,8 +163,8 @@ proptest! {
     ) {
         let mut mechanics = paddle();
         mechanics.friction.level_nm = [level, 0.7 * level];
-        mechanics.friction.static_ratio = ratio;
-        mechanics.friction.stribeck_velocity = 0.2;
+        mechanics.friction.stribeck.ratio = ratio;
+        mechanics.friction.stribeck.velocity = 0.2;
         mechanics.barriers[0] = Some(Barrier { at: stop, side: 1.0, stiffness, damping, during_s: None });
         mechanics.barriers[1] = Some(Barrier { at: -stop, side: -1.0, stiffness, damping, during_s: None });
         let energy = |x: f64, v: f64| {

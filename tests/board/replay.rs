@@ -294,7 +294,7 @@ impl Lender for Simulation<'_> {
 fn distance(test: &str, lines: &[&str]) -> Option<(f64, f64)> {
     // It sticks at every turning point.
     let mut device = presets::refit();
-    device.mechanics.friction.static_ratio = 1.5;
+    device.mechanics.friction.stribeck.ratio = 1.5;
     let mut setup = quiet(device);
     setup.paddle.bridge_top = Some(BRIDGE_TOP);
     let session = on_the_board(test, &setup, lines)?;

@@ -100,6 +100,9 @@ const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
 /// Stiffness of a stop over torque by span of the motion.
 const HARDNESS: [f64; 2] = [20.0, 200.0];
 
+/// How suddenly a static friction may fall with speed.
+const FALLS: [f64; 2] = [2.0, 1.0];
+
 /// Where a twisting transmission may ring, over the frequency of the motion.
 const RESONANCES: [f64; 2] = [1.0, 100.0];
 /// And the highest frequency that samples follow, over their rate.
@@ -354,9 +357,9 @@ fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "stribeck" if level > 0.0 => [(0.4, 0.03), (0.4, 0.15), (1.0, 0.4)]
             .iter()
-            .map(|(rise, v)| {
+            .flat_map(|(rise, v)| {
                 let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * s.velocity)];
-                term(kind, free, &[])
+                FALLS.map(|exponent| term(kind, free.clone(), &[(2, exponent)]))
             })
             .collect(),
         "viscous" => one(vec![linear(0, m.viscous, 0.1 * s.torque / s.velocity)]),

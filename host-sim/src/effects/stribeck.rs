@@ -1,13 +1,17 @@
 //! Static friction above the sliding level.
 
 use super::{Channel, Kind, Parameter, Quantity};
+use crate::plant::Stribeck;
 
-/// `F = F_c [1 + (r − 1) e^−(v/v_s)²] sign(v)`.
+/// Below, the level would fall infinitely fast at rest; above, all at once.
+const EXPONENTS: [f64; 2] = [1.0, 4.0];
+
+/// `F = F_c [1 + (r − 1) e^−|v/v_s|ⁿ] sign(v)`.
 pub const KIND: Kind = Kind {
     name: "stribeck",
     channel: Channel::Friction,
     about: "Static friction above the sliding level",
-    equation: "F = F_c [1 + (r − 1) e^−(v/v_s)²] sign(v)",
+    equation: "F = F_c [1 + (r − 1) e^−|v/v_s|^n] sign(v)",
     parameters: &[
         Parameter {
             name: "static_ratio",
@@ -23,9 +27,19 @@ pub const KIND: Kind = Kind {
             typical: [0.01, 2.0],
             about: "over which the level falls",
         },
+        Parameter {
+            name: "exponent",
+            quantity: Quantity::Ratio,
+            default: 2.0,
+            typical: [1.0, 2.0],
+            about: "n, how suddenly it falls, 1 or more",
+        },
     ],
     install: |device, p| {
-        device.mechanics.friction.static_ratio = p[0].max(0.0);
-        device.mechanics.friction.stribeck_velocity = p[1].abs().max(f64::MIN_POSITIVE);
+        device.mechanics.friction.stribeck = Stribeck {
+            ratio: p[0].max(0.0),
+            velocity: p[1].abs().max(f64::MIN_POSITIVE),
+            exponent: p[2].clamp(EXPONENTS[0], EXPONENTS[1]),
+        };
     },
 };

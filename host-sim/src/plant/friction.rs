@@ -1,21 +1,19 @@
 //! Dry friction: the level that opposes sliding, and the one that holds at rest.
 
+use super::stribeck::Stribeck;
 use crate::ripple::Ripple;
 
 /// Dry friction with stick and slip. The level in one direction is
 ///
-/// `F(x, v, t, T) = s · p(x) · d(t) · [1 + (r − 1) e^−(v/v_s)²] + µ |T|`
+/// `F(x, v, t, T) = s · p(x) · d(t) · [1 + (r − 1) e^−|v/v_s|ⁿ] + µ |T|`
 ///
-/// with the level `s` of the direction of motion, the Stribeck term of Armstrong-Hélouvry,
-/// Dupont and Canudas de Wit (Automatica 30, 1994), and a share µ of the driving torque.
+/// with the level `s` of the direction of motion, a [`Stribeck`] factor and a share µ of the driving torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Sliding level against positive and against negative motion, N m.
     pub level_nm: [f64; 2],
-    /// Level at rest over the sliding level, 1 or more.
-    pub static_ratio: f64,
-    /// Speed over which the level falls from static to sliding, rad/s.
-    pub stribeck_velocity: f64,
+    /// Fall from the static to the sliding level.
+    pub stribeck: Stribeck,
     /// Dependence on position: `p = max(0, 1 + slope x + curve x² + r sin(n x) + s (cos(n x) − 1))` with
     /// x from the centre.
     pub position_slope: f64,
@@ -51,20 +49,12 @@ impl Drift {
     }
 }
 
-/// Stribeck velocities beyond which the curve is flat to 1e-4.
-const FLAT_FROM: f64 = 3.0;
-/// Stribeck velocities beyond which nothing of the curve is left: exp(−36) is 2e-16.
-const GONE_FROM: f64 = 6.0;
-/// Share of the Stribeck velocity that a fourth-order step may gain: it then misses 1e-4 of the fall.
-const SLOPE_SHARE: f64 = 0.5;
-
 impl Friction {
     /// The same level in both directions, at rest and sliding.
     pub fn coulomb(level_nm: f64) -> Self {
         Self {
             level_nm: [level_nm; 2],
-            static_ratio: 1.0,
-            stribeck_velocity: 0.0,
+            stribeck: Stribeck::NONE,
             position_slope: 0.0,
             position_curve: 0.0,
             position_ripple: Ripple::NONE,
@@ -86,7 +76,7 @@ impl Friction {
 
     /// True if the level depends on the direction alone.
     pub(super) fn is_plain(&self) -> bool {
-        self.static_ratio == 1.0
+        self.stribeck.is_none()
             && self.position_slope == 0.0
             && self.position_curve == 0.0
             && self.position_ripple.is_none()
@@ -104,41 +94,15 @@ impl Friction {
         t_s: f64,
         drive_nm: f64,
     ) -> f64 {
-        // Not beyond the reach of double precision, where most of the motion is.
-        let falling = self.static_ratio != 1.0 && speed < GONE_FROM * self.stribeck_velocity;
-        let stribeck = if falling {
-            let x = speed / self.stribeck_velocity;
-            1.0 + (self.static_ratio - 1.0) * (-x * x).exp()
-        } else {
-            1.0
-        };
+        let stribeck = self.stribeck.factor(speed);
         self.scaled(direction, position, t_s) * stribeck + self.load_share * drive_nm.abs()
     }
 
     /// Level that holds against a push in `direction` (±1) at rest, N m.
     #[inline]
     pub fn holding(&self, direction: f64, position: f64, t_s: f64, drive_nm: f64) -> f64 {
-        self.scaled(direction, position, t_s) * self.static_ratio + self.load_share * drive_nm.abs()
-    }
-
-    /// The longest step of an inertia on the falling slope of the Stribeck curve, s, with `push_nm` the most that
-    /// accelerates it.
-    ///
-    /// A step must neither be long for the slope nor leap over it.
-    #[inline]
-    pub(super) fn longest_step(&self, inertia: f64, speed: f64, push_nm: f64, share: f64) -> f64 {
-        if self.static_ratio == 1.0 {
-            return f64::INFINITY;
-        }
-        let flat_from = FLAT_FROM * self.stribeck_velocity;
-        let leap = (speed - flat_from).max(SLOPE_SHARE * self.stribeck_velocity);
-        let reaching = leap * inertia / push_nm;
-        if speed > flat_from {
-            return reaching;
-        }
-        let level = self.level_nm[0].max(self.level_nm[1]);
-        let slope = (self.static_ratio - 1.0).abs() * level / self.stribeck_velocity;
-        reaching.min(share * inertia / slope)
+        self.scaled(direction, position, t_s) * self.stribeck.ratio
+            + self.load_share * drive_nm.abs()
     }
 
     #[inline]

@@ -18,6 +18,7 @@ mod pendulum;
 mod presliding;
 mod regime;
 mod runge_kutta;
+mod stribeck;
 mod torque;
 
 use pendulum::Pendulum;
@@ -27,6 +28,7 @@ pub use cogging::Cogging;
 pub use friction::{Drift, Friction};
 pub use link::Link;
 pub use presliding::Presliding;
+pub use stribeck::Stribeck;
 pub use torque::Torque;
 
 /// Most barriers that a plant can have: two stops and something outside.

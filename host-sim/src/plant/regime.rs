@@ -379,11 +379,12 @@ impl Plant {
         }
         if !self.plain {
             let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
-            let push = self.pull(state, drive_nm).abs() + level * m.friction.static_ratio;
-            longest = longest.min(m.friction.longest_step(
+            let push = self.pull(state, drive_nm).abs() + level * m.friction.stribeck.ratio;
+            longest = longest.min(m.friction.stribeck.longest_step(
                 m.inertia,
                 state.velocity.abs(),
                 push,
+                level,
                 self.pace.rate_step,
             ));
         }
@@ -391,7 +392,7 @@ impl Plant {
             let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
             let motor_inertia = m.link.map_or(1.0, |link| 1.0 - link.load_share) * m.inertia;
             // The bristles' own relaxation is slower than a step, or they count as sliding.
-            let rate = bristles.fastest_rate(motor_inertia, level * m.friction.static_ratio);
+            let rate = bristles.fastest_rate(motor_inertia, level * m.friction.stribeck.ratio);
             longest = longest.min(2.0 * self.pace.rate_step / rate);
         }
         longest

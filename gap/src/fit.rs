@@ -30,14 +30,18 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Sum of the squared moves of the model's own numbers, in standard deviations, and how many they are.
-    pub(crate) fn nudged(&self) -> (f64, f64) {
+    /// True if the model's own numbers have moved no farther than their tolerances let one expect.
+    pub(crate) fn is_likely(&self) -> bool {
         let free: usize = self.hypothesis.terms.iter().map(|t| t.free.len()).sum();
-        let z = &self.x[..self.x.len() - free];
-        (z.iter().map(|z| z * z).sum(), z.len() as f64)
+        let moves = &self.x[..self.x.len() - free];
+        let squares: f64 = moves.iter().map(|z| z * z).sum();
+        let numbers = moves.len() as f64;
+        squares <= numbers + LIKELY_ERRORS * (2.0 * numbers).sqrt()
     }
 }
 
+/// Standard deviations of a chi-square within which the moves of the model's own numbers are likely.
+const LIKELY_ERRORS: f64 = 4.0;
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
 /// kinks of stick and slip, then narrow.
 const DIFFERENCES: [f64; 2] = [0.15, 0.02];

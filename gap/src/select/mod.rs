@@ -25,8 +25,6 @@ const QUIET_EXCESS: f64 = 0.12;
 const QUIET_ERRORS: f64 = 2.0;
 /// Robust cost by which a window may exceed the worst of a perfect model.
 const QUIET_WINDOW: f64 = 3.0;
-/// Standard deviations of a chi-square within which the moves of the model's own numbers are likely.
-const LIKELY_ERRORS: f64 = 4.0;
 const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
@@ -109,11 +107,9 @@ impl Selection {
 /// True if a fit leaves no more than a perfect model may, in the mean and in the worst window, and the model's own
 /// numbers need not move farther for it than their tolerances let one expect.
 fn is_quiet(fit: &Fit, perfect: &Perfect) -> bool {
-    let (squares, numbers) = fit.nudged();
-    let likely = squares <= numbers + LIKELY_ERRORS * (2.0 * numbers).sqrt();
     let windows = 0..fit.costs.per_sample.len();
     let worst = windows.fold(0.0f64, |worst, w| worst.max(fit.costs.log(w)));
-    likely
+    fit.is_likely()
         && level(fit) - perfect.level <= QUIET_EXCESS + QUIET_ERRORS * perfect.error
         && worst - perfect.level <= perfect.worst + QUIET_WINDOW
 }

@@ -15,15 +15,19 @@ const TIE_SHARE: f64 = 0.04;
 /// Best first; among those that gain nearly as much as the best, fewer parameters first.
 pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
-    let best = level(&rivals.first()?.fit);
-    let close = enough(known, &rivals.first()?.fit);
+    let first = rivals.first()?.fit.clone();
+    let best = level(&first);
+    let close = enough(known, &first);
+    // What does with fewer numbers because it bends those of the model does not.
+    let bends = |fit: &Fit| first.is_likely() && !fit.is_likely();
     let winner = (0..rivals.len())
-        .filter(|&i| level(&rivals[i].fit) <= close)
+        .filter(|&i| level(&rivals[i].fit) <= close && !bends(&rivals[i].fit))
         .min_by_key(|&i| (rivals[i].parameters(), i))?;
     // A special case needs even less to be preferred to what contains it.
     let gain = (level(known) - best).max(0.0);
     let special = (0..rivals.len()).filter(|&i| {
         level(&rivals[i].fit) <= best + SPECIAL_PARSIMONY * gain
+            && !bends(&rivals[i].fit)
             && is_special(rivals[i].name, rivals[winner].name)
     });
     let winner = special.min().unwrap_or(winner);

@@ -22,7 +22,7 @@ const FITTING_ITERATIONS: usize = 8;
 const NEAR: f64 = 0.3;
 const ALWAYS_NEAR: usize = 2;
 /// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for.
-const LITTLE: f64 = 0.1;
+const LITTLE: f64 = 0.03;
 /// More, for the one that is named.
 const POLISHING_ITERATIONS: usize = 15;
 /// Spread, in scales, of a search around the winner where slopes lead nowhere.

@@ -7,8 +7,9 @@ use super::round::Search;
 use super::{QUIET_EXCESS, level};
 use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::{Fit, Ground};
-use crate::hypothesis::Term;
+use crate::hypothesis::{Hypothesis, Term};
 use crate::motion::{Motion, Scales};
+use crate::perfect::WHITE;
 use crate::problem::{Part, Problem, turn};
 use crate::stage::Stage;
 use rayon::prelude::*;
@@ -32,6 +33,9 @@ const SCREENING_SAMPLES: f64 = 3000.0;
 const SCREENING_WINDOWS: f64 = 12.0;
 /// Spread, in scales, of a search from the lowest points of a scan.
 const WIDELY: f64 = 0.5;
+/// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
+/// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
+const LEAST_SCAN_GAIN: f64 = 0.02;
 /// Windows of a block.
 const BLOCK: usize = 8;
 
@@ -56,14 +60,23 @@ impl<'a> Field<'a> {
 
     fn fit(&self, start: &Term, iterations: usize) -> Fit {
         let (hypothesis, x) = extended(self.known, start);
+        self.fitted(&hypothesis, x, iterations)
+    }
+
+    fn fitted(&self, hypothesis: &Hypothesis, x: Vec<f64>, iterations: usize) -> Fit {
         let ground = Some(&self.ground);
         let part = Part::Chosen(&self.chosen);
-        self.problem
-            .fit_on(ground, &hypothesis, x, part, iterations)
+        self.problem.fit_on(ground, hypothesis, x, part, iterations)
     }
 
     fn cost(&self, start: &Term) -> f64 {
         level(&self.fit(start, 0))
+    }
+
+    /// Cost at which so much of the excess of what is known is gone that a start is worth a search.
+    fn worth(&self) -> f64 {
+        let known = level(&self.fitted(&self.known.hypothesis, self.known.x.clone(), 0));
+        known - LEAST_SCAN_GAIN * (known - WHITE)
     }
 
     /// Those of many starts that cost least as they are.
@@ -95,6 +108,10 @@ impl<'a> Field<'a> {
     fn searched(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
         let soon = soon.unwrap_or(self);
         let low = lowest(starts, |start| soon.cost(start));
+        let worth = soon.worth();
+        if low.iter().all(|start| soon.cost(start) > worth) {
+            return low;
+        }
         let found = low.par_iter().map(|start| {
             let x = vec![0.0; start.free.len()];
             let (_, x) = evolved(x, WIDELY, |x| soon.cost(&start.moved(x)));

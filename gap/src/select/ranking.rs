@@ -15,11 +15,10 @@ const TIE_SHARE: f64 = 0.04;
 /// Best first; among those that gain nearly as much as the best, fewer parameters first.
 pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
-    let first = rivals.first()?.fit.clone();
-    let best = level(&first);
-    let close = enough(known, &first);
-    // What does with fewer numbers because it bends those of the model does not.
-    let bends = |fit: &Fit| first.is_likely() && !fit.is_likely();
+    let first = &rivals.first()?.fit;
+    let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
+    // What needs fewer numbers because it bends those of the model saves none.
+    let bends = |fit: &Fit| likely && !fit.is_likely();
     let winner = (0..rivals.len())
         .filter(|&i| level(&rivals[i].fit) <= close && !bends(&rivals[i].fit))
         .min_by_key(|&i| (rivals[i].parameters(), i))?;

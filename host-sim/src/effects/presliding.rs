@@ -14,7 +14,8 @@ pub const KIND: Kind = Kind {
     name: "presliding",
     channel: Channel::Friction,
     about: "Dry friction that bends before it slides",
-    equation: "z' = v (1 − z sgn v / z_s)^n, F = F_c z / z_s + σ z'",
+    equation: "z' = v (1 − s)^n, F = F_c z / z_s + σ z', s = z sgn v / z_s, \
+               with e above 0 max(0, (z sgn v / z_s − e) / (1 − e))",
     parameters: &[
         Parameter {
             name: "distance",
@@ -42,7 +43,7 @@ pub const KIND: Kind = Kind {
             quantity: Quantity::Ratio,
             default: 0.0,
             typical: [0.2, 0.8],
-            about: "share of the distance below which nothing slides",
+            about: "e, share of the distance below which nothing slides",
         },
     ],
     install: |device, p| {

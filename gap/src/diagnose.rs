@@ -75,6 +75,7 @@ impl CorrectedModel {
 /// Why a gap beyond its floor may be none.
 const HIDDEN: &str = "this gap is no finding: restarts that fall on kinks of the motion, or inputs that the log averages, \
      leave a right model as much; log every period of the loop to see more";
+
 /// Largest share of the excess that may be left for a gap to count as explained.
 const EXPLAINED: f64 = 0.15;
 /// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
@@ -207,9 +208,9 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         .iter()
         .filter_map(|c| c.line(&recording.units.position));
     let oddities = recording.oddities.iter().map(ToString::to_string);
-    let unseen = verdict == Verdict::NoGap && after.before > QUIET_GAP * after.floor;
-    let unseen = unseen.then(|| HIDDEN.to_owned());
-    let warnings = oddities.chain(disagreement).chain(unseen).collect();
+    let hides = verdict == Verdict::NoGap && after.before > QUIET_GAP * after.floor;
+    let hidden = hides.then(|| HIDDEN.to_owned());
+    let warnings = oddities.chain(disagreement).chain(hidden).collect();
     let diagnosis = Diagnosis {
         format: 1,
         verdict,

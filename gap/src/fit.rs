@@ -32,8 +32,7 @@ pub(crate) struct Fit {
 impl Fit {
     /// True if the model's own numbers have moved no farther than their tolerances let one expect.
     pub(crate) fn is_likely(&self) -> bool {
-        let free: usize = self.hypothesis.terms.iter().map(|t| t.free.len()).sum();
-        let moves = &self.x[..self.x.len() - free];
+        let moves = &self.x[..self.x.len() - self.hypothesis.free()];
         let squares: f64 = moves.iter().map(|z| z * z).sum();
         let numbers = moves.len() as f64;
         squares <= numbers + LIKELY_ERRORS * (2.0 * numbers).sqrt()

@@ -129,7 +129,12 @@ pub(crate) struct Hypothesis {
 
 impl Hypothesis {
     pub(crate) fn dimensions(&self, nudges: &[Nudge]) -> usize {
-        nudges.len() + self.terms.iter().map(|t| t.free.len()).sum::<usize>()
+        nudges.len() + self.free()
+    }
+
+    /// Coordinates of the terms.
+    pub(crate) fn free(&self) -> usize {
+        self.terms.iter().map(|t| t.free.len()).sum()
     }
 
     /// The model's numbers with the nudges of `x`.

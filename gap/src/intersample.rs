@@ -1,9 +1,8 @@
 //! What a loop may have told between the rows of a log that is slower than itself: the column has its means alone.
 
 use crate::series::Series;
-use core::f64::consts::TAU;
 use host_sim::sensors::Noise;
-use recording::Pid;
+use recording::{Pid, low_pass_gain};
 
 /// Steps of a course in a row at most.
 const MOST_TICKS: f64 = 32.0;
@@ -57,14 +56,14 @@ fn step(before: f64, mean: f64, after: f64, ticks: usize) -> Vec<f64> {
 /// Standard deviation of what a loop makes of the noise of its sensor from one period to the next: the low-pass leaves
 /// a²·2/(2 − a) of the variance of white noise in the differences of what it passes, a being its gain.
 fn told_noise(pid: &Pid, sensor_noise: f64) -> f64 {
-    let cutoff = |hz: f64| (TAU * hz * pid.period).min(1.0);
-    let gain = pid.position_cutoff_hz.map_or(1.0, cutoff);
+    let gain = low_pass_gain(pid.position_cutoff_hz, pid.period);
     sensor_noise * gain * (2.0 / (2.0 - gain)).sqrt() * pid.kd.abs() / pid.period
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::f64::consts::TAU;
 
     #[test]
     fn a_step_inside_a_row_is_put_where_its_mean_says() {

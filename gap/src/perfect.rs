@@ -95,15 +95,14 @@ fn imagined(recording: &Recording, predictor: &Predictor) -> Recording {
     let sensor = recording.sensor("position");
     let mut noise = Noise::new(SEED);
     for mut series in series::full(&own, 2.0 * recording.horizon) {
+        let seen = typical_noise(&series);
         if let Some(pid) = &recording.runs[series.run].controller {
-            series.resample_inputs(pid, typical_noise(&series));
+            series.resample_inputs(pid, seen);
         }
         begin_at_rest(&mut series, predictor);
         // What is seen as noise has the quantising in it.
         let quantising = sensor.resolution.powi(2) / 12.0;
-        let added = (typical_noise(&series).powi(2) - quantising)
-            .max(0.0)
-            .sqrt();
+        let added = (seen.powi(2) - quantising).max(0.0).sqrt();
         let position = predictor.predict(&series).into_iter().map(|x| {
             let shown = x + noise.next(added);
             if sensor.resolution > 0.0 {

@@ -6,7 +6,7 @@ use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use host_sim::plant::{Plant, State};
 use host_sim::sensing::Reading;
-use recording::{Recording, Sensor};
+use recording::{Recording, Sensor, low_pass_gain};
 
 /// A device and the low-pass already in the logged column.
 #[derive(Clone, Debug)]
@@ -253,10 +253,7 @@ impl Predictor {
     }
 
     fn logged_gain(&self, period_s: f64) -> f64 {
-        match self.sensor.cutoff_hz {
-            Some(cutoff) => (TAU * cutoff * period_s).min(1.0),
-            None => 1.0,
-        }
+        low_pass_gain(self.sensor.cutoff_hz, period_s)
     }
 
     /// Puts the device where the sensor shows it; what the sensor does not show goes on as it was if this follows the

@@ -43,7 +43,7 @@ pub use manifest::Units;
 pub use model::{Model, Tolerance};
 pub use oddity::Oddity;
 pub use run::{Drive, Pid, Run};
-pub use sensor::Sensor;
+pub use sensor::{Sensor, low_pass_gain};
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

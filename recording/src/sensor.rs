@@ -1,5 +1,6 @@
 //! What is known of a position sensor.
 
+use core::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 /// A position sensor: low-pass, then noise, then quantising.
@@ -14,4 +15,9 @@ pub struct Sensor {
     /// Corner of the first-order low-pass that is already in the logged column, Hz; `None` is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cutoff_hz: Option<f64>,
+}
+
+/// Gain a of the format's first-order low-pass `y += a (x − y)` over a period, 1 without a corner.
+pub fn low_pass_gain(cutoff_hz: Option<f64>, period_s: f64) -> f64 {
+    cutoff_hz.map_or(1.0, |cutoff_hz| (TAU * cutoff_hz * period_s).min(1.0))
 }

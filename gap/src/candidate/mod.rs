@@ -293,7 +293,7 @@ const BENDS: [[f64; 2]; 5] = [
 fn spread(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let m = &e.device.mechanics;
-    let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
+    let level = m.friction.highest_nm();
     let rubs = level > 0.0 || m.viscous > 0.0;
     let stiffness = s.torque / s.span();
     let one = |free: Vec<Coordinate>| vec![term(kind, free, &[])];

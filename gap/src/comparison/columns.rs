@@ -2,8 +2,7 @@
 
 use crate::restart::Restart;
 use crate::series::Series;
-use core::f64::consts::TAU;
-use recording::{Recording, Run};
+use recording::{Recording, Run, low_pass_gain};
 use std::ops::Range;
 
 /// A stretch without gaps of what one column shows, and where the other says the device was.
@@ -102,10 +101,10 @@ pub(super) fn is_live(run: &Run, column: &str) -> bool {
     run.positions.get(column).is_some_and(changes)
 }
 
-/// `y += a (x − y)` each period T, a = min(1, 2π cutoff T), as the recording format has it.
+/// The column behind the recording format's low-pass.
 fn filtered(time: &[f64], mut column: Vec<f64>, cutoff_hz: f64) -> Vec<f64> {
     for i in 1..column.len() {
-        let gain = (TAU * cutoff_hz * (time[i] - time[i - 1])).min(1.0);
+        let gain = low_pass_gain(Some(cutoff_hz), time[i] - time[i - 1]);
         column[i] = column[i - 1] + gain * (column[i] - column[i - 1]);
     }
     column

@@ -143,8 +143,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         progress,
         perfect: selection.perfect,
     };
-    let certain = given.measured.as_ref();
-    let certain = certain.filter(|_| given.certain);
+    let certain = given.measured.as_ref().filter(|_| given.certain);
     let first = match certain {
         Some(term) => Some(search.given(&selection.null, term)),
         None => search.round(&selection.null, &[]),

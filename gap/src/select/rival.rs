@@ -12,7 +12,7 @@ pub(crate) struct Rival {
 
 impl Rival {
     pub(super) fn parameters(&self) -> usize {
-        self.fit.hypothesis.terms.iter().map(|t| t.free.len()).sum()
+        self.fit.hypothesis.free()
     }
 
     /// Coordinates of what stands beside its last effect.

@@ -108,8 +108,8 @@ impl<'a> Field<'a> {
     fn searched(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
         let soon = soon.unwrap_or(self);
         let low = lowest(starts, |start| soon.cost(start));
-        let worth = soon.worth();
-        if low.iter().all(|start| soon.cost(start) > worth) {
+        let lowest = low.first().map(|start| soon.cost(start));
+        if lowest.is_none_or(|cost| cost > soon.worth()) {
             return low;
         }
         let found = low.par_iter().map(|start| {

@@ -9,7 +9,7 @@ const EXPONENTS: [f64; 2] = [0.05, 4.0];
 /// Bristles that are elastic up to where they slide would be a spring.
 const MOST_ELASTIC: f64 = 0.95;
 
-/// `z' = v (1 − z sgn v / z_s)^n, F = F_c z / z_s + σ z'`, purely elastic up to a share of `z_s` and on the way back.
+/// `z' = v (1 − s)^n, F = F_c z / z_s + σ z'`, s the way to sliding, purely elastic up to a share of it and on the way back.
 pub const KIND: Kind = Kind {
     name: "presliding",
     channel: Channel::Friction,

@@ -69,6 +69,12 @@ impl Friction {
         self.level_nm = self.level_nm.map(|level| factor * level);
     }
 
+    /// The higher of the sliding levels, N m.
+    #[inline]
+    pub fn highest_nm(&self) -> f64 {
+        self.level_nm[0].max(self.level_nm[1])
+    }
+
     /// True if there is none at all.
     pub fn is_none(&self) -> bool {
         self.level_nm == [0.0; 2] && self.load_share == 0.0

@@ -378,7 +378,7 @@ impl Plant {
             }
         }
         if !self.plain {
-            let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
+            let level = m.friction.highest_nm();
             let push = self.pull(state, drive_nm).abs() + level * m.friction.stribeck.ratio;
             longest = longest.min(m.friction.stribeck.longest_step(
                 m.inertia,
@@ -389,7 +389,7 @@ impl Plant {
             ));
         }
         if let (Phase::Bristle, Some(bristles)) = (state.phase, &m.presliding) {
-            let level = m.friction.level_nm[0].max(m.friction.level_nm[1]);
+            let level = m.friction.highest_nm();
             let motor_inertia = m.link.map_or(1.0, |link| 1.0 - link.load_share) * m.inertia;
             // The bristles' own relaxation is slower than a step, or they count as sliding.
             let rate = bristles.fastest_rate(motor_inertia, level * m.friction.stribeck.ratio);

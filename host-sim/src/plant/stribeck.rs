@@ -44,20 +44,30 @@ impl Stribeck {
         if self.is_none() || speed >= GONE_FROM * self.velocity {
             return 1.0;
         }
-        let power = self.power(speed);
+        let power = self.power(speed / self.velocity);
         if power >= GONE_FROM {
             return 1.0;
         }
         1.0 + (self.ratio - 1.0) * (-power).exp()
     }
 
+    /// `xⁿ`, at little cost for the usual n.
     #[inline]
-    fn power(&self, speed: f64) -> f64 {
-        let x = speed / self.velocity;
-        if self.exponent == 2.0 {
-            x * x
-        } else {
-            x.powf(self.exponent)
+    fn power(&self, x: f64) -> f64 {
+        match self.exponent {
+            1.0 => x,
+            2.0 => x * x,
+            n => x.powf(n),
+        }
+    }
+
+    /// Of which `power` is the n-th power.
+    #[inline]
+    fn root(&self, power: f64) -> f64 {
+        match self.exponent {
+            1.0 => power,
+            2.0 => power.sqrt(),
+            n => power.powf(n.recip()),
         }
     }
 
@@ -75,7 +85,7 @@ impl Stribeck {
         if self.is_none() {
             return f64::INFINITY;
         }
-        let flat_from = FLAT_FROM.powf(self.exponent.recip()) * self.velocity;
+        let flat_from = self.root(FLAT_FROM) * self.velocity;
         let leap = (speed - flat_from).max(SLOPE_SHARE * self.velocity);
         let reaching = leap * inertia / push_nm;
         if speed > flat_from {

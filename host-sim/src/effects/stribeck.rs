@@ -11,7 +11,7 @@ pub const KIND: Kind = Kind {
     name: "stribeck",
     channel: Channel::Friction,
     about: "Static friction above the sliding level",
-    equation: "F = F_c [1 + (r − 1) e^−|v/v_s|^n] sign(v)",
+    equation: "F = F_c [1 + (r − 1) exp(−|v/v_s|^n)] sign(v)",
     parameters: &[
         Parameter {
             name: "static_ratio",

@@ -416,16 +416,23 @@ fn method(recording: &Recording, diagnosis: &Diagnosis) -> String {
     section("What was done", &body)
 }
 
-/// An equation with its indices below the line.
+/// An equation with its indices below the line and its powers above.
 fn equation_in_html(equation: &str) -> String {
     let safe = escaped(equation);
-    let mut parts = safe.split('_');
+    let indices = shifted(&safe, '_', "sub");
+    shifted(&indices, '^', "sup")
+}
+
+/// What follows on each `mark`, as far as it is one word, in an element of its own.
+fn shifted(text: &str, mark: char, element: &str) -> String {
+    let mut parts = text.split(mark);
     let first = parts.next().unwrap_or_default().to_owned();
     parts.fold(first, |html, part| {
         let end = part
             .find(|c: char| !c.is_alphanumeric())
             .unwrap_or(part.len());
-        format!("{html}<sub>{}</sub>{}", &part[..end], &part[end..])
+        let (word, rest) = part.split_at(end);
+        format!("{html}<{element}>{word}</{element}>{rest}")
     })
 }
 

@@ -31,8 +31,9 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     let mut sentences = Vec::new();
     if diagnosis.verdict == Verdict::NoGap {
         sentences.push(format!(
-            "The gap is {before}, and {floor} of it would be left by a perfect model: noise, quantising and \
-             restarts. What is beyond lies within that and the tolerances stated for the model."
+            "The gap is {before}, and {floor} of it would be left by a perfect model: noise and quantising. What is \
+             beyond is no more than the stated tolerances of the model allow, or than restarts and averaged \
+             inputs hide."
         ));
         return sentences.join(" ");
     }

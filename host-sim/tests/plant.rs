@@ -289,3 +289,50 @@ fn friction_on_the_load_side_holds_the_load_while_the_motor_turns() {
     assert_eq!((state.load_position, state.load_phase), (0.0, Phase::Stick));
     assert!((state.position - 0.006 / 0.5).abs() < 1e-3, "{state:?}");
 }
+
+/// A drive that turns the paddle both ways, N m at a time in s.
+fn to_and_fro(t: f64) -> f64 {
+    0.05 * (40.0 * t).sin()
+}
+
+/// Largest difference of quick steps from exact ones, as a share of the way that is gone.
+fn error_of_quick(mechanics: &Mechanics) -> f64 {
+    let [exact, quick] = [Plant::new, Plant::quick]
+        .map(|plant| run(&plant(mechanics.clone()), [0.0, 0.0], 1e-3, 0.3, to_and_fro));
+    let differences = exact.iter().zip(&quick).map(|(a, b)| (a - b).abs());
+    let way = exact.iter().fold(0.0f64, |way, x| way.max(x.abs()));
+    differences.fold(0.0, f64::max) / way
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn quick_steps_go_where_exact_ones_go(
+        load_share in 0.2..0.8f64,
+        rate in 50.0..1500.0f64,
+        damping_ratio in 0.3..1.0f64,
+        play in prop_oneof![Just(0.0), 0.002..0.02f64],
+        load_friction in 0.0..1.0f64,
+        stribeck in any::<bool>(),
+    ) {
+        let paddle = paddle();
+        let reduced = paddle.inertia * load_share * (1.0 - load_share);
+        let link = Link {
+            load_share,
+            stiffness: rate * rate * reduced,
+            damping: 2.0 * damping_ratio * rate * reduced,
+            play,
+            load_friction,
+            sensor_on_load: false,
+        };
+        prop_assert!(error_of_quick(&paddle) < 1e-4);
+        let mut linked = Mechanics { link: Some(link), ..paddle };
+        if stribeck {
+            linked.friction.stribeck.ratio = 1.5;
+            linked.friction.stribeck.velocity = 0.2;
+        }
+        let error = error_of_quick(&linked);
+        prop_assert!(error < 3e-3, "{error}");
+    }
+}

@@ -14,6 +14,14 @@ pub struct Cogging {
 }
 
 impl Cogging {
+    /// None at all.
+    pub(super) const NONE: Self = Self {
+        amplitude_nm: 0.0,
+        wave_number: 0.0,
+        phase: 0.0,
+        second_nm: [0.0; 2],
+    };
+
     /// N m at a position.
     #[inline]
     pub(super) fn torque(&self, position: f64) -> f64 {

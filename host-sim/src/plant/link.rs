@@ -19,7 +19,63 @@ pub struct Link {
     pub sensor_on_load: bool,
 }
 
+/// How the two sides of a link touch; within one of these its torque is linear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Flank {
+    /// They do not.
+    Apart,
+    /// They push each other, at this twist or beyond it, rad.
+    Pushing { relaxed: f64, side: f64 },
+    /// Without play they also pull.
+    Bound,
+}
+
 impl Link {
+    /// None at all.
+    pub(super) const NONE: Self = Self {
+        load_share: 0.0,
+        stiffness: 0.0,
+        damping: 0.0,
+        play: 0.0,
+        load_friction: 0.0,
+        sensor_on_load: false,
+    };
+
+    /// At a relative position and velocity.
+    #[inline]
+    pub(super) fn flank(&self, twist: f64, rate: f64) -> Flank {
+        if self.play == 0.0 {
+            return Flank::Bound;
+        }
+        let side = 1f64.copysign(twist);
+        let depth = side * twist - 0.5 * self.play;
+        if depth >= 0.0 && self.stiffness * depth + self.damping * side * rate > 0.0 {
+            let relaxed = 0.5 * self.play * side;
+            Flank::Pushing { relaxed, side }
+        } else {
+            Flank::Apart
+        }
+    }
+
+    /// Positive while `flank` lasts, rad.
+    #[inline]
+    pub(super) fn guard(&self, flank: Flank, twist: f64, rate: f64) -> f64 {
+        // Torques are made positions by the stiffness, so that both guards have one unit.
+        let follows_s = self.damping / self.stiffness.max(f64::MIN_POSITIVE);
+        match flank {
+            Flank::Bound => f64::INFINITY,
+            Flank::Pushing { relaxed, side } => {
+                let depth = side * (twist - relaxed);
+                depth.min(depth + follows_s * side * rate)
+            }
+            Flank::Apart => {
+                let side = 1f64.copysign(twist);
+                let depth = side * twist - 0.5 * self.play;
+                (-depth).max(-depth - follows_s * side * rate)
+            }
+        }
+    }
+
     /// Torque from the motor side on the load side at a relative position and velocity, N m.
     #[inline]
     pub(super) fn torque(&self, twist: f64, rate: f64) -> f64 {
@@ -34,6 +90,11 @@ impl Link {
         } else {
             side * (self.stiffness * depth + self.damping * side * rate).max(0.0)
         }
+    }
+
+    /// Fastest rate of the relative motion without its damping, 1/s.
+    pub(super) fn natural_rate(&self, inertia: f64) -> f64 {
+        (self.stiffness / self.reduced(inertia)).sqrt()
     }
 
     fn reduced(&self, inertia: f64) -> f64 {
@@ -57,8 +118,7 @@ impl Link {
 
     /// Fastest rate of the relative motion, 1/s.
     pub(super) fn fastest_rate(&self, inertia: f64) -> f64 {
-        let reduced = self.reduced(inertia);
-        (self.stiffness / reduced).sqrt() + self.damping / reduced
+        self.natural_rate(inertia) + self.damping / self.reduced(inertia)
     }
 }
 

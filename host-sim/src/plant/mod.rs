@@ -12,15 +12,21 @@
 
 mod barrier;
 mod cogging;
+mod event;
 mod friction;
 mod link;
+mod pace;
+mod parts;
 mod pendulum;
 mod presliding;
 mod regime;
 mod runge_kutta;
 mod stribeck;
 mod torque;
+mod two_mass;
 
+use pace::{CLOSED_LINK_STEP, CLOSED_RATE_STEP, EXACT, Pace, QUICK};
+use parts::Parts;
 use pendulum::Pendulum;
 
 pub use barrier::{Barrier, Touch};
@@ -85,14 +91,11 @@ impl Mechanics {
         }
     }
 
-    /// Of the smooth part, 1/s: natural frequencies plus dampings.
+    /// Of the smooth part, the link apart, 1/s: natural frequencies plus dampings.
     fn fastest_rate(&self) -> f64 {
         let cogging = self.cogging.map_or(0.0, |cogging| cogging.stiffness());
         let stiffness = self.gravity.abs() + self.stiffness.abs() + cogging;
-        let link = self
-            .link
-            .map_or(0.0, |link| link.fastest_rate(self.inertia));
-        (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia + link
+        (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia
     }
 }
 
@@ -179,38 +182,16 @@ pub struct Plant {
     /// Share of the friction on the motor side and on the load side of the link.
     friction_share: [f64; 2],
     plain: bool,
+    parts: Parts,
     passing_barriers: bool,
     /// Whether what holds a joint at rest depends on position and drive alone.
     rest_is_steady: bool,
     inverse_inertia: [f64; 2],
     pace: Pace,
     longest_step_s: f64,
+    longest_closed_step_s: f64,
+    longest_gentle_step_s: f64,
 }
-
-/// How finely stiff parts are stepped.
-#[derive(Clone, Copy, Debug)]
-struct Pace {
-    /// Product of the fastest rate of a regime and the step.
-    rate_step: f64,
-    /// A step is never divided further than this, however stiff the plant.
-    most_divisions: f64,
-    /// More events than this within one step are chatter of a degenerate plant (a static level below
-    /// the sliding one, say): the rest of the step is then taken without looking for more.
-    most_events: usize,
-}
-
-/// A fourth-order step then errs by less than 1e-7 of what changes within it.
-const EXACT: Pace = Pace {
-    rate_step: 0.1,
-    most_divisions: 256.0,
-    most_events: 64,
-};
-/// The same where 1e-3 is enough, and what is stiffer than a sensor can show may go astray.
-const QUICK: Pace = Pace {
-    rate_step: 0.8,
-    most_divisions: 6.0,
-    most_events: 6,
-};
 
 impl Plant {
     /// Steps as long as the mechanics allow.
@@ -226,11 +207,14 @@ impl Plant {
 
     fn with_pace(mechanics: Mechanics, pace: Pace) -> Self {
         let dry = !mechanics.friction.is_none();
-        let passing_barriers = mechanics
-            .barriers
-            .iter()
-            .flatten()
-            .any(|b| b.during_s.is_some());
+        let parts = Parts::of(&mechanics);
+        let passing_barriers = parts.barriers.iter().any(|b| b.during_s.is_some());
+        let rate = mechanics.fastest_rate();
+        let of_link = |rate: fn(&Link, f64) -> f64| {
+            let link = mechanics.link.as_ref();
+            link.map_or(0.0, |link| rate(link, mechanics.inertia))
+        };
+        let closed_link_step_s = CLOSED_LINK_STEP / of_link(Link::natural_rate);
         Self {
             dry,
             friction_share: match &mechanics.link {
@@ -240,6 +224,7 @@ impl Plant {
                 _ => [1.0, 0.0],
             },
             plain: mechanics.friction.is_plain(),
+            parts,
             passing_barriers,
             rest_is_steady: dry
                 && !passing_barriers
@@ -254,7 +239,9 @@ impl Plant {
                 None => [1.0 / mechanics.inertia; 2],
             },
             pace,
-            longest_step_s: pace.rate_step / mechanics.fastest_rate(),
+            longest_step_s: pace.rate_step / (rate + of_link(Link::fastest_rate)),
+            longest_gentle_step_s: pace.gentle_rate_step / rate,
+            longest_closed_step_s: (CLOSED_RATE_STEP / rate).min(closed_link_step_s),
             mechanics,
         }
     }
@@ -313,35 +300,43 @@ impl Plant {
     /// Position and velocity where the position sensor sits, rad and rad/s.
     #[inline]
     pub fn seen(&self, state: &State) -> (f64, f64) {
-        match self.mechanics.link {
-            Some(link) if link.sensor_on_load => (state.load_position, state.load_velocity),
-            _ => (state.position, state.velocity),
+        if self.parts.has_link && self.parts.link.sensor_on_load {
+            (state.load_position, state.load_velocity)
+        } else {
+            (state.position, state.velocity)
         }
     }
 
     /// Finds phase and contacts for positions and velocities that were set from outside.
     fn enter(&self, state: &mut State) {
         let slid = state.deflection * state.velocity.signum();
-        state.phase = match self.mechanics.presliding {
-            // At rest bristles bend, however far they are bent: there is no sliding to go on with.
-            Some(bristles) if state.velocity == 0.0 || slid < bristles.distance => Phase::Bristle,
-            _ => Phase::sliding(state.velocity),
+        let Parts {
+            has_bristles,
+            bristles,
+            ..
+        } = &self.parts;
+        // At rest bristles bend, however far they are bent: there is no sliding to go on with.
+        let bends = *has_bristles && (state.velocity == 0.0 || slid < bristles.distance);
+        state.phase = if bends {
+            Phase::Bristle
+        } else {
+            Phase::sliding(state.velocity)
         };
         state.load_phase = Phase::sliding(state.load_velocity);
         self.touch(state);
     }
 
     fn touch(&self, state: &mut State) {
-        let (position, velocity) = match self.mechanics.link {
-            Some(_) => (state.load_position, state.load_velocity),
-            None => (state.position, state.velocity),
+        let (position, velocity) = if self.parts.has_link {
+            (state.load_position, state.load_velocity)
+        } else {
+            (state.position, state.velocity)
         };
-        for (touch, barrier) in state.touch.iter_mut().zip(&self.mechanics.barriers) {
-            *touch = match barrier {
-                Some(barrier) if barrier.is_there(state.time_s) => {
-                    barrier.touch(position, velocity)
-                }
-                _ => Touch::Free,
+        for (touch, barrier) in state.touch.iter_mut().zip(&self.parts.barriers) {
+            *touch = if barrier.is_there(state.time_s) {
+                barrier.touch(position, velocity)
+            } else {
+                Touch::Free
             };
         }
     }

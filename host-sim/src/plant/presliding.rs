@@ -27,6 +27,14 @@ const SLID: f64 = 0.98;
 const LAST: f64 = 0.02;
 
 impl Presliding {
+    /// None at all.
+    pub(super) const NONE: Self = Self {
+        distance: 0.0,
+        damping: 0.0,
+        exponent: 0.0,
+        elastic: 0.0,
+    };
+
     /// Rate of the deflection, rad/s.
     #[inline]
     pub(super) fn rate(&self, velocity: f64, deflection: f64) -> f64 {

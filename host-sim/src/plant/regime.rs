@@ -1,7 +1,10 @@
 //! Stick, slip and contact as regimes of a smooth flow, and the events between them.
 
+use super::event::{self, Flow};
+use super::link::Flank;
 use super::pendulum::Pendulum;
-use super::runge_kutta::{self, Flow};
+use super::runge_kutta::{midpoint, rk4};
+use super::two_mass::TwoMass;
 use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
 
 /// A joint that is about to break away is held for this share of a step at least, or rounding could
@@ -20,6 +23,10 @@ struct Regime<'a, const N: usize> {
     held: bool,
     load: LoadSide,
     constant_friction_nm: Option<f64>,
+    /// Whether the midpoint is as good as four stages.
+    gentle: bool,
+    /// The link, where it is stepped in closed form.
+    closed: Option<Closed>,
     touch: &'a [Touch; BARRIERS],
 }
 
@@ -27,6 +34,12 @@ struct Regime<'a, const N: usize> {
 struct LoadSide {
     direction: f64,
     held: bool,
+}
+
+/// A link that bounds the regime by its flanks, and is linear within.
+struct Closed {
+    flank: Flank,
+    masses: TwoMass,
 }
 
 const fn is_linked(n: usize) -> bool {
@@ -38,14 +51,23 @@ const fn has_bristles(n: usize) -> bool {
 }
 
 impl Mechanics {
+    /// Friction that grows with velocity, N m.
+    #[inline(always)]
+    fn drag(&self, velocity: f64) -> f64 {
+        (self.viscous + self.drag * velocity.abs()) * velocity
+    }
+}
+
+impl Plant {
     /// What acts where the motor is, dry friction apart, N m.
     #[inline(always)]
     fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
-        let mut torque = drive_nm + self.offset_nm;
-        if let Some(cogging) = &self.cogging {
-            torque += cogging.torque(position);
+        let torque = drive_nm + self.mechanics.offset_nm;
+        if self.parts.has_cogging {
+            torque + self.parts.cogging.torque(position)
+        } else {
+            torque
         }
-        torque
     }
 
     /// What acts where the load is, N m.
@@ -57,37 +79,30 @@ impl Mechanics {
         position: f64,
         velocity: f64,
     ) -> f64 {
-        let mut torque = -self.gravity * pendulum.sin(position - self.gravity_zero)
-            - self.stiffness * (position - self.stiffness_zero);
-        for (barrier, touch) in self.barriers.iter().zip(touch) {
-            if let Some(barrier) = barrier {
-                torque += barrier.torque(*touch, position, velocity);
-            }
+        let m = &self.mechanics;
+        let mut torque = -m.gravity * pendulum.sin(position - m.gravity_zero)
+            - m.stiffness * (position - m.stiffness_zero);
+        for (barrier, touch) in self.parts.barriers.iter().zip(touch) {
+            torque += barrier.torque(*touch, position, velocity);
         }
         torque
     }
 
-    /// Friction that grows with velocity, N m.
-    #[inline(always)]
-    fn drag(&self, velocity: f64) -> f64 {
-        (self.viscous + self.drag * velocity.abs()) * velocity
-    }
-}
-
-impl Plant {
     /// On the motor side, all but dry friction, N m.
     #[inline]
     fn pull(&self, state: &State, drive_nm: f64) -> f64 {
         let m = &self.mechanics;
         let (position, velocity) = (state.position, state.velocity);
-        let motor = m.motor_side(drive_nm, position) - self.friction_share[0] * m.drag(velocity);
+        let motor = self.motor_side(drive_nm, position) - self.friction_share[0] * m.drag(velocity);
         motor
-            + match &m.link {
-                Some(link) => -link.torque(
-                    position - state.load_position,
-                    velocity - state.load_velocity,
-                ),
-                None => m.load_side(&state.pendulum, &state.touch, position, velocity),
+            + if self.parts.has_link {
+                let twist = position - state.load_position;
+                -self
+                    .parts
+                    .link
+                    .torque(twist, velocity - state.load_velocity)
+            } else {
+                self.load_side(&state.pendulum, &state.touch, position, velocity)
             }
     }
 
@@ -96,10 +111,9 @@ impl Plant {
     fn load_pull(&self, state: &State) -> f64 {
         let m = &self.mechanics;
         let (position, velocity) = (state.load_position, state.load_velocity);
-        let through = m.link.map_or(0.0, |link| {
-            link.torque(state.position - position, state.velocity - velocity)
-        });
-        through + m.load_side(&state.pendulum, &state.touch, position, velocity)
+        let twist = state.position - position;
+        let through = self.parts.link.torque(twist, state.velocity - velocity);
+        through + self.load_side(&state.pendulum, &state.touch, position, velocity)
             - self.friction_share[1] * m.drag(velocity)
     }
 }
@@ -162,10 +176,7 @@ impl Plant {
             state.time_s += dt_s;
             return;
         }
-        match (
-            self.mechanics.link.is_some(),
-            self.mechanics.presliding.is_some(),
-        ) {
+        match (self.parts.has_link, self.parts.has_bristles) {
             (false, false) => self.advance_as::<2>(state, torque, dt_s),
             (false, true) => self.advance_as::<3>(state, torque, dt_s),
             (true, false) => self.advance_as::<4>(state, torque, dt_s),
@@ -197,12 +208,13 @@ impl Plant {
                         .min(piece)
                 }
             } else {
+                let closed = self.is_closed::<N>(state);
                 let longest = self
-                    .longest_step(state, torque.at(0.0))
+                    .longest_step(state, torque.at(0.0), closed)
                     .min(torque.longest_step());
                 let h = piece.min(longest.max(shortest_s));
-                let (taken, event) =
-                    self.flow::<N>(state, &torque, h, events < self.pace.most_events);
+                let watched = events < self.pace.most_events;
+                let (taken, event) = self.flow::<N>(state, &torque, h, watched, closed);
                 events += usize::from(event);
                 taken
             };
@@ -223,10 +235,12 @@ impl Plant {
             return left;
         }
         self.touch(state);
-        let next = self.mechanics.barriers.iter().flatten();
-        let next = next
-            .map(|b| b.next_change(state.time_s))
-            .fold(f64::INFINITY, f64::min);
+        let changes = self
+            .parts
+            .barriers
+            .iter()
+            .map(|b| b.next_change(state.time_s));
+        let next = changes.fold(f64::INFINITY, f64::min);
         // An instant that rounding cannot tell from now is stepped over.
         left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
     }
@@ -278,6 +292,45 @@ impl Plant {
         }
     }
 
+    /// True if both masses are stepped in closed form, as far as the link goes: all else is slow then.
+    #[inline]
+    fn is_closed<const N: usize>(&self, state: &State) -> bool {
+        self.pace.closed_link
+            && is_linked(N)
+            && !has_bristles(N)
+            && !state.touch.contains(&Touch::Pushing)
+    }
+
+    /// The link within its present flank, `held` on the motor side or the load side.
+    fn closed_link(&self, state: &State, held: [bool; 2]) -> Closed {
+        let link = &self.parts.link;
+        let flank = link.flank(
+            state.position - state.load_position,
+            state.velocity - state.load_velocity,
+        );
+        let (stiffness, damping, relaxed) = match flank {
+            Flank::Apart => (0.0, 0.0, 0.0),
+            Flank::Pushing { relaxed, .. } => (link.stiffness, link.damping, relaxed),
+            Flank::Bound => (link.stiffness, link.damping, 0.0),
+        };
+        let mobility = |side: usize| {
+            if held[side] {
+                0.0
+            } else {
+                self.inverse_inertia[side]
+            }
+        };
+        Closed {
+            flank,
+            masses: TwoMass {
+                mobility: [mobility(0), mobility(1)],
+                stiffness,
+                damping,
+                relaxed,
+            },
+        }
+    }
+
     /// In motion: until `h` or the first event; the time taken, and whether by an event.
     #[inline]
     fn flow<const N: usize>(
@@ -286,6 +339,7 @@ impl Plant {
         torque: &Torque,
         h: f64,
         watch: bool,
+        closed: bool,
     ) -> (f64, bool) {
         let m = &self.mechanics;
         let kinked = self.dry && state.phase != Phase::Bristle;
@@ -304,6 +358,7 @@ impl Plant {
             held: load_dry && state.load_phase == Phase::Stick,
         };
         let load_direction = load.direction;
+        let held = kinked && state.phase == Phase::Stick;
         let load_position = if is_linked(N) {
             state.load_position
         } else {
@@ -316,7 +371,14 @@ impl Plant {
             pendulum: state.pendulum,
             time_s: state.time_s,
             direction,
-            held: kinked && state.phase == Phase::Stick,
+            held,
+            gentle: !is_linked(N)
+                && self.plain
+                && h <= self.longest_gentle_step_s
+                && torque.is_held()
+                && state.phase != Phase::Bristle
+                && !state.touch.contains(&Touch::Pushing),
+            closed: closed.then(|| self.closed_link(state, [held, load.held])),
             load,
             constant_friction_nm: (self.plain || direction == 0.0).then(|| {
                 self.friction_share[0]
@@ -325,7 +387,8 @@ impl Plant {
             }),
             touch: &state.touch,
         };
-        let step = runge_kutta::advance(&regime, &pack::<N>(state), h, watch);
+        let tolerance = watch.then_some(self.pace.event_tolerance);
+        let step = event::advance(&regime, &pack::<N>(state), h, tolerance);
         unpack(&step.x, state);
         let mut event = step.event;
         if !watch {
@@ -338,9 +401,9 @@ impl Plant {
             if direction != 0.0 && state.velocity * direction <= 0.0 {
                 state.velocity = 0.0;
                 state.phase = Phase::Stick;
-                if let Some(bristles) = &m.presliding {
+                if has_bristles(N) {
                     state.phase = Phase::Bristle;
-                    state.deflection = direction * bristles.distance;
+                    state.deflection = direction * self.parts.bristles.distance;
                 }
             }
             if load_direction != 0.0 && state.load_velocity * load_direction <= 0.0 {
@@ -351,9 +414,8 @@ impl Plant {
             self.touch(state);
             state.time_s -= step.taken;
         }
-        if let (Phase::Bristle, Some(bristles)) = (state.phase, &m.presliding)
-            && bristles.has_slid(state.velocity, state.deflection, h)
-        {
+        let bristles = &self.parts.bristles;
+        if state.phase == Phase::Bristle && bristles.has_slid(state.velocity, state.deflection, h) {
             event = true;
             state.phase = if state.velocity > 0.0 {
                 Phase::Forward
@@ -366,14 +428,17 @@ impl Plant {
 
     /// The longest step that the stiffest part in action allows, s.
     #[inline]
-    fn longest_step(&self, state: &State, drive_nm: f64) -> f64 {
+    fn longest_step(&self, state: &State, drive_nm: f64, closed: bool) -> f64 {
         let m = &self.mechanics;
-        let mut longest = self.longest_step_s;
-        let load_inertia = m.link.map_or(1.0, |link| link.load_share) * m.inertia;
-        for (touch, barrier) in state.touch.iter().zip(&m.barriers) {
-            if let (Touch::Pushing, Some(barrier)) = (touch, barrier) {
-                let natural = (barrier.stiffness / load_inertia).sqrt();
-                let damped = barrier.damping / load_inertia;
+        let mut longest = if closed {
+            self.longest_closed_step_s
+        } else {
+            self.longest_step_s
+        };
+        for (touch, barrier) in state.touch.iter().zip(&self.parts.barriers) {
+            if *touch == Touch::Pushing {
+                let natural = (barrier.stiffness * self.inverse_inertia[1]).sqrt();
+                let damped = barrier.damping * self.inverse_inertia[1];
                 longest = longest.min(self.pace.rate_step / (natural + damped));
             }
         }
@@ -388,11 +453,12 @@ impl Plant {
                 self.pace.rate_step,
             ));
         }
-        if let (Phase::Bristle, Some(bristles)) = (state.phase, &m.presliding) {
+        if state.phase == Phase::Bristle {
             let level = m.friction.highest_nm();
-            let motor_inertia = m.link.map_or(1.0, |link| 1.0 - link.load_share) * m.inertia;
+            let holding = level * m.friction.stribeck.ratio;
             // The bristles' own relaxation is slower than a step, or they count as sliding.
-            let rate = bristles.fastest_rate(motor_inertia, level * m.friction.stribeck.ratio);
+            let motor_inertia = self.inverse_inertia[0].recip();
+            let rate = self.parts.bristles.fastest_rate(motor_inertia, holding);
             longest = longest.min(2.0 * self.pace.rate_step / rate);
         }
         longest
@@ -434,22 +500,19 @@ impl<const N: usize> Regime<'_, N> {
             m.friction
                 .sliding(direction, position, velocity.abs(), time_s, drive_nm)
         };
-        match &m.presliding {
-            Some(bristles) if has_bristles(N) && self.direction == 0.0 && self.plant.dry => {
-                let deflection = x[N - 1];
-                let rate = bristles.rate(velocity, deflection);
-                let level = sliding(if deflection >= 0.0 { 1.0 } else { -1.0 });
-                let friction = level * deflection / bristles.distance + bristles.damping * rate;
-                (friction, rate)
-            }
-            _ => match self.constant_friction_nm {
-                Some(friction) => (friction, 0.0),
-                None => {
-                    let share = self.plant.friction_share[0];
-                    (share * self.direction * sliding(self.direction), 0.0)
-                }
-            },
+        if has_bristles(N) && self.direction == 0.0 && self.plant.dry {
+            let bristles = &self.plant.parts.bristles;
+            let deflection = x[N - 1];
+            let rate = bristles.rate(velocity, deflection);
+            let level = sliding(if deflection >= 0.0 { 1.0 } else { -1.0 });
+            let friction = level * deflection / bristles.distance + bristles.damping * rate;
+            return (friction, rate);
         }
+        let friction = self.constant_friction_nm.unwrap_or_else(|| {
+            let share = self.plant.friction_share[0];
+            share * self.direction * sliding(self.direction)
+        });
+        (friction, 0.0)
     }
 
     /// Dry friction of the load side while sliding, N m.
@@ -486,60 +549,120 @@ impl<const N: usize> Regime<'_, N> {
     }
 }
 
-impl<const N: usize> Flow<N> for Regime<'_, N> {
+impl<const N: usize> Regime<'_, N> {
+    /// What acts on motor side and load side, the link apart, N m, and the rate of the bristles. Without a link
+    /// all of it acts on the motor side.
     #[inline(always)]
-    fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
+    fn forces(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> ([f64; 2], f64) {
         let m = &self.plant.mechanics;
-        let drive_nm = self.torque.at(t);
-        let (load_position, load_velocity) = Self::load(x);
         let share = self.plant.friction_share;
-        let mut motor = m.motor_side(drive_nm, x[0]);
-        let mut load = m.load_side(&self.pendulum, self.touch, load_position, load_velocity);
-        let mut rate = [0.0; N];
+        let (load_position, load_velocity) = Self::load(x);
+        let mut motor = self.plant.motor_side(drive_nm, x[0]);
+        let mut load =
+            self.plant
+                .load_side(&self.pendulum, self.touch, load_position, load_velocity);
         if is_linked(N) {
-            let through = m
-                .link
-                .map_or(0.0, |link| link.torque(x[0] - x[2], x[1] - x[3]));
-            motor -= through + share[0] * m.drag(x[1]);
-            load -= share[1] * m.drag(load_velocity);
-            rate[2] = load_velocity;
-            rate[3] = if self.load.held {
-                0.0
-            } else {
-                let friction = self.load_friction(t, drive_nm, x);
-                (load + through - friction) * self.plant.inverse_inertia[1]
-            };
+            motor -= share[0] * m.drag(x[1]);
+            load -= share[1] * m.drag(load_velocity) + self.load_friction(t, drive_nm, x);
         } else {
             motor += load - m.drag(x[1]);
         }
         let (friction, bristle_rate) = self.friction(t, drive_nm, x);
-        rate[0] = x[1];
-        rate[1] = if self.held {
-            0.0
+        ([motor - friction, load], bristle_rate)
+    }
+
+    /// The link in closed form, what else acts as it does halfway: the exponential midpoint rule (Hochbruck and
+    /// Ostermann, Acta Numerica 19, 2010).
+    #[inline]
+    fn in_closed_form(
+        &self,
+        masses: &TwoMass,
+        x: &[f64; N],
+        rate: &[f64; N],
+        t: f64,
+    ) -> ([f64; N], [f64; N]) {
+        if self.held && self.load.held {
+            return (*x, [0.0; N]);
+        }
+        let from = core::array::from_fn(|i| x[i]);
+        let pulled = masses.accelerations(&from);
+        let at_first = [rate[1] - pulled[0], rate[3] - pulled[1]];
+        let half = masses.propagator(0.5 * t);
+        let midway = masses.carried(&half, &from, at_first);
+        let midway = core::array::from_fn(|i| midway[i]);
+        let (forces, _) = self.forces(0.5 * t, self.torque.mean(t), &midway);
+        let accelerations = [
+            forces[0] * masses.mobility[0],
+            forces[1] * masses.mobility[1],
+        ];
+        let end = masses.carried(&half.twice(), &from, accelerations);
+        let pulled = masses.accelerations(&end);
+        let end_rate = [
+            end[1],
+            accelerations[0] + pulled[0],
+            end[3],
+            accelerations[1] + pulled[1],
+        ];
+        (
+            core::array::from_fn(|i| end[i]),
+            core::array::from_fn(|i| end_rate[i]),
+        )
+    }
+}
+
+impl<const N: usize> Flow<N> for Regime<'_, N> {
+    #[inline(always)]
+    fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
+        let (forces, bristle_rate) = self.forces(t, self.torque.at(t), x);
+        let through = if is_linked(N) {
+            self.plant.parts.link.torque(x[0] - x[2], x[1] - x[3])
         } else {
-            (motor - friction) * self.plant.inverse_inertia[0]
+            0.0
         };
+        let mut rate = [0.0; N];
+        rate[0] = x[1];
+        if !self.held {
+            rate[1] = (forces[0] - through) * self.plant.inverse_inertia[0];
+        }
+        if is_linked(N) {
+            rate[2] = x[3];
+            if !self.load.held {
+                rate[3] = (forces[1] + through) * self.plant.inverse_inertia[1];
+            }
+        }
         if has_bristles(N) {
             rate[N - 1] = bristle_rate;
         }
         rate
     }
 
+    #[inline]
+    fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]) {
+        match &self.closed {
+            Some(closed) if is_linked(N) => self.in_closed_form(&closed.masses, x, rate, t),
+            _ if self.gentle => midpoint(self, x, rate, t),
+            _ => rk4(self, x, rate, t),
+        }
+    }
+
     #[inline(always)]
     fn guard(&self, t: f64, x: &[f64; N]) -> f64 {
-        let m = &self.plant.mechanics;
         let mut guard = if self.direction == 0.0 {
             f64::INFINITY
         } else {
             self.direction * x[1]
         };
         let (position, velocity) = Self::load(x);
-        for (barrier, touch) in m.barriers.iter().zip(self.touch) {
-            if let Some(barrier) = barrier
-                && barrier.is_there(self.time_s)
-            {
+        for (barrier, touch) in self.plant.parts.barriers.iter().zip(self.touch) {
+            if barrier.is_there(self.time_s) {
                 guard = guard.min(barrier.guard(*touch, position, velocity));
             }
+        }
+        if let Some(closed) = &self.closed
+            && is_linked(N)
+        {
+            let link = &self.plant.parts.link;
+            guard = guard.min(link.guard(closed.flank, x[0] - x[2], x[1] - x[3]));
         }
         if is_linked(N) && self.load.direction != 0.0 {
             guard = guard.min(self.load.direction * x[3]);
@@ -570,6 +693,6 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
         };
         let dips = dips(self.direction, 1) || (is_linked(N) && dips(self.load.direction, 3));
         let (from, to) = (Self::load(x[0]).1, Self::load(x[1]).1);
-        dips || (from * to < 0.0 && self.plant.mechanics.barriers.iter().any(Option::is_some))
+        dips || (from * to < 0.0 && !self.plant.parts.barriers.is_empty())
     }
 }

@@ -91,6 +91,15 @@ impl Torque {
         )
     }
 
+    /// Mean over the next `t_s`, by Simpson's rule, N m.
+    #[inline]
+    pub(super) fn mean(&self, t_s: f64) -> f64 {
+        if self.is_held() {
+            return self.target_nm;
+        }
+        (self.at(0.0) + 4.0 * self.at(0.5 * t_s) + self.at(t_s)) / 6.0
+    }
+
     /// Least and greatest torque that are possible within the next `t_s`, N m: between start and target.
     #[inline]
     pub(super) fn bounds(&self, t_s: f64) -> [f64; 2] {

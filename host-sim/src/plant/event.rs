@@ -1,0 +1,129 @@
+//! Steps of a smooth flow, cut short where its regime ends.
+
+/// A smooth right-hand side that holds as long as its guard is positive.
+pub(super) trait Flow<const N: usize> {
+    /// Time derivative of the state `x`, `t` after the start of the step.
+    fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N];
+
+    /// State `t` after the start of the step, from the state and the rate at its start, and about what the rate is there.
+    fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]);
+
+    /// Positive while the regime lasts, `t` after the start of the step; continuous through its end.
+    fn guard(&self, t: f64, x: &[f64; N]) -> f64;
+
+    /// True where the guard may dip below zero inside a step whose end shows nothing of it: judged
+    /// from the states and rates at both ends.
+    fn may_dip(&self, h: f64, x: [&[f64; N]; 2], rate: [&[f64; N]; 2]) -> bool;
+}
+
+/// Where a step ended.
+pub(super) struct Step<const N: usize> {
+    /// Time that was covered, s.
+    pub taken: f64,
+    /// State at its end.
+    pub x: [f64; N],
+    /// True if the regime ended there.
+    pub event: bool,
+}
+
+/// Enough for the bracketing below to reach any tolerance by bisection alone.
+const LOCATE_ITERATIONS: usize = 60;
+/// Every so many iterations the bracket is halved, whatever the secant says.
+const HALVED_EVERY: usize = 8;
+/// Points at which a step with a suspected dip is sampled.
+const DIP_SAMPLES: usize = 8;
+
+/// Steps by `h`, or to the first event if the guard ends before.
+///
+/// An event is located by re-integrating to trial instants, so that it is as exact as the step
+/// itself; the state returned is the first one past it.
+///
+/// An event is located to a share `tolerance` of the step; with none the step is taken whole, whatever the guard says.
+#[inline]
+pub(super) fn advance<const N: usize>(
+    flow: &impl Flow<N>,
+    x: &[f64; N],
+    h: f64,
+    tolerance: Option<f64>,
+) -> Step<N> {
+    let rate = flow.rate(0.0, x);
+    let (end, end_rate) = flow.carried(x, &rate, h);
+    if let Some(tolerance) = tolerance {
+        if flow.guard(h, &end) < 0.0 {
+            return locate(flow, x, &rate, h, tolerance);
+        }
+        if flow.may_dip(h, [x, &end], [&rate, &end_rate]) {
+            for i in 1..DIP_SAMPLES {
+                let t = h * i as f64 / DIP_SAMPLES as f64;
+                if flow.guard(t, &flow.carried(x, &rate, t).0) < 0.0 {
+                    return locate(flow, x, &rate, t, tolerance);
+                }
+            }
+        }
+    }
+    Step {
+        taken: h,
+        x: end,
+        event: false,
+    }
+}
+
+/// Of a bracket.
+#[derive(PartialEq)]
+enum End {
+    Low,
+    High,
+}
+
+/// The first instant in (0, `h`] past which the guard is negative, to a share `tolerance` of `h`, by the Illinois variant
+/// of regula falsi (Dowell and Jarratt, BIT 11, 1971) with bisection where it stalls.
+#[cold]
+fn locate<const N: usize>(
+    flow: &impl Flow<N>,
+    x: &[f64; N],
+    rate: &[f64; N],
+    h: f64,
+    tolerance: f64,
+) -> Step<N> {
+    let at = |t: f64| flow.carried(x, rate, t).0;
+    let (mut low, mut high) = (0.0, h);
+    let mut x_high = at(high);
+    let (mut g_low, mut g_high) = (flow.guard(0.0, x).max(0.0), flow.guard(h, &x_high));
+    let negligible = tolerance * (g_low - g_high);
+    // The end that the last iteration moved, if any: one that stays twice is weighed down.
+    let mut moved = None;
+    for iteration in 1..=LOCATE_ITERATIONS {
+        if high - low <= tolerance * h {
+            break;
+        }
+        let secant = (low * g_high - high * g_low) / (g_high - g_low);
+        let t = if iteration % HALVED_EVERY == 0 || !(secant > low && secant < high) {
+            0.5 * (low + high)
+        } else {
+            secant
+        };
+        let x_t = at(t);
+        let g = flow.guard(t, &x_t);
+        if g > 0.0 {
+            (low, g_low) = (t, g);
+            if moved == Some(End::Low) {
+                g_high *= 0.5;
+            }
+            moved = Some(End::Low);
+        } else {
+            (high, g_high, x_high) = (t, g, x_t);
+            if -g <= negligible {
+                break;
+            }
+            if moved == Some(End::High) {
+                g_low *= 0.5;
+            }
+            moved = Some(End::High);
+        }
+    }
+    Step {
+        taken: high,
+        x: x_high,
+        event: true,
+    }
+}

@@ -205,6 +205,13 @@ impl Predictor {
 
     /// Lets the drive alone run on to `to_s` of the run: the device is restarted there.
     fn skip_to(&self, running: &mut Running, series: &Series, to_s: f64) {
+        // What it was told before the last that it still remembers makes no difference.
+        let forgotten_s = to_s - self.device.drive.memory_s();
+        let told = series.input_time.partition_point(|&at| at <= forgotten_s);
+        if let Some(last) = told.checked_sub(1).filter(|&i| i > running.next_input) {
+            running.next_input = last;
+            running.now_s = series.input_time[last];
+        }
         loop {
             let next = series.input_time.get(running.next_input);
             let until = next.map_or(to_s, |&at| at.min(to_s));

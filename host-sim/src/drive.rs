@@ -34,6 +34,12 @@ impl Drive {
         }
     }
 
+    /// Time after which an input that another has followed makes no difference that rounding shows, s.
+    pub fn memory_s(&self) -> f64 {
+        const LAGS: f64 = 40.0;
+        self.delay_s + LAGS * self.lag_s
+    }
+
     /// Joint torque once delay and lag have passed, N m.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {

@@ -332,7 +332,9 @@ proptest! {
             linked.friction.stribeck.ratio = 1.5;
             linked.friction.stribeck.velocity = 0.2;
         }
+        // An impact makes ten times as much of what came before it.
+        let most = if play > 0.0 { 2e-2 } else { 1e-3 };
         let error = error_of_quick(&linked);
-        prop_assert!(error < 3e-3, "{error}");
+        prop_assert!(error < most, "{error}");
     }
 }

@@ -28,6 +28,8 @@ const MANY_ITERATIONS: usize = 6;
 const PROMISING: usize = 14;
 const PROMISING_BESIDE_MASSES: usize = 6;
 const SCREENING_ITERATIONS: usize = 4;
+/// More for the best one before others are scanned.
+const LAST_ITERATIONS: usize = 10;
 /// Samples that suffice to tell the promising effects from the others, and fewest windows.
 const SCREENING_SAMPLES: f64 = 3000.0;
 const SCREENING_WINDOWS: f64 = 12.0;
@@ -36,8 +38,9 @@ const WIDELY: f64 = 0.5;
 /// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
 /// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
-/// Windows of a block.
-const BLOCK: usize = 8;
+/// Windows of a block, at least and at most, and fewest blocks.
+const BLOCK: [usize; 2] = [4, 8];
+const FEWEST_BLOCKS: f64 = 3.0;
 
 /// The windows on which starts are compared, on top of what is known.
 struct Field<'a> {
@@ -154,7 +157,7 @@ impl Search<'_> {
             }
         });
         // What is scanned takes more numbers and most of the time.
-        if !scans.is_empty() && !self.suffices(&rivals) {
+        if !scans.is_empty() && !self.suffices(&mut rivals, chosen) {
             let quarter = problem.quarter.as_deref();
             let soon = quarter.map(|quarter| Field::new(quarter, field.known, blocks(quarter)));
             let whole = Field::new(problem, field.known, blocks(problem));
@@ -177,10 +180,21 @@ impl Search<'_> {
         rivals
     }
 
-    /// True if one of the rivals leaves no more than a perfect model does.
-    fn suffices(&self, rivals: &[Rival]) -> bool {
+    /// True if the best of the rivals leaves no more than a perfect model does, once it is fitted to the end.
+    fn suffices(&self, rivals: &mut [Rival], chosen: &[bool]) -> bool {
+        let best = rivals
+            .iter_mut()
+            .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+        let Some(Rival { fit, .. }) = best else {
+            return false;
+        };
         let enough = self.perfect.level + QUIET_EXCESS;
-        rivals.iter().any(|rival| level(&rival.fit) <= enough)
+        if level(fit) > enough {
+            let (hypothesis, x) = (&fit.hypothesis, fit.x.clone());
+            let part = Part::Chosen(chosen);
+            *fit = self.problem.fit(hypothesis, x, part, LAST_ITERATIONS);
+        }
+        level(fit) <= enough
     }
 
     fn has_two_masses(&self, fit: &Fit) -> bool {
@@ -317,19 +331,24 @@ fn first(mut costs: Vec<(f64, &Term)>) -> Vec<Term> {
 /// settles in the first of a block.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     // As long for windows that are a quarter as long.
-    let length = if problem.quarter.is_some() {
-        BLOCK
-    } else {
-        4 * BLOCK
+    let [fewest, most] = match problem.quarter {
+        Some(_) => BLOCK,
+        None => BLOCK.map(|windows| 4 * windows),
     };
-    let share = screening_share(problem, 3.0 * length as f64);
+    let of_all = SCREENING_SAMPLES / samples(problem) * problem.window_count() as f64;
+    let length = ((of_all / FEWEST_BLOCKS).ceil() as usize).clamp(fewest, most);
+    let share = screening_share(problem, FEWEST_BLOCKS * length as f64);
     (0..problem.window_count())
         .map(|w| turn(w / length) < share)
         .collect()
 }
 
+fn samples(problem: &Problem<'_>) -> f64 {
+    let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
+    samples as f64
+}
+
 /// Share of the windows on which effects are screened, `fewest` of them at least.
 fn screening_share(problem: &Problem<'_>, fewest: f64) -> f64 {
-    let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
-    (SCREENING_SAMPLES / samples as f64).max(fewest / problem.window_count() as f64)
+    (SCREENING_SAMPLES / samples(problem)).max(fewest / problem.window_count() as f64)
 }

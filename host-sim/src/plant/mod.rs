@@ -14,6 +14,7 @@ mod barrier;
 mod cogging;
 mod event;
 mod friction;
+mod glide;
 mod link;
 mod pace;
 mod parts;
@@ -190,7 +191,7 @@ pub struct Plant {
     pace: Pace,
     longest_step_s: f64,
     longest_closed_step_s: f64,
-    longest_gentle_step_s: f64,
+    longest_glide_s: f64,
 }
 
 impl Plant {
@@ -210,6 +211,10 @@ impl Plant {
         let parts = Parts::of(&mechanics);
         let passing_barriers = parts.barriers.iter().any(|b| b.during_s.is_some());
         let rate = mechanics.fastest_rate();
+        let may_glide = mechanics.friction.is_plain()
+            && !passing_barriers
+            && !parts.has_link
+            && !parts.has_bristles;
         let of_link = |rate: fn(&Link, f64) -> f64| {
             let link = mechanics.link.as_ref();
             link.map_or(0.0, |link| rate(link, mechanics.inertia))
@@ -240,7 +245,11 @@ impl Plant {
             },
             pace,
             longest_step_s: pace.rate_step / (rate + of_link(Link::fastest_rate)),
-            longest_gentle_step_s: pace.gentle_rate_step / rate,
+            longest_glide_s: if may_glide {
+                pace.glide_rate_step / rate
+            } else {
+                0.0
+            },
             longest_closed_step_s: (CLOSED_RATE_STEP / rate).min(closed_link_step_s),
             mechanics,
         }

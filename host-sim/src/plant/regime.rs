@@ -3,7 +3,7 @@
 use super::event::{self, Flow};
 use super::link::Flank;
 use super::pendulum::Pendulum;
-use super::runge_kutta::{midpoint, rk4};
+use super::runge_kutta::rk4;
 use super::two_mass::TwoMass;
 use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
 
@@ -23,8 +23,6 @@ struct Regime<'a, const N: usize> {
     held: bool,
     load: LoadSide,
     constant_friction_nm: Option<f64>,
-    /// Whether the midpoint is as good as four stages.
-    gentle: bool,
     /// The link, where it is stepped in closed form.
     closed: Option<Closed>,
     touch: &'a [Touch; BARRIERS],
@@ -53,7 +51,7 @@ const fn has_bristles(n: usize) -> bool {
 impl Mechanics {
     /// Friction that grows with velocity, N m.
     #[inline(always)]
-    fn drag(&self, velocity: f64) -> f64 {
+    pub(super) fn drag(&self, velocity: f64) -> f64 {
         (self.viscous + self.drag * velocity.abs()) * velocity
     }
 }
@@ -61,7 +59,7 @@ impl Mechanics {
 impl Plant {
     /// What acts where the motor is, dry friction apart, N m.
     #[inline(always)]
-    fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
+    pub(super) fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
         let torque = drive_nm + self.mechanics.offset_nm;
         if self.parts.has_cogging {
             torque + self.parts.cogging.torque(position)
@@ -72,7 +70,7 @@ impl Plant {
 
     /// What acts where the load is, N m.
     #[inline(always)]
-    fn load_side(
+    pub(super) fn load_side(
         &self,
         pendulum: &Pendulum,
         touch: &[Touch; BARRIERS],
@@ -172,7 +170,7 @@ impl Plant {
     /// Carries `state` over `dt_s` under `torque`.
     #[inline]
     pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
-        if self.stays_at_rest(state, &torque, dt_s) {
+        if self.stays_at_rest(state, &torque, dt_s) || self.glides(state, &torque, dt_s) {
             state.time_s += dt_s;
             return;
         }
@@ -372,12 +370,6 @@ impl Plant {
             time_s: state.time_s,
             direction,
             held,
-            gentle: !is_linked(N)
-                && self.plain
-                && h <= self.longest_gentle_step_s
-                && torque.is_held()
-                && state.phase != Phase::Bristle
-                && !state.touch.contains(&Touch::Pushing),
             closed: closed.then(|| self.closed_link(state, [held, load.held])),
             load,
             constant_friction_nm: (self.plain || direction == 0.0).then(|| {
@@ -530,9 +522,17 @@ impl<const N: usize> Regime<'_, N> {
 
     fn state_at(&self, x: &[f64; N]) -> State {
         let mut state = State {
+            time_s: self.time_s,
+            position: 0.0,
+            velocity: 0.0,
+            load_position: 0.0,
+            load_velocity: 0.0,
+            deflection: 0.0,
+            phase: Phase::Stick,
+            load_phase: Phase::Stick,
             touch: *self.touch,
             pendulum: self.pendulum,
-            ..self.plant.state(self.time_s, 0.0, 0.0)
+            rest: Rest::UNKNOWN,
         };
         unpack(x, &mut state);
         state
@@ -640,7 +640,6 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
     fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]) {
         match &self.closed {
             Some(closed) if is_linked(N) => self.in_closed_form(&closed.masses, x, rate, t),
-            _ if self.gentle => midpoint(self, x, rate, t),
             _ => rk4(self, x, rate, t),
         }
     }

@@ -1,4 +1,4 @@
-//! Steps of a smooth flow of fourth and of second order.
+//! Fourth-order steps of a smooth flow.
 
 use super::event::Flow;
 
@@ -21,16 +21,4 @@ pub(super) fn rk4<const N: usize>(
     let k4 = flow.rate(h, &offset(x, h, &k3));
     let end = core::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
     (end, k4)
-}
-
-/// One step of the midpoint rule, likewise; the rate is the one halfway.
-#[inline]
-pub(super) fn midpoint<const N: usize>(
-    flow: &impl Flow<N>,
-    x: &[f64; N],
-    k1: &[f64; N],
-    h: f64,
-) -> ([f64; N], [f64; N]) {
-    let k2 = flow.rate(0.5 * h, &offset(x, 0.5 * h, k1));
-    (offset(x, h, &k2), k2)
 }

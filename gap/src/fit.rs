@@ -53,7 +53,7 @@ const LONGEST_MOVE: f64 = 1.5;
 /// Coordinates stay within this: a factor of 20 from where they start, or five of their scales.
 const REACH: f64 = 5.0;
 /// Moves of one coordinate that are tried where no slope leads on, and how often.
-const POLLED: [f64; 6] = [-0.4, -0.1, -0.02, 0.02, 0.1, 0.4];
+const POLLED: [f64; 10] = [-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4];
 const MOST_POLLS: usize = 3;
 /// What such a move must gain in robust cost: less is within what a window leaves by chance.
 const POLL_GAIN: f64 = 0.5;
@@ -86,13 +86,13 @@ impl Problem<'_> {
         pairs.map(|(a, b)| if a.is_nan() { b } else { a }).collect()
     }
 
-    /// A fit to all windows carried on until looking to both sides along each coordinate leads no further: slopes say
-    /// nothing across a kink or a step.
+    /// A fit to all windows carried on until looking to both sides along each coordinate of its effects leads no further:
+    /// slopes say nothing across a kink or a step.
     pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
         let mut best = self.fit(&fit.hypothesis, fit.x.clone(), Part::All, iterations);
         for _ in 0..MOST_POLLS {
             let total = best.costs.sum();
-            let beside: Vec<Vec<f64>> = (0..best.x.len())
+            let beside: Vec<Vec<f64>> = (self.nudges.len()..best.x.len())
                 .flat_map(|i| POLLED.map(|by| (i, by)))
                 .map(|(i, by)| {
                     let mut x = best.x.clone();

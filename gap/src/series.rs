@@ -283,7 +283,9 @@ fn session_offsets(recording: &Recording) -> Vec<f64> {
     let mut clock = 0.0;
     let offsets = recording.runs.iter().map(|run| {
         let offset = clock - run.time.first().copied().unwrap_or(0.0);
-        clock += run.duration_s();
+        // The last sample lasts as long as the others: the next run begins after it, not with it.
+        let periods = run.time.len().saturating_sub(1).max(1) as f64;
+        clock += run.duration_s() * (1.0 + 1.0 / periods);
         offset
     });
     offsets.collect()
@@ -334,5 +336,14 @@ mod tests {
             let acting = sign * LIMIT * (3.0 * PERIOD_S + 0.5 * (HORIZON_S - 3.0 * PERIOD_S));
             assert!((impulse - acting).abs() < 1e-9, "{impulse} {acting}");
         }
+    }
+
+    #[test]
+    fn no_two_samples_of_a_session_share_an_instant() {
+        let mut recording = stepping();
+        recording.runs.push(recording.runs[0].clone());
+        let series = full(&recording, HORIZON_S);
+        let last = series[0].session(series[0].time.len() - 1);
+        assert!((series[1].session(0) - last - PERIOD_S).abs() < 1e-9);
     }
 }

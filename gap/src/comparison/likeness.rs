@@ -20,6 +20,10 @@ const MOST_JUMPS: usize = 12;
 /// A jump must reduce the squares by this, in variances, and be this high, in standard deviations.
 const JUMP_GAIN: f64 = 40.0;
 const JUMP_HEIGHT: f64 = 3.0;
+/// And this share of the highest.
+const LEAST_JUMP: f64 = 0.1;
+/// Samples between two jumps at least: a column that lags shows the kick of a loop that believed the jump.
+const APART: usize = 10;
 /// Within this share of what the best one closes, fewer parameters win.
 const PARSIMONY: f64 = 0.01;
 
@@ -218,7 +222,7 @@ impl<'a> Scope<'a> {
         while edges.len() < MOST_JUMPS + 2 {
             let splits = edges.windows(2).flat_map(|pair| {
                 let (from, to) = (pair[0], pair[1]);
-                (from + 1..to).map(move |at| (from, at, to))
+                (from + APART..(to + 1).saturating_sub(APART)).map(move |at| (from, at, to))
             });
             let gains = splits.map(|(from, at, to)| {
                 let ((a, n), (b, m)) = (total(from, at), total(at, to));
@@ -236,14 +240,29 @@ impl<'a> Scope<'a> {
             edges.push(at);
             edges.sort_unstable();
         }
-        let steps: Vec<f64> = edges
-            .windows(3)
-            .flat_map(|edge| {
+        // Level before each edge and height there.
+        let steps = |edges: &[usize]| -> Vec<(usize, f64, f64)> {
+            let steps = edges.windows(3).map(|edge| {
                 let ((a, n), (b, m)) = (total(edge[0], edge[1]), total(edge[1], edge[2]));
-                let at_s = 0.5 * (times[edge[1] - 1] + times[edge[1]]);
-                [at_s, b / m - a / n]
-            })
-            .collect();
+                (edge[1], a / n, b / m - a / n)
+            });
+            steps.collect()
+        };
+        let all = steps(&edges);
+        let highest = all.iter().fold(0.0f64, |high, step| high.max(step.2.abs()));
+        let small = all
+            .iter()
+            .filter(|step| step.2.abs() < LEAST_JUMP * highest);
+        for (at, ..) in small {
+            edges.retain(|edge| edge != at);
+        }
+        let timed = |(at, level, height): (usize, f64, f64)| {
+            // Samples that are means show by their heights when within them it jumped.
+            let share = |i: usize| ((self.difference[i] - level) / height).clamp(0.0, 1.0);
+            let late = 0.5 - share(at - 1) - (share(at) - 1.0);
+            [times[at - 1] + late * (times[at] - times[at - 1]), height]
+        };
+        let steps: Vec<f64> = steps(&edges).into_iter().flat_map(timed).collect();
         (!steps.is_empty()).then_some(steps)
     }
 

@@ -436,7 +436,7 @@ mod tests {
         let found = comparison.like().unwrap();
         assert_eq!(found.kind.name, "lost_counts");
         assert_eq!(found.values.len(), 2);
-        assert!((found.values[0] - 3.2).abs() < 0.01 && (found.values[1] - 0.04).abs() < 0.002);
+        assert!((found.values[0] - 3.2).abs() < PERIOD_S && (found.values[1] - 0.04).abs() < 0.002);
     }
 
     #[test]

@@ -12,10 +12,6 @@ const UPPER_QUARTILE: f64 = 1.15;
 /// More jumps than this are noise of another kind.
 const MOST_JUMPS: usize = 12;
 
-/// Samples after a jump within which a step of less than this share of it is the loop's answer.
-const KICKED: usize = 10;
-const KICK: f64 = 0.3;
-
 /// The jumps found, as one term with time and height of each; none if there are none.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let mut jumps = Vec::new();
@@ -36,18 +32,15 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             .collect();
         let sizes: Vec<f64> = breaks.iter().map(|b| b.abs()).collect();
         let spread = (quantile(&sizes, 0.75) / UPPER_QUARTILE).max(e.scales.noise);
-        let mut found: Vec<(usize, f64)> = Vec::new();
         for (i, height) in breaks.iter().enumerate() {
             // A step shows in the slopes beside it too: the largest of neighbours is the step.
             let near = &sizes[i.saturating_sub(2)..(i + 3).min(sizes.len())];
             let largest = near.iter().all(|size| *size <= height.abs());
             if largest && height.abs() > STEP_RATIO * spread {
                 let height = height_around(&series.time, x, i).unwrap_or(*height);
-                found.push((i, height));
+                jumps.push((series.session(i - 1), series.session(i), height));
             }
         }
-        let jumped = found.iter().filter(|jump| !is_kick(jump, &found));
-        jumps.extend(jumped.map(|&(i, height)| (series.session(i - 1), series.session(i), height)));
     }
     if jumps.is_empty() || jumps.len() > MOST_JUMPS {
         return Vec::new();
@@ -70,13 +63,6 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
     }
     vec![persisting, term(kind, &anew)]
-}
-
-/// True for what comes just after a much larger jump: a loop that believes the jump kicks the device.
-fn is_kick(&(at, height): &(usize, f64), found: &[(usize, f64)]) -> bool {
-    found.iter().any(|&(before, larger)| {
-        at > before && at - before < KICKED && height.abs() < KICK * larger.abs()
-    })
 }
 
 /// Height of a jump that samples `i − 1` to `i` show, of which their neighbours, as means, may show a part.

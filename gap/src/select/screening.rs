@@ -38,9 +38,8 @@ const WIDELY: f64 = 0.5;
 /// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
 /// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
-/// Windows of a block, at least and at most, and fewest blocks.
-const BLOCK: [usize; 2] = [4, 8];
-const FEWEST_BLOCKS: f64 = 3.0;
+/// Windows of a block.
+const BLOCK: usize = 8;
 
 /// The windows on which starts are compared, on top of what is known.
 struct Field<'a> {
@@ -331,24 +330,19 @@ fn first(mut costs: Vec<(f64, &Term)>) -> Vec<Term> {
 /// settles in the first of a block.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     // As long for windows that are a quarter as long.
-    let [fewest, most] = match problem.quarter {
-        Some(_) => BLOCK,
-        None => BLOCK.map(|windows| 4 * windows),
+    let length = if problem.quarter.is_some() {
+        BLOCK
+    } else {
+        4 * BLOCK
     };
-    let of_all = SCREENING_SAMPLES / samples(problem) * problem.window_count() as f64;
-    let length = ((of_all / FEWEST_BLOCKS).ceil() as usize).clamp(fewest, most);
-    let share = screening_share(problem, FEWEST_BLOCKS * length as f64);
+    let share = screening_share(problem, 3.0 * length as f64);
     (0..problem.window_count())
         .map(|w| turn(w / length) < share)
         .collect()
 }
 
-fn samples(problem: &Problem<'_>) -> f64 {
-    let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
-    samples as f64
-}
-
 /// Share of the windows on which effects are screened, `fewest` of them at least.
 fn screening_share(problem: &Problem<'_>, fewest: f64) -> f64 {
-    (SCREENING_SAMPLES / samples(problem)).max(fewest / problem.window_count() as f64)
+    let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
+    (SCREENING_SAMPLES / samples as f64).max(fewest / problem.window_count() as f64)
 }

@@ -259,7 +259,7 @@ impl<'a> Scope<'a> {
         let timed = |(at, level, height): (usize, f64, f64)| {
             // Samples that are means show by their heights when within them it jumped.
             let share = |i: usize| ((self.difference[i] - level) / height).clamp(0.0, 1.0);
-            let late = 0.5 - share(at - 1) - (share(at) - 1.0);
+            let late = 1.5 - share(at - 1) - share(at);
             [times[at - 1] + late * (times[at] - times[at - 1]), height]
         };
         let steps: Vec<f64> = steps(&edges).into_iter().flat_map(timed).collect();

@@ -35,10 +35,8 @@ const DIP_SAMPLES: usize = 8;
 
 /// Steps by `h`, or to the first event if the guard ends before.
 ///
-/// An event is located by re-integrating to trial instants, so that it is as exact as the step
-/// itself; the state returned is the first one past it.
-///
-/// An event is located to a share `tolerance` of the step; with none the step is taken whole, whatever the guard says.
+/// An event is located by re-integrating to trial instants, to a share `tolerance` of the step; the state returned is the
+/// first one past it. With no tolerance the step is taken whole, whatever the guard says.
 #[inline]
 pub(super) fn advance<const N: usize>(
     flow: &impl Flow<N>,
@@ -50,13 +48,14 @@ pub(super) fn advance<const N: usize>(
     let (end, end_rate) = flow.carried(x, &rate, h);
     if let Some(tolerance) = tolerance {
         if flow.guard(h, &end) < 0.0 {
-            return locate(flow, x, &rate, h, tolerance);
+            return locate(flow, x, &rate, (h, end), tolerance);
         }
         if flow.may_dip(h, [x, &end], [&rate, &end_rate]) {
             for i in 1..DIP_SAMPLES {
                 let t = h * i as f64 / DIP_SAMPLES as f64;
-                if flow.guard(t, &flow.carried(x, &rate, t).0) < 0.0 {
-                    return locate(flow, x, &rate, t, tolerance);
+                let x_t = flow.carried(x, &rate, t).0;
+                if flow.guard(t, &x_t) < 0.0 {
+                    return locate(flow, x, &rate, (t, x_t), tolerance);
                 }
             }
         }
@@ -75,19 +74,18 @@ enum End {
     High,
 }
 
-/// The first instant in (0, `h`] past which the guard is negative, to a share `tolerance` of `h`, by the Illinois variant
-/// of regula falsi (Dowell and Jarratt, BIT 11, 1971) with bisection where it stalls.
+/// The first instant past which the guard is negative, up to one that is with its state, `past`, and to a share `tolerance`
+/// of that, by the Illinois variant of regula falsi (Dowell and Jarratt, BIT 11, 1971) with bisection where it stalls.
 #[cold]
 fn locate<const N: usize>(
     flow: &impl Flow<N>,
     x: &[f64; N],
     rate: &[f64; N],
-    h: f64,
+    past: (f64, [f64; N]),
     tolerance: f64,
 ) -> Step<N> {
-    let at = |t: f64| flow.carried(x, rate, t).0;
+    let (h, mut x_high) = past;
     let (mut low, mut high) = (0.0, h);
-    let mut x_high = at(high);
     let (mut g_low, mut g_high) = (flow.guard(0.0, x).max(0.0), flow.guard(h, &x_high));
     let negligible = tolerance * (g_low - g_high);
     // The end that the last iteration moved, if any: one that stays twice is weighed down.
@@ -102,7 +100,7 @@ fn locate<const N: usize>(
         } else {
             secant
         };
-        let x_t = at(t);
+        let x_t = flow.carried(x, rate, t).0;
         let g = flow.guard(t, &x_t);
         if g > 0.0 {
             (low, g_low) = (t, g);

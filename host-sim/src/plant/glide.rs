@@ -1,7 +1,7 @@
 //! Sliding with nothing stiff in action, which most steps are: the midpoint rule, without a look for what may happen
 //! within.
 
-use super::{Plant, State, Torque, Touch};
+use super::{Barrier, Plant, State, Torque, Touch};
 
 impl Plant {
     /// Carries `state` over `dt_s` if nothing but gentle sliding happens meanwhile; false, and as it was, if anything
@@ -33,11 +33,9 @@ impl Plant {
         let halfway = acceleration(state.position + 0.5 * dt_s * state.velocity, midway);
         let velocity = state.velocity + dt_s * halfway;
         let turns = direction * midway <= 0.0 || direction * velocity <= 0.0;
-        let barriers = self.parts.barriers.iter().zip(&state.touch);
-        let meets = |(barrier, touch): (&super::Barrier, &Touch)| {
-            barrier.guard(*touch, position, velocity) < 0.0
-        };
-        if turns || barriers.into_iter().any(meets) {
+        let meets =
+            |(barrier, touch): (&Barrier, &Touch)| barrier.guard(*touch, position, velocity) < 0.0;
+        if turns || self.parts.barriers.iter().zip(&state.touch).any(meets) {
             return false;
         }
         state.position = position;

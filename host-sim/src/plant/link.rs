@@ -24,8 +24,8 @@ pub struct Link {
 pub(super) enum Flank {
     /// They do not.
     Apart,
-    /// They push each other, at this twist or beyond it, rad.
-    Pushing { relaxed: f64, side: f64 },
+    /// They push each other and never pull, on the side of this sign of the twist.
+    Pushing(f64),
     /// Without play they also pull.
     Bound,
 }
@@ -41,6 +41,15 @@ impl Link {
         sensor_on_load: false,
     };
 
+    /// How far one side stands into the other past the play, and how far their torque would bend the spring, rad.
+    #[inline]
+    fn depth_and_push(&self, side: f64, twist: f64, rate: f64) -> (f64, f64) {
+        // Torques are made positions by the stiffness, so that both have one unit.
+        let follows_s = self.damping / self.stiffness.max(f64::MIN_POSITIVE);
+        let depth = side * twist - 0.5 * self.play;
+        (depth, depth + follows_s * side * rate)
+    }
+
     /// At a relative position and velocity.
     #[inline]
     pub(super) fn flank(&self, twist: f64, rate: f64) -> Flank {
@@ -48,10 +57,9 @@ impl Link {
             return Flank::Bound;
         }
         let side = 1f64.copysign(twist);
-        let depth = side * twist - 0.5 * self.play;
-        if depth >= 0.0 && self.stiffness * depth + self.damping * side * rate > 0.0 {
-            let relaxed = 0.5 * self.play * side;
-            Flank::Pushing { relaxed, side }
+        let (depth, push) = self.depth_and_push(side, twist, rate);
+        if depth >= 0.0 && push > 0.0 {
+            Flank::Pushing(side)
         } else {
             Flank::Apart
         }
@@ -60,36 +68,34 @@ impl Link {
     /// Positive while `flank` lasts, rad.
     #[inline]
     pub(super) fn guard(&self, flank: Flank, twist: f64, rate: f64) -> f64 {
-        // Torques are made positions by the stiffness, so that both guards have one unit.
-        let follows_s = self.damping / self.stiffness.max(f64::MIN_POSITIVE);
         match flank {
             Flank::Bound => f64::INFINITY,
-            Flank::Pushing { relaxed, side } => {
-                let depth = side * (twist - relaxed);
-                depth.min(depth + follows_s * side * rate)
+            Flank::Pushing(side) => {
+                let (depth, push) = self.depth_and_push(side, twist, rate);
+                depth.min(push)
             }
             Flank::Apart => {
-                let side = 1f64.copysign(twist);
-                let depth = side * twist - 0.5 * self.play;
-                (-depth).max(-depth - follows_s * side * rate)
+                let (depth, push) = self.depth_and_push(1f64.copysign(twist), twist, rate);
+                (-depth).max(-push)
             }
+        }
+    }
+
+    /// Stiffness, damping and relaxed twist within a flank, N m/rad, N m s/rad and rad.
+    #[inline]
+    pub(super) fn spring(&self, flank: Flank) -> (f64, f64, f64) {
+        match flank {
+            Flank::Apart => (0.0, 0.0, 0.0),
+            Flank::Pushing(side) => (self.stiffness, self.damping, 0.5 * self.play * side),
+            Flank::Bound => (self.stiffness, self.damping, 0.0),
         }
     }
 
     /// Torque from the motor side on the load side at a relative position and velocity, N m.
     #[inline]
     pub(super) fn torque(&self, twist: f64, rate: f64) -> f64 {
-        if self.play == 0.0 {
-            return self.stiffness * twist + self.damping * rate;
-        }
-        // The flanks of a play push and never pull.
-        let side = twist.signum();
-        let depth = side * twist - 0.5 * self.play;
-        if depth <= 0.0 {
-            0.0
-        } else {
-            side * (self.stiffness * depth + self.damping * side * rate).max(0.0)
-        }
+        let (stiffness, damping, relaxed) = self.spring(self.flank(twist, rate));
+        stiffness * (twist - relaxed) + damping * rate
     }
 
     /// Fastest rate of the relative motion without its damping, 1/s.

@@ -306,11 +306,7 @@ impl Plant {
             state.position - state.load_position,
             state.velocity - state.load_velocity,
         );
-        let (stiffness, damping, relaxed) = match flank {
-            Flank::Apart => (0.0, 0.0, 0.0),
-            Flank::Pushing { relaxed, .. } => (link.stiffness, link.damping, relaxed),
-            Flank::Bound => (link.stiffness, link.damping, 0.0),
-        };
+        let (stiffness, damping, relaxed) = link.spring(flank);
         let mobility = |side: usize| {
             if held[side] {
                 0.0
@@ -547,9 +543,7 @@ impl<const N: usize> Regime<'_, N> {
             (x[0], x[1])
         }
     }
-}
 
-impl<const N: usize> Regime<'_, N> {
     /// What acts on motor side and load side, the link apart, N m, and the rate of the bristles. Without a link
     /// all of it acts on the motor side.
     #[inline(always)]
@@ -640,7 +634,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
     fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]) {
         match &self.closed {
             Some(closed) if is_linked(N) => self.in_closed_form(&closed.masses, x, rate, t),
-            _ => rk4(self, x, rate, t),
+            _ => rk4(|t, x| self.rate(t, x), x, rate, t),
         }
     }
 

@@ -91,13 +91,13 @@ impl Torque {
         )
     }
 
-    /// Mean over the next `t_s`, by Simpson's rule, N m.
+    /// Mean over the next `t_s`, N m.
     #[inline]
     pub(super) fn mean(&self, t_s: f64) -> f64 {
         if self.is_held() {
             return self.target_nm;
         }
-        (self.at(0.0) + 4.0 * self.at(0.5 * t_s) + self.at(t_s)) / 6.0
+        self.end_and_mean(t_s, (-t_s / self.lag_s).exp()).1
     }
 
     /// Least and greatest torque that are possible within the next `t_s`, N m: between start and target.

@@ -141,6 +141,7 @@ impl Propagator {
 
 #[cfg(test)]
 mod tests {
+    use super::super::runge_kutta::rk4;
     use super::*;
     use proptest::prelude::*;
 
@@ -148,18 +149,12 @@ mod tests {
     fn stepped(link: &TwoMass, mut x: [f64; 4], acceleration: [f64; 2], time_s: f64) -> [f64; 4] {
         const STEPS: usize = 1000;
         let h = time_s / STEPS as f64;
-        let rate = |x: [f64; 4]| {
-            let [motor, load] = link.accelerations(&x);
+        let rate = |_: f64, x: &[f64; 4]| {
+            let [motor, load] = link.accelerations(x);
             [x[1], acceleration[0] + motor, x[3], acceleration[1] + load]
         };
-        let offset =
-            |x: [f64; 4], h: f64, k: [f64; 4]| core::array::from_fn::<_, 4, _>(|i| x[i] + h * k[i]);
         for _ in 0..STEPS {
-            let k1 = rate(x);
-            let k2 = rate(offset(x, 0.5 * h, k1));
-            let k3 = rate(offset(x, 0.5 * h, k2));
-            let k4 = rate(offset(x, h, k3));
-            x = core::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+            x = rk4(rate, &x, &rate(0.0, &x), h).0;
         }
         x
     }

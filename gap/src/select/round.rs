@@ -58,7 +58,8 @@ impl Search<'_> {
     /// Tries every effect on top of `known`. Of effects with many starts, what `hints` found is the only
     /// one.
     pub(crate) fn round(&self, known: &Fit, hints: &[Rival]) -> Option<Round> {
-        self.round_with(known, hints, None)
+        let chosen = self.screening_windows(known);
+        self.round_of(known, self.screened(known, &chosen, hints), None)
     }
 
     /// An effect that is known to be there, at a known size.
@@ -80,9 +81,8 @@ impl Search<'_> {
         }
     }
 
-    fn round_with(&self, known: &Fit, hints: &[Rival], found: Option<Rival>) -> Option<Round> {
-        let chosen = self.screening_windows(known);
-        let screened = self.screened(known, &chosen, hints);
+    /// The round of what screening left on top of `known`, and of what was `found` there otherwise.
+    fn round_of(&self, known: &Fit, screened: Vec<Rival>, found: Option<Rival>) -> Option<Round> {
         let mut rivals = self.finals(screened.clone(), known);
         if let Some(found) = found {
             rivals
@@ -109,31 +109,50 @@ impl Search<'_> {
             .costs(&null.hypothesis, &null.x, Part::Chosen(&chosen))
             .level();
         let most = self.perfect.level + LITTLE * (unexplained - self.perfect.level);
-        let mut screened = Vec::new();
+        let mut looked: Vec<(&Rival, Vec<Rival>)> = Vec::new();
         for leader in leaders {
-            let beside = self.screened(&leader.fit, &chosen, &hints);
-            if screened.is_empty() {
-                hints.extend(beside.iter().filter(|rival| bounces(rival.name)).cloned());
+            let screened = self.screened(&leader.fit, &chosen, &hints);
+            if looked.is_empty() {
+                hints.extend(screened.iter().filter(|r| bounces(r.name)).cloned());
             }
-            screened.extend(beside);
-            if screened.iter().any(|rival| level(&rival.fit) <= most) {
+            let enough = screened.iter().any(|rival| level(&rival.fit) <= most);
+            looked.push((leader, screened));
+            if enough {
                 break;
             }
         }
-        let both = ranked(self.finals(screened, null), null)?.swap_remove(0);
+        let screened = looked.iter().flat_map(|(_, screened)| screened).cloned();
+        let both = ranked(self.finals(screened.collect(), null), null)?.swap_remove(0);
         if !worth(&both.fit) {
             return None;
         }
         let turned = turned(&both, null)?;
         // Each in turn is looked for anew beside the other.
-        let mut beside_second =
-            self.round_with(&self.without_last(&turned, null), &hints, Some(turned))?;
-        let winner = &beside_second.rivals[0];
-        let both = self::turned(winner, null)?;
-        let first_alone = self.without_last(&both, null);
-        let beside_first = self.round_with(&first_alone, &hints, Some(both))?;
+        let (second_alone, screened) = self.beside(&turned, null, &looked, &hints);
+        let mut beside_second = self.round_of(&second_alone, screened, Some(turned))?;
+        let both = self::turned(&beside_second.rivals[0], null)?;
+        let (first_alone, screened) = self.beside(&both, null, &looked, &hints);
+        let beside_first = self.round_of(&first_alone, screened, Some(both))?;
         beside_second.so_far = first_alone;
         (beside_second.earned && beside_first.earned).then_some([beside_second, beside_first])
+    }
+
+    /// The first of two effects alone on top of `null`, and what screening finds beside it, unless that was `looked` at.
+    fn beside(
+        &self,
+        both: &Rival,
+        null: &Fit,
+        looked: &[(&Rival, Vec<Rival>)],
+        hints: &[Rival],
+    ) -> (Fit, Vec<Rival>) {
+        let first = both.fit.hypothesis.terms.first().map(|term| term.kind.name);
+        if let Some((leader, screened)) = looked.iter().find(|(l, _)| Some(l.name) == first) {
+            return (leader.fit.clone(), screened.clone());
+        }
+        let alone = self.without_last(both, null);
+        let chosen = self.screening_windows(&alone);
+        let screened = self.screened(&alone, &chosen, hints);
+        (alone, screened)
     }
 
     /// A rival without its last effect, fitted anew on top of `null`.

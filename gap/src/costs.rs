@@ -46,4 +46,9 @@ impl Costs {
     pub(crate) fn level(&self) -> f64 {
         self.sum() / self.taken().count().max(1) as f64
     }
+
+    /// The same without the prior.
+    pub(crate) fn mean(&self) -> f64 {
+        self.level() - self.prior / self.taken().count().max(1) as f64
+    }
 }

@@ -193,15 +193,14 @@ impl Problem<'_> {
                 break;
             }
             let stale = iteration % NUDGES_EVERY != 0;
-            for i in known.len()..n {
-                let at = i - known.len();
-                if at == slopes.len() {
-                    slopes.push(Slope::new());
-                } else if stale && i < self.nudges.len() {
-                    continue;
+            let begun = !slopes.is_empty();
+            slopes.resize(n - known.len(), Slope::new());
+            slopes.par_iter_mut().enumerate().for_each(|(at, slope)| {
+                let i = at + known.len();
+                if !(begun && stale && i < self.nudges.len()) {
+                    *slope = self.slope(hypothesis, &x, &residuals, i, difference, part);
                 }
-                slopes[at] = self.slope(hypothesis, &x, &residuals, i, difference, part);
-            }
+            });
             let columns: Vec<Vec<Vec<f64>>> = known
                 .iter()
                 .chain(&slopes)

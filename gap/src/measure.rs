@@ -85,10 +85,13 @@ pub(crate) fn restart_sensitivity(
     predictor: &Predictor,
     series: &Series,
     predicted: &[f64],
-    wanted: impl Fn(usize) -> bool,
+    wanted: impl Fn(usize) -> bool + Sync,
 ) -> Vec<[f64; 2]> {
-    let value = predictor.predict_shifted(series, [SENSITIVITY_SHIFT, 0.0], &wanted);
-    let slope = predictor.predict_shifted(series, [0.0, SENSITIVITY_SHIFT], &wanted);
+    let shifted = |shift| predictor.predict_shifted(series, shift, &wanted);
+    let (value, slope) = rayon::join(
+        || shifted([SENSITIVITY_SHIFT, 0.0]),
+        || shifted([0.0, SENSITIVITY_SHIFT]),
+    );
     let shifted = value.iter().zip(&slope).zip(predicted);
     shifted
         .map(|((v, s), p)| [(v - p) / SENSITIVITY_SHIFT, (s - p) / SENSITIVITY_SHIFT])

@@ -7,6 +7,7 @@ use crate::measure::perfect_variance;
 use crate::predict::Predictor;
 use crate::series::Series;
 use crate::whitening::{Whitening, dot, whitenings};
+use rayon::prelude::*;
 use recording::Recording;
 
 /// What every fit shares.
@@ -125,7 +126,7 @@ impl Problem<'_> {
 
     /// Measured minus predicted, per series.
     pub(crate) fn residuals(&self, predictor: &Predictor, part: Part<'_>) -> Vec<Vec<f64>> {
-        let pairs = self.series.iter().zip(self.bases());
+        let pairs = self.series.par_iter().zip(self.bases());
         pairs
             .map(|(series, base)| {
                 let wanted = |w: usize| part.has(base + w);

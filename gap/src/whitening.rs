@@ -80,7 +80,7 @@ pub(crate) fn whitenings(
     predictor: &Predictor,
     series: &Series,
     predicted: &[f64],
-    wanted: impl Fn(usize) -> bool + Copy,
+    wanted: impl Fn(usize) -> bool + Copy + Sync,
 ) -> Vec<Option<Whitening>> {
     let sensitivity = restart_sensitivity(predictor, series, predicted, wanted);
     let windows = series.windows.iter().enumerate();

@@ -1,76 +1,12 @@
 //! A perfect model's gap is the floor; a wrong one's is above it.
 
+mod made;
+
 use host_sim::device::Device;
 use host_sim::effects::Effect;
-use host_sim::plant::{Link, Plant, Torque};
-use host_sim::sensing::Reading;
-use recording::{Drive, Model, Recording, Run, Sensor};
-
-/// Deterministic, near-normal noise of unit variance: the sum of twelve uniform numbers.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        let uniform = || {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        };
-        core::iter::repeat_with(uniform).take(12).sum::<f64>() - 6.0
-    }
-}
-
-fn paddle() -> Model {
-    Model {
-        viscous: 1.78e-4,
-        coulomb: 0.004,
-        gravity: 0.01464,
-        ratio: 15.0,
-        ..Model::new(5.755e-4)
-    }
-}
-
-/// What a device that is exactly `model` leaves in a recording whose nominal model is `nominal`.
-fn recording(model: &Model, nominal: Model, noise: f64, resolution: f64, seed: u64) -> Recording {
-    recorded(&Device::nominal(model), nominal, noise, resolution, seed)
-}
-
-fn recorded(device: &Device, nominal: Model, noise: f64, resolution: f64, seed: u64) -> Recording {
-    let plant = Plant::new(device.mechanics.clone());
-    let mut state = plant.state(0.0, 0.05, 0.0);
-    let mut reading = Reading::at_rest(&device.sensing, 0.05);
-    let mut random = Noise(seed);
-    let (mut time, mut input, mut position) = (vec![], vec![], vec![]);
-    for i in 0..12_000 {
-        let t = f64::from(i) * 5e-4;
-        let u = 0.0015 * (11.0 * t).sin() + 0.0012 * (4.3 * t).cos();
-        let shown = reading.follow(&device.sensing, plant.seen(&state).0, 5e-4);
-        let seen = shown + noise * random.next();
-        time.push(t);
-        input.push(u);
-        position.push(if resolution > 0.0 {
-            (seen / resolution).round() * resolution
-        } else {
-            seen
-        });
-        plant.advance(&mut state, Torque::held(device.drive.settled(u)), 5e-4);
-    }
-    let mut recording = Recording::new("made for a test", 0.3, nominal);
-    recording.sensors.insert(
-        "position".into(),
-        Sensor {
-            resolution,
-            noise,
-            cutoff_hz: None,
-        },
-    );
-    recording
-        .runs
-        .push(Run::new("run.csv", Drive::OpenLoop, time, input, position));
-    recording
-}
+use host_sim::plant::Link;
+use made::{paddle, recorded, recording};
+use recording::Model;
 
 #[test]
 fn a_perfect_model_is_at_the_floor() {

@@ -110,7 +110,7 @@ fn is_quiet(fit: &Fit, perfect: &Perfect) -> bool {
     let windows = 0..fit.costs.per_sample.len();
     let worst = windows.fold(0.0f64, |worst, w| worst.max(fit.costs.log(w)));
     fit.is_likely()
-        && level(fit) - perfect.level <= QUIET_EXCESS + QUIET_ERRORS * perfect.error
+        && fit.costs.mean() - perfect.level <= QUIET_EXCESS + QUIET_ERRORS * perfect.error
         && worst - perfect.level <= perfect.worst + QUIET_WINDOW
 }
 
@@ -154,14 +154,15 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     selection.given = certain.is_some();
     let hints = first.screened.clone();
     let mut enough = first.earned && selection.suffices(problem, &first.so_far);
-    let alone = first.earned && selection.left(&first.so_far) < MOST_LEFT_ALONE;
+    let alone =
+        first.earned && first.so_far.is_likely() && selection.left(&first.so_far) < MOST_LEFT_ALONE;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let settled = alone || enough || selection.given;
     let pair =
         (promising && !settled).then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
     match pair.flatten() {
-        Some(pair) => {
-            selection.rounds.extend(pair);
+        Some(found) => {
+            selection.rounds.extend(found);
             enough = selection.suffices(problem, selection.fit());
         }
         None if first.earned => selection.rounds.push(first),

@@ -95,9 +95,9 @@ impl Search<'_> {
     }
 
     /// The two effects that explain most together, if each earns its place beside the other: the first
-    /// is one of those that came out best alone in `first`, the second is looked for on top of each. None where the fit
-    /// of both is not `worth` more.
-    pub(crate) fn pair(&self, first: &Round, worth: impl Fn(&Fit) -> bool) -> Option<[Round; 2]> {
+    /// is one of those that came out best alone in `first`, the second is looked for on top of each. One of them, where it
+    /// explains as much without the other. None where the fit of both is not `worth` more.
+    pub(crate) fn pair(&self, first: &Round, worth: impl Fn(&Fit) -> bool) -> Option<Vec<Round>> {
         let null = &first.known;
         // What bounces is looked for anew beside the best one.
         let mut hints = first.screened.clone();
@@ -130,11 +130,30 @@ impl Search<'_> {
         // Each in turn is looked for anew beside the other.
         let (second_alone, screened) = self.beside(&turned, null, &looked, &hints);
         let mut beside_second = self.round_of(&second_alone, screened, Some(turned))?;
+        if !beside_second.earned {
+            return self.alone(first, second_alone);
+        }
         let both = self::turned(&beside_second.rivals[0], null)?;
         let (first_alone, screened) = self.beside(&both, null, &looked, &hints);
         let beside_first = self.round_of(&first_alone, screened, Some(both))?;
+        if !beside_first.earned {
+            return self.alone(first, first_alone);
+        }
         beside_second.so_far = first_alone;
-        (beside_second.earned && beside_first.earned).then_some([beside_second, beside_first])
+        Some(vec![beside_second, beside_first])
+    }
+
+    /// The round of an effect that a search from beside another has led to, if it is the best one alone.
+    fn alone(&self, first: &Round, fit: Fit) -> Option<Vec<Round>> {
+        let name = fit.hypothesis.terms.first()?.kind.name;
+        if level(&fit) >= level(&first.rivals[0].fit) {
+            return None;
+        }
+        let mut rivals = first.rivals.clone();
+        rivals.retain(|rival| rival.name != name);
+        rivals.push(Rival { name, fit });
+        let round = self.judged(&first.known, first.screened.clone(), rivals)?;
+        round.earned.then(|| vec![round])
     }
 
     /// The first of two effects alone on top of `null`, and what screening finds beside it, unless that was `looked` at.

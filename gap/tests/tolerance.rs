@@ -1,0 +1,35 @@
+//! What a stated tolerance may be is no finding; what it may not be is one.
+
+mod made;
+
+use gap::diagnosis::{Diagnosis, Verdict};
+use gap::{Options, diagnose};
+use made::{paddle, recording};
+use recording::Model;
+
+/// A tolerance of a tenth, and a paddle whose damping lies so many of its deviations from the nominal one.
+fn diagnosed(deviations: f64, seed: u64) -> Diagnosis {
+    const TOLERANCE: f64 = 0.1;
+    let model = Model {
+        viscous: paddle().viscous * (1.0 + TOLERANCE * deviations),
+        ..paddle()
+    };
+    let mut recording = recording(&model, paddle(), 1e-4, 0.0, seed);
+    recording.tolerance.set("viscous", TOLERANCE);
+    diagnose(&recording, &Options::default()).diagnosis
+}
+
+#[test]
+fn a_number_within_three_of_its_deviations_is_no_finding() {
+    for seed in 0..4 {
+        let found = diagnosed(2.9, seed);
+        assert_eq!(found.verdict, Verdict::NoGap, "{seed}: {:?}", found.effects);
+    }
+}
+
+#[test]
+fn a_number_far_from_it_is_one() {
+    let found = diagnosed(40.0, 1);
+    assert_eq!(found.verdict, Verdict::Explained);
+    assert_eq!(found.effects[0].name, "viscous");
+}

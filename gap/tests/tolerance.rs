@@ -7,6 +7,9 @@ use gap::{Options, diagnose};
 use made::{paddle, recording};
 use recording::Model;
 
+/// So long that a dozen windows weigh no more than the tolerances.
+const HORIZON_S: f64 = 0.5;
+
 /// Three numbers with tolerances, and a paddle whose damping lies so many of its deviations from the nominal one.
 fn diagnosed(deviations: f64, seed: u64) -> Diagnosis {
     const TOLERANCE: f64 = 0.1;
@@ -18,6 +21,7 @@ fn diagnosed(deviations: f64, seed: u64) -> Diagnosis {
     for (name, tolerance) in [("inertia", 0.01), ("coulomb", 0.01), ("viscous", TOLERANCE)] {
         recording.tolerance.set(name, tolerance);
     }
+    recording.horizon = HORIZON_S;
     diagnose(&recording, &Options::default()).diagnosis
 }
 

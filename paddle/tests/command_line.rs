@@ -697,6 +697,7 @@ fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_aga
             "gap",
             "diagnose",
             "--batch",
+            "nowhere",
             cases.to_str().unwrap(),
             "--out",
             results.to_str().unwrap(),
@@ -709,7 +710,7 @@ fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_aga
                 .lines()
                 .last()
                 .unwrap()
-                .contains("1 of 3")
+                .contains("2 of 4")
         );
         let lines = text(&output.stdout).lines();
         lines
@@ -717,16 +718,17 @@ fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_aga
             .collect()
     };
     let first = lines();
-    assert_eq!(first.len(), 3);
+    assert_eq!(first.len(), 4);
+    assert_eq!(first[0]["recording"], "nowhere");
     assert!(
-        first[0]["error"]
+        first[1]["error"]
             .as_str()
             .unwrap()
             .contains("recording.toml")
     );
-    assert_eq!(first[1]["effects"][0]["name"], "stribeck");
-    assert!(first[2]["verdict"].is_string());
-    for line in &first[1..] {
+    assert_eq!(first[2]["effects"][0]["name"], "stribeck");
+    assert!(first[3]["verdict"].is_string());
+    for line in &first[2..] {
         let recording = line["recording"].as_str().unwrap();
         let place = results.join(&recording[1..]);
         for extension in ["json", "html", "toml"] {
@@ -743,8 +745,8 @@ fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_aga
     let touched = std::fs::read(hidden.join("recording.toml")).unwrap();
     std::fs::write(hidden.join("recording.toml"), touched).unwrap();
     let again = lines();
-    assert_eq!(again[2], first[2]);
-    assert_ne!(again[1]["elapsed_s"], first[1]["elapsed_s"]);
+    assert_eq!(again[3], first[3]);
+    assert_ne!(again[2]["elapsed_s"], first[2]["elapsed_s"]);
 }
 
 #[test]

@@ -21,26 +21,32 @@ struct Case {
     results: PathBuf,
 }
 
+/// A folder in which no recording can be found, and why.
+type Refused = (PathBuf, Failure);
+
 /// Diagnoses all recordings in `folders` and below.
 ///
 /// # Errors
-/// [`Failure`] for a folder without recordings, and for results that cannot be written; a recording that cannot be used
-/// is a part of the answer.
+/// [`Failure`] where no folder has a recording, and for results that cannot be written; a recording that cannot be used
+/// and a folder without any are a part of the answer.
 pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer, Failure> {
-    let cases = cases(folders, out)?;
-    let mut lines = Vec::with_capacity(cases.len());
+    let (cases, refused) = cases(folders, out)?;
+    let all = cases.len() + refused.len();
+    let mut lines = Vec::with_capacity(all);
     let mut table = format!(
         "{:<48}{:<18}{:>7}  effects\n",
         "recording", "verdict", "shrink"
     );
-    let mut failed = 0;
-    for (place, case) in cases.iter().enumerate() {
-        let of = format!(
-            "{} of {}, {}",
-            place + 1,
-            cases.len(),
-            case.folder.display()
-        );
+    let mut failed = refused.len();
+    for (folder, failure) in refused {
+        let line = json!({ "recording": folder, "error": failure.to_string() });
+        // Writing to a String cannot fail.
+        let _ = writeln!(table, "{}", row(&folder, &line));
+        lines.push(line);
+    }
+    for case in &cases {
+        let place = lines.len() + 1;
+        let of = format!("{place} of {all}, {}", case.folder.display());
         progress::within(&of);
         let line = match kept(case, options) {
             Some(line) => line,
@@ -53,14 +59,12 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
                 Err(failure) => return Err(failure),
             },
         };
-        let row = row(case, &line);
-        progress::done(&format!("{}/{} {row}", place + 1, cases.len()));
-        // Writing to a String cannot fail.
+        let row = row(&case.folder, &line);
+        progress::done(&format!("{place}/{all} {row}"));
         let _ = writeln!(table, "{row}");
         lines.push(line);
     }
     let _ = writeln!(table, "\n{}\nresults in {}", tally(&lines), out.display());
-    let all = cases.len();
     Ok(Answer {
         text: table,
         json: Value::Array(lines),
@@ -68,17 +72,27 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
     })
 }
 
-/// The recordings in `folders` and below, each once, in the order of their names.
-fn cases(folders: &[PathBuf], out: &Path) -> Result<Vec<Case>, Failure> {
+/// The recordings in `folders` and below, each once, in the order of their names; and the folders without any.
+fn cases(folders: &[PathBuf], out: &Path) -> Result<(Vec<Case>, Vec<Refused>), Failure> {
     let mut all = Vec::new();
+    let mut refused = Vec::new();
     for folder in folders {
         let mut found = Vec::new();
-        collect(folder, &mut found)?;
-        if found.is_empty() {
-            return Err(Failure::NoRecording(folder.clone()));
+        match collect(folder, &mut found) {
+            Ok(()) if found.is_empty() => {
+                refused.push((folder.clone(), Failure::NoRecording(folder.clone())));
+            }
+            Ok(()) => {
+                found.sort();
+                all.extend(found);
+            }
+            Err(failure) => refused.push((folder.clone(), failure)),
         }
-        found.sort();
-        all.extend(found);
+    }
+    if all.is_empty()
+        && let Some((_, failure)) = refused.pop()
+    {
+        return Err(failure);
     }
     let mut cases: Vec<Case> = Vec::with_capacity(all.len());
     for folder in all {
@@ -88,7 +102,7 @@ fn cases(folders: &[PathBuf], out: &Path) -> Result<Vec<Case>, Failure> {
             cases.push(Case { folder, results });
         }
     }
-    Ok(cases)
+    Ok((cases, refused))
 }
 
 fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
@@ -173,8 +187,8 @@ fn changed(path: &Path) -> Option<SystemTime> {
 }
 
 /// A recording in one line of the table.
-fn row(case: &Case, line: &Value) -> String {
-    let name = relative(&case.folder).display().to_string();
+fn row(folder: &Path, line: &Value) -> String {
+    let name = relative(folder).display().to_string();
     if let Some(error) = line["error"].as_str() {
         return format!("{name:<48}{:<18}{:>7}  {error}", "not used", "");
     }

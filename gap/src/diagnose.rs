@@ -78,9 +78,6 @@ const HIDDEN: &str = "this gap is no finding: restarts that fall on kinks of the
 
 /// Largest share of the excess that may be left for a gap to count as explained.
 const EXPLAINED: f64 = 0.15;
-/// Share of the robust excess that may be left, where the gap is beyond its floor: as much as a further effect must close
-/// to earn its place. Several wrong names together may bring the gap of a foreign cause near the floor, not this.
-const EXPLAINED_WINDOWS: f64 = 0.1;
 /// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
 /// and near stick and slip they are anything but.
 const QUIET_GAP: f64 = 2.0;
@@ -188,7 +185,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         }
     } else if excess(closing.after) <= EXPLAINED * excess(closing.before)
         && (closing.after <= FLOOR_DOUBT * floor
-            || selection.left(selection.fit()) <= EXPLAINED_WINDOWS)
+            || selection.left(selection.fit()) <= select::MOST_LEFT_EXPLAINED)
     {
         Verdict::Explained
     } else {

@@ -32,8 +32,9 @@ const MOST_EFFECTS: usize = 3;
 pub(crate) const MOST_LEFT: f64 = 0.7;
 /// Share of it that two effects may leave for a third to be looked for.
 const HOPELESS: f64 = 0.75;
-/// Share of the excess that an effect may leave and still be looked at as the only one of its size.
-const MOST_LEFT_ALONE: f64 = 0.15;
+/// Share of the excess that may be left where nothing else of its size is missing: as much as a further effect must close
+/// to earn its place. Several wrong names together may bring the gap of a foreign cause near the floor, not this.
+pub(crate) const MOST_LEFT_EXPLAINED: f64 = 0.1;
 /// Share of the excess that the better of two effects closes by itself at least.
 const LEAST_GAIN_ALONE: f64 = 0.1;
 /// Effects, each the first of a pair, on top of which a second one is looked for.
@@ -91,9 +92,9 @@ impl Selection {
         self.left(fit) > HOPELESS
     }
 
-    /// True if a fit leaves no more than it would if it were right, and not nearly as much as the null.
+    /// True if a fit leaves no more than it would if it were right, and little of what the null does.
     fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
-        if self.left(fit) > MOST_LEFT {
+        if self.left(fit) > MOST_LEFT_EXPLAINED {
             return false;
         }
         let perfect = Perfect::of(problem, fit);
@@ -154,8 +155,9 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     selection.given = certain.is_some();
     let hints = first.screened.clone();
     let mut enough = first.earned && selection.suffices(problem, &first.so_far);
-    let alone =
-        first.earned && first.so_far.is_likely() && selection.left(&first.so_far) < MOST_LEFT_ALONE;
+    let alone = first.earned
+        && first.so_far.is_likely()
+        && selection.left(&first.so_far) < MOST_LEFT_EXPLAINED;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let settled = alone || enough || selection.given;
     let pair =

@@ -185,7 +185,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         }
     } else if excess(closing.after) <= EXPLAINED * excess(closing.before)
         && (closing.after <= FLOOR_DOUBT * floor
-            || selection.left(selection.fit()) <= select::MOST_LEFT_EXPLAINED)
+            || selection.missing(&problem, selection.fit()) <= select::MOST_LEFT_EXPLAINED)
     {
         Verdict::Explained
     } else {

@@ -87,6 +87,16 @@ impl Selection {
         ((level(fit) - self.perfect.level) / excess).max(0.0)
     }
 
+    /// The same beyond what the fit would leave if it were right, unless that is more than it does leave.
+    pub(crate) fn missing(&self, problem: &Problem<'_>, fit: &Fit) -> f64 {
+        let own = Perfect::of(problem, fit).level;
+        let excess = level(&self.null) - own;
+        if own > level(fit) || excess <= QUIET_EXCESS {
+            return self.left(fit);
+        }
+        (level(fit) - own) / excess
+    }
+
     /// True if a fit leaves so much that nothing more can bring a name.
     fn is_hopeless(&self, fit: &Fit) -> bool {
         self.left(fit) > HOPELESS

@@ -32,7 +32,8 @@ prop_compose! {
         for (name, value) in Model::NAMES.into_iter().zip(numbers) {
             let _ = model.set(name, value);
         }
-        model
+        // The constant input lies within the limit.
+        Model { input_limit: limit, ..model }
     }
 }
 

@@ -143,6 +143,7 @@ mod tests {
     use host_sim::drive::DriveLine;
     use host_sim::effects::Effect;
     use host_sim::plant::Plant;
+    use host_sim::sensors::Noise;
     use recording::{Drive, Model, Recording, Run, Sensor};
 
     const PERIOD_S: f64 = 1e-3;
@@ -169,13 +170,7 @@ mod tests {
             ..Sensor::default()
         };
         recording.sensors.insert("position".into(), sensor);
-        let mut seed = 1_u64;
-        let mut uniform = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut noise = Noise::new(1);
         for run in 0..2 {
             let start_s = f64::from(run) * RUN_S;
             let mut state = plant.state(start_s, 0.05, 0.0);
@@ -184,10 +179,9 @@ mod tests {
             for i in 0..(RUN_S / PERIOD_S) as usize {
                 let t = i as f64 * PERIOD_S;
                 let u = 0.0011 * (9.0 * t).sin() + 0.0008 * (4.3 * t + f64::from(run)).cos();
-                let noise = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
                 time.push(start_s + t);
                 input.push(u);
-                position.push(device.sensing.curve(plant.seen(&state).0) + NOISE * noise);
+                position.push(device.sensing.curve(plant.seen(&state).0) + noise.next(NOISE));
                 line.command(&device.drive, t, u);
                 let (torque, dt_s) = line.piece(t, PERIOD_S);
                 plant.advance(&mut state, torque, dt_s);

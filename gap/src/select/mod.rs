@@ -167,9 +167,9 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let mut enough = first.earned && selection.suffices(problem, &first.so_far);
     let alone = first.earned
         && first.so_far.is_likely()
-        && selection.left(&first.so_far) < MOST_LEFT_EXPLAINED;
+        && selection.left(&first.so_far) <= MOST_LEFT_EXPLAINED;
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
-    let settled = alone || enough || selection.given;
+    let settled = alone || selection.given;
     let pair =
         (promising && !settled).then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
     match pair.flatten() {

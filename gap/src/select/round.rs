@@ -85,11 +85,7 @@ impl Search<'_> {
     fn round_of(&self, known: &Fit, screened: Vec<Rival>, found: Option<Rival>) -> Option<Round> {
         let mut rivals = self.finals(screened.clone(), known);
         if let Some(found) = found {
-            rivals
-                .retain(|rival| rival.name != found.name || level(&rival.fit) < level(&found.fit));
-            if rivals.iter().all(|rival| rival.name != found.name) {
-                rivals.push(found);
-            }
+            join(&mut rivals, found);
         }
         self.judged(known, screened, rivals)
     }
@@ -150,8 +146,7 @@ impl Search<'_> {
             return None;
         }
         let mut rivals = first.rivals.clone();
-        rivals.retain(|rival| rival.name != name);
-        rivals.push(Rival { name, fit });
+        join(&mut rivals, Rival { name, fit });
         let round = self.judged(&first.known, first.screened.clone(), rivals)?;
         round.earned.then(|| vec![round])
     }
@@ -241,12 +236,7 @@ impl Search<'_> {
         rivals.extend(far);
         let special = fitted(special_cases(&rivals, &all), FITTING_ITERATIONS);
         for rival in special {
-            let same = rivals.iter_mut().find(|other| other.name == rival.name);
-            match same {
-                Some(same) if level(&same.fit) <= level(&rival.fit) => {}
-                Some(same) => *same = rival,
-                None => rivals.push(rival),
-            }
+            join(&mut rivals, rival);
         }
         rivals
     }
@@ -287,6 +277,15 @@ impl Search<'_> {
             significance,
             earned,
         })
+    }
+}
+
+/// Adds a rival, or puts it in the place of one of the same name that leaves more.
+fn join(rivals: &mut Vec<Rival>, rival: Rival) {
+    match rivals.iter_mut().find(|other| other.name == rival.name) {
+        Some(same) if level(&same.fit) <= level(&rival.fit) => {}
+        Some(same) => *same = rival,
+        None => rivals.push(rival),
     }
 }
 

@@ -38,8 +38,9 @@ const WIDELY: f64 = 0.5;
 /// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
 /// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
-/// Windows of a block.
+/// Windows of a block, and fewest blocks.
 const BLOCK: usize = 8;
+const FEWEST_BLOCKS: f64 = 3.0;
 
 /// The windows on which starts are compared, on top of what is known.
 struct Field<'a> {
@@ -335,7 +336,7 @@ fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     } else {
         4 * BLOCK
     };
-    let share = screening_share(problem, 3.0 * length as f64);
+    let share = screening_share(problem, FEWEST_BLOCKS * length as f64);
     (0..problem.window_count())
         .map(|w| turn(w / length) < share)
         .collect()

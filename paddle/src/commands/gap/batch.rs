@@ -39,7 +39,7 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
     );
     let mut failed = refused.len();
     for (folder, failure) in refused {
-        let line = json!({ "recording": folder, "error": failure.to_string() });
+        let line = not_used(&folder, &failure);
         // Writing to a String cannot fail.
         let _ = writeln!(table, "{}", row(&folder, &line));
         lines.push(line);
@@ -54,7 +54,7 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
                 Ok(line) => line,
                 Err(failure @ (Failure::Recording(_) | Failure::Fault)) => {
                     failed += 1;
-                    json!({ "recording": case.folder, "error": failure.to_string() })
+                    not_used(&case.folder, &failure)
                 }
                 Err(failure) => return Err(failure),
             },
@@ -89,10 +89,8 @@ fn cases(folders: &[PathBuf], out: &Path) -> Result<(Vec<Case>, Vec<Refused>), F
             Err(failure) => refused.push((folder.clone(), failure)),
         }
     }
-    if all.is_empty()
-        && let Some((_, failure)) = refused.pop()
-    {
-        return Err(failure);
+    if all.is_empty() && !refused.is_empty() {
+        return Err(refused.swap_remove(0).1);
     }
     let mut cases: Vec<Case> = Vec::with_capacity(all.len());
     for folder in all {
@@ -184,6 +182,11 @@ fn kept(case: &Case, options: &Options) -> Option<Value> {
 
 fn changed(path: &Path) -> Option<SystemTime> {
     path.metadata().ok()?.modified().ok()
+}
+
+/// What is said of a folder that could not be diagnosed.
+fn not_used(folder: &Path, failure: &Failure) -> Value {
+    json!({ "recording": folder, "error": failure.to_string() })
 }
 
 /// A recording in one line of the table.

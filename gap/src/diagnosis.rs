@@ -66,6 +66,9 @@ pub struct Finding {
     pub shrink_interval: [f64; 2],
 }
 
+/// Name of the velocities at a rest or a reversal and right after.
+pub const AFTER_REST: &str = "rest and right after";
+
 /// A part of the data that carries more of the gap than its share of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Region {
@@ -75,7 +78,7 @@ pub struct Region {
     pub from: Option<f64>,
     /// In the recording's units.
     pub to: Option<f64>,
-    /// Of a channel or run.
+    /// Of a channel or run; [`AFTER_REST`] for velocities that count because the motion has just been at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Index of the run, where it lies in one.

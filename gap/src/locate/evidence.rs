@@ -32,15 +32,20 @@ pub(super) struct Evidence {
     pub axis: &'static str,
     pub bins: Bins,
     pub stretch: Stretch,
+    /// How far what lies in the stretch reaches beyond it.
+    pub reach: f64,
+    /// True if the stretch is what comes at a rest and right after.
+    pub after_rest: bool,
     pub strength: f64,
 }
 
-/// Axes of which the motion alone decides where it is on them.
-const OF_MOTION: [(&str, Place); 4] = [
-    ("velocity", |i| i.velocity),
-    ("position", |i| i.position),
-    ("input", |i| i.input),
-    ("acceleration", |i| i.acceleration),
+/// Axes of which the motion alone decides where it is on them: the middle of an innovation there, and how far it reaches
+/// to either side.
+const OF_MOTION: [(&str, Place, Place); 4] = [
+    ("velocity", |i| i.velocity, |i| i.velocity_reach),
+    ("position", |i| i.position, |i| i.position_reach),
+    ("input", |i| i.input, |i| i.input_reach),
+    ("acceleration", |i| i.acceleration, |_| 0.0),
 ];
 
 type Place = fn(&Innovation) -> f64;
@@ -83,9 +88,9 @@ impl<'a> Axes<'a> {
 
     /// Every axis that says something, the most telling first.
     pub(super) fn ranked(&self, predictions: &[Vec<f64>], horizon_s: f64) -> Vec<Evidence> {
-        let of_motion = OF_MOTION.map(|(axis, place)| match axis {
-            "velocity" => self.velocity(),
-            _ => self.plain(axis, place),
+        let of_motion = OF_MOTION.map(|(axis, place, reach)| match axis {
+            "velocity" => self.velocity(place, reach),
+            _ => self.plain(axis, place, reach),
         });
         let others = [
             self.time(),
@@ -130,7 +135,17 @@ impl<'a> Axes<'a> {
         Some(bins.best(None).unwrap_or_else(|| bins.whole()))
     }
 
-    fn plain(&self, axis: &'static str, at: Place) -> Option<Evidence> {
+    /// How far what lies in a stretch reaches beyond it, in the mean over the excess.
+    fn reach(&self, stretch: &Stretch, at: Place, reach: impl Fn(&Innovation) -> f64) -> f64 {
+        let inside = self.all.iter();
+        let inside = inside.filter(|&i| at(i) >= stretch.from && at(i) <= stretch.to);
+        let (sum, weight) = inside.fold((0.0, 0.0), |(sum, weight), i| {
+            (sum + i.excess * reach(i), weight + i.excess)
+        });
+        if weight > 0.0 { sum / weight } else { 0.0 }
+    }
+
+    fn plain(&self, axis: &'static str, at: Place, reach: Place) -> Option<Evidence> {
         let bins = self.bins(at, |i| i.excess, BINS)?;
         let standing_out = |stretch: &Stretch| stretch.surplus() >= LEAST_SURPLUS;
         let best = self.best(at)?;
@@ -149,24 +164,30 @@ impl<'a> Axes<'a> {
         Some(Evidence {
             axis,
             strength: best.surplus() + course + everywhere,
+            reach: self.reach(&stretch, at, reach),
+            after_rest: false,
             stretch,
             bins,
         })
     }
 
     /// Velocity; what comes at a reversal or shortly after, in either direction, belongs to it, too.
-    fn velocity(&self) -> Option<Evidence> {
-        let now = self.plain("velocity", |i| i.velocity)?;
+    fn velocity(&self, at: Place, reach: Place) -> Option<Evidence> {
+        let now = self.plain("velocity", at, reach)?;
         let near_rest = self.bins(|i| i.slowest.abs(), |i| i.excess, BINS)?;
         let rest = near_rest.best_from_start();
-        let surplus = self.best(|i| i.velocity)?.surplus();
+        let surplus = self.best(at)?.surplus();
         if rest.surplus() <= surplus {
             return Some(now);
         }
         let bins = self.bins(|i| i.slowest, |i| i.excess, BINS)?;
+        let stretch = bins.stretch(-rest.to, rest.to);
+        let since = |i: &Innovation| i.velocity.abs() - i.slowest.abs();
         Some(Evidence {
             strength: now.strength + rest.surplus() - surplus,
-            stretch: bins.stretch(-rest.to, rest.to),
+            reach: self.reach(&stretch, |i| i.slowest, since),
+            after_rest: true,
+            stretch,
             bins,
             ..now
         })
@@ -194,6 +215,8 @@ impl<'a> Axes<'a> {
             axis: "time",
             bins,
             stretch,
+            reach: 0.0,
+            after_rest: false,
             strength,
         })
     }
@@ -201,7 +224,7 @@ impl<'a> Axes<'a> {
     /// Surplus of times beyond what each of the other axes makes of them: where the motion is livelier, the
     /// gap is larger.
     fn surplus_of_time(&self) -> f64 {
-        let left = OF_MOTION.iter().filter_map(|(_, place)| {
+        let left = OF_MOTION.iter().filter_map(|(_, place, _)| {
             let expected = self
                 .bins(place, |i| i.excess, BINS)?
                 .expected(self.all.len());
@@ -232,6 +255,8 @@ impl<'a> Axes<'a> {
             strength: UNEVEN_WEIGHT * stretch.surplus(),
             bins,
             stretch,
+            reach: 0.0,
+            after_rest: false,
         })
     }
 
@@ -251,6 +276,8 @@ impl<'a> Axes<'a> {
             strength: UNEVEN_WEIGHT * stretch.surplus() + self.explained(&change),
             bins,
             stretch,
+            reach: 0.0,
+            after_rest: false,
         })
     }
 }

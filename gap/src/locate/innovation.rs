@@ -27,6 +27,12 @@ pub(super) struct Innovation {
     pub input: f64,
     /// Mean of its second half less that of its first.
     pub input_change: f64,
+    /// How far the position goes to either side of its middle.
+    pub position_reach: f64,
+    /// How far the velocity does.
+    pub velocity_reach: f64,
+    /// How far the input does.
+    pub input_reach: f64,
     /// Samples.
     pub samples: f64,
     /// Squared whitened residual beyond that of noise alone, not below zero.
@@ -165,6 +171,9 @@ fn of_series(
                 acceleration,
                 input: mean(&series.input),
                 input_change: part(half..rows.end) - part(rows.start..half),
+                position_reach: reach(&series.position[rows.clone()]),
+                velocity_reach: 0.5 * length_s * acceleration.abs(),
+                input_reach: reach(&series.input[rows.clone()]),
                 samples: n,
                 excess: if cost > NOISE_DOUBT * n + NOISE_MARGIN * (2.0 * n).sqrt() {
                     cost - n
@@ -185,6 +194,13 @@ fn of_series(
         innovation.slowest = slowest;
     }
     all
+}
+
+/// Half the way from the lowest to the highest.
+fn reach(column: &[f64]) -> f64 {
+    let lowest = column.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    0.5 * (highest - lowest)
 }
 
 /// For each of consecutive innovations, the slowest velocity of it and the [`BEFORE`] ones before.

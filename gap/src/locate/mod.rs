@@ -7,7 +7,7 @@ mod level;
 mod spectrum;
 
 use crate::comparison::{Comparison, Outcome};
-use crate::diagnosis::Region;
+use crate::diagnosis::{AFTER_REST, Region};
 use crate::fit::Fit;
 use crate::predict::Predictor;
 use crate::problem::Problem;
@@ -102,9 +102,9 @@ fn region(problem: &Problem<'_>, evidence: &Evidence, stretch: Stretch) -> Regio
     let recording = problem.recording;
     let mut region = Region {
         axis: evidence.axis,
-        from: Some(stretch.from),
-        to: Some(stretch.to),
-        name: None,
+        from: Some(stretch.from - evidence.reach),
+        to: Some(stretch.to + evidence.reach),
+        name: (evidence.after_rest && stretch == evidence.stretch).then(|| AFTER_REST.to_owned()),
         run: None,
         share_of_gap: stretch.share_of_gap,
         share_of_gap_interval: evidence.bins.interval(&stretch),
@@ -243,6 +243,17 @@ mod tests {
             "{hand:?}"
         );
         assert!(hand.share_of_gap > 0.8, "{hand:?}");
+    }
+
+    #[test]
+    fn what_comes_at_reversals_is_told_as_wide_as_the_motion_that_shows_it() {
+        let found = found(&["presliding:distance=0.03"]);
+        let rest = on("velocity", &found);
+        assert_eq!(rest.name.as_deref(), Some(AFTER_REST));
+        assert!(
+            rest.from.unwrap() < -0.5 && rest.to.unwrap() > 0.5,
+            "{rest:?}"
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A part of the data in words.
 
 use super::quantity::{Display, show};
-use gap::diagnosis::Region;
+use gap::diagnosis::{AFTER_REST, Region};
 use recording::Recording;
 
 /// What the words of a diagnosis need to know of its recording.
@@ -68,6 +68,9 @@ pub fn range(region: &Region, labels: &Labels) -> String {
 pub fn phrase(region: &Region, labels: &Labels) -> String {
     let range = range(region, labels);
     let place = match region.axis {
+        "velocity" if region.name.as_deref() == Some(AFTER_REST) => {
+            format!("at rest, at reversals and right after (velocities of {range})")
+        }
         "velocity"
             if region.from.is_some_and(|f| f <= 0.0) && region.to.is_some_and(|t| t >= 0.0) =>
         {

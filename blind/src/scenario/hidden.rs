@@ -418,6 +418,8 @@ impl Hidden {
             Place::on("velocity", 0.3 * v, 100.0 * v),
             Place::on("velocity", -100.0 * v, -0.3 * v),
         ];
+        // An error of phase grows with the frequency, whatever lags.
+        let phase = Place::on("frequency", 0.5 * scale.hz, 1e3 * scale.hz);
         let axis = |name: &str| Place::channel(name);
         match self.name {
             "torque_gain" => [&driven[..], &accelerating, &[axis("actuation")]].concat(),
@@ -426,24 +428,17 @@ impl Hidden {
                 everywhere,
                 axis("actuation"),
             ],
-            "deadband" => vec![
-                Place::on("input", -1.5 * s * u, 1.5 * s * u),
-                axis("actuation"),
-            ],
+            "deadband" => {
+                // What is subtracted is missing from every larger input, too.
+                let reach = if self.first_form() { 100.0 } else { 1.5 * s };
+                vec![Place::on("input", -reach * u, reach * u), axis("actuation")]
+            }
             "saturation" => vec![
                 Place::on("input", (1.0 - s) * u, 100.0 * u),
                 Place::on("input", -100.0 * u, -(1.0 - s) * u),
                 axis("actuation"),
             ],
-            "lag" | "delay" => [
-                &driven[..],
-                &accelerating,
-                &[
-                    Place::on("frequency", 0.5 * scale.hz, 1e3 * scale.hz),
-                    axis("actuation"),
-                ],
-            ]
-            .concat(),
+            "lag" | "delay" => [&driven[..], &accelerating, &[phase, axis("actuation")]].concat(),
             "cogging" => vec![everywhere, axis("actuation")],
             "coulomb" => [&fast[..], &[near_rest, axis("friction")]].concat(),
             "asymmetric_coulomb" => {
@@ -496,16 +491,14 @@ impl Hidden {
                 [&[everywhere, axis("sensing")], &fast[..]].concat()
             }
             "sensor_hysteresis" => vec![near_rest, axis("sensing")],
-            "sensor_lag" => [&fast[..], &accelerating, &[axis("sensing")]].concat(),
+            "sensor_lag" => [&fast[..], &accelerating, &[phase, axis("sensing")]].concat(),
             "lost_counts" => {
                 let mut probe = Reality::plain(&recording::Model::new(1.0));
                 self.apply(&mut probe, scale);
-                probe
-                    .sensing
-                    .jumps
-                    .iter()
-                    .map(|jump| Place::in_run(jump.run, jump.since_s - 0.1, jump.since_s + 1.0))
-                    .collect()
+                let jumps = probe.sensing.jumps.iter();
+                let moments = jumps
+                    .map(|jump| Place::in_run(jump.run, jump.since_s - 0.1, jump.since_s + 1.0));
+                moments.chain([axis("sensing")]).collect()
             }
             "contact" => {
                 let (run, from_s, to_s) = self.contact_time(scale);

@@ -37,8 +37,6 @@ const HOPELESS: f64 = 0.75;
 pub(crate) const MOST_LEFT_EXPLAINED: f64 = 0.1;
 /// Share of the excess that the better of two effects closes by itself at least.
 const LEAST_GAIN_ALONE: f64 = 0.1;
-/// Effects, each the first of a pair, on top of which a second one is looked for.
-const LEADERS: usize = 3;
 
 /// What is known before the search.
 pub(crate) struct Given<'a> {
@@ -73,6 +71,29 @@ impl Selection {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
     }
 
+    /// Takes an effect that has earned its place; one that has not is the last that was looked for.
+    fn add(&mut self, round: Round) {
+        if round.earned {
+            self.rounds.push(round);
+        } else {
+            self.last = Some(round);
+        }
+    }
+
+    /// True if one more effect may be found on top of those there are.
+    fn goes_on(&self, problem: &Problem<'_>) -> bool {
+        let fit = self.fit();
+        let hopeless = !self.given && self.is_hopeless(fit);
+        let possible = self.last.is_none() && !hopeless;
+        possible
+            && match self.rounds.len() {
+                // The second of two may be small beside the first.
+                1 => !self.suffices(problem, fit),
+                2..MOST_EFFECTS => !self.leaves_little(fit),
+                _ => false,
+            }
+    }
+
     /// Takes back the effects from one on; the first of them found nothing more, then.
     pub(crate) fn withdraw(&mut self, from: usize) {
         self.last = self.rounds.drain(from..).next();
@@ -102,9 +123,14 @@ impl Selection {
         self.left(fit) > HOPELESS
     }
 
-    /// True if a fit leaves no more than it would if it were right, and little of what the null does.
+    /// True if a fit leaves less than a further effect must close, and does not bend the model's own numbers for it.
+    fn leaves_little(&self, fit: &Fit) -> bool {
+        fit.is_likely() && self.left(fit) <= MOST_LEFT_EXPLAINED
+    }
+
+    /// True if it leaves no more than it would if it were right, too.
     fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
-        if self.left(fit) > MOST_LEFT_EXPLAINED {
+        if !self.leaves_little(fit) {
             return false;
         }
         let perfect = Perfect::of(problem, fit);
@@ -164,35 +190,17 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     };
     selection.given = certain.is_some();
     let hints = first.screened.clone();
-    let mut enough = first.earned && selection.suffices(problem, &first.so_far);
-    let alone = first.earned
-        && first.so_far.is_likely()
-        && selection.left(&first.so_far) <= MOST_LEFT_EXPLAINED;
+    let settled = selection.given || first.earned && selection.leaves_little(&first.so_far);
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
-    let settled = alone || selection.given;
     let pair =
         (promising && !settled).then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
-    match pair.flatten() {
-        Some(found) => {
-            selection.rounds.extend(found);
-            enough = selection.suffices(problem, selection.fit());
-        }
-        None if first.earned => selection.rounds.push(first),
-        None => selection.last = Some(first),
+    for round in pair.flatten().unwrap_or_else(|| vec![first]) {
+        selection.add(round);
     }
-    while !enough && (1..MOST_EFFECTS).contains(&selection.rounds.len()) {
-        if !selection.given && selection.is_hopeless(selection.fit()) {
-            break;
-        }
+    while selection.goes_on(problem) {
         match search.round(selection.fit(), &hints) {
-            Some(round) if round.earned => {
-                selection.rounds.push(round);
-                enough = selection.suffices(problem, selection.fit());
-            }
-            nothing => {
-                selection.last = nothing;
-                break;
-            }
+            Some(round) => selection.add(round),
+            None => break,
         }
     }
     selection

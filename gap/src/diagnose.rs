@@ -150,11 +150,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let idle = (kept.max(1)..steps.len()).find(|&i| {
         let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
         let typical = before - after >= LEAST_TYPICAL_SHRINK && steps[i].own[1] > 0.0;
-        // Without it the model's own numbers must make up for it, against their tolerances.
-        let Round { known, so_far, .. } = &selection.rounds[i];
-        let needed = !known.is_likely() && so_far.is_likely();
-        let small = steps[i].own[0] < LEAST_SHRINK && steps[i].of_rest < LEAST_SHRINK_OF_REST;
-        small && !typical && !needed
+        steps[i].own[0] < LEAST_SHRINK && steps[i].of_rest < LEAST_SHRINK_OF_REST && !typical
     });
     if let Some(first) = idle {
         steps.truncate(first);

@@ -39,6 +39,20 @@ pub(super) struct Evidence {
     pub strength: f64,
 }
 
+impl Evidence {
+    /// Of what is told just as it lies on the axis.
+    fn new(axis: &'static str, bins: Bins, stretch: Stretch, strength: f64) -> Self {
+        Self {
+            axis,
+            bins,
+            stretch,
+            reach: 0.0,
+            after_rest: false,
+            strength,
+        }
+    }
+}
+
 /// Axes of which the motion alone decides where it is on them: the middle of an innovation there, and how far it reaches
 /// to either side.
 const OF_MOTION: [(&str, Place, Place); 4] = [
@@ -161,13 +175,10 @@ impl<'a> Axes<'a> {
             _ => 0.0,
         };
         let course = self.explained(&bins).max(self.explained_along(&bins));
+        let strength = best.surplus() + course + everywhere;
         Some(Evidence {
-            axis,
-            strength: best.surplus() + course + everywhere,
             reach: self.reach(&stretch, at, reach),
-            after_rest: false,
-            stretch,
-            bins,
+            ..Evidence::new(axis, bins, stretch, strength)
         })
     }
 
@@ -211,14 +222,7 @@ impl<'a> Axes<'a> {
             });
             stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
         }
-        Some(Evidence {
-            axis: "time",
-            bins,
-            stretch,
-            reach: 0.0,
-            after_rest: false,
-            strength,
-        })
+        Some(Evidence::new("time", bins, stretch, strength))
     }
 
     /// Surplus of times beyond what each of the other axes makes of them: where the motion is livelier, the
@@ -250,14 +254,8 @@ impl<'a> Axes<'a> {
             .iter()
             .map(|s| bins.stretch(s.run as f64, s.run as f64));
         let stretch = runs.max_by(|a, b| a.surplus().total_cmp(&b.surplus()))?;
-        (stretch.surplus() > LEAST_SURPLUS).then(|| Evidence {
-            axis: "run",
-            strength: UNEVEN_WEIGHT * stretch.surplus(),
-            bins,
-            stretch,
-            reach: 0.0,
-            after_rest: false,
-        })
+        let strength = UNEVEN_WEIGHT * stretch.surplus();
+        (stretch.surplus() > LEAST_SURPLUS).then(|| Evidence::new("run", bins, stretch, strength))
     }
 
     /// A band of frequencies; what goes with the change of the input is an error of phase and belongs here.
@@ -271,14 +269,8 @@ impl<'a> Axes<'a> {
         let bins = Bins::new(points, BINS)?;
         let stretch = bins.best(None)?;
         let change = self.bins(|i| i.input_change, |i| i.excess, BINS)?;
-        Some(Evidence {
-            axis: "frequency",
-            strength: UNEVEN_WEIGHT * stretch.surplus() + self.explained(&change),
-            bins,
-            stretch,
-            reach: 0.0,
-            after_rest: false,
-        })
+        let strength = UNEVEN_WEIGHT * stretch.surplus() + self.explained(&change);
+        Some(Evidence::new("frequency", bins, stretch, strength))
     }
 }
 

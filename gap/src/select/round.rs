@@ -15,6 +15,8 @@ use rayon::prelude::*;
 
 /// Effects that are fitted on all windows after screening.
 const FINALISTS: usize = 7;
+/// Those that show in few windows are among them whatever their rank, so many at most.
+const MOST_LOCAL: usize = 3;
 /// Iterations for all of them, and for those that are near the best then.
 const SHORT_ITERATIONS: usize = 3;
 const FITTING_ITERATIONS: usize = 8;
@@ -296,6 +298,3 @@ fn join(rivals: &mut Vec<Rival>, rival: Rival) {
         None => rivals.push(rival),
     }
 }
-
-/// Effects that show in few windows and are among the finalists whatever their rank.
-const MOST_LOCAL: usize = 3;

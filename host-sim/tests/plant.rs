@@ -1,7 +1,9 @@
 //! What the plant must do whatever its numbers: hold without creep, stop where mechanics says,
 //! converge at fourth order through its events, and never create energy.
 
-use host_sim::plant::{Barrier, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque};
+use host_sim::plant::{
+    Barrier, Drift, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque,
+};
 use proptest::prelude::*;
 
 fn paddle() -> Mechanics {
@@ -297,10 +299,29 @@ fn to_and_fro(t: f64) -> f64 {
 
 /// Largest difference of quick steps from exact ones, as a share of the way that is gone.
 fn error_of_quick(mechanics: &Mechanics) -> f64 {
-    let [exact, quick] = [Plant::new, Plant::quick]
-        .map(|plant| run(&plant(mechanics.clone()), [0.0, 0.0], 1e-3, 0.3, to_and_fro));
+    error_of_quick_behind(mechanics, 0.0)
+}
+
+/// The same with a drive that lags by `lag_s`.
+fn error_of_quick_behind(mechanics: &Mechanics, lag_s: f64) -> f64 {
+    const TICK_S: f64 = 1e-3;
+    let [exact, quick] = [Plant::new, Plant::quick].map(|plant| {
+        let plant = plant(mechanics.clone());
+        let mut state = plant.state(0.0, 0.0, 0.0);
+        let mut torque = Torque::held(0.0);
+        let mut step = |i: i32| {
+            let target = to_and_fro(f64::from(i) * TICK_S);
+            torque = Torque::relaxing(torque.after(TICK_S).start_nm, target, lag_s);
+            plant.advance(&mut state, torque, TICK_S);
+            state.position
+        };
+        (0..300).map(&mut step).collect::<Vec<f64>>()
+    });
     let differences = exact.iter().zip(&quick).map(|(a, b)| (a - b).abs());
-    let way = exact.iter().fold(0.0f64, |way, x| way.max(x.abs()));
+    // What is held all the time goes no way at all.
+    let way = exact
+        .iter()
+        .fold(f64::MIN_POSITIVE, |way, x| way.max(x.abs()));
     differences.fold(0.0, f64::max) / way
 }
 
@@ -336,5 +357,33 @@ proptest! {
         let most = if play > 0.0 { 2e-2 } else { 1e-3 };
         let error = error_of_quick(&linked);
         prop_assert!(error < most, "{error}");
+    }
+
+    #[test]
+    fn quick_steps_follow_frictions_and_a_lag(
+        lag_s in prop_oneof![Just(0.0), 2e-4..2e-2f64],
+        static_ratio in prop_oneof![Just(1.0), 1.2..2.0f64],
+        exponent in prop_oneof![Just(1.0), Just(2.0), 1.2..3.0f64],
+        slope in -2.0..2.0f64,
+        load_share in 0.0..0.3f64,
+        from_s in 0.0..0.2f64,
+    ) {
+        let mut paddle = paddle();
+        let friction = &mut paddle.friction;
+        friction.stribeck.ratio = static_ratio;
+        friction.stribeck.velocity = 0.5;
+        friction.stribeck.exponent = exponent;
+        friction.position_slope = slope;
+        friction.load_share = load_share;
+        friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None });
+        paddle.barriers[0] = Some(Barrier {
+            at: 0.01,
+            side: 1.0,
+            stiffness: 2.0,
+            damping: 0.01,
+            during_s: Some([from_s, from_s + 0.05]),
+        });
+        let error = error_of_quick_behind(&paddle, lag_s);
+        prop_assert!(error < 1e-3, "{error}");
     }
 }

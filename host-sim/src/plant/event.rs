@@ -29,7 +29,7 @@ pub(super) struct Step<const N: usize> {
 /// Enough for the bracketing below to reach any tolerance by bisection alone.
 const LOCATE_ITERATIONS: usize = 60;
 /// Every so many iterations the bracket is halved, whatever the secant says.
-const HALVED_EVERY: usize = 8;
+const HALVED_EVERY: usize = 6;
 /// Points at which a step with a suspected dip is sampled.
 const DIP_SAMPLES: usize = 8;
 
@@ -74,8 +74,9 @@ enum End {
     High,
 }
 
-/// The first instant past which the guard is negative, up to one that is with its state, `past`, and to a share `tolerance`
-/// of that, by the Illinois variant of regula falsi (Dowell and Jarratt, BIT 11, 1971) with bisection where it stalls.
+/// An instant past which the guard is negative, up to one that is with its state, `past`, and to a share `tolerance` of that
+/// or of the guard's fall, by the Illinois variant of regula falsi (Dowell and Jarratt, BIT 11, 1971) with bisection where
+/// it stalls.
 #[cold]
 fn locate<const N: usize>(
     flow: &impl Flow<N>,
@@ -86,8 +87,10 @@ fn locate<const N: usize>(
 ) -> Step<N> {
     let (h, mut x_high) = past;
     let (mut low, mut high) = (0.0, h);
-    let (mut g_low, mut g_high) = (flow.guard(0.0, x).max(0.0), flow.guard(h, &x_high));
-    let negligible = tolerance * (g_low - g_high);
+    let (g_start, g_end) = (flow.guard(0.0, x).max(0.0), flow.guard(h, &x_high));
+    // It is sought as far past the end as it may miss, so that what comes from before it will do as well.
+    let within = 0.5 * tolerance * (g_start - g_end);
+    let (mut g_low, mut g_high) = (g_start + within, g_end + within);
     // The end that the last iteration moved, if any: one that stays twice is weighed down.
     let mut moved = None;
     for iteration in 1..=LOCATE_ITERATIONS {
@@ -101,7 +104,11 @@ fn locate<const N: usize>(
             secant
         };
         let x_t = flow.carried(x, rate, t).0;
-        let g = flow.guard(t, &x_t);
+        let g = flow.guard(t, &x_t) + within;
+        if g.abs() < within {
+            (high, x_high) = (t, x_t);
+            break;
+        }
         if g > 0.0 {
             (low, g_low) = (t, g);
             if moved == Some(End::Low) {
@@ -110,9 +117,6 @@ fn locate<const N: usize>(
             moved = Some(End::Low);
         } else {
             (high, g_high, x_high) = (t, g, x_t);
-            if -g <= negligible {
-                break;
-            }
             if moved == Some(End::High) {
                 g_low *= 0.5;
             }

@@ -8,7 +8,7 @@ impl Plant {
     /// does.
     #[inline]
     pub(super) fn glides(&self, state: &mut State, torque: &Torque, dt_s: f64) -> bool {
-        if dt_s > self.longest_glide_s || !torque.is_held() {
+        if dt_s > self.longest_glide_s || self.until_barriers_change(state, dt_s) < dt_s {
             return false;
         }
         let direction = if self.dry {
@@ -20,17 +20,34 @@ impl Plant {
             return false;
         }
         let m = &self.mechanics;
+        let [drive_nm, early_nm] = torque.means(dt_s);
+        // On the falling slope of friction the midpoint misses too much.
+        if dt_s > self.longest_on_slope(state, drive_nm, 0.0) {
+            return false;
+        }
         state.pendulum.follow(state.position - m.gravity_zero);
-        let friction = direction * m.friction.level_nm[usize::from(direction < 0.0)];
-        let acceleration = |position: f64, velocity: f64| {
-            let motor = self.motor_side(torque.target_nm, position);
+        let plain = direction * m.friction.level_nm[usize::from(direction < 0.0)];
+        let acceleration = |position: f64, velocity: f64, t_s: f64| {
+            let motor = self.motor_side(drive_nm, position);
             let load = self.load_side(&state.pendulum, &state.touch, position, velocity);
+            let friction = if self.plain {
+                plain
+            } else {
+                let time_s = state.time_s + t_s;
+                let speed = velocity.abs();
+                direction
+                    * m.friction
+                        .sliding(direction, position, speed, time_s, drive_nm)
+            };
             (motor + load - m.drag(velocity) - friction) * self.inverse_inertia[0]
         };
-        let first = acceleration(state.position, state.velocity);
-        let midway = state.velocity + 0.5 * dt_s * first;
-        let position = state.position + dt_s * midway;
-        let halfway = acceleration(state.position + 0.5 * dt_s * state.velocity, midway);
+        let half_s = 0.5 * dt_s;
+        let first = acceleration(state.position, state.velocity, 0.0);
+        let midway = state.velocity + half_s * first;
+        // A torque that comes early moves it farther.
+        let ahead = half_s * (early_nm - drive_nm) * self.inverse_inertia[0];
+        let position = state.position + dt_s * (midway + ahead);
+        let halfway = acceleration(state.position + half_s * state.velocity, midway, half_s);
         let velocity = state.velocity + dt_s * halfway;
         let turns = direction * midway <= 0.0 || direction * velocity <= 0.0;
         let meets =

@@ -29,6 +29,7 @@ mod two_mass;
 use pace::{CLOSED_LINK_STEP, CLOSED_RATE_STEP, EXACT, Pace, QUICK};
 use parts::Parts;
 use pendulum::Pendulum;
+use two_mass::Modes;
 
 pub use barrier::{Barrier, Touch};
 pub use cogging::Cogging;
@@ -188,6 +189,7 @@ pub struct Plant {
     /// Whether what holds a joint at rest depends on position and drive alone.
     rest_is_steady: bool,
     inverse_inertia: [f64; 2],
+    link_modes: Modes,
     pace: Pace,
     longest_step_s: f64,
     longest_closed_step_s: f64,
@@ -211,14 +213,18 @@ impl Plant {
         let parts = Parts::of(&mechanics);
         let passing_barriers = parts.barriers.iter().any(|b| b.during_s.is_some());
         let rate = mechanics.fastest_rate();
-        let may_glide = mechanics.friction.is_plain()
-            && !passing_barriers
-            && !parts.has_link
-            && !parts.has_bristles;
         let of_link = |rate: fn(&Link, f64) -> f64| {
             let link = mechanics.link.as_ref();
             link.map_or(0.0, |link| rate(link, mechanics.inertia))
         };
+        let inverse_inertia = match &mechanics.link {
+            Some(link) => [
+                1.0 / (mechanics.inertia * (1.0 - link.load_share)),
+                1.0 / (mechanics.inertia * link.load_share),
+            ],
+            None => [1.0 / mechanics.inertia; 2],
+        };
+        let link_modes = |link: &Link| Modes::of(link, inverse_inertia);
         let closed_link_step_s = CLOSED_LINK_STEP / of_link(Link::natural_rate);
         Self {
             dry,
@@ -236,19 +242,13 @@ impl Plant {
                 && mechanics.link.is_none()
                 && mechanics.presliding.is_none()
                 && mechanics.friction.drift.is_none(),
-            inverse_inertia: match &mechanics.link {
-                Some(link) => [
-                    1.0 / (mechanics.inertia * (1.0 - link.load_share)),
-                    1.0 / (mechanics.inertia * link.load_share),
-                ],
-                None => [1.0 / mechanics.inertia; 2],
-            },
+            inverse_inertia,
+            link_modes: mechanics.link.as_ref().map(link_modes).unwrap_or_default(),
             pace,
             longest_step_s: pace.rate_step / (rate + of_link(Link::fastest_rate)),
-            longest_glide_s: if may_glide {
-                pace.glide_rate_step / rate
-            } else {
-                0.0
+            longest_glide_s: match pace.glide_rate_step {
+                Some(rate_step) if mechanics.link.is_none() => rate_step / rate,
+                _ => 0.0,
             },
             longest_closed_step_s: (CLOSED_RATE_STEP / rate).min(closed_link_step_s),
             mechanics,

@@ -14,8 +14,8 @@ pub(super) struct Pace {
     pub most_events: usize,
     /// Whether a link is stepped in closed form.
     pub closed_link: bool,
-    /// Product of the fastest rate and the step up to which the midpoint rule suffices.
-    pub glide_rate_step: f64,
+    /// Product of the fastest rate and the step up to which the midpoint rule suffices, if it ever does.
+    pub glide_rate_step: Option<f64>,
 }
 
 /// A fourth-order step then errs by less than 1e-7 of what changes within it.
@@ -25,17 +25,17 @@ pub(super) const EXACT: Pace = Pace {
     event_tolerance: 1e-13,
     most_events: 64,
     closed_link: false,
-    glide_rate_step: 0.0,
+    glide_rate_step: None,
 };
 /// The same where 1e-3 is enough, and what is stiffer than a sensor can show may go astray.
 pub(super) const QUICK: Pace = Pace {
     rate_step: 0.8,
     most_divisions: 6.0,
-    event_tolerance: 1e-6,
+    event_tolerance: 1e-4,
     most_events: 6,
     closed_link: true,
     // The midpoint's frequency is off by a 24th of the square.
-    glide_rate_step: 0.05,
+    glide_rate_step: Some(0.05),
 };
 /// Product of the fastest rate of all but a link and the step, where the link is stepped in closed form.
 pub(super) const CLOSED_RATE_STEP: f64 = 0.2;

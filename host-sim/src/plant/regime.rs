@@ -5,7 +5,7 @@ use super::link::Flank;
 use super::pendulum::Pendulum;
 use super::runge_kutta::rk4;
 use super::two_mass::TwoMass;
-use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
+use super::{BARRIERS, Friction, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
 
 /// A joint that is about to break away is held for this share of a step at least, or rounding could
 /// hold it for ever.
@@ -18,13 +18,15 @@ struct Regime<'a, const N: usize> {
     torque: &'a Torque,
     pendulum: Pendulum,
     time_s: f64,
+    /// By which velocities are made positions, s.
+    step_s: f64,
     /// Of sliding: ±1; 0 where dry friction has no kink here.
     direction: f64,
     held: bool,
     load: LoadSide,
     constant_friction_nm: Option<f64>,
     /// The link, where it is stepped in closed form.
-    closed: Option<Closed>,
+    closed: Option<Closed<'a>>,
     touch: &'a [Touch; BARRIERS],
 }
 
@@ -32,12 +34,13 @@ struct Regime<'a, const N: usize> {
 struct LoadSide {
     direction: f64,
     held: bool,
+    constant_friction_nm: Option<f64>,
 }
 
 /// A link that bounds the regime by its flanks, and is linear within.
-struct Closed {
+struct Closed<'a> {
     flank: Flank,
-    masses: TwoMass,
+    masses: &'a TwoMass,
 }
 
 const fn is_linked(n: usize) -> bool {
@@ -86,33 +89,37 @@ impl Plant {
         torque
     }
 
-    /// On the motor side, all but dry friction, N m.
+    /// Through the link, if there is one, from the motor side on the load side, N m.
     #[inline]
-    fn pull(&self, state: &State, drive_nm: f64) -> f64 {
+    fn through(&self, state: &State) -> f64 {
+        if !self.parts.has_link {
+            return 0.0;
+        }
+        let twist = state.position - state.load_position;
+        let rate = state.velocity - state.load_velocity;
+        self.parts.link.torque(twist, rate)
+    }
+
+    /// On the motor side, all but dry friction, with what goes `through` the link, N m.
+    #[inline]
+    fn pull(&self, state: &State, drive_nm: f64, through: f64) -> f64 {
         let m = &self.mechanics;
         let (position, velocity) = (state.position, state.velocity);
         let motor = self.motor_side(drive_nm, position) - self.friction_share[0] * m.drag(velocity);
         motor
             + if self.parts.has_link {
-                let twist = position - state.load_position;
-                -self
-                    .parts
-                    .link
-                    .torque(twist, velocity - state.load_velocity)
+                -through
             } else {
                 self.load_side(&state.pendulum, &state.touch, position, velocity)
             }
     }
 
-    /// On the load side of a link, all but dry friction, N m.
+    /// Likewise, on the load side, N m.
     #[inline]
-    fn load_pull(&self, state: &State) -> f64 {
-        let m = &self.mechanics;
+    fn load_pull(&self, state: &State, through: f64) -> f64 {
         let (position, velocity) = (state.load_position, state.load_velocity);
-        let twist = state.position - position;
-        let through = self.parts.link.torque(twist, state.velocity - velocity);
         through + self.load_side(&state.pendulum, &state.touch, position, velocity)
-            - self.friction_share[1] * m.drag(velocity)
+            - self.friction_share[1] * self.mechanics.drag(velocity)
     }
 }
 
@@ -120,7 +127,7 @@ impl Plant {
     /// The phase that follows on rest under this drive.
     #[inline]
     fn phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
-        let pull = self.pull(state, drive_nm);
+        let pull = self.pull(state, drive_nm, self.through(state));
         if pull.abs() <= self.holding(state, pull, drive_nm) {
             Phase::Stick
         } else {
@@ -131,7 +138,7 @@ impl Plant {
     /// Likewise, of the load side.
     #[inline]
     fn load_phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
-        let pull = self.load_pull(state);
+        let pull = self.load_pull(state, self.through(state));
         if pull.abs() <= self.load_holding(state, pull, drive_nm) {
             Phase::Stick
         } else {
@@ -228,7 +235,7 @@ impl Plant {
     /// Time to the next coming or going of a barrier, `left` at most; what has just come or gone is
     /// taken in.
     #[inline]
-    fn until_barriers_change(&self, state: &mut State, left: f64) -> f64 {
+    pub(super) fn until_barriers_change(&self, state: &mut State, left: f64) -> f64 {
         if !self.passing_barriers {
             return left;
         }
@@ -252,7 +259,7 @@ impl Plant {
         if state.rest.position != state.position {
             state.rest = Rest {
                 position: state.position,
-                pull_nm: self.pull(state, 0.0),
+                pull_nm: self.pull(state, 0.0, self.through(state)),
             };
         }
         let holds = |drive_nm: f64| {
@@ -300,28 +307,14 @@ impl Plant {
     }
 
     /// The link within its present flank, `held` on the motor side or the load side.
-    fn closed_link(&self, state: &State, held: [bool; 2]) -> Closed {
-        let link = &self.parts.link;
-        let flank = link.flank(
+    fn closed_link(&self, state: &State, held: [bool; 2]) -> Closed<'_> {
+        let flank = self.parts.link.flank(
             state.position - state.load_position,
             state.velocity - state.load_velocity,
         );
-        let (stiffness, damping, relaxed) = link.spring(flank);
-        let mobility = |side: usize| {
-            if held[side] {
-                0.0
-            } else {
-                self.inverse_inertia[side]
-            }
-        };
         Closed {
             flank,
-            masses: TwoMass {
-                mobility: [mobility(0), mobility(1)],
-                stiffness,
-                damping,
-                relaxed,
-            },
+            masses: self.link_modes.within(flank, held),
         }
     }
 
@@ -343,15 +336,22 @@ impl Plant {
             0.0
         };
         let load_dry = is_linked(N) && self.load_is_dry();
-        let load = LoadSide {
-            direction: if load_dry {
-                state.load_phase.direction()
-            } else {
-                0.0
-            },
-            held: load_dry && state.load_phase == Phase::Stick,
+        let load_direction = if load_dry {
+            state.load_phase.direction()
+        } else {
+            0.0
         };
-        let load_direction = load.direction;
+        let constant_friction_nm = |side: usize, direction: f64| {
+            (self.plain || direction == 0.0).then(|| {
+                let level = m.friction.level_nm[usize::from(direction < 0.0)];
+                self.friction_share[side] * direction * level
+            })
+        };
+        let load = LoadSide {
+            direction: load_direction,
+            held: load_dry && state.load_phase == Phase::Stick,
+            constant_friction_nm: constant_friction_nm(1, load_direction),
+        };
         let held = kinked && state.phase == Phase::Stick;
         let load_position = if is_linked(N) {
             state.load_position
@@ -364,15 +364,12 @@ impl Plant {
             torque,
             pendulum: state.pendulum,
             time_s: state.time_s,
+            step_s: h,
             direction,
             held,
             closed: closed.then(|| self.closed_link(state, [held, load.held])),
             load,
-            constant_friction_nm: (self.plain || direction == 0.0).then(|| {
-                self.friction_share[0]
-                    * direction
-                    * m.friction.level_nm[usize::from(direction < 0.0)]
-            }),
+            constant_friction_nm: constant_friction_nm(0, direction),
             touch: &state.touch,
         };
         let tolerance = watch.then_some(self.pace.event_tolerance);
@@ -414,6 +411,24 @@ impl Plant {
         (step.taken, event)
     }
 
+    /// The longest step that follows how friction falls with speed, s.
+    #[inline]
+    pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, rate_step: f64) -> f64 {
+        let Friction { stribeck, .. } = &self.mechanics.friction;
+        if stribeck.is_none() {
+            return f64::INFINITY;
+        }
+        let level = self.mechanics.friction.highest_nm();
+        let pull = self.pull(state, drive_nm, self.through(state));
+        stribeck.longest_step(
+            self.mechanics.inertia,
+            state.velocity.abs(),
+            pull.abs() + level * stribeck.ratio,
+            level,
+            rate_step,
+        )
+    }
+
     /// The longest step that the stiffest part in action allows, s.
     #[inline]
     fn longest_step(&self, state: &State, drive_nm: f64, closed: bool) -> f64 {
@@ -430,17 +445,7 @@ impl Plant {
                 longest = longest.min(self.pace.rate_step / (natural + damped));
             }
         }
-        if !self.plain {
-            let level = m.friction.highest_nm();
-            let push = self.pull(state, drive_nm).abs() + level * m.friction.stribeck.ratio;
-            longest = longest.min(m.friction.stribeck.longest_step(
-                m.inertia,
-                state.velocity.abs(),
-                push,
-                level,
-                self.pace.rate_step,
-            ));
-        }
+        longest = longest.min(self.longest_on_slope(state, drive_nm, self.pace.rate_step));
         if state.phase == Phase::Bristle {
             let level = m.friction.highest_nm();
             let holding = level * m.friction.stribeck.ratio;
@@ -506,14 +511,13 @@ impl<const N: usize> Regime<'_, N> {
     /// Dry friction of the load side while sliding, N m.
     #[inline]
     fn load_friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> f64 {
-        let direction = self.load.direction;
-        if direction == 0.0 {
-            return 0.0;
-        }
-        let friction = &self.plant.mechanics.friction;
-        let time_s = self.time_s + t;
-        let level = friction.sliding(direction, x[2], x[3].abs(), time_s, drive_nm);
-        self.plant.friction_share[1] * direction * level
+        self.load.constant_friction_nm.unwrap_or_else(|| {
+            let direction = self.load.direction;
+            let friction = &self.plant.mechanics.friction;
+            let time_s = self.time_s + t;
+            let level = friction.sliding(direction, x[2], x[3].abs(), time_s, drive_nm);
+            self.plant.friction_share[1] * direction * level
+        })
     }
 
     fn state_at(&self, x: &[f64; N]) -> State {
@@ -584,12 +588,9 @@ impl<const N: usize> Regime<'_, N> {
         let half = masses.propagator(0.5 * t);
         let midway = masses.carried(&half, &from, at_first);
         let midway = core::array::from_fn(|i| midway[i]);
-        let (forces, _) = self.forces(0.5 * t, self.torque.mean(t), &midway);
-        let accelerations = [
-            forces[0] * masses.mobility[0],
-            forces[1] * masses.mobility[1],
-        ];
-        let end = masses.carried(&half.twice(), &from, accelerations);
+        let (forces, _) = self.forces(0.5 * t, self.torque.means(t)[0], &midway);
+        let accelerations = masses.pushed(forces);
+        let end = masses.carried(&masses.twice(&half), &from, accelerations);
         let pulled = masses.accelerations(&end);
         let end_rate = [
             end[1],
@@ -608,10 +609,10 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
     #[inline(always)]
     fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
         let (forces, bristle_rate) = self.forces(t, self.torque.at(t), x);
-        let through = if is_linked(N) {
-            self.plant.parts.link.torque(x[0] - x[2], x[1] - x[3])
-        } else {
-            0.0
+        let through = match &self.closed {
+            _ if !is_linked(N) => 0.0,
+            Some(closed) => closed.masses.torque(&core::array::from_fn(|i| x[i])),
+            None => self.plant.parts.link.torque(x[0] - x[2], x[1] - x[3]),
         };
         let mut rate = [0.0; N];
         rate[0] = x[1];
@@ -633,17 +634,19 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
     #[inline]
     fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]) {
         match &self.closed {
-            Some(closed) if is_linked(N) => self.in_closed_form(&closed.masses, x, rate, t),
+            Some(closed) if is_linked(N) => self.in_closed_form(closed.masses, x, rate, t),
             _ => rk4(|t, x| self.rate(t, x), x, rate, t),
         }
     }
 
     #[inline(always)]
     fn guard(&self, t: f64, x: &[f64; N]) -> f64 {
+        // All in one unit, or the smallest would hide the others until the end.
+        let far = |velocity: f64| self.step_s * velocity;
         let mut guard = if self.direction == 0.0 {
             f64::INFINITY
         } else {
-            self.direction * x[1]
+            far(self.direction * x[1])
         };
         let (position, velocity) = Self::load(x);
         for (barrier, touch) in self.plant.parts.barriers.iter().zip(self.touch) {
@@ -658,18 +661,29 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
             guard = guard.min(link.guard(closed.flank, x[0] - x[2], x[1] - x[3]));
         }
         if is_linked(N) && self.load.direction != 0.0 {
-            guard = guard.min(self.load.direction * x[3]);
+            guard = guard.min(far(self.load.direction * x[3]));
         }
         if is_linked(N) && (self.held || self.load.held) {
             let state = self.state_at(x);
             let drive_nm = self.torque.at(t);
+            // That of this flank, also past its end: it jumps there.
+            let through = match &self.closed {
+                Some(closed) => closed.masses.torque(&pack::<4>(&state)),
+                None => self.plant.through(&state),
+            };
+            let left = |holding: f64, pull: f64, side: usize| {
+                far(far(
+                    (holding - pull.abs()) * self.plant.inverse_inertia[side]
+                ))
+            };
             if self.held {
-                let pull = self.plant.pull(&state, drive_nm);
-                guard = guard.min(self.plant.holding(&state, pull, drive_nm) - pull.abs());
+                let pull = self.plant.pull(&state, drive_nm, through);
+                guard = guard.min(left(self.plant.holding(&state, pull, drive_nm), pull, 0));
             }
             if self.load.held {
-                let pull = self.plant.load_pull(&state);
-                guard = guard.min(self.plant.load_holding(&state, pull, drive_nm) - pull.abs());
+                let pull = self.plant.load_pull(&state, through);
+                let holding = self.plant.load_holding(&state, pull, drive_nm);
+                guard = guard.min(left(holding, pull, 1));
             }
         }
         guard

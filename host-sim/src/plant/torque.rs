@@ -91,13 +91,19 @@ impl Torque {
         )
     }
 
-    /// Mean over the next `t_s`, N m.
+    /// Mean over the next `t_s`, and the mean that counts the earlier the more, as the way that an inertia goes does, N m.
     #[inline]
-    pub(super) fn mean(&self, t_s: f64) -> f64 {
+    pub(super) fn means(&self, t_s: f64) -> [f64; 2] {
         if self.is_held() {
-            return self.target_nm;
+            return [self.target_nm; 2];
         }
-        self.end_and_mean(t_s, (-t_s / self.lag_s).exp()).1
+        let gone = -(-t_s / self.lag_s).exp_m1();
+        let lags = self.lag_s / t_s;
+        let transient_nm = self.transient_nm();
+        [
+            self.trailing_nm(0.5 * t_s) + transient_nm * lags * gone,
+            self.trailing_nm(t_s / 3.0) + transient_nm * 2.0 * lags * (1.0 - lags * gone),
+        ]
     }
 
     /// Least and greatest torque that are possible within the next `t_s`, N m: between start and target.
@@ -147,13 +153,16 @@ mod tests {
         };
         // τ T' = target − T, by small explicit steps; the mean by summing.
         let (dt, steps) = (1e-8, 300_000);
-        let (mut t, mut sum) = (torque.start_nm, 0.0);
+        let (mut t, mut sum, mut twice) = (torque.start_nm, 0.0, 0.0);
         for i in 0..steps {
             sum += t * dt;
+            twice += sum * dt;
             t += dt / 2e-3 * (-0.1 + 50.0 * f64::from(i) * dt - t);
         }
         let (end, mean) = torque.end_and_mean(3e-3, (-1.5f64).exp());
         assert!((end - t).abs() < 1e-6 && (mean - sum / 3e-3).abs() < 1e-6);
+        let [mean, early] = torque.means(3e-3);
+        assert!((mean - sum / 3e-3).abs() < 1e-6 && (early - twice / 4.5e-6).abs() < 1e-6);
         let halves = torque.after(1e-3).after(2e-3);
         assert!((halves.start_nm - end).abs() < 1e-12);
     }

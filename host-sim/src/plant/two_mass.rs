@@ -1,16 +1,24 @@
 //! Two masses and the spring and damper between them under constant forces, in closed form.
 
-/// How the two sides of a link move relative to each other for some time, and how the load is shared by what moves.
+use super::link::{Flank, Link};
+
+/// How the two sides of a link move relative to each other, and how the load is shared by what moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TwoMass {
-    /// Inverse inertias of motor side and load side, 1/(kg m²); zero for one that is held, if the other is not.
-    pub mobility: [f64; 2],
-    /// Spring between them, N m/rad; zero inside a play.
-    pub stiffness: f64,
-    /// Damper between them, N m s/rad; zero inside a play.
-    pub damping: f64,
-    /// Twist at which the spring is relaxed, rad.
-    pub relaxed: f64,
+    mobility: [f64; 2],
+    stiffness: f64,
+    damping: f64,
+    relaxed: f64,
+    /// Of each side in the sum of both mobilities.
+    share: [f64; 2],
+    /// Of the relative motion: half its damping, the square of its rate without damping, 1/s and 1/s².
+    decay_rate: f64,
+    rate_squared: f64,
+    /// Square of its rate with damping, negative where it creeps, 1/s².
+    discriminant: f64,
+    /// Root of that, and one over it.
+    rate: f64,
+    rate_s: f64,
 }
 
 /// What becomes of a twist and of its rate over some time.
@@ -18,23 +26,94 @@ pub(super) struct TwoMass {
 pub(super) struct Propagator {
     cosine: f64,
     sine_s: f64,
-    decay_rate: f64,
-    rate_squared: f64,
     time_s: f64,
 }
 
+/// What a link makes of its two sides, by flank and by what is held.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Modes(Vec<TwoMass>);
+
+/// In the order of [`Modes`].
+const FLANKS: [Flank; 4] = [
+    Flank::Apart,
+    Flank::Pushing(-1.0),
+    Flank::Pushing(1.0),
+    Flank::Bound,
+];
+const HELD: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
+
+impl Modes {
+    /// Of a link between two sides of these inverse inertias, 1/(kg m²).
+    pub(super) fn of(link: &Link, inverse_inertia: [f64; 2]) -> Self {
+        let mode = |flank: Flank, held: [bool; 2]| {
+            let (stiffness, damping, relaxed) = link.spring(flank);
+            let mobility = |side: usize| {
+                if held[side] {
+                    0.0
+                } else {
+                    inverse_inertia[side]
+                }
+            };
+            TwoMass::new([mobility(0), mobility(1)], stiffness, damping, relaxed)
+        };
+        let modes = FLANKS
+            .iter()
+            .flat_map(|&flank| HELD.map(|held| mode(flank, held)));
+        Self(modes.collect())
+    }
+
+    /// Within a flank, with motor side or load side held.
+    #[inline]
+    pub(super) fn within(&self, flank: Flank, held: [bool; 2]) -> &TwoMass {
+        let flank = match flank {
+            Flank::Apart => 0,
+            Flank::Pushing(side) => 1 + usize::from(side > 0.0),
+            Flank::Bound => 3,
+        };
+        &self.0[HELD.len() * flank + usize::from(held[0]) + 2 * usize::from(held[1])]
+    }
+}
+
 impl TwoMass {
+    /// Of inverse inertias of motor side and load side, 1/(kg m²), zero for one that is held; of a spring and a damper
+    /// between them, N m/rad and N m s/rad, zero inside a play; and of the twist at which the spring is relaxed, rad.
+    fn new(mobility: [f64; 2], stiffness: f64, damping: f64, relaxed: f64) -> Self {
+        let sum = mobility[0] + mobility[1];
+        let rate_squared = sum * stiffness;
+        let decay_rate = 0.5 * sum * damping;
+        let discriminant = rate_squared - decay_rate * decay_rate;
+        let rate = discriminant.abs().sqrt();
+        Self {
+            mobility,
+            stiffness,
+            damping,
+            relaxed,
+            share: mobility.map(|one| one / sum),
+            decay_rate,
+            rate_squared,
+            discriminant,
+            rate,
+            rate_s: rate.recip(),
+        }
+    }
+
     /// Of the free relative motion over `time_s`: the impulse response of a damped oscillator and its derivative.
     #[inline]
     pub(super) fn propagator(&self, time_s: f64) -> Propagator {
-        let mobility = self.mobility[0] + self.mobility[1];
-        let rate_squared = mobility * self.stiffness;
-        let decay_rate = 0.5 * mobility * self.damping;
-        let discriminant = rate_squared - decay_rate * decay_rate;
-        let rate = discriminant.abs().sqrt();
+        let Self {
+            decay_rate,
+            discriminant,
+            rate,
+            rate_s,
+            ..
+        } = *self;
         let angle = rate * time_s;
         let (cosine, sine_s) = if angle < SMALL_ANGLE {
-            let decay = (-decay_rate * time_s).exp();
+            let decay = if decay_rate == 0.0 {
+                1.0
+            } else {
+                (-decay_rate * time_s).exp()
+            };
             let square = discriminant * time_s * time_s;
             (
                 decay * (1.0 - 0.5 * square),
@@ -43,26 +122,54 @@ impl TwoMass {
         } else if discriminant > 0.0 {
             let decay = (-decay_rate * time_s).exp();
             let (sine, cosine) = angle.sin_cos();
-            (decay * cosine, decay * sine / rate)
+            (decay * cosine, decay * sine * rate_s)
         } else {
             let slow = ((rate - decay_rate) * time_s).exp();
             let fast = (-(rate + decay_rate) * time_s).exp();
-            (0.5 * (slow + fast), 0.5 * (slow - fast) / rate)
+            (0.5 * (slow + fast), 0.5 * (slow - fast) * rate_s)
         };
         Propagator {
             cosine: cosine + decay_rate * sine_s,
             sine_s,
-            decay_rate,
-            rate_squared,
             time_s,
         }
     }
 
-    /// By which the link alone accelerates motor and load side.
+    /// That over twice the time.
+    #[inline]
+    pub(super) fn twice(&self, over: &Propagator) -> Propagator {
+        let Propagator {
+            cosine: c,
+            sine_s: s,
+            time_s,
+        } = *over;
+        Propagator {
+            cosine: c * c - self.rate_squared * s * s,
+            sine_s: 2.0 * s * (c - self.decay_rate * s),
+            time_s: 2.0 * time_s,
+        }
+    }
+
+    /// Torque from the motor side on the load side, N m.
+    #[inline]
+    pub(super) fn torque(&self, x: &[f64; 4]) -> f64 {
+        self.stiffness * (x[0] - x[2] - self.relaxed) + self.damping * (x[1] - x[3])
+    }
+
+    /// By which torques on motor side and load side accelerate them, rad/s².
+    #[inline]
+    pub(super) fn pushed(&self, torques_nm: [f64; 2]) -> [f64; 2] {
+        [
+            self.mobility[0] * torques_nm[0],
+            self.mobility[1] * torques_nm[1],
+        ]
+    }
+
+    /// By which the link alone does.
     #[inline]
     pub(super) fn accelerations(&self, x: &[f64; 4]) -> [f64; 2] {
-        let torque = self.stiffness * (x[0] - x[2] - self.relaxed) + self.damping * (x[1] - x[3]);
-        [-self.mobility[0] * torque, self.mobility[1] * torque]
+        let torque = self.torque(x);
+        self.pushed([-torque, torque])
     }
 
     /// State `[position, velocity]` of motor and load side after the time of a `propagator`, where all but the link
@@ -74,8 +181,7 @@ impl TwoMass {
         x: &[f64; 4],
         acceleration: [f64; 2],
     ) -> [f64; 4] {
-        let mobility = self.mobility[0] + self.mobility[1];
-        let share = self.mobility.map(|one| one / mobility);
+        let share = self.share;
         // The centre of mass, or the side that is held, does not feel the link.
         let centre = |motor: f64, load: f64| share[1] * motor + share[0] * load;
         let t = propagator.time_s;
@@ -83,7 +189,8 @@ impl TwoMass {
         let velocity = centre(x[1], x[3]) + t * pull;
         let position = centre(x[0], x[2]) + t * (velocity - 0.5 * t * pull);
         let relative = acceleration[0] - acceleration[1];
-        let (twist, rate) = propagator.relative(x[0] - x[2] - self.relaxed, x[1] - x[3], relative);
+        let twisted = [x[0] - x[2] - self.relaxed, x[1] - x[3]];
+        let [twist, rate] = self.relative(propagator, twisted, relative);
         let twist = twist + self.relaxed;
         [
             position + share[0] * twist,
@@ -92,52 +199,34 @@ impl TwoMass {
             velocity - share[1] * rate,
         ]
     }
-}
-
-/// Angle of an oscillation up to which its expansion errs by less than 1e-9.
-const SMALL_ANGLE: f64 = 1e-2;
-
-impl Propagator {
-    /// Over twice the time.
-    #[inline]
-    pub(super) fn twice(&self) -> Self {
-        let Self {
-            cosine: c,
-            sine_s: s,
-            ..
-        } = *self;
-        Self {
-            cosine: c * c - self.rate_squared * s * s,
-            sine_s: 2.0 * s * (c - self.decay_rate * s),
-            time_s: 2.0 * self.time_s,
-            ..*self
-        }
-    }
 
     /// Twist out of the relaxed one, and its rate, under a constant relative acceleration.
     #[inline]
-    fn relative(&self, twist: f64, rate: f64, acceleration: f64) -> (f64, f64) {
-        let falling = self.cosine - 2.0 * self.decay_rate * self.sine_s;
-        let bent = self.bent_s2();
-        (
-            self.cosine * twist + self.sine_s * rate + bent * acceleration,
-            falling * rate + self.sine_s * (acceleration - self.rate_squared * twist),
-        )
+    fn relative(&self, over: &Propagator, [twist, rate]: [f64; 2], acceleration: f64) -> [f64; 2] {
+        let falling = over.cosine - 2.0 * self.decay_rate * over.sine_s;
+        let bent = self.bent_s2(over);
+        [
+            over.cosine * twist + over.sine_s * rate + bent * acceleration,
+            falling * rate + over.sine_s * (acceleration - self.rate_squared * twist),
+        ]
     }
 
     /// Twist per constant relative acceleration, s²: the integral of the impulse response.
     #[inline]
-    fn bent_s2(&self) -> f64 {
-        let t = self.time_s;
+    fn bent_s2(&self, over: &Propagator) -> f64 {
+        let t = over.time_s;
         if self.rate_squared * t * t > SMALL_ANGLE.powi(4) {
-            (1.0 - self.cosine) / self.rate_squared
+            (1.0 - over.cosine) / self.rate_squared
         } else if self.decay_rate * t > SMALL_ANGLE {
-            (t - self.sine_s) / (2.0 * self.decay_rate)
+            (t - over.sine_s) / (2.0 * self.decay_rate)
         } else {
             0.5 * t * t
         }
     }
 }
+
+/// Angle of an oscillation up to which its expansion errs by less than 1e-9.
+const SMALL_ANGLE: f64 = 1e-2;
 
 #[cfg(test)]
 mod tests {
@@ -176,12 +265,9 @@ mod tests {
             }
             let sum = mobility[0] + mobility[1];
             let rate = natural / time_s;
-            let link = TwoMass {
-                mobility,
-                stiffness: rate * rate / sum,
-                damping: 2.0 * damping_ratio * rate / sum,
-                relaxed,
-            };
+            let stiffness = rate * rate / sum;
+            let damping = 2.0 * damping_ratio * rate / sum;
+            let link = TwoMass::new(mobility, stiffness, damping, relaxed);
             let mut x = [0.2, 3.0, 0.15, -2.0];
             let mut acceleration = [motor, load];
             if held < 2 {
@@ -190,7 +276,7 @@ mod tests {
             }
             let exact = stepped(&link, x, acceleration, time_s);
             let half = link.propagator(0.5 * time_s);
-            for propagator in [link.propagator(time_s), half.twice()] {
+            for propagator in [link.propagator(time_s), link.twice(&half)] {
                 let closed = link.carried(&propagator, &x, acceleration);
                 for (i, scale) in [1.0, 1.0 / time_s, 1.0, 1.0 / time_s].into_iter().enumerate() {
                     prop_assert!((closed[i] - exact[i]).abs() < 1e-7 * scale, "{closed:?} {exact:?}");
@@ -201,12 +287,7 @@ mod tests {
 
     #[test]
     fn inside_a_play_both_fly() {
-        let free = TwoMass {
-            mobility: [2.0, 1.0],
-            stiffness: 0.0,
-            damping: 0.0,
-            relaxed: 0.0,
-        };
+        let free = TwoMass::new([2.0, 1.0], 0.0, 0.0, 0.0);
         let x = free.carried(&free.propagator(0.5), &[0.0, 1.0, 1.0, -1.0], [2.0, 4.0]);
         let flown = [0.75, 2.0, 1.0, 1.0];
         assert!(

@@ -170,13 +170,19 @@ impl Search<'_> {
         hints: &[Rival],
     ) -> (Fit, Vec<Rival>) {
         let first = both.fit.hypothesis.terms.first().map(|term| term.kind.name);
-        if let Some((leader, screened)) = looked.iter().find(|(l, _)| Some(l.name) == first) {
-            return (leader.fit.clone(), screened.clone());
-        }
         let alone = self.without_last(both, null);
-        let chosen = self.screening_windows(&alone);
-        let screened = self.screened(&alone, &chosen, hints);
-        (alone, screened)
+        match looked.iter().find(|(l, _)| Some(l.name) == first) {
+            Some((leader, screened)) if level(&leader.fit) <= level(&alone) => {
+                (leader.fit.clone(), screened.clone())
+            }
+            // Beside the other it has found what it had missed alone.
+            Some((_, screened)) => (alone, screened.clone()),
+            None => {
+                let chosen = self.screening_windows(&alone);
+                let screened = self.screened(&alone, &chosen, hints);
+                (alone, screened)
+            }
+        }
     }
 
     /// A rival without its last effect, fitted anew on top of `null`.

@@ -1,6 +1,7 @@
 //! Torque ripple over position: a search over wave numbers before any fit.
 
-use super::{Evidence, linear, log};
+use super::Evidence;
+use super::start::{linear, log, term};
 use crate::hypothesis::Term;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
@@ -90,7 +91,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 linear(3, 0.0, 0.3 * amplitude),
                 linear(4, 0.0, 0.3 * amplitude),
             ];
-            super::term(kind, free, &[])
+            term(kind, free, &[])
         })
         .collect()
 }

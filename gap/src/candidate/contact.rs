@@ -1,6 +1,7 @@
 //! Something outside that pushes back for a while: a stretch of time in which the nominal model fails.
 
-use super::{Evidence, linear, log, term};
+use super::Evidence;
+use super::start::{linear, log, term};
 use crate::hypothesis::Term;
 use crate::motion::{quantile, rms};
 use host_sim::effects::Kind;
@@ -13,21 +14,18 @@ const QUIET: f64 = 0.4;
 /// A stretch longer than this share of the recording is no passing contact.
 const LONGEST_SHARE: f64 = 0.5;
 
-/// Spans of the motion beyond it at which a stop is none.
-const OUT_OF_REACH: f64 = 10.0;
-
 /// Something that pushes back, and when.
 #[derive(Clone, Copy)]
-struct Push {
-    position: f64,
+pub(super) struct Push {
+    pub position: f64,
     /// +1 if it pushes back what comes from below.
-    side: f64,
-    stiffness: f64,
-    damping: f64,
+    pub side: f64,
+    pub stiffness: f64,
+    pub damping: f64,
     from_s: f64,
     to_s: f64,
     /// Of the positions meanwhile.
-    span: f64,
+    pub span: f64,
 }
 
 /// As contacts of that time.
@@ -46,48 +44,8 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     contacts.collect()
 }
 
-/// As stops, which push back whenever the device comes there.
-pub(super) fn as_stops(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
-    let far = untouched(e.travel, e.scales.position);
-    let mut pushes = pushes(e);
-    // How long it was takes no part.
-    pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
-    let stops = pushes.into_iter().map(|push| {
-        let upper = usize::from(push.side > 0.0);
-        let free = vec![
-            log(2, push.stiffness),
-            log(3, push.damping),
-            linear(upper, push.position, 0.1 * push.span),
-        ];
-        term(kind, free, &[(1 - upper, far[1 - upper])])
-    });
-    stops.collect()
-}
-
-/// Where stops are that a motion between `extremes` did not show: those of the nominal model, or out of reach.
-pub(crate) fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
-    let [low, high] = extremes;
-    let away = OUT_OF_REACH * (high - low);
-    travel.unwrap_or([low - away, high + away])
-}
-
-/// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
-pub(crate) fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
-    let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
-    let (Some(lower), Some(upper)) = (place(0), place(1)) else {
-        return Vec::new();
-    };
-    let without = |(stop, at): (usize, usize)| {
-        let (mut term, mut x) = (stops.clone(), x.to_vec());
-        term.values[stop] = untouched[stop];
-        term.free.remove(at);
-        x.remove(at);
-        (term, x)
-    };
-    [(0, lower), (1, upper)].map(without).into()
-}
-
-fn pushes(e: &Evidence<'_>) -> Vec<Push> {
+/// What could push back in the stretch that is worst.
+pub(super) fn pushes(e: &Evidence<'_>) -> Vec<Push> {
     let stretches = stretches(e).into_iter();
     stretches
         .flat_map(|(series, windows)| pushes_during(e, series, windows))
@@ -179,30 +137,4 @@ fn stretches(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
     let inside = inside.filter(|w| windows.contains(w) && windows.len() > 1);
     let alone = inside.map(|w| (index, w..w + 1));
     core::iter::once((index, windows)).chain(alone).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use host_sim::effects;
-
-    #[test]
-    fn the_other_stop_is_left_where_the_model_has_it() {
-        let kind = effects::kind("end_stop").unwrap();
-        let free = vec![linear(0, -0.2, 0.1), linear(1, 0.3, 0.1), log(2, 20.0)];
-        let both = term(kind, free, &[]);
-        let places = |travel| {
-            let singles = one_sided(&both, &[0.5, 0.0, 0.1], untouched(travel, [-0.2, 0.3]));
-            let hundredths = |place: &f64| (100.0 * place).round();
-            let places = singles
-                .iter()
-                .map(|(term, x)| term.at(x)[..2].iter().map(hundredths).collect::<Vec<_>>());
-            places.collect::<Vec<_>>()
-        };
-        assert_eq!(
-            places(Some([-0.6, 0.6])),
-            [vec![-60.0, 30.0], vec![-15.0, 60.0]]
-        );
-        assert_eq!(places(None)[0], [-520.0, 30.0]);
-    }
 }

@@ -1,6 +1,7 @@
 //! Jumps of a counter: steps between two samples that no motion makes.
 
-use super::{Evidence, linear};
+use super::Evidence;
+use super::start::linear;
 use crate::hypothesis::Term;
 use crate::motion::quantile;
 use host_sim::effects::Kind;

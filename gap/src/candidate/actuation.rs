@@ -1,0 +1,64 @@
+//! What lies between the input and the torque.
+
+use super::Evidence;
+use super::cogging;
+use super::regression::regress;
+use super::start::{geometric, guessed, linear, log, term, terms};
+use crate::hypothesis::Term;
+use crate::motion::quantile;
+use host_sim::effects::Kind;
+
+/// Widths of a gate over the input's root mean square, and how many of them.
+const GATES: [f64; 2] = [0.03, 1.5];
+const GATE_STARTS: usize = 40;
+
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    match kind.name {
+        "torque_gain" => {
+            let guess = regress(e, |m| [m.drive_nm]);
+            let guess = guess.map(|[g]| vec![log(0, (1.0 + g).max(0.05))]);
+            terms(kind, guess, [vec![log(0, 1.0)]])
+        }
+        "torque_offset" => {
+            let guess = regress(e, |_| [1.0]).map(|[t]| vec![guessed(0, t, 0.2 * s.torque)]);
+            let offset = |f: f64| vec![linear(0, f * s.friction, 0.2 * s.torque)];
+            terms(kind, guess, [0.3, -0.3].map(offset))
+        }
+        "deadband" => terms(
+            kind,
+            None,
+            [0.05, 0.2, 0.6].map(|f| vec![log(0, f * s.input)]),
+        ),
+        "saturation" => {
+            let inputs = e.series.iter().flat_map(|s| &s.input);
+            let inputs: Vec<f64> = inputs.map(|u| u.abs()).collect();
+            // Where it would clip the largest, a few, many.
+            let limits = [1.0, 0.99, 0.95, 0.8, 0.5].map(|share| quantile(&inputs, share));
+            let limited = |limit: f64| vec![log(0, 0.9 * limit.max(0.1 * s.input))];
+            terms(kind, None, limits.map(limited))
+        }
+        "lag" | "delay" => late(kind, e),
+        "cogging" => cogging::starts(kind, e),
+        _ => Vec::new(),
+    }
+}
+
+/// What comes later than it should, here or at the sensor.
+pub(super) fn late(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let least_s = s.period_s.min(0.01 * s.horizon_s).max(0.002 * s.horizon_s);
+    terms(
+        kind,
+        None,
+        [1.0, 6.0, 30.0].map(|f| vec![log(0, f * least_s)]),
+    )
+}
+
+/// Dead bands that let all through beyond them: each sample comes through at a width of its own.
+pub(super) fn gates(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let widths = geometric(GATES, GATE_STARTS).map(|f| f * e.scales.input);
+    widths
+        .map(|width| term(kind, vec![log(0, width)], &[(1, 1.0)]))
+        .collect()
+}

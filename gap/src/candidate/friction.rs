@@ -1,0 +1,185 @@
+//! What resists motion.
+
+use super::Evidence;
+use super::regression::{Moment, regress};
+use super::start::{guessed, linear, log, term, terms};
+use crate::hypothesis::Term;
+use crate::series::FINE_PERIOD_S;
+use core::f64::consts::TAU;
+use host_sim::effects::Kind;
+
+/// How suddenly a static friction may fall with speed.
+const FALLS: [f64; 2] = [2.0, 1.0];
+/// Its rise over the sliding level, and its velocity over that of the motion.
+const RISES: [(f64, f64); 3] = [(0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
+/// Natural frequency of bristles, in rad a coarse sample.
+const RESOLVED_RATE: f64 = 2.0;
+/// How far they bend, over the span of the motion.
+const BENDS: [f64; 3] = [0.003, 0.015, 0.06];
+/// Their damping over that of the springs that bend alike, as a share of the critical one.
+const BRISTLE_DAMPING: f64 = 0.3;
+/// Periods of a ripple over the span of the motion.
+const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
+/// Time constants with which a friction settles, over the duration.
+const SETTLINGS: [f64; 2] = [0.15, 0.5];
+
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let m = &e.device.mechanics;
+    let level = m.friction.level_nm;
+    let is_dry = m.friction.highest_nm() > 0.0;
+    let viscous_scale = 0.1 * s.torque / s.velocity;
+    let drag_scale = 0.1 * s.torque / s.velocity.powi(2);
+    match kind.name {
+        "coulomb" => {
+            let guess = regress(e, |m| [-m.velocity.signum()]);
+            let guess = guess.map(|[f]| vec![log(0, (level[0] + f).max(0.05 * s.friction))]);
+            // A friction that is not there at all is at the end of a linear scale only.
+            let none = vec![linear(0, 0.02 * s.friction, 0.1 * s.friction)];
+            let [less, more] = [0.6, 1.4].map(|f| vec![log(0, f * s.friction)]);
+            terms(kind, guess, [less, more, none])
+        }
+        "asymmetric_coulomb" => {
+            let guess = regress(e, |m| {
+                let forward = f64::from(m.velocity > 0.0);
+                [-forward, 1.0 - forward]
+            });
+            let both = |[forward, backward]: [f64; 2]| vec![log(0, forward), log(1, backward)];
+            let least = 0.05 * s.friction;
+            let guess =
+                guess.map(|[p, n]| both([(level[0] + p).max(least), (level[1] + n).max(least)]));
+            let tried = [[0.7, 1.3], [1.3, 0.7]];
+            terms(
+                kind,
+                guess,
+                tried.map(|pair| both(pair.map(|f| f * s.friction))),
+            )
+        }
+        "position_dependent_coulomb" if is_dry => position_dependent(kind, e),
+        "stribeck" if is_dry => RISES
+            .iter()
+            .flat_map(|(rise, v)| {
+                let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * s.velocity)];
+                FALLS.map(|exponent| term(kind, free.clone(), &[(2, exponent)]))
+            })
+            .collect(),
+        "viscous" => {
+            let guess = regress(e, |m| [-m.velocity]);
+            let guess = guess.map(|[b]| vec![guessed(0, (m.viscous + b).max(0.0), viscous_scale)]);
+            terms(kind, guess, [vec![linear(0, m.viscous, viscous_scale)]])
+        }
+        "quadratic_drag" => {
+            let guess = regress(e, |m| [-m.velocity * m.velocity.abs()]);
+            let guess = guess.map(|[q]| vec![guessed(0, q.max(0.0), drag_scale)]);
+            terms(kind, guess, [vec![linear(0, 0.0, drag_scale)]])
+        }
+        "presliding" if is_dry => BENDS.iter().flat_map(|&f| bristles(kind, e, f)).collect(),
+        "load_dependent_friction" => {
+            let guess = regress(e, |m| [-m.drive_nm.abs() * m.velocity.signum()]);
+            let guess = guess.map(|[share]| vec![log(0, share.max(0.01))]);
+            terms(kind, guess, [0.05, 0.2].map(|share| vec![log(0, share)]))
+        }
+        "friction_drift" if is_dry => drifts(kind, e),
+        _ => Vec::new(),
+    }
+}
+
+/// Friction of the first level while sliding, N m.
+fn sliding_nm(e: &Evidence<'_>, m: &Moment) -> f64 {
+    -e.device.mechanics.friction.level_nm[0] * m.velocity.signum()
+}
+
+/// How many times the friction a guess makes of it.
+fn times(more: f64) -> f64 {
+    (1.0 + more).max(0.1)
+}
+
+/// A friction that rises along the way, that is least or most somewhere, or that comes and goes with the turns of something
+/// that is not round.
+fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let reach = s.position[0].abs().max(s.position[1].abs());
+    let guess = regress(e, |m| {
+        let friction = sliding_nm(e, m);
+        [
+            friction * m.position,
+            friction * m.position * m.position,
+            friction,
+        ]
+    });
+    let guess = guess.map(|[slope, curve, more]| {
+        vec![
+            guessed(0, slope, 0.3 / reach),
+            guessed(1, curve, 0.3 / (reach * reach)),
+            log(2, times(more)),
+        ]
+    });
+    let bent = [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.8)].map(|(slope, curve)| {
+        vec![
+            linear(0, slope / reach, 0.5 / reach),
+            linear(1, curve / (reach * reach), 0.5 / (reach * reach)),
+            log(2, 1.0),
+        ]
+    });
+    let ripple = |turns: f64| {
+        let wave_number = turns * TAU / s.span();
+        let found = regress(e, |m| {
+            let friction = sliding_nm(e, m);
+            let (sin, cos) = (wave_number * m.position).sin_cos();
+            [friction * sin, friction * (cos - 1.0), friction]
+        });
+        let [sine, cosine, more] = found?;
+        let free = vec![
+            log(2, times(more)),
+            linear(3, sine, 0.3),
+            linear(4, cosine, 0.3),
+            linear(5, wave_number, 0.2 * wave_number),
+        ];
+        Some(term(kind, free, &[(0, 0.0), (1, 0.0)]))
+    };
+    let ripples = RIPPLES.into_iter().filter_map(ripple);
+    terms(kind, guess, [])
+        .into_iter()
+        .chain(ripples)
+        .chain(terms(kind, None, bent))
+        .collect()
+}
+
+/// Bristles that bend by a share of the span of the motion, and what they lose by sliding or by bending.
+fn bristles(kind: &'static Kind, e: &Evidence<'_>, bend: f64) -> [Term; 2] {
+    let inertia = e.device.mechanics.inertia;
+    let level = e.device.mechanics.friction.highest_nm();
+    // Bristles that ring faster than samples follow are stick.
+    let stiffest = inertia * (RESOLVED_RATE / e.scales.period_s.max(FINE_PERIOD_S)).powi(2);
+    let distance = (bend * e.scales.span()).max(level / stiffest);
+    let damping = BRISTLE_DAMPING * 2.0 * (level / distance * inertia).sqrt();
+    [log(2, 0.7), linear(3, 0.4, 0.2)]
+        .map(|last| term(kind, vec![log(0, distance), log(1, damping), last], &[]))
+}
+
+/// A friction that grows or falls all the time, or that settles as something warms up.
+fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let duration_s = e.scales.duration_s;
+    let guess = regress(e, |m| {
+        let friction = sliding_nm(e, m);
+        [friction * m.session_s, friction]
+    });
+    let guess =
+        guess.map(|[rate, more]| vec![guessed(0, rate, 0.3 / duration_s), log(1, times(more))]);
+    let settling = |share: f64| {
+        let settling_s = share * duration_s;
+        let found = regress(e, |m| {
+            let friction = sliding_nm(e, m);
+            [friction * -(-m.session_s / settling_s).exp_m1(), friction]
+        });
+        let [all, more] = found?;
+        Some(vec![
+            linear(0, all / settling_s, 0.5 / settling_s),
+            log(1, times(more)),
+            log(2, settling_s),
+        ])
+    };
+    let settling = SETTLINGS.into_iter().filter_map(settling);
+    let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s), log(1, 1.0)];
+    terms(kind, guess, settling.chain([0.3, -0.3].map(steady)))
+}

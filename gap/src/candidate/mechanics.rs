@@ -1,0 +1,57 @@
+//! Inertia and what pulls at it.
+
+use super::Evidence;
+use super::regression::regress;
+use super::start::{guessed, linear, log, terms};
+use super::{stops, transmission};
+use crate::hypothesis::Term;
+use host_sim::effects::Kind;
+
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let m = &e.device.mechanics;
+    match kind.name {
+        "inertia" => {
+            let guess = regress(e, |m| [-m.acceleration]);
+            let guess = guess.map(|[j]| vec![log(0, (m.inertia + j).max(0.1 * m.inertia))]);
+            terms(kind, guess, [vec![log(0, m.inertia)]])
+        }
+        "gravity" => {
+            let guess = regress(e, |m| [-m.position.sin(), m.position.cos()]);
+            let guess = guess.map(|[a, b]| {
+                let (sin, cos) = m.gravity_zero.sin_cos();
+                let (a, b) = (a + m.gravity * cos, b + m.gravity * sin);
+                let weight = guessed(0, a.hypot(b), 0.1 * s.torque);
+                vec![weight, linear(1, b.atan2(a), 0.1)]
+            });
+            let hanging = vec![
+                linear(0, m.gravity, 0.1 * s.torque),
+                linear(1, m.gravity_zero, 0.1 * s.span().min(1.0)),
+            ];
+            terms(kind, guess, [hanging])
+        }
+        "spring" => {
+            let stiffness = s.torque / s.span();
+            let guess = regress(e, |m| [-m.position, 1.0]).map(|[k, t]| {
+                let pull = m.stiffness + k;
+                let zero = (t + m.stiffness * m.stiffness_zero) / pull;
+                let pull = guessed(0, pull, 0.05 * stiffness);
+                vec![pull, linear(1, zero, 0.2 * s.span())]
+            });
+            let zero = if m.stiffness == 0.0 {
+                0.5 * (s.position[0] + s.position[1])
+            } else {
+                m.stiffness_zero
+            };
+            let soft = vec![
+                linear(0, m.stiffness + 0.05 * stiffness, 0.1 * stiffness),
+                linear(1, zero, 0.2 * s.span()),
+            ];
+            terms(kind, guess, [soft])
+        }
+        "end_stop" => stops::starts(kind, e),
+        "backlash" => transmission::plays(kind, e),
+        "compliance" => transmission::springs(kind, e),
+        _ => Vec::new(),
+    }
+}

@@ -1,0 +1,63 @@
+//! What lies between the position and its reading.
+
+use super::Evidence;
+use super::start::{linear, log, term, terms};
+use super::{actuation, jumps};
+use crate::hypothesis::Term;
+use core::f64::consts::TAU;
+use host_sim::effects::Kind;
+
+/// Square and cube by which a sensor's curve departs at the ends of the motion, over half of its span.
+const BENDS: [[f64; 2]; 5] = [
+    [0.0, 0.0],
+    [0.2, 0.0],
+    [-0.2, 0.0],
+    [0.0, 0.3],
+    [0.0, -0.15],
+];
+/// Periods of a ripple over the span of the motion.
+const RIPPLES: [f64; 3] = [0.5, 1.0, 2.0];
+
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    match kind.name {
+        "sensor_gain" => terms(kind, None, [vec![log(0, 1.0)]]),
+        "sensor_nonlinearity" => curves(kind, e),
+        "sensor_hysteresis" => {
+            let shares = [3.0 * s.noise / s.span(), 0.02, 0.06];
+            terms(kind, None, shares.map(|f| vec![log(0, f * s.span())]))
+        }
+        "sensor_lag" => actuation::late(kind, e),
+        "lost_counts" => jumps::starts(kind, e),
+        _ => Vec::new(),
+    }
+}
+
+/// Curves that bend, and an eccentric disk or poles, which show as a ripple of which one period or a few are passed.
+fn curves(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let reach = s.position[0].abs().max(s.position[1].abs());
+    let middle = 0.5 * (s.position[0] + s.position[1]);
+    // A curve that is right at zero, or in the middle of what is passed.
+    let bent = |middle: f64, reach: f64, [square, cube]: [f64; 2]| {
+        let free = vec![
+            linear(0, square / reach, 0.2 / reach),
+            linear(1, cube / (reach * reach), 0.2 / (reach * reach)),
+        ];
+        term(kind, free, &[(6, middle)])
+    };
+    let rippled = |turns: f64| {
+        let wave_number = turns * TAU / s.span();
+        let amplitude = 0.1 / wave_number;
+        let free = vec![
+            linear(2, 0.0, amplitude),
+            linear(3, amplitude, amplitude),
+            linear(4, wave_number, 0.2 * wave_number),
+        ];
+        term(kind, free, &[(0, 0.0), (1, 0.0)])
+    };
+    let mut all = vec![bent(0.0, reach, [0.0, 0.0])];
+    all.extend(BENDS.map(|bend| bent(middle, 0.5 * s.span(), bend)));
+    all.extend(RIPPLES.map(rippled));
+    all
+}

@@ -1,0 +1,113 @@
+//! Hard stops on either side.
+
+use super::Evidence;
+use super::contact::pushes;
+use super::start::{linear, log, term};
+use crate::hypothesis::Term;
+use crate::motion::quantile;
+use host_sim::effects::Kind;
+
+/// Shares of the samples that may lie beyond a stop: none where it is touched once.
+const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
+/// Stiffness of a stop over torque by span of the motion.
+const HARDNESS: [f64; 2] = [20.0, 200.0];
+/// Its relative damping.
+const STOP_DAMPING: f64 = 0.1;
+/// Spans of the motion beyond it at which a stop is none.
+const OUT_OF_REACH: f64 = 10.0;
+
+/// One stop at a time, the other out of reach, then both.
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let inertia = e.device.mechanics.inertia;
+    let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
+    let positions: Vec<f64> = positions.collect();
+    let far = untouched(e.travel, s.position);
+    let mut all = pushing(kind, e);
+    let sizes = STOPPED_SHARES
+        .iter()
+        .flat_map(|&share| HARDNESS.map(|hardness| (share, hardness)));
+    for (share, hardness) in sizes {
+        let [low, high] = [share, 1.0 - share].map(|share| quantile(&positions, share));
+        for (lower, upper) in [(far[0], high), (low, far[1]), (low, high)] {
+            let stiffness = hardness * s.torque / s.span();
+            let damping = 2.0 * STOP_DAMPING * (stiffness * inertia).sqrt();
+            let mut free = vec![log(2, stiffness), log(3, damping)];
+            if lower > far[0] {
+                free.push(linear(0, lower, 0.05 * s.span()));
+            }
+            if upper < far[1] {
+                free.push(linear(1, upper, 0.05 * s.span()));
+            }
+            all.push(term(kind, free, &[(0, lower), (1, upper)]));
+        }
+    }
+    all
+}
+
+/// What pushes back for a while, as stops: they do whenever the device comes there.
+fn pushing(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let far = untouched(e.travel, e.scales.position);
+    let mut pushes = pushes(e);
+    // How long it was takes no part.
+    pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
+    let stops = pushes.into_iter().map(|push| {
+        let upper = usize::from(push.side > 0.0);
+        let free = vec![
+            log(2, push.stiffness),
+            log(3, push.damping),
+            linear(upper, push.position, 0.1 * push.span),
+        ];
+        term(kind, free, &[(1 - upper, far[1 - upper])])
+    });
+    stops.collect()
+}
+
+/// Where stops are that a motion between `extremes` did not show: those of the nominal model, or out of reach.
+pub(crate) fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
+    let [low, high] = extremes;
+    let away = OUT_OF_REACH * (high - low);
+    travel.unwrap_or([low - away, high + away])
+}
+
+/// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
+pub(crate) fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
+    let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
+    let (Some(lower), Some(upper)) = (place(0), place(1)) else {
+        return Vec::new();
+    };
+    let without = |(stop, at): (usize, usize)| {
+        let (mut term, mut x) = (stops.clone(), x.to_vec());
+        term.values[stop] = untouched[stop];
+        term.free.remove(at);
+        x.remove(at);
+        (term, x)
+    };
+    [(0, lower), (1, upper)].map(without).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use host_sim::effects;
+
+    #[test]
+    fn the_other_stop_is_left_where_the_model_has_it() {
+        let kind = effects::kind("end_stop").unwrap();
+        let free = vec![linear(0, -0.2, 0.1), linear(1, 0.3, 0.1), log(2, 20.0)];
+        let both = term(kind, free, &[]);
+        let places = |travel| {
+            let singles = one_sided(&both, &[0.5, 0.0, 0.1], untouched(travel, [-0.2, 0.3]));
+            let hundredths = |place: &f64| (100.0 * place).round();
+            let places = singles
+                .iter()
+                .map(|(term, x)| term.at(x)[..2].iter().map(hundredths).collect::<Vec<_>>());
+            places.collect::<Vec<_>>()
+        };
+        assert_eq!(
+            places(Some([-0.6, 0.6])),
+            [vec![-60.0, 30.0], vec![-15.0, 60.0]]
+        );
+        assert_eq!(places(None)[0], [-520.0, 30.0]);
+    }
+}

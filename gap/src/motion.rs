@@ -75,6 +75,7 @@ impl Motion {
 pub(crate) struct Scales {
     pub position: [f64; 2],
     pub velocity: f64,
+    /// As far as the drive takes it.
     pub input: f64,
     pub torque: f64,
     pub friction: f64,
@@ -103,7 +104,8 @@ impl Scales {
         };
         let inputs: Vec<f64> = series
             .iter()
-            .flat_map(|s| s.input.iter().copied())
+            .flat_map(|s| s.input.iter())
+            .map(|u| u.abs().min(device.drive.limit))
             .collect();
         let positions = all(|m| &m.position);
         let torque = rms(&all(|m| &m.drive_nm)).max(f64::MIN_POSITIVE);

@@ -50,8 +50,9 @@ impl Plant {
         let halfway = acceleration(state.position + half_s * state.velocity, midway, half_s);
         let velocity = state.velocity + dt_s * halfway;
         let turns = direction * midway <= 0.0 || direction * velocity <= 0.0;
-        let meets =
-            |(barrier, touch): (&Barrier, &Touch)| barrier.guard(*touch, position, velocity) < 0.0;
+        let meets = |(barrier, touch): (&Barrier, &Touch)| {
+            barrier.is_there(state.time_s) && barrier.guard(*touch, position, velocity) < 0.0
+        };
         if turns || self.parts.barriers.iter().zip(&state.touch).any(meets) {
             return false;
         }

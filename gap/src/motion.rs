@@ -54,7 +54,7 @@ impl Motion {
             motion.acceleration.push(a);
             let known = v.abs() > KNOWN_DIRECTION * noise * fit.covariance[1][1].sqrt();
             motion.missing_nm.push(if known {
-                let level = m.friction.level_nm[usize::from(v < 0.0)];
+                let level = m.friction.level(v);
                 m.inertia * a
                     + (m.viscous + m.drag * v.abs()) * v
                     + level.copysign(v)
@@ -104,8 +104,8 @@ impl Scales {
         };
         let inputs: Vec<f64> = series
             .iter()
-            .flat_map(|s| s.input.iter())
-            .map(|u| u.abs().min(device.drive.limit))
+            .flat_map(|s| &s.input)
+            .map(|u| device.drive.taken(*u))
             .collect();
         let positions = all(|m| &m.position);
         let torque = rms(&all(|m| &m.drive_nm)).max(f64::MIN_POSITIVE);

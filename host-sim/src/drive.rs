@@ -40,10 +40,16 @@ impl Drive {
         self.delay_s + LAGS * self.lag_s
     }
 
+    /// Magnitude of what it takes of an input.
+    #[inline]
+    pub fn taken(&self, input: f64) -> f64 {
+        input.abs().min(self.limit)
+    }
+
     /// Joint torque once delay and lag have passed, N m.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {
-        let magnitude = input.abs().min(self.limit);
+        let magnitude = self.taken(input);
         if magnitude <= self.deadband {
             return 0.0;
         }

@@ -22,11 +22,26 @@ fn run(
     seconds: f64,
     torque: impl Fn(f64) -> f64,
 ) -> Vec<f64> {
+    run_behind(0.0, plant, start, tick_s, seconds, torque)
+}
+
+/// The same with a drive that lags by `lag_s`.
+fn run_behind(
+    lag_s: f64,
+    plant: &Plant,
+    start: [f64; 2],
+    tick_s: f64,
+    seconds: f64,
+    torque: impl Fn(f64) -> f64,
+) -> Vec<f64> {
     let mut state = plant.state(0.0, start[0], start[1]);
+    let mut acting = Torque::held(0.0);
     let ticks = (seconds / tick_s).round() as usize;
     (0..ticks)
         .map(|i| {
-            plant.advance(&mut state, Torque::held(torque(i as f64 * tick_s)), tick_s);
+            let target_nm = torque(i as f64 * tick_s);
+            acting = Torque::relaxing(acting.after(tick_s).start_nm, target_nm, lag_s);
+            plant.advance(&mut state, acting, tick_s);
             state.position
         })
         .collect()
@@ -304,18 +319,9 @@ fn error_of_quick(mechanics: &Mechanics) -> f64 {
 
 /// The same with a drive that lags by `lag_s`.
 fn error_of_quick_behind(mechanics: &Mechanics, lag_s: f64) -> f64 {
-    const TICK_S: f64 = 1e-3;
     let [exact, quick] = [Plant::new, Plant::quick].map(|plant| {
         let plant = plant(mechanics.clone());
-        let mut state = plant.state(0.0, 0.0, 0.0);
-        let mut torque = Torque::held(0.0);
-        let mut step = |i: i32| {
-            let target = to_and_fro(f64::from(i) * TICK_S);
-            torque = Torque::relaxing(torque.after(TICK_S).start_nm, target, lag_s);
-            plant.advance(&mut state, torque, TICK_S);
-            state.position
-        };
-        (0..300).map(&mut step).collect::<Vec<f64>>()
+        run_behind(lag_s, &plant, [0.0, 0.0], 1e-3, 0.3, to_and_fro)
     });
     let differences = exact.iter().zip(&quick).map(|(a, b)| (a - b).abs());
     // What is held all the time goes no way at all.

@@ -33,8 +33,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "saturation" => {
             let inputs = e.series.iter().flat_map(|s| &s.input);
             // What the drive clips as it is cannot show where else it does.
-            let taken = inputs.map(|u| u.abs().min(e.device.drive.limit));
-            let inputs: Vec<f64> = taken.collect();
+            let inputs: Vec<f64> = inputs.map(|u| e.device.drive.taken(*u)).collect();
             // Where it would clip the largest, a few, many.
             let limits = [1.0, 0.99, 0.95, 0.8, 0.5].map(|share| quantile(&inputs, share));
             let limited = |limit: f64| vec![log(0, 0.9 * limit.max(0.1 * s.input))];

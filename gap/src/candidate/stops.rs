@@ -23,7 +23,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
     let positions: Vec<f64> = positions.collect();
     let far = untouched(e.travel, s.position);
-    let mut all = pushing(kind, e);
+    let mut all = pushing(kind, e, far);
     let sizes = STOPPED_SHARES
         .iter()
         .flat_map(|&share| HARDNESS.map(|hardness| (share, hardness)));
@@ -45,9 +45,8 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     all
 }
 
-/// What pushes back for a while, as stops: they do whenever the device comes there.
-fn pushing(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
-    let far = untouched(e.travel, e.scales.position);
+/// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.
+fn pushing(kind: &'static Kind, e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
     let mut pushes = pushes(e);
     // How long it was takes no part.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));

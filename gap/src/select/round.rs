@@ -171,18 +171,18 @@ impl Search<'_> {
     ) -> (Fit, Vec<Rival>) {
         let first = both.fit.hypothesis.terms.first().map(|term| term.kind.name);
         let alone = self.without_last(both, null);
-        match looked.iter().find(|(l, _)| Some(l.name) == first) {
-            Some((leader, screened)) if level(&leader.fit) <= level(&alone) => {
-                (leader.fit.clone(), screened.clone())
-            }
-            // Beside the other it has found what it had missed alone.
-            Some((_, screened)) => (alone, screened.clone()),
-            None => {
-                let chosen = self.screening_windows(&alone);
-                let screened = self.screened(&alone, &chosen, hints);
-                (alone, screened)
-            }
-        }
+        let Some((leader, screened)) = looked.iter().find(|(l, _)| Some(l.name) == first) else {
+            let chosen = self.screening_windows(&alone);
+            let screened = self.screened(&alone, &chosen, hints);
+            return (alone, screened);
+        };
+        // Beside the other it may have found what it had missed alone.
+        let alone = if level(&leader.fit) <= level(&alone) {
+            leader.fit.clone()
+        } else {
+            alone
+        };
+        (alone, screened.clone())
     }
 
     /// A rival without its last effect, fitted anew on top of `null`.

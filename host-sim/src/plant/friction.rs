@@ -69,6 +69,12 @@ impl Friction {
         self.level_nm = self.level_nm.map(|level| factor * level);
     }
 
+    /// Sliding level against motion in `direction` (±1) without what it depends on, N m.
+    #[inline]
+    pub fn level(&self, direction: f64) -> f64 {
+        self.level_nm[usize::from(direction < 0.0)]
+    }
+
     /// The higher of the sliding levels, N m.
     #[inline]
     pub fn highest_nm(&self) -> f64 {
@@ -119,7 +125,7 @@ impl Friction {
             p += self.position_ripple.at(x);
         }
         let d = 1.0 + self.drift.map_or(0.0, |drift| drift.growth(t_s));
-        self.level_nm[usize::from(direction < 0.0)] * p.max(0.0) * d.max(0.0)
+        self.level(direction) * p.max(0.0) * d.max(0.0)
     }
 }
 

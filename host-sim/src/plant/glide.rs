@@ -4,11 +4,11 @@
 use super::{Barrier, Plant, State, Torque, Touch};
 
 impl Plant {
-    /// Carries `state` over `dt_s` if nothing but gentle sliding happens meanwhile; false, and as it was, if anything
+    /// Carries `state` over `dt_s` if nothing but gentle sliding happens meanwhile; false, and where it was, if anything
     /// does.
     #[inline]
     pub(super) fn glides(&self, state: &mut State, torque: &Torque, dt_s: f64) -> bool {
-        if dt_s > self.longest_glide_s || self.until_barriers_change(state, dt_s) < dt_s {
+        if dt_s > self.longest_glide_s {
             return false;
         }
         let direction = if self.dry {
@@ -16,7 +16,11 @@ impl Plant {
         } else {
             state.velocity.signum()
         };
-        if self.dry && direction * state.velocity <= 0.0 || state.touch.contains(&Touch::Pushing) {
+        if self.dry && direction * state.velocity <= 0.0 {
+            return false;
+        }
+        let changes = self.until_barriers_change(state, dt_s) < dt_s;
+        if changes || state.touch.contains(&Touch::Pushing) {
             return false;
         }
         let m = &self.mechanics;
@@ -26,19 +30,17 @@ impl Plant {
             return false;
         }
         state.pendulum.follow(state.position - m.gravity_zero);
-        let plain = direction * m.friction.level_nm[usize::from(direction < 0.0)];
+        let constant_friction_nm = self.constant_friction_nm(0, direction);
         let acceleration = |position: f64, velocity: f64, t_s: f64| {
             let motor = self.motor_side(drive_nm, position);
             let load = self.load_side(&state.pendulum, &state.touch, position, velocity);
-            let friction = if self.plain {
-                plain
-            } else {
-                let time_s = state.time_s + t_s;
-                let speed = velocity.abs();
-                direction
-                    * m.friction
-                        .sliding(direction, position, speed, time_s, drive_nm)
-            };
+            let friction = constant_friction_nm.unwrap_or_else(|| {
+                let (speed, time_s) = (velocity.abs(), state.time_s + t_s);
+                let level = m
+                    .friction
+                    .sliding(direction, position, speed, time_s, drive_nm);
+                direction * level
+            });
             (motor + load - m.drag(velocity) - friction) * self.inverse_inertia[0]
         };
         let half_s = 0.5 * dt_s;

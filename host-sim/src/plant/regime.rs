@@ -5,7 +5,7 @@ use super::link::Flank;
 use super::pendulum::Pendulum;
 use super::runge_kutta::rk4;
 use super::two_mass::TwoMass;
-use super::{BARRIERS, Friction, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
+use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
 
 /// A joint that is about to break away is held for this share of a step at least, or rounding could
 /// hold it for ever.
@@ -167,11 +167,18 @@ impl Plant {
         let friction = &self.mechanics.friction;
         self.friction_share[0]
             * if self.plain {
-                friction.level_nm[usize::from(pull < 0.0)]
+                friction.level(pull)
             } else {
                 let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
                 friction.holding(direction, state.position, state.time_s, drive_nm)
             }
+    }
+
+    /// Dry friction on the motor side (0) or the load side (1) while sliding, if it depends on the direction alone, N m.
+    #[inline]
+    pub(super) fn constant_friction_nm(&self, side: usize, direction: f64) -> Option<f64> {
+        let level = self.mechanics.friction.level(direction);
+        (self.plain || direction == 0.0).then_some(self.friction_share[side] * direction * level)
     }
 
     /// Carries `state` over `dt_s` under `torque`.
@@ -341,16 +348,10 @@ impl Plant {
         } else {
             0.0
         };
-        let constant_friction_nm = |side: usize, direction: f64| {
-            (self.plain || direction == 0.0).then(|| {
-                let level = m.friction.level_nm[usize::from(direction < 0.0)];
-                self.friction_share[side] * direction * level
-            })
-        };
         let load = LoadSide {
             direction: load_direction,
             held: load_dry && state.load_phase == Phase::Stick,
-            constant_friction_nm: constant_friction_nm(1, load_direction),
+            constant_friction_nm: self.constant_friction_nm(1, load_direction),
         };
         let held = kinked && state.phase == Phase::Stick;
         let load_position = if is_linked(N) {
@@ -369,7 +370,7 @@ impl Plant {
             held,
             closed: closed.then(|| self.closed_link(state, [held, load.held])),
             load,
-            constant_friction_nm: constant_friction_nm(0, direction),
+            constant_friction_nm: self.constant_friction_nm(0, direction),
             touch: &state.touch,
         };
         let tolerance = watch.then_some(self.pace.event_tolerance);
@@ -414,14 +415,15 @@ impl Plant {
     /// The longest step that follows how friction falls with speed, s.
     #[inline]
     pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, rate_step: f64) -> f64 {
-        let Friction { stribeck, .. } = &self.mechanics.friction;
+        let m = &self.mechanics;
+        let stribeck = &m.friction.stribeck;
         if stribeck.is_none() {
             return f64::INFINITY;
         }
-        let level = self.mechanics.friction.highest_nm();
+        let level = m.friction.highest_nm();
         let pull = self.pull(state, drive_nm, self.through(state));
         stribeck.longest_step(
-            self.mechanics.inertia,
+            m.inertia,
             state.velocity.abs(),
             pull.abs() + level * stribeck.ratio,
             level,
@@ -548,6 +550,17 @@ impl<const N: usize> Regime<'_, N> {
         }
     }
 
+    /// Through the link, if there is one, from the motor side on the load side, N m: in closed form that of the flank of
+    /// this regime, also past its end, where it jumps.
+    #[inline(always)]
+    fn through(&self, x: &[f64; N]) -> f64 {
+        match &self.closed {
+            _ if !is_linked(N) => 0.0,
+            Some(closed) => closed.masses.torque(&core::array::from_fn(|i| x[i])),
+            None => self.plant.parts.link.torque(x[0] - x[2], x[1] - x[3]),
+        }
+    }
+
     /// What acts on motor side and load side, the link apart, N m, and the rate of the bristles. Without a link
     /// all of it acts on the motor side.
     #[inline(always)]
@@ -609,11 +622,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
     #[inline(always)]
     fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
         let (forces, bristle_rate) = self.forces(t, self.torque.at(t), x);
-        let through = match &self.closed {
-            _ if !is_linked(N) => 0.0,
-            Some(closed) => closed.masses.torque(&core::array::from_fn(|i| x[i])),
-            None => self.plant.parts.link.torque(x[0] - x[2], x[1] - x[3]),
-        };
+        let through = self.through(x);
         let mut rate = [0.0; N];
         rate[0] = x[1];
         if !self.held {
@@ -666,11 +675,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
         if is_linked(N) && (self.held || self.load.held) {
             let state = self.state_at(x);
             let drive_nm = self.torque.at(t);
-            // That of this flank, also past its end: it jumps there.
-            let through = match &self.closed {
-                Some(closed) => closed.masses.torque(&pack::<4>(&state)),
-                None => self.plant.through(&state),
-            };
+            let through = self.through(x);
             let left = |holding: f64, pull: f64, side: usize| {
                 far(far(
                     (holding - pull.abs()) * self.plant.inverse_inertia[side]

@@ -97,13 +97,11 @@ impl Torque {
         if self.is_held() {
             return [self.target_nm; 2];
         }
-        let gone = -(-t_s / self.lag_s).exp_m1();
-        let lags = self.lag_s / t_s;
-        let transient_nm = self.transient_nm();
-        [
-            self.trailing_nm(0.5 * t_s) + transient_nm * lags * gone,
-            self.trailing_nm(t_s / 3.0) + transient_nm * 2.0 * lags * (1.0 - lags * gone),
-        ]
+        let (_, mean) = self.end_and_mean(t_s, (-t_s / self.lag_s).exp());
+        // What the transient has lost in the mean, it has given to the way.
+        let lost = self.transient_nm() - (mean - self.trailing_nm(0.5 * t_s));
+        let early = self.trailing_nm(t_s / 3.0) + 2.0 * self.lag_s / t_s * lost;
+        [mean, early]
     }
 
     /// Least and greatest torque that are possible within the next `t_s`, N m: between start and target.

@@ -109,11 +109,7 @@ impl TwoMass {
         } = *self;
         let angle = rate * time_s;
         let (cosine, sine_s) = if angle < SMALL_ANGLE {
-            let decay = if decay_rate == 0.0 {
-                1.0
-            } else {
-                (-decay_rate * time_s).exp()
-            };
+            let decay = (-decay_rate * time_s).exp();
             let square = discriminant * time_s * time_s;
             (
                 decay * (1.0 - 0.5 * square),

@@ -1,8 +1,10 @@
 //! Noise of the position sensor, from the data themselves.
 
+use crate::motion::quantile;
 use crate::restart::Restart;
-use crate::series::Window;
-use recording::{Recording, Run};
+use crate::series::{Window, median_period};
+use nalgebra::DMatrix;
+use recording::{Recording, Run, low_pass_gain};
 
 /// Blocks in which the noise is judged, per window.
 const BLOCKS: usize = 6;
@@ -16,11 +18,66 @@ const LARGEST_RATIO: f64 = 2.0;
 /// And down to this share: a sensor that stands on one count still moves within it.
 const SMALLEST_RATIO: f64 = 0.3;
 
+/// Fewest degrees of freedom from which a noise is judged.
+const LEAST_FREEDOM: f64 = 0.5;
+/// Places at which the colour of the noise is judged, at most.
+const MOST_PLACES: usize = 300;
+
+/// Share of a sample's noise that is still in the next one: none, unless the column's own low-pass came after the noise,
+/// as the samples themselves say.
+pub(crate) fn correlation(recording: &Recording, run: &Run) -> f64 {
+    let cutoff_hz = recording.sensor("position").cutoff_hz;
+    let passed = 1.0 - low_pass_gain(cutoff_hz, median_period(&run.time));
+    if passed <= 0.0 {
+        return 0.0;
+    }
+    let rows = run.time.len();
+    let every = rows.div_ceil(MOST_PLACES).max(1);
+    let half_width_s = recording.restart_half_width;
+    let fits = run.time.iter().step_by(every);
+    let fits = fits.filter_map(|&t| Restart::fit(&run.time, &run.position, t, half_width_s));
+    let fits: Vec<Restart> = fits.filter(|fit| fit.residual > 0.0).collect();
+    let seen: Vec<f64> = fits.iter().map(|f| f.neighbours / f.residual).collect();
+    let samples = fits.iter().map(|f| f.samples[1] - f.samples[0]).max();
+    let away = |correlation: f64| {
+        let left = left_by_a_cubic(samples.unwrap_or(0), correlation);
+        (quantile(&seen, 0.5) - left).abs()
+    };
+    if away(passed) < away(0.0) {
+        passed
+    } else {
+        0.0
+    }
+}
+
+/// Standard deviation of the mean of some samples in that of one.
+pub(crate) fn averaged(samples: usize, correlation: f64) -> f64 {
+    let n = samples as f64;
+    let shared = (1..samples).map(|k| (1.0 - k as f64 / n) * correlation.powi(k as i32));
+    ((1.0 + 2.0 * shared.sum::<f64>()) / n).sqrt()
+}
+
+/// Correlation of neighbours in what a cubic by least squares leaves of evenly spaced samples.
+fn left_by_a_cubic(samples: usize, correlation: f64) -> f64 {
+    let at = |i: usize| (2 * i) as f64 / samples as f64 - 1.0;
+    let powers = DMatrix::from_fn(samples, 4, |i, k| at(i).powi(k as i32));
+    let Some(inverse) = powers.tr_mul(&powers).try_inverse() else {
+        return 0.0;
+    };
+    let left = DMatrix::identity(samples, samples) - &powers * inverse * powers.transpose();
+    let noise = DMatrix::from_fn(samples, samples, |i, j| {
+        correlation.powi(i.abs_diff(j) as i32)
+    });
+    let covariance = &left * noise * &left;
+    let neighbours: f64 = (1..samples).map(|i| covariance[(i - 1, i)]).sum();
+    neighbours / covariance.trace()
+}
+
 /// Gives every window its noise: what local cubics leave of the samples, held between shares of the
 /// run's median so that neither an impact nor rest on one count decides.
 ///
 /// Where the data are too few or too smooth to tell, the stated noise and quantum stand in.
-pub(crate) fn assign(recording: &Recording, run: &Run, windows: &mut [Window]) {
+pub(crate) fn assign(recording: &Recording, run: &Run, correlation: f64, windows: &mut [Window]) {
     let sensor = recording.sensor("position");
     let stated = (sensor.noise.powi(2) + sensor.resolution.powi(2) / 12.0).sqrt();
     let mut own = Vec::with_capacity(windows.len());
@@ -37,8 +94,9 @@ pub(crate) fn assign(recording: &Recording, run: &Run, windows: &mut [Window]) {
                 run.time[at],
                 recording.restart_half_width,
             );
-            if let Some(fit) = fit.filter(|fit| fit.freedom() > 0) {
-                let n = fit.freedom() as f64;
+            let fit = fit.map(|fit| fit.correlated(&run.time, correlation));
+            if let Some(fit) = fit.filter(|fit| fit.freedom >= LEAST_FREEDOM) {
+                let n = fit.freedom;
                 sum += fit.residual;
                 freedom += n;
                 all.push(fit.residual / n / median_of_mean_square(n));

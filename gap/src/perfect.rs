@@ -100,13 +100,20 @@ fn imagined(recording: &Recording, predictor: &Predictor) -> Recording {
             series.resample_inputs(pid, seen);
         }
         begin_at_rest(&mut series, predictor);
-        // What is seen as noise has the quantising in it.
-        let quantising = sensor.resolution.powi(2) / 12.0;
-        let added = (seen.powi(2) - quantising).max(0.0).sqrt();
+        // What is seen as noise has the quantising in it, which is filtered with it if it is.
+        let quantum = if series.correlation > 0.0 {
+            0.0
+        } else {
+            sensor.resolution
+        };
+        let added = (seen.powi(2) - quantum.powi(2) / 12.0).max(0.0).sqrt();
+        let new = (1.0 - series.correlation.powi(2)).sqrt();
+        let mut drift = noise.next(added);
         let position = predictor.predict(&series).into_iter().map(|x| {
-            let shown = x + noise.next(added);
-            if sensor.resolution > 0.0 {
-                (shown / sensor.resolution).round() * sensor.resolution
+            drift = series.correlation * drift + noise.next(new * added);
+            let shown = x + drift;
+            if quantum > 0.0 {
+                (shown / quantum).round() * quantum
             } else {
                 shown
             }

@@ -43,6 +43,7 @@ struct Running {
     line: DriveLine,
     state: State,
     reading: Reading,
+    shown: f64,
     filtered: f64,
     now_s: f64,
     next_input: usize,
@@ -92,6 +93,7 @@ impl Predictor {
             line: DriveLine::at_rest(&self.device.drive),
             state: self.plant.state(start_s + series.session_offset_s, x, 0.0),
             reading: Reading::at_rest(&self.device.sensing, x),
+            shown: first.restart.value,
             filtered: first.restart.value,
             now_s: start_s,
             next_input: 0,
@@ -109,7 +111,7 @@ impl Predictor {
             if follows {
                 let dt_s = restart_s - running.now_s;
                 self.follow_to(&mut running, series, restart_s);
-                self.read(&mut running, dt_s, 0.0, false);
+                self.read(&mut running, series, dt_s);
             } else {
                 self.skip_to(&mut running, series, restart_s);
             }
@@ -118,8 +120,7 @@ impl Predictor {
                 let before_s = running.now_s;
                 self.follow_to(&mut running, series, series.time[i]);
                 let dt_s = series.time[i] - before_s;
-                let filters = i > window.samples.start;
-                predicted[i] = self.read(&mut running, dt_s, series.span_s, filters);
+                predicted[i] = self.read(&mut running, series, dt_s);
                 let strayed = (predicted[i] - window.restart.value).abs();
                 if strayed.is_nan() || strayed > farthest {
                     self.give_up(&mut running, series, window, &mut predicted[i..]);
@@ -145,6 +146,7 @@ impl Predictor {
         let x = self.device.sensing.inverse(window.restart.value);
         running.state = self.plant.state(session_s, x, 0.0);
         running.reading = Reading::at_rest(&self.device.sensing, x);
+        running.shown = window.restart.value;
         running.filtered = window.restart.value;
     }
 
@@ -253,14 +255,10 @@ impl Predictor {
         }
     }
 
-    /// Time constant that the logged column's own low-pass amounts to at this sampling period, s.
-    fn logged_lag_s(&self, period_s: f64) -> f64 {
-        let a = self.logged_gain(period_s);
-        period_s * (1.0 - a) / a
-    }
-
-    fn logged_gain(&self, period_s: f64) -> f64 {
-        low_pass_gain(self.sensor.cutoff_hz, period_s)
+    /// How far the column's own low-pass is behind a ramp, s.
+    fn logged_lag_s(&self, series: &Series) -> f64 {
+        let a = low_pass_gain(self.sensor.cutoff_hz, series.period_s);
+        series.period_s * (1.0 - a) / a
     }
 
     /// Puts the device where the sensor shows it; what the sensor does not show goes on as it was if this follows the
@@ -279,12 +277,7 @@ impl Predictor {
         let slope = fit.slope + shift[1] * sd(1);
         let sensing = &self.device.sensing;
         let session_s = fit.time_s + series.session_offset_s;
-        let first = window.samples.start;
-        let period_s = match series.time.get(first + 1) {
-            Some(next) => next - series.time[first],
-            None => 0.0,
-        };
-        let logged_s = self.logged_lag_s(period_s.max(f64::MIN_POSITIVE));
+        let logged_s = self.logged_lag_s(series);
         // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
         let lagged = value + logged_s * slope - sensing.jumped(session_s);
         let [lag, lag_rate] = if follows {
@@ -294,6 +287,7 @@ impl Predictor {
         };
         let behind = lagged + lag;
         let rate = slope + logged_s * fit.curvature + lag_rate;
+        running.shown = value + logged_s * slope;
         running.filtered = value;
 
         let half = 0.5 * sensing.hysteresis;
@@ -326,21 +320,34 @@ impl Predictor {
         [lag, sensing.slope(x) * v - lag / sensing.lag_s]
     }
 
-    /// What the sensor shows now.
+    /// What the column shows, `dt_s` after it was last read.
     #[inline]
-    fn read(&self, running: &mut Running, dt_s: f64, span_s: f64, filters: bool) -> f64 {
+    fn read(&self, running: &mut Running, series: &Series, dt_s: f64) -> f64 {
         let (x, _) = self.plant.seen(&running.state);
         if self.device.sensing.is_ideal() && self.sensor.cutoff_hz.is_none() {
             return x;
         }
         let sensing = &self.device.sensing;
-        let jumped = sensing.jumped_mean(running.state.time_s, span_s);
+        let jumped = sensing.jumped_mean(running.state.time_s, series.span_s);
         let y = running.reading.follow(sensing, x, dt_s) + jumped;
-        if filters && self.sensor.cutoff_hz.is_some() {
-            running.filtered += self.logged_gain(dt_s) * (y - running.filtered);
-        } else if self.sensor.cutoff_hz.is_none() {
-            running.filtered = y;
-        }
+        running.filtered = self.low_passed(running, series, y, dt_s);
+        running.shown = y;
         running.filtered
+    }
+
+    /// What the column's own low-pass, which goes on once a period, makes of a reading that goes evenly to `y` within
+    /// `dt_s`: its recursion in closed form, as samples that are put together are periods apart.
+    #[inline]
+    fn low_passed(&self, running: &Running, series: &Series, y: f64, dt_s: f64) -> f64 {
+        let Some(cutoff_hz) = self.sensor.cutoff_hz else {
+            return y;
+        };
+        if dt_s <= 0.0 {
+            return running.filtered;
+        }
+        let left = 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
+        let behind = self.logged_lag_s(series) * (y - running.shown) / dt_s;
+        let bent = running.filtered - (running.shown - behind);
+        y - behind + bent * left.powf(dt_s / series.period_s)
     }
 }

@@ -18,15 +18,21 @@ pub struct Restart {
     pub slope: f64,
     /// Second derivative there, per s².
     pub curvature: f64,
-    /// Covariance of value and slope for white noise of unit variance.
+    /// Covariance of value and slope for noise of unit variance, white unless [`correlated`](Self::correlated).
     pub covariance: [[f64; 2]; 2],
     /// Sum of squared residuals.
     pub residual: f64,
+    /// Degrees of freedom of the residual: its expected sum of squares for noise of unit variance.
+    pub freedom: f64,
+    /// Sum of the products of neighbouring residuals.
+    pub neighbours: f64,
     /// Samples in the fit: first, and one past the last.
     pub samples: [usize; 2],
     /// Inverse normal matrix and time scale, for [`influence`](Self::influence).
     inverse: Matrix4<f64>,
     scale_s: f64,
+    /// Samples that share their noise with one of them.
+    shared: f64,
 }
 
 impl Restart {
@@ -61,32 +67,47 @@ impl Restart {
         }
         let inverse = normal.try_inverse()?;
         let c = inverse * right;
-        let residual = (first..last)
-            .map(|i| {
-                let fitted = powers((time[i] - time_s) / scale_s).dot(&c);
-                (position[i] - base - fitted).powi(2)
-            })
-            .sum();
-        let off = inverse[(0, 1)] / scale_s;
+        let (mut residual, mut neighbours, mut before) = (0.0, 0.0, 0.0);
+        for i in first..last {
+            let fitted = powers((time[i] - time_s) / scale_s).dot(&c);
+            let left = position[i] - base - fitted;
+            residual += left * left;
+            neighbours += left * before;
+            before = left;
+        }
         Some(Self {
             time_s,
             value: base + c[0],
             slope: c[1] / scale_s,
             curvature: 2.0 * c[2] / (scale_s * scale_s),
-            covariance: [
-                [inverse[(0, 0)], off],
-                [off, inverse[(1, 1)] / (scale_s * scale_s)],
-            ],
+            covariance: unscaled(&inverse, scale_s),
             residual,
+            freedom: (last - first - CUBIC) as f64,
+            neighbours,
             samples: [first, last],
             inverse,
             scale_s,
+            shared: 1.0,
         })
     }
 
-    /// Degrees of freedom of the residual.
-    pub fn freedom(&self) -> usize {
-        self.samples[1] - self.samples[0] - CUBIC
+    /// The same fit to samples, at `time` of their run, each of whose noise is `correlation` of that of the one before it
+    /// and else its own.
+    pub fn correlated(mut self, time: &[f64], correlation: f64) -> Self {
+        let [first, last] = self.samples;
+        let (mut covariance, mut shared) = (self.inverse, 0.0);
+        let mut earlier = Vector4::zeros();
+        for &t in &time[first..last] {
+            let row = powers((t - self.time_s) / self.scale_s);
+            let weights = self.inverse * row;
+            covariance += weights * earlier.transpose() + earlier * weights.transpose();
+            shared += 2.0 * row.dot(&earlier);
+            earlier = correlation * (earlier + weights);
+        }
+        self.covariance = unscaled(&covariance, self.scale_s);
+        self.freedom = (last - first - CUBIC) as f64 - shared;
+        self.shared = (1.0 + correlation) / (1.0 - correlation);
+        self
     }
 
     /// True if a sample at `time_s` takes part in the fit.
@@ -94,11 +115,18 @@ impl Restart {
         (time_s - self.time_s).abs() <= self.scale_s
     }
 
-    /// How much value and slope move with the sample at `time_s`, one of those in the fit.
+    /// How much value and slope move with the noise of the sample at `time_s`, one of those in the fit.
     pub fn influence(&self, time_s: f64) -> [f64; 2] {
-        let weights = self.inverse * powers((time_s - self.time_s) / self.scale_s);
+        let weights = self.shared * self.inverse * powers((time_s - self.time_s) / self.scale_s);
         [weights[0], weights[1] / self.scale_s]
     }
+}
+
+/// The part for value and slope of the covariance of a cubic's coefficients.
+fn unscaled(covariance: &Matrix4<f64>, scale_s: f64) -> [[f64; 2]; 2] {
+    let off = covariance[(0, 1)] / scale_s;
+    let slope = covariance[(1, 1)] / (scale_s * scale_s);
+    [[covariance[(0, 0)], off], [off, slope]]
 }
 
 fn powers(x: f64) -> Vector4<f64> {
@@ -127,6 +155,7 @@ fn around(time: &[f64], time_s: f64, half_width_s: f64) -> [usize; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use host_sim::sensors::Noise;
 
     fn times(n: usize) -> Vec<f64> {
         (0..n).map(|i| 100.0 + i as f64 * 1e-3).collect()
@@ -167,5 +196,36 @@ mod tests {
         assert!((sum[0] - fit.covariance[0][0]).abs() < 1e-9);
         assert!((sum[1] - fit.covariance[0][1]).abs() < 1e-6);
         assert!((sum[2] / fit.covariance[1][1] - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn noise_that_a_low_pass_has_gone_over_averages_out_less() {
+        let time = times(100);
+        let correlation: f64 = 0.8;
+        let mut noise = Noise::new(1);
+        let (mut slopes, mut residuals, mut freedom) = (0.0, 0.0, 0.0);
+        let mut expected = 0.0;
+        let count = 4000;
+        for _ in 0..count {
+            let mut left = noise.next(1.0);
+            let position: Vec<f64> = time
+                .iter()
+                .map(|_| {
+                    let new = noise.next((1.0 - correlation * correlation).sqrt());
+                    left = correlation * left + new;
+                    left
+                })
+                .collect();
+            let fit = Restart::fit(&time, &position, 100.05, 0.008).unwrap();
+            let fit = fit.correlated(&time, correlation);
+            slopes += fit.slope.powi(2) / f64::from(count);
+            residuals += fit.residual / f64::from(count);
+            (expected, freedom) = (fit.covariance[1][1], fit.freedom);
+        }
+        assert!((slopes / expected - 1.0).abs() < 0.1, "{slopes} {expected}");
+        assert!(
+            (residuals / freedom - 1.0).abs() < 0.1,
+            "{residuals} {freedom}"
+        );
     }
 }

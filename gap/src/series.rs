@@ -1,5 +1,6 @@
 //! A run cut into prediction windows, each with its restart.
 
+use crate::noise;
 use crate::restart::Restart;
 use host_sim::drive::Drive;
 use recording::{Recording, Run};
@@ -44,6 +45,10 @@ pub struct Series {
     pub(crate) told_up_to: Vec<usize>,
     /// What each position is the mean over, s; 0 for an instant.
     pub span_s: f64,
+    /// Median sampling period of the run's rows, s.
+    pub period_s: f64,
+    /// Share of a sample's noise that is still in the next one.
+    pub correlation: f64,
     /// What to add to the run's time for that of the session, s.
     pub session_offset_s: f64,
     /// In the order of time, without gaps between them.
@@ -57,7 +62,8 @@ impl Series {
     /// All samples of `run`, restarted every `horizon_s`.
     fn new(recording: &Recording, index: usize, horizon_s: f64, session_offset_s: f64) -> Self {
         let run = &recording.runs[index];
-        let windows = windows(recording, run, horizon_s);
+        let correlation = noise::correlation(recording, run);
+        let windows = windows(recording, run, correlation, horizon_s);
         Self {
             run: index,
             time: run.time.clone(),
@@ -67,6 +73,8 @@ impl Series {
             told: Vec::new(),
             told_up_to: Vec::new(),
             span_s: 0.0,
+            period_s: median_period(&run.time),
+            correlation,
             session_offset_s,
             windows,
         }
@@ -123,6 +131,8 @@ impl Series {
                 .map(|end| end - told.start)
                 .collect(),
             span_s: self.span_s,
+            period_s: self.period_s,
+            correlation: self.correlation,
             session_offset_s: self.session_offset_s,
         }
     }
@@ -130,7 +140,7 @@ impl Series {
     /// Puts samples together to about [`FINE_PERIOD_S`], input and position averaged; the restarts stay
     /// as they are. What moves faster than that carries no torque that a device of inertia shows.
     fn coarsened(self) -> Self {
-        let period = median_period(&self.time);
+        let period = self.period_s;
         let group = (FINE_PERIOD_S * (1.0 + 1e-6) / period).floor() as usize;
         if group < 2 {
             return self;
@@ -143,9 +153,11 @@ impl Series {
             told: Vec::new(),
             told_up_to: Vec::new(),
             span_s: group as f64 * period,
+            correlation: self.correlation.powi(group as i32),
             windows: Vec::new(),
             ..self
         };
+        let averaged = noise::averaged(group, self.correlation);
         let mut firsts = Vec::new();
         for window in &self.windows {
             let start = coarse.time.len();
@@ -160,7 +172,7 @@ impl Series {
             }
             coarse.windows.push(Window {
                 samples: start..coarse.time.len(),
-                noise: window.noise / (group as f64).sqrt(),
+                noise: averaged * window.noise,
                 ..window.clone()
             });
         }
@@ -198,7 +210,7 @@ pub fn median_period(time: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-fn windows(recording: &Recording, run: &Run, horizon_s: f64) -> Vec<Window> {
+fn windows(recording: &Recording, run: &Run, correlation: f64, horizon_s: f64) -> Vec<Window> {
     let (Some(&start), Some(&end)) = (run.time.first(), run.time.last()) else {
         return Vec::new();
     };
@@ -216,7 +228,7 @@ fn windows(recording: &Recording, run: &Run, horizon_s: f64) -> Vec<Window> {
             if let Some(restart) = Restart::fit(&run.time, &run.position, restart_s, half_width) {
                 windows.push(Window {
                     samples: from..to,
-                    restart,
+                    restart: restart.correlated(&run.time, correlation),
                     noise: 0.0,
                     restart_noise: 0.0,
                 });
@@ -224,7 +236,7 @@ fn windows(recording: &Recording, run: &Run, horizon_s: f64) -> Vec<Window> {
         }
         from = to;
     }
-    crate::noise::assign(recording, run, &mut windows);
+    noise::assign(recording, run, correlation, &mut windows);
     windows
 }
 

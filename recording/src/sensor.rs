@@ -3,7 +3,7 @@
 use core::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
-/// A position sensor: low-pass, then noise, then quantising.
+/// A position sensor: noise and quantising, and a low-pass before or after them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sensor {
     /// Quantum, in units of position; 0 is continuous.

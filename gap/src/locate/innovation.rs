@@ -239,7 +239,7 @@ fn windows(series: &Series, delay_s: f64, length_s: f64, half_width_s: f64) -> V
         ) {
             all.push(Window {
                 samples: first..last,
-                restart,
+                restart: restart.correlated(&series.time, series.correlation),
                 noise: around.noise,
                 restart_noise: around.noise,
             });

@@ -1,6 +1,6 @@
 //! One case: a device, what is hidden in it, and recordings that show it.
 
-use recording::{Model, Recording, Sensor, Tolerance};
+use recording::{Model, Recording, Sensor, Tolerance, low_pass_gain};
 
 use crate::draw::Draw;
 use crate::prediction::{self, HiddenStates, Restart};
@@ -326,6 +326,8 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
         } else {
             Recording::RESTART_HALF_WIDTH
         },
+        logged_gain: logging.logged_gain,
+        logged_lag_s: plant.tick_s * (1.0 - logging.logged_gain) / logging.logged_gain,
     };
     let per_run_clocks = !has(&["friction_drift"]) && draw.chance(0.5);
     let bench = Bench {
@@ -376,6 +378,8 @@ fn logging(draw: &mut Draw, plant: &Plant, decides: bool, two_sided: bool) -> Lo
     let there = draw.chance(if decides { 0.4 } else { 0.15 }) && !two_sided;
     Logging {
         sensor: plant.sensor,
+        logged_gain: low_pass_gain(plant.sensor.cutoff_hz, plant.tick_s),
+        filters_noise: draw.chance(0.7),
         second: there.then_some(second),
         horizon_s: plant.horizon_s,
         step_s: 1.0 / (FINE_STEPS * plant.motion_hz),

@@ -17,6 +17,9 @@ pub(crate) enum HiddenStates {
 pub(crate) struct Restart {
     pub horizon_s: f64,
     pub half_width_s: f64,
+    /// Gain of the low-pass in the logged column, and how far it is behind a ramp, s.
+    pub logged_gain: f64,
+    pub logged_lag_s: f64,
 }
 
 const FEWEST_SAMPLES: usize = 9;
@@ -51,7 +54,8 @@ fn predict_run(
     for (window, truth) in log.restarts.iter().enumerate() {
         let from_s = start_s + window as f64 * restart.horizon_s;
         let to_s = from_s + restart.horizon_s;
-        let (x, v) = restart_state(log, from_s, restart.half_width_s);
+        let (shown, v) = restart_state(log, from_s, restart.half_width_s);
+        let x = shown + restart.logged_lag_s * v;
         let mut state = match hidden {
             HiddenStates::Known => truth.clone(),
             HiddenStates::Carried => carried.clone(),
@@ -60,10 +64,19 @@ fn predict_run(
         let dx = x - model.reading(&state, run);
         let dv = v - model.reading_rate(&state);
         model.displace(&mut state, dx, dv);
+        let mut passed = shown;
         // Times of restarts are sums; a row at the restart itself belongs to the window it opens.
         while row < log.time_s.len() && log.time_s[row] < to_s - 1e-9 {
             model.advance(&mut state, &series, run, log.time_s[row], step_s);
-            predicted.push(model.reading(&state, run));
+            let reading = model.reading(&state, run);
+            if log.time_s[row] > from_s + 1e-9 {
+                passed += restart.logged_gain * (reading - passed);
+            }
+            predicted.push(if restart.logged_gain < 1.0 {
+                passed
+            } else {
+                reading
+            });
             row += 1;
         }
         model.advance(&mut state, &series, run, to_s, step_s);

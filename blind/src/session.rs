@@ -26,6 +26,9 @@ pub(crate) struct Log {
 #[derive(Clone, Debug)]
 pub(crate) struct Logging {
     pub sensor: Sensor,
+    /// Gain of the low-pass in the logged column, and whether it comes after the noise.
+    pub logged_gain: f64,
+    pub filters_noise: bool,
     pub second: Option<Sensor>,
     /// Between restarts, s.
     pub horizon_s: f64,
@@ -81,6 +84,14 @@ fn logged(clean: f64, sensor: &Sensor, draw: &mut Draw) -> f64 {
     }
 }
 
+/// What the low-pass of a logged column makes of a value, one a tick.
+fn low_passed(value: f64, gain: f64, passed: &mut Option<f64>) -> f64 {
+    let before = *passed.get_or_insert(value);
+    let now = before + gain * (value - before);
+    *passed = Some(now);
+    now
+}
+
 /// Carries out all of `plans` on `reality`.
 pub(crate) fn carry_out(reality: &Reality, plans: &[Plan], logging: &Logging) -> Vec<Log> {
     plans
@@ -107,6 +118,8 @@ fn carry_out_run(reality: &Reality, run: usize, plan: &Plan, logging: &Logging) 
     };
     let mut rows = plan.rows.iter().copied().peekable();
     let (mut filtered, mut integral) = (None, 0.0);
+    let gain = logging.logged_gain;
+    let mut passed = None;
     // Time integral of the input since the last row.
     let mut impulse = 0.0;
     for tick in 0..plan.ticks_s.len() - 1 {
@@ -114,6 +127,12 @@ fn carry_out_run(reality: &Reality, run: usize, plan: &Plan, logging: &Logging) 
         let span_s = plan.ticks_s[tick + 1] - now_s;
         let clean = reality.reading(&state, run);
         let measured = logged(clean, &logging.sensor, &mut draw);
+        let column = if logging.filters_noise || gain == 1.0 {
+            low_passed(measured, gain, &mut passed)
+        } else {
+            let clean = low_passed(clean, gain, &mut passed);
+            logged(clean, &logging.sensor, &mut draw)
+        };
         let (input, setpoint) = match &plan.drive {
             Drive::Open { amplitude, course } => (amplitude * course.at(now_s - start_s), None),
             Drive::Closed {
@@ -141,7 +160,7 @@ fn carry_out_run(reality: &Reality, run: usize, plan: &Plan, logging: &Logging) 
             }
             impulse = 0.0;
             log.time_s.push(now_s);
-            log.position.push(measured);
+            log.position.push(column);
             if let (Some(column), Some(value)) = (&mut log.setpoint, setpoint) {
                 column.push(value);
             }

@@ -5,6 +5,7 @@ use crate::series::Series;
 use core::f64::consts::{PI, SQRT_2};
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
+use std::collections::BTreeMap;
 
 /// Smoothed motion at each coarse sample of a series.
 #[derive(Clone, Debug)]
@@ -74,6 +75,8 @@ impl Motion {
 #[derive(Clone, Debug)]
 pub(crate) struct Scales {
     pub position: [f64; 2],
+    /// Span of the run that moves least.
+    pub least_span: f64,
     pub velocity: f64,
     /// As far as the drive takes it.
     pub input: f64,
@@ -87,6 +90,8 @@ pub(crate) struct Scales {
 
 /// Share of the driving torque that stands in for dry friction where the model has none.
 const FRICTION_SHARE: f64 = 0.05;
+/// Span, over the noise, of a run that moves.
+const MOVES: f64 = 30.0;
 
 impl Scales {
     pub(crate) fn of(
@@ -120,8 +125,11 @@ impl Scales {
             .iter()
             .flat_map(|s| s.windows.iter().map(|w| w.noise))
             .collect();
+        let position = [0.005, 0.995].map(|share| quantile(&positions, share));
+        let noise = rms(&noise);
         Self {
-            position: [quantile(&positions, 0.005), quantile(&positions, 0.995)],
+            position,
+            least_span: least_span(series, noise).min(position[1] - position[0]),
             velocity: rms(&all(|m| &m.velocity)).max(f64::MIN_POSITIVE),
             input: rms(&inputs).max(f64::MIN_POSITIVE),
             torque,
@@ -129,7 +137,7 @@ impl Scales {
             period_s: crate::series::median_period(&series[0].time),
             duration_s: (to - from).max(horizon_s),
             horizon_s,
-            noise: rms(&noise),
+            noise,
         }
     }
 
@@ -141,6 +149,18 @@ impl Scales {
     pub(crate) fn span(&self) -> f64 {
         (self.position[1] - self.position[0]).max(f64::MIN_POSITIVE)
     }
+}
+
+/// The smallest span of a run that moves at all.
+fn least_span(series: &[Series], noise: f64) -> f64 {
+    let mut runs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for s in series {
+        runs.entry(s.run).or_default().extend(&s.position);
+    }
+    let spans = runs.values().map(|x| quantile(x, 0.95) - quantile(x, 0.05));
+    spans
+        .filter(|span| *span > MOVES * noise)
+        .fold(f64::INFINITY, f64::min)
 }
 
 pub(crate) fn rms(values: &[f64]) -> f64 {

@@ -34,6 +34,11 @@ pub(crate) struct Plant {
     pub horizon_s: f64,
 }
 
+/// Share of the devices whose log is low-passed; the corner of that over the rate of the loop, and at least over the motion.
+const LOW_PASSED: f64 = 0.25;
+const CORNERS: [f64; 2] = [0.15, 0.7];
+const LEAST_CORNER: f64 = 15.0;
+
 impl Plant {
     /// A device on which an effect of this name can be told from others in principle.
     pub fn draw(draw: &mut Draw, name: Option<&str>) -> Self {
@@ -61,6 +66,10 @@ impl Plant {
         if name == Some("sensor_gain") && family != Family::Servo && family != Family::Paddle {
             // Without a restoring torque a wrong scale is a wrong inertia.
             plant.model.stiffness = draw.uniform(0.3, 1.0) * plant.torque() / plant.amplitude;
+        }
+        if plant.ticks_per_row == 1 && draw.chance(LOW_PASSED) {
+            let corner = draw.log_uniform(CORNERS[0], CORNERS[1]) / (TAU * plant.tick_s);
+            plant.sensor.cutoff_hz = Some(corner.max(LEAST_CORNER * plant.motion_hz).round());
         }
         plant
     }

@@ -7,6 +7,7 @@ mod friction;
 mod jumps;
 mod mechanics;
 mod regression;
+mod ripple;
 mod sensing;
 mod start;
 mod stops;

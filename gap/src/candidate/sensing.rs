@@ -1,12 +1,16 @@
 //! What lies between the position and its reading.
 
 use super::Evidence;
-use super::start::{linear, log, term, terms};
-use super::{actuation, jumps};
+use super::start::{count, geometric, linear, log, term, terms};
+use super::{actuation, jumps, ripple};
 use crate::hypothesis::Term;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 
+/// How wide a play of the reading may be, over the noise and over the span of the motion, and the ratio of those that are
+/// tried.
+const PLAYS: [f64; 2] = [3.0, 0.06];
+const PLAY_RATIO: f64 = 4.0;
 /// Square and cube by which a sensor's curve departs at the ends of the motion, over half of its span.
 const BENDS: [[f64; 2]; 5] = [
     [0.0, 0.0],
@@ -24,8 +28,10 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "sensor_gain" => terms(kind, None, [vec![log(0, 1.0)]]),
         "sensor_nonlinearity" => curves(kind, e),
         "sensor_hysteresis" => {
-            let shares = [3.0 * s.noise / s.span(), 0.02, 0.06];
-            terms(kind, None, shares.map(|f| vec![log(0, f * s.span())]))
+            let widest = PLAYS[1] * s.span();
+            let sizes = [(PLAYS[0] * s.noise).min(0.5 * widest), widest];
+            let widths = geometric(sizes, count(sizes, PLAY_RATIO));
+            terms(kind, None, widths.map(|width| vec![log(0, width)]))
         }
         "sensor_lag" => actuation::late(kind, e),
         "lost_counts" => jumps::starts(kind, e),
@@ -49,15 +55,12 @@ fn curves(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let rippled = |turns: f64| {
         let wave_number = turns * TAU / s.span();
         let amplitude = 0.1 / wave_number;
-        let free = vec![
-            linear(2, 0.0, amplitude),
-            linear(3, amplitude, amplitude),
-            linear(4, wave_number, 0.2 * wave_number),
-        ];
-        term(kind, free, &[(0, 0.0), (1, 0.0)])
+        let waves = linear(4, wave_number, 0.2 * wave_number);
+        ripple::start(kind, e, [0.0, amplitude], amplitude, waves)
     };
     let mut all = vec![bent(0.0, reach, [0.0, 0.0])];
     all.extend(BENDS.map(|bend| bent(middle, 0.5 * s.span(), bend)));
     all.extend(RIPPLES.map(rippled));
+    all.extend(ripple::starts(kind, e));
     all
 }

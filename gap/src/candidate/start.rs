@@ -58,3 +58,8 @@ pub(super) fn geometric([low, high]: [f64; 2], count: usize) -> impl Iterator<It
     let ratio = (high / low).powf(1.0 / (count - 1) as f64);
     (0..count).map(move |k| low * ratio.powi(k as i32))
 }
+
+/// How many values by equal ratios there are in a range, if `ratio` is the largest between two.
+pub(super) fn count([low, high]: [f64; 2], ratio: f64) -> usize {
+    ((high / low).ln() / ratio.ln()).max(1.0).ceil() as usize + 1
+}

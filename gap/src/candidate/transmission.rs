@@ -1,15 +1,15 @@
 //! A transmission that is not rigid: two masses, and play or a spring between them.
 
 use super::Evidence;
-use super::start::{geometric, linear, log, term};
+use super::start::{count, geometric, linear, log, term};
 use crate::hypothesis::Term;
 use crate::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 
-/// How wide a play may be, over the span of the motion, and how many are tried.
+/// How wide a play may be, over the span of the motion, and the ratio of those that are tried.
 const PLAYS: [f64; 2] = [0.0027, 0.15];
-const PLAY_STARTS: usize = 8;
+const PLAY_RATIO: f64 = 1.8;
 /// Natural frequency of the flanks of a play, over the coarse sampling rate: an impact lasts some samples, and harder
 /// flanks do nearly the same.
 const FLANK_FREQUENCY: f64 = 0.06;
@@ -35,14 +35,15 @@ pub(super) fn plays(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let rate = TAU * FLANK_FREQUENCY / e.scales.period_s.max(FINE_PERIOD_S);
     let rubs = rubs(e);
     let frictions = if rubs { &FREE_FRICTIONS[..] } else { &[HALF] };
-    two_masses(PLAYS, PLAY_STARTS, |play| {
+    let sizes = [PLAYS[0] * e.scales.least_span, PLAYS[1] * e.scales.span()];
+    two_masses(sizes, count(sizes, PLAY_RATIO), |play| {
         let pairs = FREE_SHARES
             .iter()
             .flat_map(|&share| frictions.iter().map(move |&friction| (share, friction)));
         let start = |(share, friction): (f64, f64)| {
             let reduced = inertia * share * (1.0 - share);
             let mut free = vec![
-                log(0, play * e.scales.span()),
+                log(0, play),
                 linear(1, share, 0.15),
                 log(2, rate * rate * reduced),
                 log(3, 2.0 * FLANK_DAMPING * rate * reduced),

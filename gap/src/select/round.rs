@@ -189,10 +189,17 @@ impl Search<'_> {
     fn without_last(&self, rival: &Rival, null: &Fit) -> Fit {
         let mut hypothesis = rival.fit.hypothesis.clone();
         let free = hypothesis.terms.pop().map_or(0, |term| term.free.len());
-        let mut x = null.x.clone();
-        x.extend(&rival.fit.x[null.x.len()..rival.fit.x.len() - free]);
-        self.problem
-            .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
+        let [own, given] = [&rival.fit.x, &null.x].map(|nudges| {
+            let mut x = nudges[..null.x.len()].to_vec();
+            x.extend(&rival.fit.x[null.x.len()..rival.fit.x.len() - free]);
+            x
+        });
+        let fits = [own, given].into_par_iter().map(|x| {
+            self.problem
+                .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
+        });
+        let lowest = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
+        lowest.unwrap_or_else(|| null.clone())
     }
 
     /// One of two stops where the other gains next to nothing: beyond the motion any place would do.

@@ -1,0 +1,107 @@
+//! Ripple of the reading over position: a search over wave numbers before any fit.
+
+use super::Evidence;
+use super::start::{linear, term};
+use crate::hypothesis::{Coordinate, Term};
+use crate::motion::Motion;
+use core::f64::consts::TAU;
+use host_sim::effects::Kind;
+use nalgebra::{Matrix2, Vector2};
+
+/// Periods over the span of the motion are tried at this spacing, up to so many, or to so few samples a period at the
+/// usual speed.
+const TURNS_APART: f64 = 0.25;
+const MOST_TURNS: f64 = 150.0;
+const SAMPLES_A_PERIOD: f64 = 6.0;
+/// Moments that are looked at for that, wave numbers from which a fit starts, and how much of the slope a ripple is.
+const MOST_MOMENTS: usize = 1500;
+const PEAKS: usize = 2;
+const MOST_SLOPE: f64 = 0.5;
+
+/// A ripple from the amplitudes of its sine and its cosine. Where a torque depends on the position it shows what a sensor
+/// reads at zero.
+pub(super) fn start(
+    kind: &'static Kind,
+    e: &Evidence<'_>,
+    [sine, cosine]: [f64; 2],
+    scale: f64,
+    waves: Coordinate,
+) -> Term {
+    let m = &e.device.mechanics;
+    let mut free = vec![linear(2, sine, scale), linear(3, cosine, scale), waves];
+    if m.gravity != 0.0 || m.stiffness != 0.0 {
+        free.push(linear(5, 0.0, scale));
+    }
+    term(kind, free, &[(0, 0.0), (1, 0.0)])
+}
+
+/// The ripples that explain most of the missing torque: where the reading is x + g(x), its acceleration is g'(x) ẍ + g''(x) ẋ²
+/// more than that of the position.
+pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let moments: Vec<[f64; 4]> = e.motions.iter().flat_map(moments).collect();
+    let stride = (moments.len() / MOST_MOMENTS).max(1);
+    let turn = TAU / s.span();
+    let highest = (TAU / (s.velocity * s.period_s * SAMPLES_A_PERIOD)).min(MOST_TURNS * turn);
+    let count = (highest / (TURNS_APART * turn)) as usize;
+    let tried: Vec<(f64, [f64; 3])> = (1..=count)
+        .map(|k| TURNS_APART * turn * k as f64)
+        .map(|n| {
+            let some = moments.iter().step_by(stride);
+            let (explained, [sine, cosine]) = explained(some, n, e.device.mechanics.inertia);
+            (explained, [n, sine, cosine])
+        })
+        .collect();
+    let mut peaks: Vec<(f64, [f64; 3])> = tried
+        .windows(3)
+        .filter(|near| near[1].0 > near[0].0.max(near[2].0))
+        .map(|near| near[1])
+        .collect();
+    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let peaks = peaks.into_iter().take(PEAKS);
+    peaks
+        .map(|(_, [n, sine, cosine])| {
+            let amplitude = sine.hypot(cosine);
+            let most = MOST_SLOPE / n;
+            let part = (most / amplitude).min(1.0);
+            let scale = (part * amplitude).max(0.1 * most);
+            let waves = linear(4, n, TURNS_APART * turn);
+            start(kind, e, [part * sine, part * cosine], scale, waves)
+        })
+        .collect()
+}
+
+/// Position, velocity, acceleration and missing torque, wherever that is known.
+fn moments(motion: &Motion) -> impl Iterator<Item = [f64; 4]> {
+    (0..motion.position.len())
+        .map(|i| {
+            [
+                motion.position[i],
+                motion.velocity[i],
+                motion.acceleration[i],
+                motion.missing_nm[i],
+            ]
+        })
+        .filter(|moment| moment[3].is_finite())
+}
+
+/// How much of the missing torque, squared, a sine and a cosine in the reading explain, and their amplitudes.
+fn explained<'a>(
+    moments: impl Iterator<Item = &'a [f64; 4]>,
+    wave_number: f64,
+    inertia: f64,
+) -> (f64, [f64; 2]) {
+    let mut normal = Matrix2::zeros();
+    let mut right = Vector2::zeros();
+    for &[x, v, a, missing_nm] in moments {
+        let (sin, cos) = (wave_number * x).sin_cos();
+        let (bend, turn) = (wave_number * a, (wave_number * v).powi(2));
+        let row = inertia * Vector2::new(bend * cos - turn * sin, -bend * sin - turn * cos);
+        normal += row * row.transpose();
+        right += row * missing_nm;
+    }
+    let Some(solution) = normal.cholesky().map(|c| c.solve(&right)) else {
+        return (0.0, [0.0; 2]);
+    };
+    (solution.dot(&right), [solution[0], solution[1]])
+}

@@ -38,8 +38,9 @@ const WIDELY: f64 = 0.5;
 /// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
 /// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
-/// Windows of a block, and fewest blocks.
-const BLOCK: usize = 8;
+/// Samples of a block, its fewest and most windows, and fewest blocks.
+const BLOCK_SAMPLES: usize = 1000;
+const BLOCK_WINDOWS: [usize; 2] = [2, 8];
 const FEWEST_BLOCKS: f64 = 3.0;
 
 /// The windows on which starts are compared, on top of what is known.
@@ -330,20 +331,22 @@ fn first(mut costs: Vec<(f64, &Term)>) -> Vec<Term> {
 /// Windows in blocks from everywhere, with as many samples as screening takes: what is carried from window to window
 /// settles in the first of a block.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
+    let windows = problem.window_count();
     // As long for windows that are a quarter as long.
-    let length = if problem.quarter.is_some() {
-        BLOCK
-    } else {
-        4 * BLOCK
-    };
+    let quarters = if problem.quarter.is_some() { 1 } else { 4 };
+    let [fewest, most] = BLOCK_WINDOWS.map(|windows| windows * quarters);
+    let length = (BLOCK_SAMPLES * windows / samples(problem)).clamp(fewest, most);
     let share = screening_share(problem, FEWEST_BLOCKS * length as f64);
-    (0..problem.window_count())
+    (0..windows)
         .map(|w| turn(w / length) < share)
         .collect()
 }
 
 /// Share of the windows on which effects are screened, `fewest` of them at least.
 fn screening_share(problem: &Problem<'_>, fewest: f64) -> f64 {
-    let samples: usize = problem.series.iter().map(|s| s.time.len()).sum();
-    (SCREENING_SAMPLES / samples as f64).max(fewest / problem.window_count() as f64)
+    (SCREENING_SAMPLES / samples(problem) as f64).max(fewest / problem.window_count() as f64)
+}
+
+fn samples(problem: &Problem<'_>) -> usize {
+    problem.series.iter().map(|s| s.time.len()).sum()
 }

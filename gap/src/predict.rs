@@ -184,16 +184,21 @@ impl Predictor {
             return 0;
         }
         let mechanics = &self.device.mechanics;
-        let Some(link) = mechanics.link.filter(|link| link.play == 0.0) else {
-            // Where a play, a bristle or a lagging sensor stands is known once the device has been followed for a while.
+        let sensing = &self.device.sensing;
+        let plays = sensing.hysteresis > 0.0 || mechanics.link.is_some_and(|link| link.play > 0.0);
+        if plays || mechanics.presliding.is_some() {
+            // Where a play or a bristle stands is known once the device has been followed for a while.
             return MOST_LEAD;
-        };
+        }
         let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
             return 0;
         };
         let all_s = last.restart.time_s - first.restart.time_s;
         let window_s = all_s / (series.windows.len() - 1).max(1) as f64;
-        let windows = (SETTLED * link.memory_s(mechanics.inertia) / window_s).ceil();
+        let rings_s = mechanics
+            .link
+            .map_or(0.0, |link| link.memory_s(mechanics.inertia));
+        let windows = (SETTLED * rings_s.max(sensing.lag_s) / window_s).ceil();
         (windows as usize).clamp(1, MOST_LEAD)
     }
 

@@ -337,9 +337,7 @@ fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     let [fewest, most] = BLOCK_WINDOWS.map(|windows| windows * quarters);
     let length = (BLOCK_SAMPLES * windows / samples(problem)).clamp(fewest, most);
     let share = screening_share(problem, FEWEST_BLOCKS * length as f64);
-    (0..windows)
-        .map(|w| turn(w / length) < share)
-        .collect()
+    (0..windows).map(|w| turn(w / length) < share).collect()
 }
 
 /// Share of the windows on which effects are screened, `fewest` of them at least.

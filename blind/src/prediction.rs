@@ -54,8 +54,9 @@ fn predict_run(
     for (window, truth) in log.restarts.iter().enumerate() {
         let from_s = start_s + window as f64 * restart.horizon_s;
         let to_s = from_s + restart.horizon_s;
-        let (shown, v) = restart_state(log, from_s, restart.half_width_s);
-        let x = shown + restart.logged_lag_s * v;
+        let [shown, slope, bend] = restart_state(log, from_s, restart.half_width_s);
+        let x = shown + restart.logged_lag_s * slope;
+        let v = slope + restart.logged_lag_s * bend;
         let mut state = match hidden {
             HiddenStates::Known => truth.clone(),
             HiddenStates::Carried => carried.clone(),
@@ -86,8 +87,8 @@ fn predict_run(
     predicted
 }
 
-/// Value and slope, at `at_s`, of the cubic through the samples around it.
-fn restart_state(log: &Log, at_s: f64, half_width_s: f64) -> (f64, f64) {
+/// Value, slope and second derivative, at `at_s`, of the cubic through the samples around it.
+fn restart_state(log: &Log, at_s: f64, half_width_s: f64) -> [f64; 3] {
     let n = log.time_s.len();
     let slack = 1e-9;
     let mut from = log
@@ -122,7 +123,7 @@ fn restart_state(log: &Log, at_s: f64, half_width_s: f64) -> (f64, f64) {
         }
     }
     let c = solve(normal);
-    (c[0], c[1] / scale)
+    [c[0], c[1] / scale, 2.0 * c[2] / (scale * scale)]
 }
 
 /// Gaussian elimination with pivoting of a 4 × 4 system.

@@ -7,9 +7,10 @@ use crate::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 
-/// How wide a play may be, over the span of the motion, and the ratio of those that are tried.
+/// How wide a play may be, over the span of the motion, and the ratio of those that are tried; narrower ones where a run
+/// moves less than all do together.
 const PLAYS: [f64; 2] = [0.0027, 0.15];
-const PLAY_RATIO: f64 = 1.8;
+const PLAY_RATIO: f64 = 1.78;
 /// Natural frequency of the flanks of a play, over the coarse sampling rate: an impact lasts some samples, and harder
 /// flanks do nearly the same.
 const FLANK_FREQUENCY: f64 = 0.06;
@@ -35,7 +36,11 @@ pub(super) fn plays(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let rate = TAU * FLANK_FREQUENCY / e.scales.period_s.max(FINE_PERIOD_S);
     let rubs = rubs(e);
     let frictions = if rubs { &FREE_FRICTIONS[..] } else { &[HALF] };
-    let sizes = [PLAYS[0] * e.scales.least_span, PLAYS[1] * e.scales.span()];
+    let narrower = (e.scales.span() / e.scales.least_span)
+        .log(PLAY_RATIO)
+        .floor();
+    let least = PLAYS[0] * PLAY_RATIO.powf(-narrower);
+    let sizes = [least, PLAYS[1]].map(|play| play * e.scales.span());
     two_masses(sizes, count(sizes, PLAY_RATIO), |play| {
         let pairs = FREE_SHARES
             .iter()

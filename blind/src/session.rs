@@ -1,6 +1,6 @@
 //! A session with a device: its runs carried out and logged.
 
-use recording::{Model, Run, Sensor};
+use recording::{Model, Run, Sensor, low_pass_gain};
 
 use crate::draw::Draw;
 use crate::reality::{InputSeries, Reality, State};
@@ -84,7 +84,7 @@ fn logged(clean: f64, sensor: &Sensor, draw: &mut Draw) -> f64 {
     }
 }
 
-/// What the low-pass of a logged column makes of a value, one a tick.
+/// What a low-pass makes of a value, one a tick.
 fn low_passed(value: f64, gain: f64, passed: &mut Option<f64>) -> f64 {
     let before = *passed.get_or_insert(value);
     let now = before + gain * (value - before);
@@ -141,12 +141,9 @@ fn carry_out_run(reality: &Reality, run: usize, plan: &Plan, logging: &Logging) 
                 course,
             } => {
                 let setpoint = logging.start + amplitude * course.at(now_s - start_s);
-                let before = *filtered.get_or_insert(measured);
-                let share = pid
-                    .position_cutoff_hz
-                    .map_or(1.0, |hz| (std::f64::consts::TAU * hz * pid.period).min(1.0));
-                let now = before + share * (measured - before);
-                filtered = Some(now);
+                let before = filtered.unwrap_or(measured);
+                let share = low_pass_gain(pid.position_cutoff_hz, pid.period);
+                let now = low_passed(measured, share, &mut filtered);
                 integral += (setpoint - now) * pid.period;
                 let input = pid.kp * (setpoint - now) + pid.ki * integral
                     - pid.kd * (now - before) / pid.period;

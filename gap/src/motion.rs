@@ -2,7 +2,7 @@
 
 use crate::restart::Restart;
 use crate::series::Series;
-use core::f64::consts::{PI, SQRT_2};
+use core::f64::consts::{PI, SQRT_2, TAU};
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use std::collections::BTreeMap;
@@ -75,7 +75,7 @@ impl Motion {
 #[derive(Clone, Debug)]
 pub(crate) struct Scales {
     pub position: [f64; 2],
-    /// Span of the run that moves least.
+    /// Span of the run that moves least, within [`LEAST_SPAN`] of that of all.
     pub least_span: f64,
     pub velocity: f64,
     /// As far as the drive takes it.
@@ -92,6 +92,10 @@ pub(crate) struct Scales {
 const FRICTION_SHARE: f64 = 0.05;
 /// Span, over the noise, of a run that moves.
 const MOVES: f64 = 30.0;
+/// Share of the whole span down to which that of a run counts.
+const LEAST_SPAN: f64 = 0.01;
+/// Fewest samples in a period at the usual speed for it to be seen.
+const SAMPLES_A_PERIOD: f64 = 6.0;
 
 impl Scales {
     pub(crate) fn of(
@@ -126,10 +130,11 @@ impl Scales {
             .flat_map(|s| s.windows.iter().map(|w| w.noise))
             .collect();
         let position = [0.005, 0.995].map(|share| quantile(&positions, share));
+        let span = (position[1] - position[0]).max(f64::MIN_POSITIVE);
         let noise = rms(&noise);
         Self {
             position,
-            least_span: least_span(series, noise).min(position[1] - position[0]),
+            least_span: least_span(series, noise).clamp(LEAST_SPAN * span, span),
             velocity: rms(&all(|m| &m.velocity)).max(f64::MIN_POSITIVE),
             input: rms(&inputs).max(f64::MIN_POSITIVE),
             torque,
@@ -144,6 +149,11 @@ impl Scales {
     /// Frequency of a sine of the same span and rms velocity, Hz.
     pub(crate) fn motion_hz(&self) -> f64 {
         SQRT_2 * self.velocity / (PI * self.span())
+    }
+
+    /// The highest wave number over position that samples follow.
+    pub(crate) fn finest_wave_number(&self) -> f64 {
+        TAU / (self.velocity * self.period_s * SAMPLES_A_PERIOD)
     }
 
     pub(crate) fn span(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use crate::motion::quantile;
 use crate::restart::Restart;
-use crate::series::{Window, median_period};
+use crate::series::Window;
 use nalgebra::DMatrix;
 use recording::{Recording, Run, low_pass_gain};
 
@@ -25,9 +25,9 @@ const MOST_PLACES: usize = 300;
 
 /// Share of a sample's noise that is still in the next one: none, unless the column's own low-pass came after the noise,
 /// as the samples themselves say.
-pub(crate) fn correlation(recording: &Recording, run: &Run) -> f64 {
+pub(crate) fn correlation(recording: &Recording, run: &Run, period_s: f64) -> f64 {
     let cutoff_hz = recording.sensor("position").cutoff_hz;
-    let passed = 1.0 - low_pass_gain(cutoff_hz, median_period(&run.time));
+    let passed = 1.0 - low_pass_gain(cutoff_hz, period_s);
     if passed <= 0.0 {
         return 0.0;
     }

@@ -94,6 +94,9 @@ impl Restart {
     /// The same fit to samples, at `time` of their run, each of whose noise is `correlation` of that of the one before it
     /// and else its own.
     pub fn correlated(mut self, time: &[f64], correlation: f64) -> Self {
+        if correlation == 0.0 {
+            return self;
+        }
         let [first, last] = self.samples;
         let (mut covariance, mut shared) = (self.inverse, 0.0);
         let mut earlier = Vector4::zeros();

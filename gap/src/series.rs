@@ -62,8 +62,9 @@ impl Series {
     /// All samples of `run`, restarted every `horizon_s`.
     fn new(recording: &Recording, index: usize, horizon_s: f64, session_offset_s: f64) -> Self {
         let run = &recording.runs[index];
-        let correlation = noise::correlation(recording, run);
-        let windows = windows(recording, run, correlation, horizon_s);
+        let period_s = median_period(&run.time);
+        let correlation = noise::correlation(recording, run, period_s);
+        let windows = windows(recording, run, horizon_s, period_s, correlation);
         Self {
             run: index,
             time: run.time.clone(),
@@ -73,7 +74,7 @@ impl Series {
             told: Vec::new(),
             told_up_to: Vec::new(),
             span_s: 0.0,
-            period_s: median_period(&run.time),
+            period_s,
             correlation,
             session_offset_s,
             windows,
@@ -210,11 +211,17 @@ pub fn median_period(time: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-fn windows(recording: &Recording, run: &Run, correlation: f64, horizon_s: f64) -> Vec<Window> {
+fn windows(
+    recording: &Recording,
+    run: &Run,
+    horizon_s: f64,
+    period_s: f64,
+    correlation: f64,
+) -> Vec<Window> {
     let (Some(&start), Some(&end)) = (run.time.first(), run.time.last()) else {
         return Vec::new();
     };
-    let hair = 1e-6 * median_period(&run.time);
+    let hair = 1e-6 * period_s;
     let count = ((end - start + 2.0 * hair) / horizon_s).floor() as usize + 1;
     let mut from = 0;
     let mut windows = Vec::with_capacity(count);

@@ -1,6 +1,7 @@
 //! Torque ripple over position: a search over wave numbers before any fit.
 
 use super::Evidence;
+use super::regression::moments;
 use super::start::{linear, log, term};
 use crate::hypothesis::Term;
 use core::f64::consts::TAU;
@@ -8,8 +9,6 @@ use host_sim::effects::Kind;
 
 /// Wave numbers tried.
 const GRID: usize = 600;
-/// Fewest samples in a period at the usual speed for it to be seen.
-const SAMPLES_A_PERIOD: f64 = 6.0;
 /// Wave numbers from which a fit starts.
 const PEAKS: usize = 3;
 
@@ -17,19 +16,8 @@ const PEAKS: usize = 3;
 /// cosine over position explain.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
-    let mut samples = Vec::new();
-    for motion in e.motions {
-        for ((x, v), m) in motion
-            .position
-            .iter()
-            .zip(&motion.velocity)
-            .zip(&motion.missing_nm)
-        {
-            if m.is_finite() {
-                samples.push((*x, *v, *m));
-            }
-        }
-    }
+    let known = moments(e).map(|m| (m.position, m.velocity, m.missing_nm));
+    let mut samples: Vec<(f64, f64, f64)> = known.collect();
     if samples.len() < GRID / 10 {
         return Vec::new();
     }
@@ -46,7 +34,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
     }
     let lowest = TAU / s.span();
-    let highest = TAU / (s.velocity * s.period_s * SAMPLES_A_PERIOD);
+    let highest = s.finest_wave_number();
     if highest <= lowest {
         return Vec::new();
     }

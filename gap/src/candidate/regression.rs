@@ -11,7 +11,26 @@ pub(super) struct Moment {
     pub velocity: f64,
     pub acceleration: f64,
     pub drive_nm: f64,
+    pub missing_nm: f64,
     pub session_s: f64,
+}
+
+/// Every moment at which the missing torque is known.
+pub(super) fn moments(e: &Evidence<'_>) -> impl Iterator<Item = Moment> {
+    let pairs = e.series.iter().zip(e.motions);
+    pairs.flat_map(|(series, motion)| {
+        let missing = motion.missing_nm.iter().enumerate();
+        missing
+            .filter(|(_, missing)| missing.is_finite())
+            .map(|(i, missing)| Moment {
+                position: motion.position[i],
+                velocity: motion.velocity[i],
+                acceleration: motion.acceleration[i],
+                drive_nm: motion.drive_nm[i],
+                missing_nm: *missing,
+                session_s: series.session(i),
+            })
+    })
 }
 
 /// Coefficients of `basis` in the missing torque; `None` where they are not determined.
@@ -21,23 +40,12 @@ pub(super) fn regress<const N: usize>(
 ) -> Option<[f64; N]> {
     let mut normal = DMatrix::<f64>::zeros(N, N);
     let mut right = DVector::<f64>::zeros(N);
-    for (series, motion) in e.series.iter().zip(e.motions) {
-        for (i, missing) in motion.missing_nm.iter().enumerate() {
-            if !missing.is_finite() {
-                continue;
-            }
-            let row = basis(&Moment {
-                position: motion.position[i],
-                velocity: motion.velocity[i],
-                acceleration: motion.acceleration[i],
-                drive_nm: motion.drive_nm[i],
-                session_s: series.session(i),
-            });
-            for a in 0..N {
-                right[a] += row[a] * missing;
-                for b in 0..N {
-                    normal[(a, b)] += row[a] * row[b];
-                }
+    for moment in moments(e) {
+        let row = basis(&moment);
+        for a in 0..N {
+            right[a] += row[a] * moment.missing_nm;
+            for b in 0..N {
+                normal[(a, b)] += row[a] * row[b];
             }
         }
     }

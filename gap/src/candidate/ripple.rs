@@ -1,18 +1,16 @@
 //! Ripple of the reading over position: a search over wave numbers before any fit.
 
 use super::Evidence;
+use super::regression::{Moment, moments};
 use super::start::{linear, term};
 use crate::hypothesis::{Coordinate, Term};
-use crate::motion::Motion;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use nalgebra::{Matrix2, Vector2};
 
-/// Periods over the span of the motion are tried at this spacing, up to so many, or to so few samples a period at the
-/// usual speed.
+/// Periods over the span of the motion are tried at this spacing, up to so many.
 const TURNS_APART: f64 = 0.25;
 const MOST_TURNS: f64 = 150.0;
-const SAMPLES_A_PERIOD: f64 = 6.0;
 /// Moments that are looked at for that, wave numbers from which a fit starts, and how much of the slope a ripple is.
 const MOST_MOMENTS: usize = 1500;
 const PEAKS: usize = 2;
@@ -39,10 +37,10 @@ pub(super) fn start(
 /// more than that of the position.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
-    let moments: Vec<[f64; 4]> = e.motions.iter().flat_map(moments).collect();
+    let moments: Vec<Moment> = moments(e).collect();
     let stride = (moments.len() / MOST_MOMENTS).max(1);
     let turn = TAU / s.span();
-    let highest = (TAU / (s.velocity * s.period_s * SAMPLES_A_PERIOD)).min(MOST_TURNS * turn);
+    let highest = s.finest_wave_number().min(MOST_TURNS * turn);
     let count = (highest / (TURNS_APART * turn)) as usize;
     let tried: Vec<(f64, [f64; 3])> = (1..=count)
         .map(|k| TURNS_APART * turn * k as f64)
@@ -71,34 +69,21 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         .collect()
 }
 
-/// Position, velocity, acceleration and missing torque, wherever that is known.
-fn moments(motion: &Motion) -> impl Iterator<Item = [f64; 4]> {
-    (0..motion.position.len())
-        .map(|i| {
-            [
-                motion.position[i],
-                motion.velocity[i],
-                motion.acceleration[i],
-                motion.missing_nm[i],
-            ]
-        })
-        .filter(|moment| moment[3].is_finite())
-}
-
 /// How much of the missing torque, squared, a sine and a cosine in the reading explain, and their amplitudes.
 fn explained<'a>(
-    moments: impl Iterator<Item = &'a [f64; 4]>,
+    moments: impl Iterator<Item = &'a Moment>,
     wave_number: f64,
     inertia: f64,
 ) -> (f64, [f64; 2]) {
     let mut normal = Matrix2::zeros();
     let mut right = Vector2::zeros();
-    for &[x, v, a, missing_nm] in moments {
-        let (sin, cos) = (wave_number * x).sin_cos();
-        let (bend, turn) = (wave_number * a, (wave_number * v).powi(2));
+    for m in moments {
+        let (sin, cos) = (wave_number * m.position).sin_cos();
+        let bend = wave_number * m.acceleration;
+        let turn = (wave_number * m.velocity).powi(2);
         let row = inertia * Vector2::new(bend * cos - turn * sin, -bend * sin - turn * cos);
         normal += row * row.transpose();
-        right += row * missing_nm;
+        right += row * m.missing_nm;
     }
     let Some(solution) = normal.cholesky().map(|c| c.solve(&right)) else {
         return (0.0, [0.0; 2]);

@@ -7,9 +7,11 @@ use crate::hypothesis::Term;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 
-/// How wide a play of the reading may be, over the noise and over the span of the motion, and the ratio of those that are
-/// tried.
-const PLAYS: [f64; 2] = [3.0, 0.06];
+/// How wide a play of the reading may be: down to so many noises, or where there is next to none to a share of the widest,
+/// and up to a share of the span; and the ratio of those that are tried.
+const LEAST_PLAY: f64 = 3.0;
+const LEAST_PLAY_SHARE: f64 = 1e-4;
+const WIDEST_PLAY: f64 = 0.06;
 const PLAY_RATIO: f64 = 4.0;
 /// Square and cube by which a sensor's curve departs at the ends of the motion, over half of its span.
 const BENDS: [[f64; 2]; 5] = [
@@ -28,8 +30,9 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "sensor_gain" => terms(kind, None, [vec![log(0, 1.0)]]),
         "sensor_nonlinearity" => curves(kind, e),
         "sensor_hysteresis" => {
-            let widest = PLAYS[1] * s.span();
-            let sizes = [(PLAYS[0] * s.noise).min(0.5 * widest), widest];
+            let widest = WIDEST_PLAY * s.span();
+            let least = LEAST_PLAY * s.noise;
+            let sizes = [least.clamp(LEAST_PLAY_SHARE * widest, 0.5 * widest), widest];
             let widths = geometric(sizes, count(sizes, PLAY_RATIO));
             terms(kind, None, widths.map(|width| vec![log(0, width)]))
         }

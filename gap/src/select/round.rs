@@ -185,21 +185,25 @@ impl Search<'_> {
         (alone, screened.clone())
     }
 
-    /// A rival without its last effect, fitted anew on top of `null`.
+    /// A rival without its last effect, fitted anew from its own numbers of the model and from those of `null`.
     fn without_last(&self, rival: &Rival, null: &Fit) -> Fit {
         let mut hypothesis = rival.fit.hypothesis.clone();
         let free = hypothesis.terms.pop().map_or(0, |term| term.free.len());
-        let [own, given] = [&rival.fit.x, &null.x].map(|nudges| {
-            let mut x = nudges[..null.x.len()].to_vec();
-            x.extend(&rival.fit.x[null.x.len()..rival.fit.x.len() - free]);
-            x
-        });
-        let fits = [own, given].into_par_iter().map(|x| {
+        let own = rival.fit.x[..rival.fit.x.len() - free].to_vec();
+        let given = [&null.x, &own[null.x.len()..]].concat();
+        let fit = |x| {
             self.problem
                 .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
-        });
-        let lowest = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
-        lowest.unwrap_or_else(|| null.clone())
+        };
+        if own == given {
+            return fit(own);
+        }
+        let (own, given) = rayon::join(|| fit(own), || fit(given));
+        if level(&own) <= level(&given) {
+            own
+        } else {
+            given
+        }
     }
 
     /// One of two stops where the other gains next to nothing: beyond the motion any place would do.

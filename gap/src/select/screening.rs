@@ -335,7 +335,7 @@ fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     // As long for windows that are a quarter as long.
     let quarters = if problem.quarter.is_some() { 1 } else { 4 };
     let [fewest, most] = BLOCK_WINDOWS.map(|windows| windows * quarters);
-    let length = (BLOCK_SAMPLES * windows / samples(problem)).clamp(fewest, most);
+    let length = (BLOCK_SAMPLES * windows / samples(problem).max(1)).clamp(fewest, most);
     let share = screening_share(problem, FEWEST_BLOCKS * length as f64);
     (0..windows).map(|w| turn(w / length) < share).collect()
 }

@@ -50,8 +50,6 @@ const NUDGES_EVERY: usize = 3;
 const WIDE: usize = 2;
 /// Longest move of a coordinate in one iteration.
 const LONGEST_MOVE: f64 = 1.5;
-/// Coordinates stay within this: a factor of 20 from where they start, or five of their scales.
-const REACH: f64 = 5.0;
 /// Moves of one coordinate that are tried where no slope leads on, and how often.
 const POLLED: [f64; 10] = [-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4];
 const MOST_POLLS: usize = 3;
@@ -90,13 +88,14 @@ impl Problem<'_> {
     /// slopes say nothing across a kink or a step.
     pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
         let mut best = self.fit(&fit.hypothesis, fit.x.clone(), Part::All, iterations);
+        let reaches = fit.hypothesis.reaches(&self.nudges);
         for _ in 0..MOST_POLLS {
             let total = best.costs.sum();
             let beside: Vec<Vec<f64>> = (self.nudges.len()..best.x.len())
                 .flat_map(|i| POLLED.map(|by| (i, by)))
                 .map(|(i, by)| {
                     let mut x = best.x.clone();
-                    x[i] = (x[i] + by).clamp(-REACH, REACH);
+                    x[i] = within(x[i] + by, reaches[i]);
                     x
                 })
                 .collect();
@@ -139,6 +138,13 @@ impl Problem<'_> {
         difference: f64,
         part: Part<'_>,
     ) -> Slope {
+        // At the end of its range a coordinate goes nowhere but back.
+        let [_, high] = hypothesis.reaches(&self.nudges)[i];
+        let difference = if x[i] + difference > high {
+            -difference
+        } else {
+            difference
+        };
         let mut moved = x.to_vec();
         moved[i] += difference;
         let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
@@ -172,6 +178,10 @@ impl Problem<'_> {
         iterations: usize,
     ) -> Fit {
         let n = x.len();
+        let reaches = hypothesis.reaches(&self.nudges);
+        for (x, reach) in x.iter_mut().zip(&reaches) {
+            *x = within(*x, *reach);
+        }
         let mut damping = FIRST_DAMPING;
         let mut predictor = self.predictor(hypothesis, &x);
         let mut residuals = self.residuals(&predictor, part);
@@ -232,18 +242,32 @@ impl Problem<'_> {
                 }
             }
             let mut improved = None;
+            let stuck = |&i: &usize| {
+                let [low, high] = reaches[i];
+                (gradient[i] > 0.0 && x[i] <= low) || (gradient[i] < 0.0 && x[i] >= high)
+            };
+            let stuck: Vec<usize> = (0..n).filter(stuck).collect();
             while damping < MOST_DAMPING {
                 let mut damped = normal.clone();
                 for i in 0..n {
                     damped[(i, i)] += damping * normal[(i, i)] + 1e-9;
                 }
-                let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else {
+                let mut pull = gradient.clone();
+                // The others move as if those at their bound were fixed.
+                for &i in &stuck {
+                    damped.row_mut(i).fill(0.0);
+                    damped.column_mut(i).fill(0.0);
+                    damped[(i, i)] = 1.0;
+                    pull[i] = 0.0;
+                }
+                let Some(step) = damped.cholesky().map(|c| c.solve(&pull)) else {
                     damping *= 10.0;
                     continue;
                 };
                 let mut trial = x.clone();
-                for (x, dx) in trial.iter_mut().zip(&step) {
-                    *x = (*x - dx.clamp(-LONGEST_MOVE, LONGEST_MOVE)).clamp(-REACH, REACH);
+                for (i, dx) in step.iter().enumerate() {
+                    let moved = x[i] - dx.clamp(-LONGEST_MOVE, LONGEST_MOVE);
+                    trial[i] = within(moved, reaches[i]);
                 }
                 let at = self.predictor(hypothesis, &trial);
                 let r = self.residuals(&at, part);
@@ -280,6 +304,10 @@ impl Problem<'_> {
             costs: now,
         }
     }
+}
+
+fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
+    x.max(low).min(high)
 }
 
 /// Standard deviations by the sandwich of Huber (Berkeley Symposium 5, 1967), windows as clusters: what

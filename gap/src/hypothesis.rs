@@ -1,7 +1,7 @@
 //! A rival model: the nominal one with effects switched in, as a point in a space of few dimensions.
 
 use host_sim::device::Device;
-use host_sim::effects::Kind;
+use host_sim::effects::{Kind, Parameter, Quantity};
 use recording::{Model, Recording};
 
 /// How a dimensionless coordinate becomes a parameter.
@@ -14,7 +14,13 @@ pub(crate) enum Scale {
 }
 
 /// Logarithm that one unit of a coordinate stands for.
-const LOG_REACH: f64 = 0.6;
+const LOG_UNIT: f64 = 0.6;
+/// Units within which coordinates stay: a factor of 20, as many scales of a size, but near the place where something was
+/// looked for, and five standard deviations.
+const LOG_REACH: f64 = 5.0;
+const SIZE_REACH: f64 = 20.0;
+const PLACE_REACH: f64 = 5.0;
+const NUDGE_REACH: f64 = 5.0;
 
 /// One free parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,15 +35,33 @@ impl Coordinate {
     pub(crate) fn value(&self, x: f64) -> f64 {
         match self.scale {
             Scale::Linear(scale) => self.start + scale * x,
-            Scale::Log => self.start * (LOG_REACH * x).exp(),
+            Scale::Log => self.start * (LOG_UNIT * x).exp(),
         }
+    }
+
+    /// Lowest and highest coordinate.
+    fn reach(&self, of: &Parameter) -> [f64; 2] {
+        let (farthest, bounds) = match self.scale {
+            Scale::Linear(scale) => {
+                let farthest = match of.quantity {
+                    Quantity::Position | Quantity::Time => PLACE_REACH,
+                    _ => SIZE_REACH,
+                };
+                (farthest, of.range.map(|v| (v - self.start) / scale))
+            }
+            Scale::Log => (
+                LOG_REACH,
+                of.range.map(|v| (v / self.start).ln() / LOG_UNIT),
+            ),
+        };
+        [bounds[0].max(-farthest), bounds[1].min(farthest)]
     }
 
     /// Standard deviation of the parameter for one of the coordinate.
     pub(crate) fn spread(&self, x: f64, std: f64) -> f64 {
         match self.scale {
             Scale::Linear(scale) => scale.abs() * std,
-            Scale::Log => LOG_REACH * self.value(x).abs() * std,
+            Scale::Log => LOG_UNIT * self.value(x).abs() * std,
         }
     }
 }
@@ -74,6 +98,24 @@ impl Term {
             coordinate.start = moved.values[coordinate.parameter];
         }
         moved
+    }
+
+    /// The same term with the numbers that it shares with another, if there are any: those of one name and quantity.
+    pub(crate) fn alike(&self, other: &Self) -> Option<Self> {
+        let mut alike = self.clone();
+        let mut shared = false;
+        for coordinate in &mut alike.free {
+            let own = self.kind.parameter(coordinate.parameter);
+            let pairs = other.kind.parameters.iter().zip(&other.values);
+            let same = pairs.filter(|(p, _)| (p.name, p.quantity) == (own.name, own.quantity));
+            for (_, &value) in same.filter(|(_, v)| **v > 0.0 || coordinate.scale != Scale::Log) {
+                coordinate.start = value;
+                alike.values[coordinate.parameter] = value;
+                shared = true;
+            }
+        }
+        alike.sensor_on_load = other.sensor_on_load;
+        shared.then_some(alike)
     }
 
     /// This start and its neighbours along every coordinate that is linear.
@@ -132,6 +174,16 @@ impl Hypothesis {
         nudges.len() + self.free()
     }
 
+    /// Lowest and highest value of each coordinate.
+    pub(crate) fn reaches(&self, nudges: &[Nudge]) -> Vec<[f64; 2]> {
+        let numbers = nudges.iter().map(|_| [-NUDGE_REACH, NUDGE_REACH]);
+        let terms = self.terms.iter().flat_map(|term| {
+            let free = term.free.iter();
+            free.map(|c| c.reach(term.kind.parameter(c.parameter)))
+        });
+        numbers.chain(terms).collect()
+    }
+
     /// Coordinates of the terms.
     pub(crate) fn free(&self) -> usize {
         self.terms.iter().map(|t| t.free.len()).sum()
@@ -159,7 +211,7 @@ impl Hypothesis {
         for term in &self.terms {
             let (mine, others) = rest.split_at(term.free.len());
             device.sensor_on_load = term.sensor_on_load;
-            (term.kind.install)(&mut device, &term.at(mine));
+            term.kind.install(&mut device, &term.at(mine));
             rest = others;
         }
         device

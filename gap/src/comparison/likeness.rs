@@ -63,7 +63,7 @@ pub(super) fn likenesses(columns: &Columns) -> Vec<Likeness> {
 /// What `kind` leaves, sample by sample over all tracks, less the mean: the columns' zeros may differ.
 pub(super) fn residuals(tracks: &[Track], kind: &Kind, values: &[f64]) -> Vec<f64> {
     let mut device = Device::nominal(&Model::new(1.0));
-    (kind.install)(&mut device, values);
+    kind.install(&mut device, values);
     let sensing = &device.sensing;
     let mut all = Vec::new();
     for track in tracks {

@@ -81,7 +81,7 @@ pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
 }
 
 /// The special cases of the best rival, from where it stands: what else is known of the device took long
-/// to find.
+/// to find, and what both have in common, too.
 pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
     let best = rivals
         .iter()
@@ -104,7 +104,13 @@ pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
         (own == held).then(|| rival.fit.x[..held].copy_from_slice(&best.fit.x[..held]))?;
         let terms = best.fit.hypothesis.terms.split_last()?.1;
         rival.fit.hypothesis.terms[..terms.len()].clone_from_slice(terms);
-        Some(rival)
+        let alike = rival.found()?.alike(&best.found()?).map(|term| {
+            let mut alike = rival.clone();
+            alike.fit.hypothesis.terms[terms.len()] = term;
+            alike.fit.x[held..].fill(0.0);
+            alike
+        });
+        Some([Some(rival), alike])
     });
-    started.collect()
+    started.flatten().flatten().collect()
 }

@@ -1,6 +1,6 @@
 //! Dry friction that depends on the direction.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `F = F₊ for v > 0, −F₋ for v < 0`.
 pub const KIND: Kind = Kind {
@@ -12,6 +12,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "positive",
             quantity: Quantity::Torque,
+            range: NOT_NEGATIVE,
             default: 0.025,
             typical: [0.0, 0.05],
             about: "level against positive motion",
@@ -19,12 +20,13 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "negative",
             quantity: Quantity::Torque,
+            range: NOT_NEGATIVE,
             default: 0.015,
             typical: [0.0, 0.05],
             about: "level against negative motion",
         },
     ],
     install: |device, p| {
-        device.mechanics.friction.level_nm = [p[0].max(0.0), p[1].max(0.0)];
+        device.mechanics.friction.level_nm = [p[0], p[1]];
     },
 };

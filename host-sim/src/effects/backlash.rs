@@ -1,7 +1,6 @@
 //! Play between motor and load.
 
-use super::{Channel, Kind, Parameter, Quantity};
-use super::{LEAST_SHARE, LOAD_FRICTION};
+use super::{Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, Parameter, Quantity};
 use crate::plant::Link;
 
 /// `T = 0 within the play, K d beyond`.
@@ -14,6 +13,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "play",
             quantity: Quantity::Position,
+            range: NOT_NEGATIVE,
             default: 0.02,
             typical: [0.002, 0.1],
             about: "free travel between the flanks",
@@ -21,6 +21,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "load_share",
             quantity: Quantity::Ratio,
+            range: INERTIA_SHARE,
             default: 0.4,
             typical: [0.1, 0.9],
             about: "of the inertia behind the play",
@@ -28,6 +29,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "stiffness",
             quantity: Quantity::Stiffness,
+            range: NOT_NEGATIVE,
             default: 50.0,
             typical: [5.0, 500.0],
             about: "of the flanks",
@@ -35,6 +37,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "damping",
             quantity: Quantity::Damping,
+            range: NOT_NEGATIVE,
             default: 0.01,
             typical: [0.0, 0.1],
             about: "of the flanks, in contact",
@@ -43,11 +46,11 @@ pub const KIND: Kind = Kind {
     ],
     install: |device, p| {
         device.mechanics.link = Some(Link {
-            load_share: p[1].clamp(LEAST_SHARE, 1.0 - LEAST_SHARE),
-            stiffness: p[2].abs(),
-            damping: p[3].max(0.0),
-            play: p[0].abs(),
-            load_friction: p[4].clamp(0.0, 1.0),
+            load_share: p[1],
+            stiffness: p[2],
+            damping: p[3],
+            play: p[0],
+            load_friction: p[4],
             sensor_on_load: device.sensor_on_load,
         });
     },

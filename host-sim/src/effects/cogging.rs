@@ -1,6 +1,6 @@
 //! The torque ripples with position.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, POSITIVE, Parameter, Quantity};
 use crate::plant::Cogging;
 
 /// `T = A sin θ + a sin 2θ + b cos 2θ` with `θ = n x + φ`.
@@ -13,6 +13,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "amplitude",
             quantity: Quantity::Torque,
+            range: ANY,
             default: 0.004,
             typical: [0.0005, 0.02],
             about: "of the ripple",
@@ -20,6 +21,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "wave_number",
             quantity: Quantity::PerPosition,
+            range: POSITIVE,
             default: 90.0,
             typical: [6.0, 360.0],
             about: "2π over the period",
@@ -27,6 +29,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "phase",
             quantity: Quantity::Angle,
+            range: ANY,
             default: 0.0,
             typical: [-3.2, 3.2],
             about: "at position zero",
@@ -34,6 +37,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "second_sine",
             quantity: Quantity::Torque,
+            range: ANY,
             default: 0.0,
             typical: [-0.002, 0.002],
             about: "of the second harmonic",
@@ -41,6 +45,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "second_cosine",
             quantity: Quantity::Torque,
+            range: ANY,
             default: 0.0,
             typical: [-0.002, 0.002],
             about: "of the second harmonic",

@@ -1,7 +1,6 @@
 //! A transmission that twists between motor and load.
 
-use super::{Channel, Kind, Parameter, Quantity};
-use super::{LEAST_SHARE, LOAD_FRICTION};
+use super::{Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, Parameter, Quantity};
 use crate::plant::Link;
 
 /// `T = K d + D d'`.
@@ -14,6 +13,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "stiffness",
             quantity: Quantity::Stiffness,
+            range: NOT_NEGATIVE,
             default: 5.0,
             typical: [0.5, 100.0],
             about: "of the transmission",
@@ -21,6 +21,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "damping",
             quantity: Quantity::Damping,
+            range: NOT_NEGATIVE,
             default: 1e-3,
             typical: [0.0, 1e-2],
             about: "of the twist",
@@ -28,6 +29,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "load_share",
             quantity: Quantity::Ratio,
+            range: INERTIA_SHARE,
             default: 0.4,
             typical: [0.1, 0.9],
             about: "of the inertia behind the twist",
@@ -36,11 +38,11 @@ pub const KIND: Kind = Kind {
     ],
     install: |device, p| {
         device.mechanics.link = Some(Link {
-            load_share: p[2].clamp(LEAST_SHARE, 1.0 - LEAST_SHARE),
-            stiffness: p[0].abs(),
-            damping: p[1].max(0.0),
+            load_share: p[2],
+            stiffness: p[0],
+            damping: p[1],
             play: 0.0,
-            load_friction: p[3].clamp(0.0, 1.0),
+            load_friction: p[3],
             sensor_on_load: device.sensor_on_load,
         });
     },

@@ -1,6 +1,6 @@
 //! Something outside pushes back for a while.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 use crate::device::CONTACT;
 use crate::plant::Barrier;
 
@@ -14,6 +14,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "position",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.1,
             typical: [-0.6, 0.6],
             about: "where it begins",
@@ -21,6 +22,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "side",
             quantity: Quantity::Ratio,
+            range: ANY,
             default: 1.0,
             typical: [-1.0, 1.0],
             about: "+1 against positive motion, -1 against negative",
@@ -28,6 +30,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "stiffness",
             quantity: Quantity::Stiffness,
+            range: NOT_NEGATIVE,
             default: 2.0,
             typical: [0.05, 50.0],
             about: "of what pushes",
@@ -35,6 +38,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "damping",
             quantity: Quantity::Damping,
+            range: NOT_NEGATIVE,
             default: 0.01,
             typical: [0.0, 0.1],
             about: "of what pushes",
@@ -42,6 +46,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "from",
             quantity: Quantity::Time,
+            range: ANY,
             default: 0.2,
             typical: [0.0, 1000.0],
             about: "of the session",
@@ -49,6 +54,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "to",
             quantity: Quantity::Time,
+            range: ANY,
             default: 0.8,
             typical: [0.0, 1000.0],
             about: "of the session",
@@ -58,8 +64,8 @@ pub const KIND: Kind = Kind {
         device.mechanics.barriers[CONTACT] = Some(Barrier {
             at: p[0],
             side: 1f64.copysign(p[1]),
-            stiffness: p[2].abs(),
-            damping: p[3].max(0.0),
+            stiffness: p[2],
+            damping: p[3],
             during_s: Some([p[4], p[5]]),
         });
     },

@@ -1,6 +1,6 @@
 //! Dry friction at another level.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `F = F_c sign(v)`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "level",
         quantity: Quantity::Torque,
+        range: NOT_NEGATIVE,
         default: 0.02,
         typical: [0.0, 0.05],
         about: "sliding and static, both directions",
     }],
     install: |device, p| {
-        device.mechanics.friction.level_nm = [p[0].max(0.0); 2];
+        device.mechanics.friction.level_nm = [p[0]; 2];
     },
 };

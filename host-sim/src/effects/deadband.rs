@@ -1,6 +1,6 @@
 //! Small inputs do nothing.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 
 /// `T = ratio · sign(u) (|u| − (1 − j) w) for |u| > w, else 0`.
 pub const KIND: Kind = Kind {
@@ -12,6 +12,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "width",
             quantity: Quantity::Input,
+            range: NOT_NEGATIVE,
             default: 2e-4,
             typical: [5e-5, 1e-3],
             about: "input up to which nothing happens",
@@ -19,13 +20,14 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "jump",
             quantity: Quantity::Ratio,
+            range: SHARE,
             default: 0.0,
             typical: [0.0, 1.0],
             about: "share of the width by which the input jumps at its edge",
         },
     ],
     install: |device, p| {
-        device.drive.deadband = p[0].max(0.0);
-        device.drive.deadband_jump = p[1].clamp(0.0, 1.0);
+        device.drive.deadband = p[0];
+        device.drive.deadband_jump = p[1];
     },
 };

@@ -1,6 +1,6 @@
 //! The torque follows the input late.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `T(t) = ratio · u(t − d)`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "time",
         quantity: Quantity::Time,
+        range: NOT_NEGATIVE,
         default: 0.003,
         typical: [0.0005, 0.02],
         about: "delay on top of the model's",
     }],
     install: |device, p| {
-        device.drive.delay_s += p[0].max(0.0);
+        device.drive.delay_s += p[0];
     },
 };

@@ -1,6 +1,6 @@
 //! A hard stop within the travel.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `T = −max(0, K d + D d') beyond the stop`.
 pub const KIND: Kind = Kind {
@@ -12,6 +12,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "lower",
             quantity: Quantity::Position,
+            range: ANY,
             default: -0.4,
             typical: [-0.6, -0.1],
             about: "of the lower stop",
@@ -19,6 +20,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "upper",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.4,
             typical: [0.1, 0.6],
             about: "of the upper stop",
@@ -26,6 +28,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "stiffness",
             quantity: Quantity::Stiffness,
+            range: NOT_NEGATIVE,
             default: 20.0,
             typical: [1.0, 100.0],
             about: "of both; a stop where the model has one already stays that one",
@@ -33,6 +36,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "damping",
             quantity: Quantity::Damping,
+            range: NOT_NEGATIVE,
             default: 0.02,
             typical: [0.0, 0.1],
             about: "of both, in contact",

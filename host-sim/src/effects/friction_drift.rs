@@ -1,7 +1,6 @@
 //! Dry friction that changes over the session.
 
-use super::LEAST_LEVEL;
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, LEVEL, NOT_NEGATIVE, Parameter, Quantity};
 use crate::plant::Drift;
 
 /// `F = F_c (l + d t) sign(v)`, or with τ (1 − e^(−t/τ)) in the place of t.
@@ -14,6 +13,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "rate",
             quantity: Quantity::Frequency,
+            range: ANY,
             default: 0.05,
             typical: [-0.1, 0.5],
             about: "growth per second, relative to the model's level",
@@ -21,6 +21,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "level",
             quantity: Quantity::Ratio,
+            range: LEVEL,
             default: 1.0,
             typical: [0.5, 2.0],
             about: "at the start, over the model's",
@@ -28,13 +29,14 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "settling",
             quantity: Quantity::Time,
+            range: NOT_NEGATIVE,
             default: 0.0,
             typical: [0.0, 20.0],
             about: "time constant with which it settles; 0 if it does not",
         },
     ],
     install: |device, p| {
-        let level = p[1].max(LEAST_LEVEL);
+        let level = p[1];
         device.mechanics.friction.scale(level);
         device.mechanics.friction.drift = Some(Drift {
             rate_per_s: p[0] / level,

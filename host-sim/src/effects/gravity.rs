@@ -1,6 +1,6 @@
 //! Another weight, or another angle at which it hangs.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 
 /// `T = −G sin(x − x_G)`.
 pub const KIND: Kind = Kind {
@@ -12,6 +12,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "weight",
             quantity: Quantity::Torque,
+            range: ANY,
             default: 0.03,
             typical: [0.0, 0.1],
             about: "weight times lever",
@@ -19,6 +20,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "zero",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.0,
             typical: [-0.3, 0.3],
             about: "where it hangs at rest",

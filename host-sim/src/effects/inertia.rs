@@ -1,6 +1,6 @@
 //! Another inertia.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, POSITIVE, Parameter, Quantity};
 
 /// `J x'' = T`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "inertia",
         quantity: Quantity::Inertia,
+        range: POSITIVE,
         default: 7e-4,
         typical: [3e-4, 1.2e-3],
         about: "in place of the model's",
     }],
     install: |device, p| {
-        device.mechanics.inertia = p[0].abs().max(f64::MIN_POSITIVE);
+        device.mechanics.inertia = p[0];
     },
 };

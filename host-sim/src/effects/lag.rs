@@ -1,6 +1,6 @@
 //! The torque follows the input through a first-order lag.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `τ T' + T = ratio · u`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "time",
         quantity: Quantity::Time,
+        range: NOT_NEGATIVE,
         default: 0.003,
         typical: [0.0005, 0.02],
         about: "time constant on top of the model's",
     }],
     install: |device, p| {
-        device.drive.lag_s += p[0].max(0.0);
+        device.drive.lag_s += p[0];
     },
 };

@@ -1,6 +1,6 @@
 //! Dry friction that grows with the torque that is transmitted.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `F = (F_c + µ |T|) sign(v)`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "share",
         quantity: Quantity::Ratio,
+        range: NOT_NEGATIVE,
         default: 0.15,
         typical: [0.02, 0.5],
         about: "of the driving torque that is added to the level",
     }],
     install: |device, p| {
-        device.mechanics.friction.load_share = p[0].max(0.0);
+        device.mechanics.friction.load_share = p[0];
     },
 };

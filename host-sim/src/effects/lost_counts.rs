@@ -1,6 +1,6 @@
 //! The sensor jumps and stays off.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 use crate::sensing::Jump;
 
 /// `y = x + Δ from t on`.
@@ -13,6 +13,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "time",
             quantity: Quantity::Time,
+            range: ANY,
             default: 0.5,
             typical: [0.0, 1000.0],
             about: "of the session at which it jumps",
@@ -20,6 +21,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "jump",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.05,
             typical: [-0.3, 0.3],
             about: "height of the jump",

@@ -127,6 +127,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// What it measures.
     pub quantity: Quantity,
+    /// Lowest and highest value that has a meaning.
+    pub range: [f64; 2],
     /// What it is where a user does not say, for the paddle.
     pub default: f64,
     /// Typical range, for the paddle.
@@ -148,16 +150,31 @@ pub struct Kind {
     pub equation: &'static str,
     /// Its numbers, in the order in which `install` takes them.
     pub parameters: &'static [Parameter],
-    /// Puts it into a device.
-    pub install: fn(&mut Device, &[f64]),
+    /// Puts it into a device, with numbers in their ranges.
+    install: fn(&mut Device, &[f64]),
 }
 
 impl Kind {
+    /// Puts it into a device. Numbers beyond their range are taken at its end.
+    pub fn install(&self, device: &mut Device, values: &[f64]) {
+        let held = values.iter().enumerate();
+        let held = held.map(|(place, value)| {
+            let [low, high] = self.parameter(place).range;
+            value.max(low).min(high)
+        });
+        (self.install)(device, &held.collect::<Vec<_>>());
+    }
+
+    /// The parameter of the value at `place`; there are more values than parameters where these are repeated.
+    pub fn parameter(&self, place: usize) -> &'static Parameter {
+        &self.parameters[place % self.parameters.len()]
+    }
+
     /// Name of the value at `place` of an effect of this kind that has `count` of them; one that repeats its
     /// parameters numbers them from 1.
     pub fn value_name(&self, place: usize, count: usize) -> String {
         let once = self.parameters.len();
-        let name = self.parameters[place % once].name;
+        let name = self.parameter(place).name;
         if count > once {
             format!("{name}_{}", place / once + 1)
         } else {
@@ -166,15 +183,21 @@ impl Kind {
     }
 }
 
-/// Least share of the inertia on either side of a transmission.
-const LEAST_SHARE: f64 = 0.01;
-/// Least level of a dry friction that varies, over the model's.
-const LEAST_LEVEL: f64 = 0.01;
+/// Ranges of parameters.
+const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
+const POSITIVE: [f64; 2] = [f64::MIN_POSITIVE, f64::INFINITY];
+const SHARE: [f64; 2] = [0.0, 1.0];
+/// Of the share of the inertia on either side of a transmission.
+const INERTIA_SHARE: [f64; 2] = [0.01, 0.99];
+/// Of the level of a dry friction that varies, over the model's.
+const LEVEL: [f64; 2] = [0.01, f64::INFINITY];
 
 /// Of a transmission between two masses.
 const LOAD_FRICTION: Parameter = Parameter {
     name: "load_friction",
     quantity: Quantity::Ratio,
+    range: SHARE,
     default: 0.0,
     typical: [0.0, 1.0],
     about: "share of the friction on the load side",
@@ -183,6 +206,7 @@ const LOAD_FRICTION: Parameter = Parameter {
 const WAVE_NUMBER: Parameter = Parameter {
     name: "wave_number",
     quantity: Quantity::PerPosition,
+    range: POSITIVE,
     default: 6.0,
     typical: [1.0, 60.0],
     about: "2π over the period of the ripple",
@@ -237,7 +261,7 @@ pub struct Effect {
 impl Effect {
     /// Puts it into `device`.
     pub fn install(&self, device: &mut Device) {
-        (self.kind.install)(device, &self.values);
+        self.kind.install(device, &self.values);
     }
 }
 

@@ -1,7 +1,6 @@
 //! Dry friction that depends on the position.
 
-use super::{Channel, Kind, Parameter, Quantity};
-use super::{LEAST_LEVEL, WAVE_NUMBER};
+use super::{ANY, Channel, Kind, LEVEL, Parameter, Quantity, WAVE_NUMBER};
 use crate::ripple::Ripple;
 
 /// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1)) sign(v)`.
@@ -14,6 +13,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "slope",
             quantity: Quantity::PerPosition,
+            range: ANY,
             default: 0.8,
             typical: [-2.0, 2.0],
             about: "growth with position, relative to the model's level",
@@ -21,6 +21,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "curve",
             quantity: Quantity::PerPositionSquared,
+            range: ANY,
             default: 0.0,
             typical: [0.0, 10.0],
             about: "growth with its square, likewise",
@@ -28,6 +29,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "level",
             quantity: Quantity::Ratio,
+            range: LEVEL,
             default: 1.0,
             typical: [0.5, 2.0],
             about: "at position zero, over the model's",
@@ -35,6 +37,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "ripple_sine",
             quantity: Quantity::Ratio,
+            range: ANY,
             default: 0.0,
             typical: [-0.5, 0.5],
             about: "of a pulley that is not round, relative to the model's level",
@@ -42,6 +45,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "ripple_cosine",
             quantity: Quantity::Ratio,
+            range: ANY,
             default: 0.0,
             typical: [-0.5, 0.5],
             about: "likewise",
@@ -49,7 +53,7 @@ pub const KIND: Kind = Kind {
         WAVE_NUMBER,
     ],
     install: |device, p| {
-        let level = p[2].max(LEAST_LEVEL);
+        let level = p[2];
         let friction = &mut device.mechanics.friction;
         friction.scale(level);
         friction.position_slope = p[0] / level;

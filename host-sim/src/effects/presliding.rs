@@ -1,6 +1,6 @@
 //! Dry friction that bends before it slides.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
 use crate::plant::Presliding;
 
 /// Below, a solver would see a corner; above, bristles would hardly slide.
@@ -20,6 +20,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "distance",
             quantity: Quantity::Position,
+            range: POSITIVE,
             default: 0.005,
             typical: [0.0005, 0.03],
             about: "deflection at which it slides",
@@ -27,6 +28,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "damping",
             quantity: Quantity::Damping,
+            range: NOT_NEGATIVE,
             default: 1e-3,
             typical: [0.0, 2e-2],
             about: "of the deflection",
@@ -34,6 +36,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "exponent",
             quantity: Quantity::Ratio,
+            range: EXPONENTS,
             default: 1.0,
             typical: [0.1, 1.5],
             about: "n, 1 for the LuGre model, less for bristles that slide more suddenly",
@@ -41,6 +44,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "elastic",
             quantity: Quantity::Ratio,
+            range: [0.0, MOST_ELASTIC],
             default: 0.0,
             typical: [0.2, 0.8],
             about: "e, share of the distance below which nothing slides",
@@ -48,10 +52,10 @@ pub const KIND: Kind = Kind {
     ],
     install: |device, p| {
         device.mechanics.presliding = Some(Presliding {
-            distance: p[0].abs().max(f64::MIN_POSITIVE),
-            damping: p[1].max(0.0),
-            exponent: p[2].clamp(EXPONENTS[0], EXPONENTS[1]),
-            elastic: p[3].clamp(0.0, MOST_ELASTIC),
+            distance: p[0],
+            damping: p[1],
+            exponent: p[2],
+            elastic: p[3],
         });
     },
 };

@@ -1,6 +1,6 @@
 //! Friction that grows with the square of the speed.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `F = Q v |v|`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "coefficient",
         quantity: Quantity::Drag,
+        range: NOT_NEGATIVE,
         default: 1e-3,
         typical: [1e-5, 1e-2],
         about: "at the joint",
     }],
     install: |device, p| {
-        device.mechanics.drag = p[0].max(0.0);
+        device.mechanics.drag = p[0];
     },
 };

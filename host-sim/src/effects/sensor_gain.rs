@@ -1,6 +1,6 @@
 //! The sensor shows more or less than the way gone.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 
 /// `y = g x`.
 pub const KIND: Kind = Kind {
@@ -11,6 +11,7 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "gain",
         quantity: Quantity::Ratio,
+        range: ANY,
         default: 1.1,
         typical: [0.8, 1.2],
         about: "shown over true",

@@ -1,6 +1,6 @@
 //! The sensor follows with play.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `y = x held within ± w/2`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "width",
         quantity: Quantity::Position,
+        range: NOT_NEGATIVE,
         default: 0.005,
         typical: [0.0005, 0.03],
         about: "of the play",
     }],
     install: |device, p| {
-        device.sensing.hysteresis = p[0].max(0.0);
+        device.sensing.hysteresis = p[0];
     },
 };

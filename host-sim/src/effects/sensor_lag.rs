@@ -1,6 +1,6 @@
 //! The sensor follows through a first-order lag.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `τ y' + y = x`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "time",
         quantity: Quantity::Time,
+        range: NOT_NEGATIVE,
         default: 0.004,
         typical: [0.0005, 0.02],
         about: "time constant",
     }],
     install: |device, p| {
-        device.sensing.lag_s = p[0].max(0.0);
+        device.sensing.lag_s = p[0];
     },
 };

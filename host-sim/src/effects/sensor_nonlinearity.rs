@@ -1,7 +1,7 @@
 //! The sensor's curve is bent.
 
 use super::WAVE_NUMBER;
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 use crate::ripple::Ripple;
 
 /// `y = x + a (x − m)² + b (x − m)³ + r sin(n x) + s (cos(n x) − 1) + o`.
@@ -14,6 +14,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "quadratic",
             quantity: Quantity::PerPosition,
+            range: ANY,
             default: 0.2,
             typical: [-0.5, 0.5],
             about: "of the curve",
@@ -21,6 +22,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "cubic",
             quantity: Quantity::PerPositionSquared,
+            range: ANY,
             default: 0.0,
             typical: [-2.0, 2.0],
             about: "of the curve",
@@ -28,6 +30,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "ripple_sine",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.0,
             typical: [-0.02, 0.02],
             about: "of the curve",
@@ -35,6 +38,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "ripple_cosine",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.0,
             typical: [-0.02, 0.02],
             about: "of the curve",
@@ -43,6 +47,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "offset",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.0,
             typical: [-0.02, 0.02],
             about: "of the reading at zero",
@@ -50,6 +55,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "middle",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.0,
             typical: [-0.3, 0.3],
             about: "m, around which the curve is bent",
@@ -79,10 +85,10 @@ mod tests {
     fn is_bent_around_its_middle() {
         let [a, b, m, o] = [0.3, -0.8, 0.2, 0.01];
         let mut device = Device::nominal(&Model::new(1.0));
-        (KIND.install)(&mut device, &[a, b, 0.0, 0.0, 6.0, o, m]);
+        KIND.install(&mut device, &[a, b, 0.0, 0.0, 6.0, o, m]);
         for x in [-0.4, 0.0, 0.2, 0.5] {
             let bent = x + a * (x - m).powi(2) + b * (x - m).powi(3) + o;
-            assert!((device.sensing.curve(x) - bent).abs() < 1e-12, "{x}");
+            assert!((device.sensing.curve(x) - bent) < 1e-12, "{x}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A spring towards some position.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 
 /// `T = −K (x − x_K)`.
 pub const KIND: Kind = Kind {
@@ -12,6 +12,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "stiffness",
             quantity: Quantity::Stiffness,
+            range: ANY,
             default: 0.05,
             typical: [0.005, 0.5],
             about: "of the spring",
@@ -19,6 +20,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "zero",
             quantity: Quantity::Position,
+            range: ANY,
             default: 0.0,
             typical: [-0.3, 0.3],
             about: "where it is relaxed",

@@ -1,6 +1,6 @@
 //! Static friction above the sliding level.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
 use crate::plant::Stribeck;
 
 /// Below, the level would fall infinitely fast at rest; above, all at once.
@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "static_ratio",
             quantity: Quantity::Ratio,
+            range: NOT_NEGATIVE,
             default: 1.4,
             typical: [1.05, 2.5],
             about: "static over sliding level",
@@ -23,6 +24,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "velocity",
             quantity: Quantity::Velocity,
+            range: POSITIVE,
             default: 0.1,
             typical: [0.01, 2.0],
             about: "over which the level falls",
@@ -30,6 +32,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "exponent",
             quantity: Quantity::Ratio,
+            range: EXPONENTS,
             default: 2.0,
             typical: [1.0, 2.0],
             about: "n, how suddenly it falls, 1 or more",
@@ -37,9 +40,9 @@ pub const KIND: Kind = Kind {
     ],
     install: |device, p| {
         device.mechanics.friction.stribeck = Stribeck {
-            ratio: p[0].max(0.0),
-            velocity: p[1].abs().max(f64::MIN_POSITIVE),
-            exponent: p[2].clamp(EXPONENTS[0], EXPONENTS[1]),
+            ratio: p[0],
+            velocity: p[1],
+            exponent: p[2],
         };
     },
 };

@@ -1,6 +1,6 @@
 //! The actuator gives more or less than it was told.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 
 /// `T = g · ratio · u`.
 pub const KIND: Kind = Kind {
@@ -11,6 +11,7 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "gain",
         quantity: Quantity::Ratio,
+        range: ANY,
         default: 0.85,
         typical: [0.6, 1.4],
         about: "torque that comes, as a share of what was told",

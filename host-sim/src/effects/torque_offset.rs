@@ -1,6 +1,6 @@
 //! A constant torque that nobody asked for.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 
 /// `T = ratio · u + T₀`.
 pub const KIND: Kind = Kind {
@@ -11,6 +11,7 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "torque",
         quantity: Quantity::Torque,
+        range: ANY,
         default: 0.005,
         typical: [-0.02, 0.02],
         about: "at the joint",

@@ -1,6 +1,6 @@
 //! Friction that grows with speed.
 
-use super::{Channel, Kind, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `F = B v`.
 pub const KIND: Kind = Kind {
@@ -11,11 +11,12 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "coefficient",
         quantity: Quantity::Damping,
+        range: NOT_NEGATIVE,
         default: 4e-3,
         typical: [0.0, 2e-2],
         about: "in place of the model's",
     }],
     install: |device, p| {
-        device.mechanics.viscous = p[0].max(0.0);
+        device.mechanics.viscous = p[0];
     },
 };

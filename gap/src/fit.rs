@@ -194,6 +194,7 @@ impl Problem<'_> {
         let mut whitened = self.whitened(&residuals, &whitenings);
         let mut now = Costs::new(&whitened, self.prior(&x));
         let mut total = now.sum();
+        let mut best = (total, x.clone(), now.clone());
         let mut normal = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
         let mut slopes: Vec<Slope> = Vec::new();
@@ -293,15 +294,20 @@ impl Problem<'_> {
             whitened = self.whitened(&residuals, &whitenings);
             now = Costs::new(&whitened, self.prior(&x));
             total = now.sum();
+            // Restarts weigh otherwise at each point, so that a step down may turn out to be one up.
+            if total < best.0 {
+                best = (total, x.clone(), now.clone());
+            }
             if small && iteration >= WIDE {
                 break;
             }
         }
+        let (_, x, costs) = best;
         Fit {
             hypothesis: hypothesis.clone(),
             x,
             std: deviations(&normal, &scatter),
-            costs: now,
+            costs,
         }
     }
 }
@@ -320,5 +326,81 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
             (0..n).map(|i| covariance[(i, i)].max(0.0).sqrt()).collect()
         }
         None => vec![f64::INFINITY; n],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypothesis::{Coordinate, Scale, Term};
+    use crate::{made, series};
+    use host_sim::effects;
+
+    fn term(name: &str, free: &[(usize, f64, f64)]) -> Term {
+        let kind = effects::kind(name).unwrap();
+        Term {
+            kind,
+            values: kind.parameters.iter().map(|p| p.default).collect(),
+            free: free
+                .iter()
+                .map(|&(parameter, start, scale)| Coordinate {
+                    parameter,
+                    start,
+                    scale: Scale::Linear(scale),
+                })
+                .collect(),
+            sensor_on_load: false,
+        }
+    }
+
+    /// What terms come to on a recording with the effects written in `effects`.
+    fn fitted(effects: &[&str], terms: Vec<Term>) -> Vec<f64> {
+        let recording = made::recording(effects);
+        let problem = Problem {
+            recording: &recording,
+            series: series::coarse(&recording, recording.horizon),
+            nudges: Vec::new(),
+            quarter: None,
+        };
+        let hypothesis = Hypothesis { terms };
+        let x = vec![0.0; hypothesis.free()];
+        let fit = problem.fit(&hypothesis, x, Part::All, 15);
+        let mut x = &fit.x[..];
+        let mut numbers = Vec::new();
+        for term in &hypothesis.terms {
+            let (own, others) = x.split_at(term.free.len());
+            let values = term.at(own);
+            numbers.extend(term.free.iter().map(|c| values[c.parameter]));
+            x = others;
+        }
+        numbers
+    }
+
+    #[test]
+    fn a_size_is_found_far_from_where_it_was_looked_for() {
+        let spring = term("spring", &[(0, 0.03, 0.01), (1, 0.0, 0.1)]);
+        let [stiffness, _] = fitted(&["spring:stiffness=0.15,zero=0"], vec![spring])[..] else {
+            panic!("two numbers");
+        };
+        assert!((stiffness - 0.15).abs() < 1e-3, "{stiffness}");
+    }
+
+    #[test]
+    fn a_number_at_the_end_of_its_range_holds_no_other_up_and_comes_back() {
+        let viscous = |start| term("viscous", &[(0, start, 1e-3)]);
+        let spring = term("spring", &[(0, 0.03, 0.01), (1, 0.0, 0.1)]);
+        let hidden = "spring:stiffness=0.06,zero=0";
+        let found = fitted(
+            &["viscous:coefficient=0", hidden],
+            vec![viscous(4e-3), spring.clone()],
+        );
+        assert!((0.0..1e-5).contains(&found[0]), "{found:?}");
+        assert!((found[1] - 0.06).abs() < 1e-3, "{found:?}");
+
+        let found = fitted(
+            &["viscous:coefficient=0.004", hidden],
+            vec![viscous(-2e-3), spring],
+        );
+        assert!((found[0] - 4e-3).abs() < 1e-4, "{found:?}");
     }
 }

@@ -30,6 +30,8 @@ mod fit;
 mod hypothesis;
 mod intersample;
 mod locate;
+#[cfg(test)]
+mod made;
 mod measure;
 pub mod model_file;
 mod motion;

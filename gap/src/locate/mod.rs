@@ -137,65 +137,12 @@ fn region(problem: &Problem<'_>, evidence: &Evidence, stretch: Stretch) -> Regio
 mod tests {
     use super::*;
     use crate::hypothesis::Hypothesis;
+    use crate::made;
     use crate::problem::Part;
     use crate::series;
-    use host_sim::device::Device;
-    use host_sim::drive::DriveLine;
-    use host_sim::effects::Effect;
-    use host_sim::plant::Plant;
-    use host_sim::sensors::Noise;
-    use recording::{Drive, Model, Recording, Run, Sensor};
-
-    const PERIOD_S: f64 = 1e-3;
-    const RUN_S: f64 = 6.0;
-    const NOISE: f64 = 1e-4;
-
-    /// Two runs of a paddle under two sines, with the effects written in `effects`.
-    fn recording(effects: &[&str]) -> Recording {
-        let model = Model {
-            viscous: 1.78e-4,
-            coulomb: 0.004,
-            stiffness: 0.03,
-            ratio: 15.0,
-            ..Model::new(5.755e-4)
-        };
-        let mut device = Device::nominal(&model);
-        for effect in effects {
-            effect.parse::<Effect>().unwrap().install(&mut device);
-        }
-        let plant = Plant::new(device.mechanics.clone());
-        let mut recording = Recording::new("made for a test", 0.3, model);
-        let sensor = Sensor {
-            noise: NOISE,
-            ..Sensor::default()
-        };
-        recording.sensors.insert("position".into(), sensor);
-        let mut noise = Noise::new(1);
-        for run in 0..2 {
-            let start_s = f64::from(run) * RUN_S;
-            let mut state = plant.state(start_s, 0.05, 0.0);
-            let mut line = DriveLine::at_rest(&device.drive);
-            let (mut time, mut input, mut position) = (vec![], vec![], vec![]);
-            for i in 0..(RUN_S / PERIOD_S) as usize {
-                let t = i as f64 * PERIOD_S;
-                let u = 0.0011 * (9.0 * t).sin() + 0.0008 * (4.3 * t + f64::from(run)).cos();
-                time.push(start_s + t);
-                input.push(u);
-                position.push(device.sensing.curve(plant.seen(&state).0) + noise.next(NOISE));
-                line.command(&device.drive, t, u);
-                let (torque, dt_s) = line.piece(t, PERIOD_S);
-                plant.advance(&mut state, torque, dt_s);
-            }
-            let file = format!("run-{run}.csv");
-            recording
-                .runs
-                .push(Run::new(file, Drive::OpenLoop, time, input, position));
-        }
-        recording
-    }
 
     fn found(effects: &[&str]) -> Vec<Region> {
-        let recording = recording(effects);
+        let recording = made::recording(effects);
         let problem = Problem {
             recording: &recording,
             series: series::coarse(&recording, recording.horizon),

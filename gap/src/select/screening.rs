@@ -97,12 +97,24 @@ impl<'a> Field<'a> {
         fits
     }
 
+    /// Where fits from some starts lead.
+    fn followed(&self, starts: &[Term]) -> Vec<Term> {
+        let fits = starts.par_iter().map(|s| self.fit(s, MANY_ITERATIONS));
+        let found = fits.filter_map(|fit| {
+            let term = fit.hypothesis.terms.last()?;
+            Some(term.moved(&fit.x[fit.x.len() - term.free.len()..]))
+        });
+        found.collect()
+    }
+
     /// The starts around the lowest points of a scan, here and where the same data are restarted four times as often.
     fn scanned(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
         let mut low = lowest(starts, |start| self.cost(start));
         // What swings out of step over the horizon is still in step over a quarter of it.
         if let Some(soon) = soon {
-            low.extend(lowest(starts, |start| soon.cost(start)));
+            let early = lowest(starts, |start| soon.cost(start));
+            low.extend(soon.followed(&early));
+            low.extend(early);
         }
         let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
         self.near(&around)

@@ -1,7 +1,7 @@
 //! Robust nonlinear least squares on whitened window residuals.
 
 use crate::costs::Costs;
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Hypothesis, Term};
 use crate::predict::Predictor;
 use crate::problem::{PRIOR_WEIGHT, Part, Problem};
 use crate::whitening::{Whitening, dot};
@@ -30,6 +30,12 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
+    /// Its last effect as it was fitted, as a place to start from.
+    pub(crate) fn last_term(&self) -> Option<Term> {
+        let term = self.hypothesis.terms.last()?;
+        Some(term.moved(&self.x[self.x.len() - term.free.len()..]))
+    }
+
     /// True if the model's own numbers have moved no farther than their tolerances let one expect.
     pub(crate) fn is_likely(&self) -> bool {
         let moves = &self.x[..self.x.len() - self.hypothesis.free()];
@@ -332,7 +338,7 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Scale, Term};
+    use crate::hypothesis::{Coordinate, Scale};
     use crate::{made, series};
     use host_sim::effects;
 

@@ -20,12 +20,6 @@ impl Rival {
         let last = self.fit.hypothesis.terms.last()?;
         self.fit.x.len().checked_sub(last.free.len())
     }
-
-    /// Its last effect as it was fitted, as a place to start from.
-    pub(super) fn found(&self) -> Option<Term> {
-        let term = self.fit.hypothesis.terms.last()?;
-        Some(term.moved(&self.fit.x[self.fit.x.len() - term.free.len()..]))
-    }
 }
 
 /// `known` with one more term, at the point where both stand.

@@ -100,11 +100,7 @@ impl<'a> Field<'a> {
     /// Where fits from some starts lead.
     fn followed(&self, starts: &[Term]) -> Vec<Term> {
         let fits = starts.par_iter().map(|s| self.fit(s, MANY_ITERATIONS));
-        let found = fits.filter_map(|fit| {
-            let term = fit.hypothesis.terms.last()?;
-            Some(term.moved(&fit.x[fit.x.len() - term.free.len()..]))
-        });
-        found.collect()
+        fits.filter_map(|fit| fit.last_term()).collect()
     }
 
     /// The starts around the lowest points of a scan, here and where the same data are restarted four times as often.
@@ -281,7 +277,7 @@ impl Search<'_> {
             let measured = self.given.measured.as_ref().filter(|t| t.kind.name == name);
             let hint = hints.iter().find(|hint| hint.name == name);
             let hint = hint.filter(|_| candidate.starts.len() > MOST_STARTS_FITTED);
-            if let Some(start) = measured.cloned().or_else(|| hint?.found()) {
+            if let Some(start) = measured.cloned().or_else(|| hint?.fit.last_term()) {
                 candidate.starts = vec![start];
             }
         }

@@ -140,7 +140,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let mut selection = select::select(&problem, &given, progress);
 
     let kept = usize::from(selection.given);
-    if selection.rounds.len() > kept && selection.left(selection.fit()) > select::MOST_LEFT {
+    if selection.rounds.len() > kept && selection.leaves_most() {
         selection.withdraw(kept);
     }
 
@@ -178,7 +178,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
     let verdict = if selection.rounds.is_empty() {
-        if selection.quiet || is_within_floor(&problem, &selection.null) {
+        let null = &selection.null;
+        if selection.quiet || (null.is_likely() && is_within_floor(&problem, null)) {
             Verdict::NoGap
         } else {
             Verdict::Unexplained

@@ -29,7 +29,7 @@ const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
 /// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
-pub(crate) const MOST_LEFT: f64 = 0.7;
+const MOST_LEFT: f64 = 0.7;
 /// Share of it that two effects may leave for a third to be looked for.
 const HOPELESS: f64 = 0.75;
 /// Share of the excess that may be left where nothing else of its size is missing: as much as a further effect must close
@@ -116,6 +116,13 @@ impl Selection {
             return self.left(fit);
         }
         (level(fit) - own) / excess
+    }
+
+    /// True if the effects leave what wrong names do, and do not spare the model's own numbers a move that is not likely.
+    pub(crate) fn leaves_most(&self) -> bool {
+        let fit = self.fit();
+        let spares = fit.is_likely() && !self.null.is_likely();
+        self.left(fit) > MOST_LEFT && !spares
     }
 
     /// True if a fit leaves so much that nothing more can bring a name.

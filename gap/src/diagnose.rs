@@ -237,18 +237,16 @@ fn is_within_floor(problem: &Problem<'_>, null: &Fit) -> bool {
 }
 
 fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
-    let mut rest = &fit.x[problem.nudges.len()..];
-    let effects = fit.hypothesis.terms.iter().map(|term| {
-        let (mine, others) = rest.split_at(term.free.len());
-        rest = others;
-        CorrectedEffect {
+    let effects = fit
+        .hypothesis
+        .parts(&fit.x)
+        .map(|(term, own)| CorrectedEffect {
             effect: host_sim::effects::Effect {
                 kind: term.kind,
-                values: term.at(mine),
+                values: term.at(own),
             },
             sensor_on_load: term.sensor_on_load,
-        }
-    });
+        });
     let effects = effects.collect();
     CorrectedModel {
         model: Hypothesis::nudged(&problem.recording.model, &problem.nudges, &fit.x),
@@ -297,27 +295,18 @@ fn findings(
 ) -> Vec<Finding> {
     let fit = selection.fit();
     let units = &problem.recording.units;
-    let mut at = problem.nudges.len();
+    let fitted = fit.hypothesis.parts(&fit.x);
+    let fitted = fitted.zip(fit.hypothesis.parts(&fit.std));
     let mut all = Vec::new();
-    for ((round, step), term) in selection
-        .rounds
-        .iter()
-        .zip(steps)
-        .zip(&fit.hypothesis.terms)
-    {
-        let coordinates = at..at + term.free.len();
-        let values = term.at(&fit.x[coordinates.clone()]);
+    for ((round, step), ((term, x), (_, std))) in selection.rounds.iter().zip(steps).zip(fitted) {
+        let values = term.at(x);
         let mut parameters = std::collections::BTreeMap::new();
-        let kind_len = term.kind.parameters.len();
         for (i, value) in values.iter().enumerate() {
-            let parameter = &term.kind.parameters[i % kind_len];
+            let quantity = term.kind.parameter(i).quantity;
             let free = term.free.iter().position(|c| c.parameter == i);
-            let std = free.map_or(0.0, |k| {
-                let place = at + k;
-                term.free[k].spread(fit.x[place], fit.std[place])
-            });
+            let std = free.map_or(0.0, |k| term.free[k].spread(x[k], std[k]));
             let name = term.kind.value_name(i, values.len());
-            let unit = parameter.quantity.unit(&units.position, &units.input);
+            let unit = quantity.unit(&units.position, &units.input);
             parameters.insert(
                 name,
                 Estimate {
@@ -327,7 +316,6 @@ fn findings(
                 },
             );
         }
-        at = coordinates.end;
         all.push(Finding {
             name: term.kind.name,
             channel: term.kind.channel.name(),

@@ -32,8 +32,8 @@ pub(crate) struct Fit {
 impl Fit {
     /// Its last effect as it was fitted, as a place to start from.
     pub(crate) fn last_term(&self) -> Option<Term> {
-        let term = self.hypothesis.terms.last()?;
-        Some(term.moved(&self.x[self.x.len() - term.free.len()..]))
+        let (term, own) = self.hypothesis.parts(&self.x).last()?;
+        Some(term.moved(own))
     }
 
     /// True if the model's own numbers have moved no farther than their tolerances let one expect.
@@ -127,7 +127,11 @@ impl Problem<'_> {
     pub(crate) fn ground(&self, fit: &Fit, part: Part<'_>) -> Ground {
         let predictor = self.predictor(&fit.hypothesis, &fit.x);
         let residuals = self.residuals(&predictor, part);
-        let along = |i| self.slope(&fit.hypothesis, &fit.x, &residuals, i, DIFFERENCES[0], part);
+        let reaches = fit.hypothesis.reaches(&self.nudges);
+        let along = |i| {
+            let difference = aside(fit.x[i], DIFFERENCES[0], reaches[i]);
+            self.slope(&fit.hypothesis, &fit.x, &residuals, i, difference, part)
+        };
         Ground {
             slopes: (0..fit.x.len()).into_par_iter().map(along).collect(),
             whitenings: self.whitenings(&predictor, &residuals, part),
@@ -144,13 +148,6 @@ impl Problem<'_> {
         difference: f64,
         part: Part<'_>,
     ) -> Slope {
-        // At the end of its range a coordinate goes nowhere but back.
-        let [_, high] = hypothesis.reaches(&self.nudges)[i];
-        let difference = if x[i] + difference > high {
-            -difference
-        } else {
-            difference
-        };
         let mut moved = x.to_vec();
         moved[i] += difference;
         let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
@@ -215,6 +212,7 @@ impl Problem<'_> {
             slopes.par_iter_mut().enumerate().for_each(|(at, slope)| {
                 let i = at + known.len();
                 if !(begun && stale && i < self.nudges.len()) {
+                    let difference = aside(x[i], difference, reaches[i]);
                     *slope = self.slope(hypothesis, &x, &residuals, i, difference, part);
                 }
             });
@@ -318,6 +316,15 @@ impl Problem<'_> {
     }
 }
 
+/// A difference of a coordinate that leaves it in its reach: at the upper end it goes nowhere but back.
+fn aside(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
+    if x + difference > high {
+        -difference
+    } else {
+        difference
+    }
+}
+
 fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
     x.max(low).min(high)
 }
@@ -339,7 +346,7 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::hypothesis::{Coordinate, Scale};
-    use crate::{made, series};
+    use crate::made;
     use host_sim::effects;
 
     fn term(name: &str, free: &[(usize, f64, f64)]) -> Term {
@@ -362,24 +369,15 @@ mod tests {
     /// What terms come to on a recording with the effects written in `effects`.
     fn fitted(effects: &[&str], terms: Vec<Term>) -> Vec<f64> {
         let recording = made::recording(effects);
-        let problem = Problem {
-            recording: &recording,
-            series: series::coarse(&recording, recording.horizon),
-            nudges: Vec::new(),
-            quarter: None,
-        };
+        let problem = made::problem(&recording);
         let hypothesis = Hypothesis { terms };
         let x = vec![0.0; hypothesis.free()];
         let fit = problem.fit(&hypothesis, x, Part::All, 15);
-        let mut x = &fit.x[..];
-        let mut numbers = Vec::new();
-        for term in &hypothesis.terms {
-            let (own, others) = x.split_at(term.free.len());
+        let numbers = hypothesis.parts(&fit.x).flat_map(|(term, own)| {
             let values = term.at(own);
-            numbers.extend(term.free.iter().map(|c| values[c.parameter]));
-            x = others;
-        }
-        numbers
+            term.free.iter().map(move |c| values[c.parameter])
+        });
+        numbers.collect()
     }
 
     #[test]

@@ -205,14 +205,21 @@ impl Hypothesis {
         model
     }
 
+    /// Each term with its own part of the coordinates `x`, or of what is said of each of them.
+    pub(crate) fn parts<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = (&'a Term, &'a [f64])> {
+        let mut rest = &x[x.len() - self.free()..];
+        self.terms.iter().map(move |term| {
+            let (own, others) = rest.split_at(term.free.len());
+            rest = others;
+            (term, own)
+        })
+    }
+
     pub(crate) fn device(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Device {
         let mut device = Device::nominal(&Self::nudged(model, nudges, x));
-        let mut rest = &x[nudges.len()..];
-        for term in &self.terms {
-            let (mine, others) = rest.split_at(term.free.len());
+        for (term, own) in self.parts(x) {
             device.sensor_on_load = term.sensor_on_load;
-            term.kind.install(&mut device, &term.at(mine));
-            rest = others;
+            term.kind.install(&mut device, &term.at(own));
         }
         device
     }

@@ -1,5 +1,7 @@
 //! Recordings that tests are made with.
 
+use crate::problem::Problem;
+use crate::series;
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use host_sim::effects::Effect;
@@ -10,6 +12,16 @@ use recording::{Drive, Model, Recording, Run, Sensor};
 const PERIOD_S: f64 = 1e-3;
 const RUN_S: f64 = 6.0;
 const NOISE: f64 = 1e-4;
+
+/// `recording` with its model's numbers taken as exact.
+pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
+    Problem {
+        recording,
+        series: series::coarse(recording, recording.horizon),
+        nudges: Vec::new(),
+        quarter: None,
+    }
+}
 
 /// Two runs of a paddle under two sines, with the effects written in `effects`.
 pub(crate) fn recording(effects: &[&str]) -> Recording {

@@ -326,6 +326,7 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::made;
     use crate::series;
     use host_sim::device::Device;
     use host_sim::effects::Effect;
@@ -386,13 +387,7 @@ mod tests {
             recording.sensors.insert(name.into(), sensor);
         }
         let coarse = |own: &Recording| series::coarse(own, own.horizon);
-        let problem = Problem {
-            recording: &recording,
-            series: coarse(&recording),
-            nudges: Vec::new(),
-            quarter: None,
-        };
-        compare(&problem, coarse).unwrap()
+        compare(&made::problem(&recording), coarse).unwrap()
     }
 
     /// The effect of `position` that was found for sure.

@@ -145,9 +145,9 @@ mod tests {
     use super::*;
     use crate::costs::Costs;
     use crate::hypothesis::{Hypothesis, Term};
+    use crate::made;
     use crate::perfect::{Perfect, WHITE};
     use crate::select::Round;
-    use crate::series;
     use host_sim::effects::Effect;
     use recording::{Drive, Model, Recording, Run};
 
@@ -214,12 +214,7 @@ mod tests {
 
     fn next(rounds: Vec<Round>, last: Option<Round>, quiet: bool) -> Option<NextExperiment> {
         let recording = recording();
-        let problem = Problem {
-            recording: &recording,
-            series: series::coarse(&recording, recording.horizon),
-            nudges: Vec::new(),
-            quarter: None,
-        };
+        let problem = made::problem(&recording);
         let null = fit(None, 9.0);
         let perfect = Perfect {
             level: WHITE,

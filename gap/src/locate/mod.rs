@@ -139,16 +139,10 @@ mod tests {
     use crate::hypothesis::Hypothesis;
     use crate::made;
     use crate::problem::Part;
-    use crate::series;
 
     fn found(effects: &[&str]) -> Vec<Region> {
         let recording = made::recording(effects);
-        let problem = Problem {
-            recording: &recording,
-            series: series::coarse(&recording, recording.horizon),
-            nudges: Vec::new(),
-            quarter: None,
-        };
+        let problem = made::problem(&recording);
         let null = problem.fit(&Hypothesis { terms: Vec::new() }, Vec::new(), Part::All, 1);
         regions(&problem, &null, None)
     }

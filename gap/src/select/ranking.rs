@@ -104,17 +104,11 @@ pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
         (own == held).then(|| rival.fit.x[..held].copy_from_slice(&best.fit.x[..held]))?;
         let terms = best.fit.hypothesis.terms.split_last()?.1;
         rival.fit.hypothesis.terms[..terms.len()].clone_from_slice(terms);
-        let alike = rival
-            .fit
-            .last_term()?
-            .alike(&best.fit.last_term()?)
-            .map(|term| {
-                let mut alike = rival.clone();
-                alike.fit.hypothesis.terms[terms.len()] = term;
-                alike.fit.x[held..].fill(0.0);
-                alike
-            });
-        Some([Some(rival), alike])
+        Some(rival)
     });
-    started.flatten().flatten().collect()
+    let both = started.flat_map(|rival| {
+        let alike = rival.alike(best);
+        [Some(rival), alike]
+    });
+    both.flatten().collect()
 }

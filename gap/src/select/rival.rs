@@ -20,6 +20,16 @@ impl Rival {
         let last = self.fit.hypothesis.terms.last()?;
         self.fit.x.len().checked_sub(last.free.len())
     }
+
+    /// The same, begun with the numbers that its last effect shares with that of another, if there are any.
+    pub(super) fn alike(&self, other: &Self) -> Option<Self> {
+        let term = self.fit.last_term()?.alike(&other.fit.last_term()?)?;
+        let mut alike = self.clone();
+        let held = self.held()?;
+        *alike.fit.hypothesis.terms.last_mut()? = term;
+        alike.fit.x[held..].fill(0.0);
+        Some(alike)
+    }
 }
 
 /// `known` with one more term, at the point where both stand.

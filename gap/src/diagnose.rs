@@ -78,6 +78,9 @@ const HIDDEN: &str = "this gap is no finding: restarts that fall on kinks of the
 
 /// Largest share of the excess that may be left for a gap to count as explained.
 const EXPLAINED: f64 = 0.15;
+/// Share of the robust excess that may be left where the gap is at its floor: a wrong name for a hum may come that near
+/// by the few windows that are large.
+const MOST_MISSING_AT_FLOOR: f64 = 0.25;
 /// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
 /// and near stick and slip they are anything but.
 const QUIET_GAP: f64 = 2.0;
@@ -177,6 +180,11 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
 
     let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
+    let most_missing = if closing.after <= FLOOR_DOUBT * floor {
+        MOST_MISSING_AT_FLOOR
+    } else {
+        select::MOST_LEFT_EXPLAINED
+    };
     let verdict = if selection.rounds.is_empty() {
         let null = &selection.null;
         if selection.quiet || (null.is_likely() && is_within_floor(&problem, null)) {
@@ -185,8 +193,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
             Verdict::Unexplained
         }
     } else if excess(closing.after) <= EXPLAINED * excess(closing.before)
-        && (closing.after <= FLOOR_DOUBT * floor
-            || selection.missing(&problem, selection.fit()) <= select::MOST_LEFT_EXPLAINED)
+        && selection.missing(&problem, selection.fit()) <= most_missing
     {
         Verdict::Explained
     } else {

@@ -1,23 +1,17 @@
 //! Robust nonlinear least squares on whitened window residuals.
 
 use crate::costs::Costs;
+use crate::ground::Ground;
 use crate::hypothesis::{Hypothesis, Term};
 use crate::predict::Predictor;
 use crate::problem::{PRIOR_WEIGHT, Part, Problem};
-use crate::whitening::{Whitening, dot};
+use crate::whitening::dot;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Change of the residuals, per series, by one coordinate.
-type Slope = Vec<Vec<f64>>;
-
-/// What is known well enough near a fit: the slopes along its coordinates, and how uncertain the restarts leave the
-/// windows.
-pub(crate) struct Ground {
-    slopes: Vec<Slope>,
-    whitenings: Vec<Option<Whitening>>,
-}
+pub(crate) type Slope = Vec<Vec<f64>>;
 
 /// A fitted hypothesis.
 #[derive(Clone, Debug)]
@@ -49,9 +43,10 @@ impl Fit {
 const LIKELY_ERRORS: f64 = 4.0;
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
 /// kinks of stick and slip, then narrow.
-const DIFFERENCES: [f64; 2] = [0.15, 0.02];
-/// The slopes along the model's own numbers, which move little, are taken anew at every third iteration.
-const NUDGES_EVERY: usize = 3;
+pub(crate) const DIFFERENCES: [f64; 2] = [0.15, 0.02];
+/// The slopes along the model's own numbers and those of effects before the last, which move little, are taken anew at
+/// every third iteration.
+const HELD_EVERY: usize = 3;
 /// Iterations with the wide difference.
 const WIDE: usize = 2;
 /// Longest move of a coordinate in one iteration.
@@ -105,8 +100,14 @@ impl Problem<'_> {
                     x
                 })
                 .collect();
+            // How uncertain the restarts leave the windows changes little nearby.
+            let here = self.predictor(&best.hypothesis, &best.x);
+            let residuals = self.residuals(&here, Part::All);
+            let whitenings = self.whitenings(&here, &residuals, Part::All);
             let polled = beside.into_par_iter().map(|x| {
-                let costs = self.costs(&best.hypothesis, &x, Part::All);
+                let there = self.predictor(&best.hypothesis, &x);
+                let residuals = self.residuals(&there, Part::All);
+                let costs = Costs::new(&self.whitened(&residuals, &whitenings), self.prior(&x));
                 (costs.sum(), x)
             });
             let lowest = polled.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -123,23 +124,8 @@ impl Problem<'_> {
         best
     }
 
-    /// What fits of more on top of `fit` share.
-    pub(crate) fn ground(&self, fit: &Fit, part: Part<'_>) -> Ground {
-        let predictor = self.predictor(&fit.hypothesis, &fit.x);
-        let residuals = self.residuals(&predictor, part);
-        let reaches = fit.hypothesis.reaches(&self.nudges);
-        let along = |i| {
-            let difference = aside(fit.x[i], DIFFERENCES[0], reaches[i]);
-            self.slope(&fit.hypothesis, &fit.x, &residuals, i, difference, part)
-        };
-        Ground {
-            slopes: (0..fit.x.len()).into_par_iter().map(along).collect(),
-            whitenings: self.whitenings(&predictor, &residuals, part),
-        }
-    }
-
     /// Change of the residuals from those at `x`, which are `base`, by coordinate `i`.
-    fn slope(
+    pub(crate) fn slope(
         &self,
         hypothesis: &Hypothesis,
         x: &[f64],
@@ -181,6 +167,7 @@ impl Problem<'_> {
         iterations: usize,
     ) -> Fit {
         let n = x.len();
+        let held = n - hypothesis.terms.last().map_or(0, |term| term.free.len());
         let reaches = hypothesis.reaches(&self.nudges);
         for (x, reach) in x.iter_mut().zip(&reaches) {
             *x = within(*x, *reach);
@@ -188,9 +175,9 @@ impl Problem<'_> {
         let mut damping = FIRST_DAMPING;
         let mut predictor = self.predictor(hypothesis, &x);
         let mut residuals = self.residuals(&predictor, part);
-        let known = ground.map_or(&[][..], |ground| &ground.slopes);
+        let known = ground.map_or(&[][..], Ground::slopes);
         let whiten = |predictor: &Predictor, residuals: &[Vec<f64>]| match ground {
-            Some(ground) => Cow::Borrowed(&ground.whitenings),
+            Some(ground) => Cow::Borrowed(ground.whitenings()),
             None => Cow::Owned(self.whitenings(predictor, residuals, part)),
         };
         let mut whitenings = whiten(&predictor, &residuals);
@@ -206,12 +193,12 @@ impl Problem<'_> {
             if n == 0 {
                 break;
             }
-            let stale = iteration % NUDGES_EVERY != 0;
+            let stale = iteration % HELD_EVERY != 0;
             let begun = !slopes.is_empty();
             slopes.resize(n - known.len(), Slope::new());
             slopes.par_iter_mut().enumerate().for_each(|(at, slope)| {
                 let i = at + known.len();
-                if !(begun && stale && i < self.nudges.len()) {
+                if !(begun && stale && i < held) {
                     let difference = aside(x[i], difference, reaches[i]);
                     *slope = self.slope(hypothesis, &x, &residuals, i, difference, part);
                 }
@@ -317,7 +304,7 @@ impl Problem<'_> {
 }
 
 /// A difference of a coordinate that leaves it in its reach: at the upper end it goes nowhere but back.
-fn aside(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
+pub(crate) fn aside(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
     if x + difference > high {
         -difference
     } else {

@@ -27,6 +27,7 @@ mod diagnose;
 pub mod diagnosis;
 mod experiment;
 mod fit;
+mod ground;
 mod hypothesis;
 mod intersample;
 mod locate;

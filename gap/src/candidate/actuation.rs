@@ -25,11 +25,10 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let offset = |f: f64| vec![linear(0, f * s.friction, 0.2 * s.torque)];
             terms(kind, guess, [0.3, -0.3].map(offset))
         }
-        "deadband" => terms(
-            kind,
-            None,
-            [0.05, 0.2, 0.6].map(|f| vec![log(0, f * s.input)]),
-        ),
+        "deadband" => {
+            let missing = [0.05, 0.2, 0.6].map(|f| vec![log(0, f * s.input)]);
+            [terms(kind, None, missing), gates(kind, e)].concat()
+        }
         "saturation" => {
             let inputs = e.series.iter().flat_map(|s| &s.input);
             // What the drive clips as it is cannot show where else it does.
@@ -57,7 +56,7 @@ pub(super) fn late(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 }
 
 /// Dead bands that let all through beyond them: each sample comes through at a width of its own.
-pub(super) fn gates(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+fn gates(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let widths = geometric(GATES, GATE_STARTS).map(|f| f * e.scales.input);
     widths
         .map(|width| term(kind, vec![log(0, width)], &[(1, 1.0)]))

@@ -34,13 +34,11 @@ pub(crate) struct Evidence<'a> {
     pub window_costs: &'a [f64],
 }
 
-/// One effect with the points from which it is fitted.
+/// One effect with the points from which it may be fitted.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
     pub kind: &'static Kind,
     pub starts: Vec<Term>,
-    /// More starts, between which no slope leads: worth a fit where they are near as they are.
-    pub grid: Vec<Term>,
 }
 
 /// Every effect that the recording could show, in the order of the vocabulary.
@@ -48,13 +46,12 @@ pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
     let all = KINDS.iter().map(|&kind| Candidate {
         kind,
         starts: starts(kind, evidence),
-        grid: grid(kind, evidence),
     });
     all.filter(|candidate| !candidate.starts.is_empty())
         .collect()
 }
 
-/// Points from which every fit of an effect begins.
+/// Points from which the fit of an effect may begin.
 fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     match kind.channel {
         Channel::Actuation => actuation::starts(kind, e),
@@ -62,12 +59,5 @@ fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         Channel::Mechanics => mechanics::starts(kind, e),
         Channel::Sensing => sensing::starts(kind, e),
         Channel::Surroundings => contact::starts(kind, e),
-    }
-}
-
-fn grid(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
-    match kind.name {
-        "deadband" => actuation::gates(kind, e),
-        _ => Vec::new(),
     }
 }

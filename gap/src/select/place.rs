@@ -84,6 +84,11 @@ pub(super) fn is_local(name: &str) -> bool {
     is_event(name) || name == "end_stop"
 }
 
+/// True for effects of which a scan over many sizes says where they may be.
+pub(super) fn is_scanned(name: &str) -> bool {
+    matches!(name, "backlash" | "compliance")
+}
+
 /// True for effects whose impacts leave no slope to follow.
 pub(super) fn bounces(name: &str) -> bool {
     name == "backlash"

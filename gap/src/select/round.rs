@@ -13,8 +13,10 @@ use crate::problem::{Part, Problem};
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-/// Effects that are fitted on all windows after screening.
+/// Effects that are fitted on all windows after screening, fewer where others gain so much less than the best.
 const FINALISTS: usize = 7;
+const FEWEST_FINALISTS: usize = 3;
+const IN_REACH: f64 = 0.6;
 /// Those that show in few windows are among them whatever their rank, so many at most.
 const MOST_LOCAL: usize = 3;
 /// Iterations for all of them, and for those that are near the best then.
@@ -240,10 +242,13 @@ impl Search<'_> {
         };
         let mut local = 0;
         let all = screened.clone();
+        let lowest = screened.first().map_or(0.0, |rival| level(&rival.fit));
+        let limit = lowest + IN_REACH * (level(known) - lowest).max(0.0);
         let finalists = screened.into_iter().enumerate().filter(|(rank, rival)| {
             let is_local = is_local(rival.name);
             local += usize::from(is_local);
-            *rank < FINALISTS || (is_local && local <= MOST_LOCAL)
+            let in_reach = *rank < FINALISTS && level(&rival.fit) <= limit;
+            in_reach || *rank < FEWEST_FINALISTS || (is_local && local <= MOST_LOCAL)
         });
         let mut rivals = fitted(
             finalists.map(|(_, rival)| rival).collect(),

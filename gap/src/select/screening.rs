@@ -1,12 +1,13 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
 use super::evolution::evolved;
-use super::place::{bounces, is_local};
+use super::place::{bounces, is_local, is_scanned};
 use super::rival::{Rival, extended};
 use super::round::Search;
 use super::{QUIET_EXCESS, level};
 use crate::candidate::{Candidate, Evidence, candidates};
-use crate::fit::{Fit, Ground};
+use crate::fit::Fit;
+use crate::ground::Ground;
 use crate::hypothesis::{Hypothesis, Term};
 use crate::motion::{Motion, Scales};
 use crate::perfect::WHITE;
@@ -15,11 +16,14 @@ use crate::stage::Stage;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Iterations from every start, and starts of an effect that go on from there.
+/// Starts of an effect that a fit begins from, those that promise most, and for how many iterations; more starts where
+/// there are many optima.
+const BEGUN: usize = 2;
+const MANY_BEGUN: usize = 6;
 const FIRST_ITERATIONS: usize = 2;
+/// Those that go on from there.
 const STARTS_KEPT: usize = 1;
-/// More starts are a scan, which is made once: so many of its lowest points are fitted.
-const MOST_STARTS_FITTED: usize = 30;
+/// Lowest points of a scan, which is made once, that are fitted.
 const SCANNED_FITTED: usize = 4;
 /// Starts that go on where there are many optima, and for how long.
 const MANY_KEPT: usize = 3;
@@ -38,6 +42,10 @@ const WIDELY: f64 = 0.5;
 /// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
 /// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
+/// Lowest points of a search over a quarter of the horizon that are searched from over the whole.
+const SEARCHED_ON: usize = 2;
+/// Share of the gain of the best of the others that is worth a fit of what was scanned.
+const LEAST_SCANNED_GAIN: f64 = 0.5;
 /// Samples of a block, its fewest and most windows, and fewest blocks.
 const BLOCK_SAMPLES: usize = 1000;
 const BLOCK_WINDOWS: [usize; 2] = [2, 8];
@@ -85,7 +93,23 @@ impl<'a> Field<'a> {
 
     /// Those of many starts that cost least as they are.
     fn near(&self, starts: &[Term]) -> Vec<Term> {
-        first(starts.par_iter().map(|s| (self.cost(s), s)).collect())
+        lowest(
+            starts.par_iter().map(|s| (self.cost(s), s)).collect(),
+            SCANNED_FITTED,
+        )
+    }
+
+    /// The starts that promise most, `kept` of them.
+    fn promising(&self, starts: &[Term], kept: usize) -> Vec<Term> {
+        if starts.len() <= kept {
+            return starts.to_vec();
+        }
+        let part = Part::Chosen(&self.chosen);
+        let promise = |start: &Term| {
+            let (hypothesis, x) = extended(self.known, start);
+            self.ground.promise(self.problem, &hypothesis, &x, part)
+        };
+        lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)
     }
 
     /// The best `kept` fits from some starts.
@@ -105,10 +129,10 @@ impl<'a> Field<'a> {
 
     /// The starts around the lowest points of a scan, here and where the same data are restarted four times as often.
     fn scanned(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
-        let mut low = lowest(starts, |start| self.cost(start));
+        let mut low = minima(starts, |start| self.cost(start));
         // What swings out of step over the horizon is still in step over a quarter of it.
         if let Some(soon) = soon {
-            let early = lowest(starts, |start| soon.cost(start));
+            let early = minima(starts, |start| soon.cost(start));
             low.extend(soon.followed(&early));
             low.extend(early);
         }
@@ -119,19 +143,24 @@ impl<'a> Field<'a> {
     /// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
     fn searched(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
         let soon = soon.unwrap_or(self);
-        let low = lowest(starts, |start| soon.cost(start));
+        let low = minima(starts, |start| soon.cost(start));
         let lowest = low.first().map(|start| soon.cost(start));
         if lowest.is_none_or(|cost| cost > soon.worth()) {
             return low;
         }
-        let found = low.par_iter().map(|start| {
+        let mut early = self.near(&soon.descended(&low));
+        early.truncate(SEARCHED_ON);
+        self.near(&self.descended(&early))
+    }
+
+    /// Where searches from some starts lead.
+    fn descended(&self, starts: &[Term]) -> Vec<Term> {
+        let found = starts.par_iter().map(|start| {
             let x = vec![0.0; start.free.len()];
-            let (_, x) = evolved(x, WIDELY, |x| soon.cost(&start.moved(x)));
-            let (cost, x) = evolved(x, WIDELY, |x| self.cost(&start.moved(x)));
-            (cost, start.moved(&x))
+            let (_, x) = evolved(x, WIDELY, |x| self.cost(&start.moved(x)));
+            start.moved(&x)
         });
-        let found: Vec<(f64, Term)> = found.collect();
-        first(found.iter().map(|(cost, start)| (*cost, start)).collect())
+        found.collect()
     }
 }
 
@@ -150,19 +179,19 @@ impl Search<'_> {
             .as_ref()
             .map(|given| Field::new(problem, given, chosen));
         let field = as_given.as_ref().unwrap_or(&as_fitted);
-        let (few, scans): (Vec<_>, Vec<_>) =
-            self.tried(field.known, hints)
-                .into_iter()
-                .partition(|candidate| {
-                    candidate.starts.len() <= MOST_STARTS_FITTED && !bounces(candidate.kind.name)
-                });
-        let mut rivals = self.fitted_on(known, chosen, &few, |candidate| {
+        // One start is a hint.
+        let is_scan =
+            |c: &Candidate| bounces(c.kind.name) || is_scanned(c.kind.name) && c.starts.len() > 1;
+        let tried = self.tried(field.known, hints);
+        let (scans, few): (Vec<_>, Vec<_>) = tried.into_iter().partition(is_scan);
+        let mut rivals = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
             // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
             if is_local(candidate.kind.name) {
-                as_fitted.begun(&candidate.starts, MANY_KEPT)
+                let starts = as_fitted.promising(&candidate.starts, MANY_BEGUN);
+                as_fitted.begun(&starts, MANY_KEPT)
             } else {
-                let near = field.near(&candidate.grid);
-                field.begun(&[&candidate.starts[..], &near].concat(), STARTS_KEPT)
+                let starts = field.promising(&candidate.starts, BEGUN);
+                field.begun(&starts, STARTS_KEPT)
             }
         });
         // What is scanned takes more numbers and most of the time.
@@ -170,7 +199,16 @@ impl Search<'_> {
             let quarter = problem.quarter.as_deref();
             let soon = quarter.map(|quarter| Field::new(quarter, field.known, blocks(quarter)));
             let whole = Field::new(problem, field.known, blocks(problem));
-            let scanned = self.fitted_on(known, &whole.chosen, &scans, |candidate| {
+            let best = rivals
+                .iter()
+                .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+            let [before, after] = [Some(field.known), best.map(|rival| &rival.fit)].map(|fit| {
+                let fit = fit.unwrap_or(field.known);
+                let part = Part::Chosen(&whole.chosen);
+                problem.costs(&fit.hypothesis, &fit.x, part).level()
+            });
+            let enough = before - LEAST_SCANNED_GAIN * (before - after);
+            let scanned = self.fitted_on(known, &whole.chosen, &scans, enough, |candidate| {
                 let starts = if bounces(candidate.kind.name) {
                     whole.searched(soon.as_ref(), &candidate.starts)
                 } else {
@@ -212,12 +250,13 @@ impl Search<'_> {
     }
 
     /// The best fit of each of some effects on top of `known`, from the fits that are `begun`, the most promising ones
-    /// fitted on.
+    /// fitted on if they leave no more than `enough`.
     fn fitted_on(
         &self,
         known: &Fit,
         chosen: &[bool],
         tried: &[Candidate],
+        enough: f64,
         begun: impl Fn(&Candidate) -> Vec<Fit> + Sync,
     ) -> Vec<Rival> {
         let promising = if self.has_two_masses(known) {
@@ -233,7 +272,7 @@ impl Search<'_> {
             .enumerate()
             .filter_map(|(rank, (fits, name))| {
                 let iterations = match fits.len() {
-                    _ if rank >= promising => 0,
+                    _ if rank >= promising || level(&fits[0]) > enough => 0,
                     1 => SCREENING_ITERATIONS,
                     _ => MANY_ITERATIONS,
                 };
@@ -276,7 +315,7 @@ impl Search<'_> {
             let name = candidate.kind.name;
             let measured = self.given.measured.as_ref().filter(|t| t.kind.name == name);
             let hint = hints.iter().find(|hint| hint.name == name);
-            let hint = hint.filter(|_| candidate.starts.len() > MOST_STARTS_FITTED);
+            let hint = hint.filter(|_| is_scanned(name));
             if let Some(start) = measured.cloned().or_else(|| hint?.fit.last_term()) {
                 candidate.starts = vec![start];
             }
@@ -312,7 +351,7 @@ fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
 
 /// The starts, in the order of a scan for either side of the sensor, at which a cost is lower than at their neighbours:
 /// the lowest of them. Of starts of the same size the lowest stands for all.
-fn lowest(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
+fn minima(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
     let costs: Vec<f64> = starts.par_iter().map(&cost).collect();
     let costs: Vec<(f64, &Term)> = costs.into_iter().zip(starts).collect();
     let sizes = costs.chunk_by(|(_, a), (_, b)| a.values[0] == b.values[0]);
@@ -326,13 +365,13 @@ fn lowest(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
     };
     let minima = (0..sizes.len())
         .filter(|&i| sizes[i].0 <= beside(i, i.checked_sub(1)).min(beside(i, Some(i + 1))));
-    first(minima.map(|i| sizes[i]).collect())
+    lowest(minima.map(|i| sizes[i]).collect(), SCANNED_FITTED)
 }
 
-/// Those of the lowest cost.
-fn first(mut costs: Vec<(f64, &Term)>) -> Vec<Term> {
+/// The `kept` of the lowest cost.
+fn lowest(mut costs: Vec<(f64, &Term)>, kept: usize) -> Vec<Term> {
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    costs.truncate(SCANNED_FITTED);
+    costs.truncate(kept);
     costs.into_iter().map(|(_, start)| start.clone()).collect()
 }
 

@@ -1,0 +1,211 @@
+//! What fits of one more effect on top of a known one share, and what such an effect promises to first order.
+
+use crate::fit::{DIFFERENCES, Fit, Slope, aside};
+use crate::hypothesis::Hypothesis;
+use crate::problem::{PRIOR_WEIGHT, Part, Problem};
+use crate::whitening::{Whitening, dot};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+/// What is known well enough near a fit: what it leaves, the slopes along its coordinates, and how uncertain the restarts
+/// leave the windows.
+pub(crate) struct Ground {
+    x: Vec<f64>,
+    residuals: Vec<Vec<f64>>,
+    slopes: Vec<Slope>,
+    whitenings: Vec<Option<Whitening>>,
+    windows: Vec<Linear>,
+}
+
+/// A window that takes part, where all is linear.
+struct Linear {
+    /// Running index.
+    index: usize,
+    /// What is left and its slopes, whitened.
+    columns: Vec<Vec<f64>>,
+    /// Mean products of any two of them.
+    products: DMatrix<f64>,
+}
+
+/// Sizes, over that of a start, to which what it does is taken to grow or shrink.
+const SIZES: [f64; 2] = [0.2, 5.0];
+/// Times that the windows are weighed anew.
+const WEIGHINGS: usize = 4;
+
+impl Problem<'_> {
+    /// What fits of more on top of `fit` share.
+    pub(crate) fn ground(&self, fit: &Fit, part: Part<'_>) -> Ground {
+        let predictor = self.predictor(&fit.hypothesis, &fit.x);
+        let residuals = self.residuals(&predictor, part);
+        let reaches = fit.hypothesis.reaches(&self.nudges);
+        let along = |i| {
+            let difference = aside(fit.x[i], DIFFERENCES[0], reaches[i]);
+            self.slope(&fit.hypothesis, &fit.x, &residuals, i, difference, part)
+        };
+        let slopes: Vec<Slope> = (0..fit.x.len()).into_par_iter().map(along).collect();
+        let whitenings = self.whitenings(&predictor, &residuals, part);
+        let columns = [&residuals].into_iter().chain(&slopes);
+        let columns: Vec<Vec<Vec<f64>>> = columns.map(|c| self.whitened(c, &whitenings)).collect();
+        let taken = (0..whitenings.len()).filter(|&w| whitenings[w].is_some());
+        Ground {
+            windows: taken.map(|w| Linear::of(&columns, w)).collect(),
+            x: fit.x.clone(),
+            residuals,
+            slopes,
+            whitenings,
+        }
+    }
+}
+
+impl Linear {
+    fn of(columns: &[Vec<Vec<f64>>], index: usize) -> Self {
+        let columns: Vec<Vec<f64>> = columns.iter().map(|c| c[index].clone()).collect();
+        let n = columns.len();
+        let mean = |i: usize, j: usize| mean_product(&columns[i], &columns[j]);
+        Self {
+            index,
+            products: DMatrix::from_fn(n, n, mean),
+            columns,
+        }
+    }
+
+    /// Its products with one column more.
+    fn with(&self, column: &[f64]) -> DMatrix<f64> {
+        let n = self.columns.len();
+        let mut products = self.products.clone().resize(n + 1, n + 1, 0.0);
+        for (i, own) in self.columns.iter().enumerate() {
+            products[(i, n)] = mean_product(own, column);
+            products[(n, i)] = products[(i, n)];
+        }
+        products[(n, n)] = mean_product(column, column);
+        products
+    }
+}
+
+fn mean_product(a: &[f64], b: &[f64]) -> f64 {
+    dot(a, b) / a.len().max(1) as f64
+}
+
+/// Mean square of a sum of columns.
+fn cost(products: &DMatrix<f64>, factors: &DVector<f64>) -> f64 {
+    (products * factors).dot(factors).clamp(0.0, f64::MAX)
+}
+
+impl Ground {
+    /// Along the coordinates of what is known.
+    pub(crate) fn slopes(&self) -> &[Slope] {
+        &self.slopes
+    }
+
+    /// Of each window, by running index.
+    pub(crate) fn whitenings(&self) -> &[Option<Whitening>] {
+        &self.whitenings
+    }
+
+    /// Robust cost per window of `hypothesis`, which is what is known with one more effect, at `x`, if what that effect does
+    /// came in another size and what is known gave way to it: by one simulation, and linearly from there.
+    pub(crate) fn promise(
+        &self,
+        problem: &Problem<'_>,
+        hypothesis: &Hypothesis,
+        x: &[f64],
+        part: Part<'_>,
+    ) -> f64 {
+        let mut change = problem.residuals(&problem.predictor(hypothesis, x), part);
+        for (change, known) in change.iter_mut().zip(&self.residuals) {
+            for (c, k) in change.iter_mut().zip(known) {
+                *c -= k;
+            }
+        }
+        let change = problem.whitened(&change, &self.whitenings);
+        let products = self.windows.iter().map(|w| w.with(&change[w.index]));
+        let products: Vec<DMatrix<f64>> = products.collect();
+        let nudges = &self.x[..problem.nudges.len()];
+        let factors = self.least(nudges, &products);
+        let costs = products.iter().map(|p| cost(p, &factors).ln_1p());
+        let moved = nudges.iter().zip(factors.iter().skip(1));
+        let prior = moved.map(|(z, by)| PRIOR_WEIGHT * (z + by).powi(2));
+        (costs.sum::<f64>() + prior.sum::<f64>()) / products.len().max(1) as f64
+    }
+
+    /// The factors of the columns that cost least, by iteratively re-weighted windows: one for what is left, how far each
+    /// coordinate of what is known moves, and the size of the new effect.
+    fn least(&self, nudges: &[f64], products: &[DMatrix<f64>]) -> DVector<f64> {
+        let known = self.x.len();
+        let size = known + 1;
+        let mut factors = DVector::zeros(known + 2);
+        (factors[0], factors[size]) = (1.0, 1.0);
+        for _ in 0..WEIGHINGS {
+            let mut normal = DMatrix::zeros(known + 2, known + 2);
+            for products in products {
+                normal += products / (1.0 + cost(products, &factors));
+            }
+            // Slopes say little of what is far away.
+            for i in 1..=known {
+                normal[(i, i)] += PRIOR_WEIGHT;
+            }
+            for (i, z) in nudges.iter().enumerate() {
+                normal[(i + 1, 0)] += PRIOR_WEIGHT * z;
+            }
+            let free = |count: usize, given: &DVector<f64>| {
+                let square = normal.view((1, 1), (count, count)).clone_owned();
+                let pull = normal.rows(1, count) * given;
+                Some(-square.cholesky()?.solve(&pull))
+            };
+            let mut given = DVector::zeros(known + 2);
+            given[0] = 1.0;
+            let Some(all) = free(known + 1, &given) else {
+                break;
+            };
+            given[size] = all[known].clamp(SIZES[0], SIZES[1]);
+            let Some(moves) = free(known, &given) else {
+                break;
+            };
+            factors.copy_from(&given);
+            factors.rows_mut(1, known).copy_from(&moves);
+        }
+        factors
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypothesis::{Coordinate, Scale, Term};
+    use crate::made;
+    use host_sim::effects;
+
+    /// A spring relaxed in the middle.
+    fn spring(stiffness: f64) -> Hypothesis {
+        let stiff = Coordinate {
+            parameter: 0,
+            start: stiffness,
+            scale: Scale::Log,
+        };
+        Hypothesis {
+            terms: vec![Term {
+                kind: effects::kind("spring").unwrap(),
+                values: vec![stiffness, 0.0],
+                free: vec![stiff],
+                sensor_on_load: false,
+            }],
+        }
+    }
+
+    #[test]
+    fn an_effect_of_another_size_promises_more_than_it_gains() {
+        let recording = made::recording(&["spring:stiffness=0.06,zero=0"]);
+        let problem = made::problem(&recording);
+        let bare = Hypothesis { terms: Vec::new() };
+        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+        let ground = problem.ground(&null, Part::All);
+        let level = |stiffness| problem.costs(&spring(stiffness), &[0.0], Part::All).level();
+        let promised = |stiffness| ground.promise(&problem, &spring(stiffness), &[0.0], Part::All);
+        let [nothing, right] = [null.costs.level(), level(0.06)];
+        // Twice as far and half as far from the nominal one.
+        for wrong in [0.09, 0.045] {
+            let [gained, promised] = [level(wrong), promised(wrong)].map(|l| nothing - l);
+            assert!(promised > 2.0 * gained.max(0.0) && promised < 1.01 * (nothing - right));
+        }
+    }
+}

@@ -44,9 +44,10 @@ const LIKELY_ERRORS: f64 = 4.0;
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
 /// kinks of stick and slip, then narrow.
 pub(crate) const DIFFERENCES: [f64; 2] = [0.15, 0.02];
-/// The slopes along the model's own numbers and those of effects before the last, which move little, are taken anew at
-/// every third iteration.
-const HELD_EVERY: usize = 3;
+/// The slopes along the model's own numbers, which move little, are taken anew at every third iteration, those along
+/// effects before the last at every second.
+const NUDGES_EVERY: usize = 3;
+const HELD_EVERY: usize = 2;
 /// Iterations with the wide difference.
 const WIDE: usize = 2;
 /// Longest move of a coordinate in one iteration.
@@ -193,12 +194,17 @@ impl Problem<'_> {
             if n == 0 {
                 break;
             }
-            let stale = iteration % HELD_EVERY != 0;
-            let begun = !slopes.is_empty();
             slopes.resize(n - known.len(), Slope::new());
             slopes.par_iter_mut().enumerate().for_each(|(at, slope)| {
                 let i = at + known.len();
-                if !(begun && stale && i < held) {
+                let every = if i < self.nudges.len() {
+                    NUDGES_EVERY
+                } else if i < held {
+                    HELD_EVERY
+                } else {
+                    1
+                };
+                if iteration % every == 0 {
                     let difference = aside(x[i], difference, reaches[i]);
                     *slope = self.slope(hypothesis, &x, &residuals, i, difference, part);
                 }

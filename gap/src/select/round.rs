@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 /// Effects that are fitted on all windows after screening, fewer where others gain so much less than the best.
 const FINALISTS: usize = 7;
-const FEWEST_FINALISTS: usize = 3;
+const FEWEST_FINALISTS: usize = 5;
 const IN_REACH: f64 = 0.6;
 /// Those that show in few windows are among them whatever their rank, so many at most.
 const MOST_LOCAL: usize = 3;

@@ -14,6 +14,8 @@ pub(crate) const WHITE: f64 = core::f64::consts::LN_2;
 const MOST_ROWS: usize = 60_000;
 /// Most that restarts and inputs may add where nothing says that the model stands in for the device.
 const MOST_ADDED: f64 = 0.5;
+/// Share of a time that rounding may take.
+const HAIR: f64 = 1e-6;
 const SEED: u64 = 0x6861_7074_6963;
 
 /// What noise, quantising, restarts that fall on a kink and inputs that are means leave of a model that is right.
@@ -33,27 +35,30 @@ impl Perfect {
         let device = fit
             .hypothesis
             .device(&problem.recording.model, &problem.nudges, &fit.x);
-        let own = imagined(
-            problem.recording,
-            &Predictor::new(device, problem.recording),
-        );
-        let imagined = Problem {
-            series: series::coarse(&own, own.horizon),
-            recording: &own,
-            nudges: problem.nudges.clone(),
-            quarter: None,
-        };
-        let costs = imagined.costs(&fit.hypothesis, &fit.x, Part::All);
-        let windows = imagined.series.iter().flat_map(|s| 0..s.windows.len());
+        let predictor = Predictor::new(device, problem.recording);
         let (mut first, mut odd) = (Vec::new(), Vec::new());
-        for (window, cost) in windows.zip(0..).map(|(w, i)| (w, costs.log(i))) {
-            match window {
-                0 => first.push(cost),
-                _ if window % 2 == 1 => odd.push(cost),
-                _ => {}
+        let mut count = 0;
+        // What recurs every other window would hide where the imagined device itself is restarted.
+        for skipped in [0, 1] {
+            let own = imagined(problem.recording, &predictor, skipped);
+            let imagined = Problem {
+                series: series::coarse(&own, own.horizon),
+                recording: &own,
+                nudges: problem.nudges.clone(),
+                quarter: None,
+            };
+            let costs = imagined.costs(&fit.hypothesis, &fit.x, Part::All);
+            let windows = imagined.series.iter().flat_map(|s| 0..s.windows.len());
+            for (window, cost) in windows.zip(0..).map(|(w, i)| (w, costs.log(i))) {
+                match window {
+                    0 if skipped == 0 => first.push(cost),
+                    _ if window % 2 == 1 => odd.push(cost),
+                    _ => {}
+                }
             }
+            count = count.max(imagined.window_count());
         }
-        let later = (imagined.window_count() - first.len()) as f64;
+        let later = count.saturating_sub(first.len()) as f64;
         let (mean_first, _) = mean_and_error(&first);
         let (mean_odd, error) = mean_and_error(&odd);
         let count = first.len() as f64 + later;
@@ -83,15 +88,17 @@ pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// The recording as `predictor` would have made it, restarted from the measured state before every even
+/// The recording after some `skipped` windows as `predictor` would have made it, restarted from the measured state before every even
 /// window: of that nothing is left on the odd ones, and on the first, but the motion.
-fn imagined(recording: &Recording, predictor: &Predictor) -> Recording {
+fn imagined(recording: &Recording, predictor: &Predictor, skipped: u8) -> Recording {
     let rows: usize = recording.runs.iter().map(|run| run.time.len()).sum();
     let share = (MOST_ROWS as f64 / rows.max(1) as f64).min(1.0);
     let mut own = Recording::new("", recording.horizon, recording.model);
     own.restart_half_width = recording.restart_half_width;
     own.sensors.clone_from(&recording.sensors);
-    own.runs = recording.runs.iter().map(|r| middle(r, share)).collect();
+    let skipped_s = f64::from(skipped) * recording.horizon;
+    let kept = recording.runs.iter().map(|r| middle(r, share, skipped_s));
+    own.runs = kept.collect();
     let sensor = recording.sensor("position");
     let mut noise = Noise::new(SEED);
     for mut series in series::full(&own, 2.0 * recording.horizon) {
@@ -150,11 +157,16 @@ fn typical_noise(series: &Series) -> f64 {
     quantile(&noises, 0.5)
 }
 
-/// A share of a run's rows, from its middle, with the columns that a prediction needs.
-fn middle(run: &Run, share: f64) -> Run {
+/// A share of a run's rows, from its middle, without the first `skipped_s`, with the columns that a prediction needs.
+fn middle(run: &Run, share: f64, skipped_s: f64) -> Run {
     let rows = run.time.len();
     let kept = ((rows as f64 * share).ceil() as usize).min(rows);
     let rows = (rows - kept) / 2..(rows - kept) / 2 + kept;
+    let kept = &run.time[rows.clone()];
+    let begin_s = kept
+        .first()
+        .map_or(0.0, |start| start + (1.0 - HAIR) * skipped_s);
+    let rows = rows.start + kept.partition_point(|t| *t < begin_s)..rows.end;
     let part = |column: &[f64]| column[rows.clone()].to_vec();
     Run::new(
         run.file.clone(),

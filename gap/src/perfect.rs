@@ -37,8 +37,7 @@ impl Perfect {
             .device(&problem.recording.model, &problem.nudges, &fit.x);
         let predictor = Predictor::new(device, problem.recording);
         let (mut first, mut odd) = (Vec::new(), Vec::new());
-        let mut count = 0;
-        // What recurs every other window would hide where the imagined device itself is restarted.
+        // Odd windows of the one are even ones of the other: what recurs every other window is seen, too.
         for skipped in [0, 1] {
             let own = imagined(problem.recording, &predictor, skipped);
             let imagined = Problem {
@@ -56,14 +55,11 @@ impl Perfect {
                     _ => {}
                 }
             }
-            count = count.max(imagined.window_count());
         }
-        let later = count.saturating_sub(first.len()) as f64;
-        let (mean_first, _) = mean_and_error(&first);
-        let (mean_odd, error) = mean_and_error(&odd);
-        let count = first.len() as f64 + later;
-        let mean = (first.len() as f64 * mean_first + later * mean_odd) / count.max(1.0);
-        let worst = first.iter().chain(&odd).fold(mean, |m, c| m.max(*c));
+        let (_, error) = mean_and_error(&odd);
+        let all = [first, odd].concat();
+        let (mean, _) = mean_and_error(&all);
+        let worst = all.iter().fold(mean, |m, c| m.max(*c));
         Self {
             level: mean.max(WHITE),
             error,

@@ -13,7 +13,8 @@ use crate::problem::{Part, Problem};
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-/// Effects that are fitted on all windows after screening, fewer where others gain so much less than the best.
+/// Effects that are fitted on all windows after screening; from some on only those whose gain falls short of the best one's
+/// by this share of it at most.
 const FINALISTS: usize = 7;
 const FEWEST_FINALISTS: usize = 5;
 const IN_REACH: f64 = 0.6;

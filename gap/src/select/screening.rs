@@ -199,14 +199,12 @@ impl Search<'_> {
             let quarter = problem.quarter.as_deref();
             let soon = quarter.map(|quarter| Field::new(quarter, field.known, blocks(quarter)));
             let whole = Field::new(problem, field.known, blocks(problem));
-            let best = rivals
-                .iter()
-                .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
-            let [before, after] = [Some(field.known), best.map(|rival| &rival.fit)].map(|fit| {
-                let fit = fit.unwrap_or(field.known);
-                let part = Part::Chosen(&whole.chosen);
-                problem.costs(&fit.hypothesis, &fit.x, part).level()
-            });
+            let part = Part::Chosen(&whole.chosen);
+            let on_whole = |fit: &Fit| problem.costs(&fit.hypothesis, &fit.x, part).level();
+            let before = on_whole(field.known);
+            let fits = rivals.iter().map(|rival| &rival.fit);
+            let best = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
+            let after = best.map_or(before, on_whole);
             let enough = before - LEAST_SCANNED_GAIN * (before - after);
             let scanned = self.fitted_on(known, &whole.chosen, &scans, enough, |candidate| {
                 let starts = if bounces(candidate.kind.name) {

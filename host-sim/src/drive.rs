@@ -139,7 +139,8 @@ impl DriveLine {
 
     /// Torque from `now_s` on, and for how long of the next `dt_s` it is one smooth piece; call until
     /// all of `dt_s` is used.
-    #[inline]
+    // Its result, passed in memory, would stall every step.
+    #[inline(always)]
     pub fn piece(&mut self, now_s: f64, dt_s: f64) -> (Torque, f64) {
         while let Some(&(at, target)) = self.under_way.front() {
             // Arrivals within rounding of now are now: pieces must not become empty.

@@ -80,11 +80,11 @@ impl Barrier {
     pub fn guard(&self, touch: Touch, position: f64, velocity: f64) -> f64 {
         // Torques are made positions by the stiffness, so that both guards have one unit.
         let depth = self.depth(position);
-        let push = self.push(position, velocity) / self.stiffness.max(f64::MIN_POSITIVE);
+        let push = || self.push(position, velocity) / self.stiffness.max(f64::MIN_POSITIVE);
         match touch {
             Touch::Free => -depth,
-            Touch::Pushing => depth.min(push),
-            Touch::Released => depth.min(-push),
+            Touch::Pushing => depth.min(push()),
+            Touch::Released => depth.min(-push()),
         }
     }
 }

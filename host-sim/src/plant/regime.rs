@@ -81,8 +81,10 @@ impl Plant {
         velocity: f64,
     ) -> f64 {
         let m = &self.mechanics;
-        let mut torque = -m.gravity * pendulum.sin(position - m.gravity_zero)
-            - m.stiffness * (position - m.stiffness_zero);
+        let mut torque = -m.stiffness * (position - m.stiffness_zero);
+        if m.gravity != 0.0 {
+            torque -= m.gravity * pendulum.sin(position - m.gravity_zero);
+        }
         for (barrier, touch) in self.parts.barriers.iter().zip(touch) {
             torque += barrier.torque(*touch, position, velocity);
         }

@@ -8,7 +8,7 @@ use crate::measure::measure;
 use crate::problem::{Part, Problem};
 use crate::select::{self, Given, Round, Selection};
 use crate::series;
-use crate::shrink::shrink;
+use crate::shrink::{resampled, shrink};
 use crate::stage::Stage;
 use crate::{comparison, experiment, locate};
 use host_sim::device::Device;
@@ -72,17 +72,12 @@ impl CorrectedModel {
     }
 }
 
-/// Why a gap beyond its floor may be none.
-const HIDDEN: &str = "this gap is no finding: restarts that fall on kinks of the motion, or inputs that the log averages, \
-     leave a right model as much; log every period of the loop to see more";
-
 /// Largest share of the excess that may be left for a gap to count as explained.
 const EXPLAINED: f64 = 0.15;
 /// Share of the robust excess that may be left where the gap is at its floor: a wrong name for a hum may come that near
 /// by the few windows that are large.
 const MOST_MISSING_AT_FLOOR: f64 = 0.25;
-/// Gap over floor up to which nothing that can be named is missing: the floor is linear in restart errors,
-/// and near stick and slip they are anything but.
+/// Gap over floor up to which nothing that can be named is missing: near stick and slip a few restarts may decide either.
 const QUIET_GAP: f64 = 2.0;
 /// Factor within which the floor is known.
 const FLOOR_DOUBT: f64 = 1.2;
@@ -132,10 +127,11 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let like = comparison.as_ref().and_then(Comparison::like);
     let like = like.filter(|like| !excluded.contains(&like.kind.name));
     let nominal = Device::nominal(&recording.model);
-    let (before, _) = measure(recording, &nominal);
+    let (measured, _) = measure(recording, &nominal);
+    let before = measured.before;
     let given = Given {
         // Where noise and restarts alone leave as much, there is nothing to name.
-        is_gap: before.before > FLOOR_DOUBT * before.floor,
+        is_gap: before > FLOOR_DOUBT * measured.floor,
         measured: like.map(Match::term),
         certain: comparison.as_ref().is_some_and(Comparison::is_certain),
         excluded,
@@ -152,12 +148,15 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     // What does not close the gap by itself has no place, however well it suits the robust cost.
     let idle = (kept.max(1)..steps.len()).find(|&i| {
         let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
-        let typical = before - after >= LEAST_TYPICAL_SHRINK && steps[i].own[1] > 0.0;
-        steps[i].own[0] < LEAST_SHRINK && steps[i].of_rest < LEAST_SHRINK_OF_REST && !typical
+        let typical = before - after >= LEAST_TYPICAL_SHRINK && steps[i].is_sure;
+        // Where a restart falls on a jump, a right model leaves as much.
+        let jumps = select::jumps(selection.rounds[i].rivals[0].name) && steps[i].is_at_floor;
+        let closes = steps[i].own[0] >= LEAST_SHRINK || steps[i].of_rest >= LEAST_SHRINK_OF_REST;
+        !closes && !typical && !jumps
     });
     if let Some(first) = idle {
-        steps.truncate(first);
         selection.withdraw(first);
+        steps = closings(&problem, &selection);
     }
 
     // Nor have effects that leave the gap no smaller than it was.
@@ -168,12 +167,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let model = corrected(&problem, selection.fit());
     let (after, _) = measure(recording, &model.device());
-    let floor = after.floor.min(before.before);
+    let floor = after.floor.min(before);
     let total = steps.last().map_or([0.0; 3], |step| step.total);
     let closing = Closing {
-        before: before.before,
+        before,
         floor,
-        after: before.before - total[0] * (before.before - floor),
+        after: before - total[0] * (before - floor),
         shrink: total[0],
         shrink_interval: [total[1], total[2]],
         unit: recording.units.position.clone(),
@@ -219,9 +218,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         .iter()
         .filter_map(|c| c.line(&recording.units.position));
     let oddities = recording.oddities.iter().map(ToString::to_string);
-    let hides = verdict == Verdict::NoGap && after.before > QUIET_GAP * after.floor;
-    let hidden = hides.then(|| HIDDEN.to_owned());
-    let warnings = oddities.chain(disagreement).chain(hidden).collect();
+    let warnings = oddities.chain(disagreement).collect();
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
@@ -266,6 +263,10 @@ struct Step {
     own: [f64; 3],
     of_rest: f64,
     total: [f64; 3],
+    /// True if it leaves no more than a right model may.
+    is_at_floor: bool,
+    /// True if it surely leaves less than those before it.
+    is_sure: bool,
 }
 
 /// The shrinks of the effects in their order, on windows that the fits have not seen.
@@ -276,6 +277,8 @@ fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
     };
     let nominal = problem.window_squares(&bare, Part::All);
     let floor = problem.floor_squares(selection.fit());
+    let sum = |squares: &[f64]| squares.iter().sum::<f64>();
+    let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(&floor);
     let mut before = nominal.clone();
     let steps = selection.rounds.iter().map(|round| {
         let after = if select::is_event(round.rivals[0].name) {
@@ -283,10 +286,13 @@ fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
         } else {
             problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))
         };
+        let of_rest = shrink(&before, &after, &floor, &before)[0];
         let step = Step {
             own: shrink(&before, &after, &floor, &nominal),
-            of_rest: shrink(&before, &after, &floor, &before)[0],
+            of_rest: if is_at_floor(&before) { 0.0 } else { of_rest },
             total: shrink(&nominal, &after, &floor, &nominal),
+            is_at_floor: is_at_floor(&after),
+            is_sure: resampled(before.len(), |sum| sum(&before) - sum(&after))[1] > 0.0,
         };
         before = after;
         step

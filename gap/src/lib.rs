@@ -27,8 +27,10 @@ mod diagnose;
 pub mod diagnosis;
 mod experiment;
 mod fit;
+mod floor;
 mod ground;
 mod hypothesis;
+mod imagined;
 mod intersample;
 mod locate;
 #[cfg(test)]

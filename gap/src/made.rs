@@ -25,6 +25,11 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
 
 /// Two runs of a paddle under two sines, with the effects written in `effects`.
 pub(crate) fn recording(effects: &[&str]) -> Recording {
+    recorded(effects, 1)
+}
+
+/// The same, another noise for each `seed`.
+pub(crate) fn recorded(effects: &[&str], seed: u64) -> Recording {
     let model = Model {
         viscous: 1.78e-4,
         coulomb: 0.004,
@@ -43,7 +48,7 @@ pub(crate) fn recording(effects: &[&str]) -> Recording {
         ..Sensor::default()
     };
     recording.sensors.insert("position".into(), sensor);
-    let mut noise = Noise::new(1);
+    let mut noise = Noise::new(seed);
     for run in 0..2 {
         let start_s = f64::from(run) * RUN_S;
         let mut state = plant.state(start_s, 0.05, 0.0);

@@ -1,5 +1,6 @@
 //! The gap of one model on one recording, and the floor below which no model can bring it.
 
+use crate::floor::floor_squares;
 use crate::predict::Predictor;
 use crate::series::{self, Series};
 use host_sim::device::Device;
@@ -33,17 +34,16 @@ pub struct PredictedRun {
 /// Measures the gap of `device` on `recording` as the recording format defines it.
 pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun>) {
     let predictor = Predictor::new(device.clone(), recording);
-    let mut squares = Mean::default();
-    let mut floor = Mean::default();
-    let mut runs = Vec::new();
+    let (mut squares, mut windows, mut runs) = (Vec::new(), Vec::new(), Vec::new());
     for series in series::full(recording, recording.horizon) {
-        let predicted = predictor.predict(&series);
-        for (p, m) in predicted.iter().zip(&series.position) {
-            squares.add((p - m).powi(2));
-        }
-        for variance in perfect_variance(&predictor, &series, &predicted) {
-            floor.add(variance);
-        }
+        let (predicted, of_run) = predicted(&predictor, &series);
+        squares.extend(of_run);
+        windows.extend(
+            series
+                .windows
+                .into_iter()
+                .map(|window| (series.run, window)),
+        );
         runs.push(PredictedRun {
             file: recording.runs[series.run].file.clone(),
             time: series.time,
@@ -51,77 +51,31 @@ pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun
             predicted,
         });
     }
+    let samples: usize = windows.iter().map(|(_, w)| w.samples.len()).sum();
+    let before = rms(&squares, samples);
+    let windows = windows.iter().map(|(run, window)| (*run, window));
+    let floor = floor_squares(recording, &predictor, windows, series::full);
     let gap = Gap {
-        before: squares.mean().sqrt(),
-        floor: floor.mean().sqrt(),
+        before,
+        // A device that leaves less than an imagined one did was luckier with its restarts.
+        floor: rms(&floor, samples).min(before),
         unit: recording.units.position.clone(),
     };
     (gap, runs)
 }
 
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    count: usize,
+/// What is predicted of a run, and the squares that are left of each window.
+fn predicted(predictor: &Predictor, series: &Series) -> (Vec<f64>, Vec<f64>) {
+    let predicted = predictor.predict(series);
+    let squares = series.windows.iter().map(|window| {
+        let rows = window.samples.clone();
+        let pairs = predicted[rows.clone()].iter().zip(&series.position[rows]);
+        pairs.map(|(p, m)| (p - m).powi(2)).sum()
+    });
+    let squares = squares.collect();
+    (predicted, squares)
 }
 
-impl Mean {
-    fn add(&mut self, value: f64) {
-        self.sum += value;
-        self.count += 1;
-    }
-
-    fn mean(&self) -> f64 {
-        self.sum / self.count.max(1) as f64
-    }
-}
-
-/// Displacement, in standard deviations, by which the sensitivity to a restart is taken: of the size
-/// of the errors themselves, as stick and slip make it anything but linear.
-pub(crate) const SENSITIVITY_SHIFT: f64 = 0.7;
-
-/// Sensitivity of each prediction to value and slope of its restart, in standard deviations of them.
-pub(crate) fn restart_sensitivity(
-    predictor: &Predictor,
-    series: &Series,
-    predicted: &[f64],
-    wanted: impl Fn(usize) -> bool + Sync,
-) -> Vec<[f64; 2]> {
-    let shifted = |shift| predictor.predict_shifted(series, shift, &wanted);
-    let (value, slope) = rayon::join(
-        || shifted([SENSITIVITY_SHIFT, 0.0]),
-        || shifted([0.0, SENSITIVITY_SHIFT]),
-    );
-    let shifted = value.iter().zip(&slope).zip(predicted);
-    shifted
-        .map(|((v, s), p)| [(v - p) / SENSITIVITY_SHIFT, (s - p) / SENSITIVITY_SHIFT])
-        .collect()
-}
-
-/// Variance of prediction minus measurement, sample by sample, if the model were perfect: the sensor's
-/// noise, and that of the restart grown over the window, which near the restart are the same noise.
-pub(crate) fn perfect_variance(
-    predictor: &Predictor,
-    series: &Series,
-    predicted: &[f64],
-) -> Vec<f64> {
-    let sensitivity = restart_sensitivity(predictor, series, predicted, |_| true);
-    let mut variance = Vec::with_capacity(predicted.len());
-    for window in &series.windows {
-        let fit = &window.restart;
-        let sd = [0, 1].map(|i| fit.covariance[i][i].sqrt());
-        let correlation = fit.covariance[0][1] / (sd[0] * sd[1]);
-        for i in window.samples.clone() {
-            let [a, b] = sensitivity[i];
-            let restart = a * a + b * b + 2.0 * correlation * a * b;
-            let common = if fit.covers(series.time[i]) {
-                let [value, slope] = fit.influence(series.time[i]);
-                2.0 * window.restart_noise * (a * value / sd[0] + b * slope / sd[1])
-            } else {
-                0.0
-            };
-            variance.push((restart + window.noise.powi(2) - common).max(0.0));
-        }
-    }
-    variance
+fn rms(squares: &[f64], samples: usize) -> f64 {
+    (squares.iter().sum::<f64>() / samples.max(1) as f64).sqrt()
 }

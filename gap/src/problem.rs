@@ -2,10 +2,10 @@
 
 use crate::costs::Costs;
 use crate::fit::Fit;
+use crate::floor::floor_squares;
 use crate::hypothesis::{Hypothesis, Nudge};
-use crate::measure::perfect_variance;
 use crate::predict::Predictor;
-use crate::series::Series;
+use crate::series::{self, Series};
 use crate::whitening::{Whitening, dot, whitenings};
 use rayon::prelude::*;
 use recording::Recording;
@@ -103,15 +103,8 @@ impl Problem<'_> {
     pub(crate) fn floor_squares(&self, fit: &Fit) -> Vec<f64> {
         let predictor = self.predictor(&fit.hypothesis, &fit.x);
         let series = self.series.iter();
-        series
-            .flat_map(|series| {
-                let predicted = predictor.predict(series);
-                let variance = perfect_variance(&predictor, series, &predicted);
-                let windows = series.windows.iter();
-                let sums = windows.map(|w| variance[w.samples.clone()].iter().sum::<f64>());
-                sums.collect::<Vec<_>>()
-            })
-            .collect()
+        let windows = series.flat_map(|s| s.windows.iter().map(move |w| (s.run, w)));
+        floor_squares(self.recording, &predictor, windows, series::coarse)
     }
 
     /// Running index of the first window of each series.

@@ -28,11 +28,9 @@ pub struct Restart {
     pub neighbours: f64,
     /// Samples in the fit: first, and one past the last.
     pub samples: [usize; 2],
-    /// Inverse normal matrix and time scale, for [`influence`](Self::influence).
+    /// Inverse normal matrix and time scale, for [`correlated`](Self::correlated).
     inverse: Matrix4<f64>,
     scale_s: f64,
-    /// Samples that share their noise with one of them.
-    shared: f64,
 }
 
 impl Restart {
@@ -87,7 +85,6 @@ impl Restart {
             samples: [first, last],
             inverse,
             scale_s,
-            shared: 1.0,
         })
     }
 
@@ -109,19 +106,7 @@ impl Restart {
         }
         self.covariance = unscaled(&covariance, self.scale_s);
         self.freedom = (last - first - CUBIC) as f64 - shared;
-        self.shared = (1.0 + correlation) / (1.0 - correlation);
         self
-    }
-
-    /// True if a sample at `time_s` takes part in the fit.
-    pub fn covers(&self, time_s: f64) -> bool {
-        (time_s - self.time_s).abs() <= self.scale_s
-    }
-
-    /// How much value and slope move with the noise of the sample at `time_s`, one of those in the fit.
-    pub fn influence(&self, time_s: f64) -> [f64; 2] {
-        let weights = self.shared * self.inverse * powers((time_s - self.time_s) / self.scale_s);
-        [weights[0], weights[1] / self.scale_s]
     }
 }
 
@@ -184,21 +169,6 @@ mod tests {
         assert_eq!(start.samples, [0, 9]);
         let end = Restart::fit(&time, &position, 100.099, 0.001).unwrap();
         assert_eq!(end.samples, [91, 100]);
-    }
-
-    #[test]
-    fn influence_reproduces_the_covariance() {
-        let time = times(100);
-        let position: Vec<f64> = time.iter().map(|t| (7.0 * t).sin()).collect();
-        let fit = Restart::fit(&time, &position, 100.05, 0.008).unwrap();
-        let mut sum = [0.0; 3];
-        for &t in &time[fit.samples[0]..fit.samples[1]] {
-            let [a, b] = fit.influence(t);
-            sum = [sum[0] + a * a, sum[1] + a * b, sum[2] + b * b];
-        }
-        assert!((sum[0] - fit.covariance[0][0]).abs() < 1e-9);
-        assert!((sum[1] - fit.covariance[0][1]).abs() < 1e-6);
-        assert!((sum[2] / fit.covariance[1][1] - 1.0).abs() < 1e-9);
     }
 
     #[test]

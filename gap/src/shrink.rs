@@ -3,12 +3,16 @@
 /// Resamplings of the windows for an interval.
 const RESAMPLINGS: usize = 400;
 
-/// `(rms before − rms after) / (rms reference − rms floor)` of squares by window, with its 95 % interval.
+/// `(rms before − rms after) / (rms reference − rms floor)` of squares by window, none of them below the floor, with its 95 %
+/// interval; 1 where the reference is not above it.
 pub(crate) fn shrink(before: &[f64], after: &[f64], floor: &[f64], reference: &[f64]) -> [f64; 3] {
     resampled(before.len(), |sum| {
         let [b, a, f, r] = [before, after, floor, reference].map(|squares| sum(squares).sqrt());
-        let f = f.min(0.999 * r);
-        ((b - a) / (r - f)).min(1.0)
+        if r > f {
+            (b.max(f) - a.max(f)) / (r - f)
+        } else {
+            1.0
+        }
     })
 }
 

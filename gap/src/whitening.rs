@@ -1,6 +1,5 @@
 //! Residuals of a window with the uncertainty of its restart taken out.
 
-use crate::measure::restart_sensitivity;
 use crate::predict::Predictor;
 use crate::series::{Series, Window};
 use nalgebra::{Matrix2, SymmetricEigen};
@@ -88,6 +87,28 @@ pub(crate) fn whitenings(
         .map(|(index, window)| {
             wanted(index).then(|| Whitening::new(window, &sensitivity[window.samples.clone()]))
         })
+        .collect()
+}
+
+/// Displacement, in standard deviations, by which the sensitivity to a restart is taken: of the size
+/// of the errors themselves, as stick and slip make it anything but linear.
+const SENSITIVITY_SHIFT: f64 = 0.7;
+
+/// Sensitivity of each prediction to value and slope of its restart, in standard deviations of them.
+fn restart_sensitivity(
+    predictor: &Predictor,
+    series: &Series,
+    predicted: &[f64],
+    wanted: impl Fn(usize) -> bool + Sync,
+) -> Vec<[f64; 2]> {
+    let shifted = |shift| predictor.predict_shifted(series, shift, &wanted);
+    let (value, slope) = rayon::join(
+        || shifted([SENSITIVITY_SHIFT, 0.0]),
+        || shifted([0.0, SENSITIVITY_SHIFT]),
+    );
+    let shifted = value.iter().zip(&slope).zip(predicted);
+    shifted
+        .map(|((v, s), p)| [(v - p) / SENSITIVITY_SHIFT, (s - p) / SENSITIVITY_SHIFT])
         .collect()
 }
 

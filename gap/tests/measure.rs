@@ -12,14 +12,14 @@ use recording::Model;
 fn a_perfect_model_is_at_the_floor() {
     for (noise, resolution) in [(1e-4, 0.0), (1e-3, 0.0), (1e-4, 2.09e-4), (0.0, 2.09e-4)] {
         // The velocity error of a few restarts decides a gap, so that single ones scatter.
-        let ratios = (0..8).map(|seed| {
+        let ratios = (0..16).map(|seed| {
             let recording = recording(&paddle(), paddle(), noise, resolution, seed);
             let (gap, _) = gap::measure(&recording, &Device::nominal(&paddle()));
             (gap.before / gap.floor).powi(2)
         });
-        let ratio = (ratios.sum::<f64>() / 8.0).sqrt();
+        let ratio = (ratios.sum::<f64>() / 16.0).sqrt();
         assert!(
-            (0.6..1.25).contains(&ratio),
+            (1.0..1.3).contains(&ratio),
             "noise {noise}, quantum {resolution}: {ratio}"
         );
     }

@@ -13,7 +13,7 @@ use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
 use crate::stage::Stage;
 use place::bounces;
-pub(crate) use place::is_event;
+pub(crate) use place::{is_event, jumps};
 pub(crate) use ranking::{others, ties};
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;

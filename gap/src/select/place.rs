@@ -79,6 +79,11 @@ pub(crate) fn is_event(name: &str) -> bool {
     matches!(name, "contact" | "lost_counts")
 }
 
+/// True for effects that shift the reading at once.
+pub(crate) fn jumps(name: &str) -> bool {
+    name == "lost_counts"
+}
+
 /// True for effects that may show in a window or two.
 pub(super) fn is_local(name: &str) -> bool {
     is_event(name) || name == "end_stop"

@@ -15,19 +15,44 @@ const NOISE: f64 = 1e-4;
 /// What the paddle shows behind a low-pass that comes before its noise or after it.
 fn low_passed(nominal: Model, noise_first: bool, seed: u64) -> Recording {
     let first = if noise_first { NOISE } else { 0.0 };
-    let mut recording = recording(&paddle(), nominal, first, 0.0, seed);
+    let recording = recording(&paddle(), nominal, first, 0.0, seed);
+    passed(recording, CUTOFF_HZ, NOISE - first, seed)
+}
+
+/// A recording whose column a low-pass has gone over before `noise` was added.
+fn passed(mut recording: Recording, cutoff_hz: f64, noise: f64, seed: u64) -> Recording {
     let sensor = recording.sensors.get_mut("position").unwrap();
     sensor.noise = NOISE;
-    sensor.cutoff_hz = Some(CUTOFF_HZ);
+    sensor.cutoff_hz = Some(cutoff_hz);
     let run = &mut recording.runs[0];
-    let gain = low_pass_gain(Some(CUTOFF_HZ), run.time[1] - run.time[0]);
+    let gain = low_pass_gain(Some(cutoff_hz), run.time[1] - run.time[0]);
     let mut random = Noise::new(seed ^ 0xff);
     let mut passed = run.position[0];
     for position in &mut run.position {
         passed += gain * (*position - passed);
-        *position = passed + random.next(NOISE - first);
+        *position = passed + random.next(noise);
     }
     recording
+}
+
+#[test]
+fn a_jump_of_the_counter_is_found_at_its_height_behind_a_slow_low_pass() {
+    const JUMPED_S: f64 = 3.1;
+    const HEIGHT: f64 = 0.1;
+    let mut recording = recording(&paddle(), paddle(), 0.0, 0.0, 1);
+    let run = &mut recording.runs[0];
+    for (position, time) in run.position.iter_mut().zip(&run.time) {
+        *position += if *time < JUMPED_S { 0.0 } else { HEIGHT };
+    }
+    let recording = passed(recording, 14.0, NOISE, 1);
+    let diagnosis = diagnose(&recording, &Options::default()).diagnosis;
+    let effect = &diagnosis.effects[0];
+    assert_eq!(effect.name, "lost_counts");
+    let number = |name: &str| effect.parameters[name].value;
+    let [time, height] = [number("time"), number("jump")];
+    // Its first sample shows a twentieth of it.
+    assert!((time - JUMPED_S).abs() < 2e-3, "{time}");
+    assert!((height / HEIGHT - 1.0).abs() < 0.2, "{height}");
 }
 
 #[test]

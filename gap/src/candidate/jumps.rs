@@ -5,6 +5,7 @@ use super::start::linear;
 use crate::hypothesis::Term;
 use crate::motion::quantile;
 use host_sim::effects::Kind;
+use recording::low_pass_gain;
 
 /// A step counts from this many times the spread of the steps of the motion itself, and of the noise.
 const STEP_RATIO: f64 = 12.0;
@@ -46,7 +47,6 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     if jumps.is_empty() || jumps.len() > MOST_JUMPS {
         return Vec::new();
     }
-    let persisting = term(kind, &jumps);
     // A counter may also start anew with every run.
     let mut anew = Vec::new();
     for (index, series) in e.series.iter().enumerate() {
@@ -63,7 +63,15 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             anew.push((start, start, -sum));
         }
     }
-    vec![persisting, term(kind, &anew)]
+    let mut all = vec![jumps, anew];
+    // Of a jump that a low-pass has gone over, the first sample shows a part.
+    let shown = low_pass_gain(e.cutoff_hz, e.series[0].period_s.max(e.series[0].span_s));
+    if shown < 1.0 {
+        let whole = |&(before, after, height): &(f64, f64, f64)| (before, after, height / shown);
+        let whole = |jumps: &Vec<_>| jumps.iter().map(whole).collect();
+        all.extend(all.iter().map(whole).collect::<Vec<_>>());
+    }
+    all.iter().map(|jumps| term(kind, jumps)).collect()
 }
 
 /// Height of a jump that samples `i − 1` to `i` show, of which their neighbours, as means, may show a part.

@@ -30,6 +30,8 @@ pub(crate) struct Evidence<'a> {
     pub device: &'a Device,
     /// Places of the nominal model's stops.
     pub travel: Option<[f64; 2]>,
+    /// Of the low-pass that the position column has gone through, Hz.
+    pub cutoff_hz: Option<f64>,
     /// Robust cost of each window without the effect, by running index.
     pub window_costs: &'a [f64],
 }

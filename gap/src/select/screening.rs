@@ -302,6 +302,7 @@ impl Search<'_> {
             scales: &Scales::of(series, &motions, &device, recording.horizon),
             device: &device,
             travel: recording.model.travel,
+            cutoff_hz: recording.sensor("position").cutoff_hz,
             window_costs: &window_costs(self.problem, known),
         });
         let terms = &known.hypothesis.terms;

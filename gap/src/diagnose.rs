@@ -144,7 +144,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     }
 
     progress(Stage::Shrink);
-    let mut steps = closings(&problem, &selection);
+    let mut left = left_by_each(&problem, &selection);
+    let mut steps = closings(&problem, selection.fit(), &left);
     // What does not close the gap by itself has no place, however well it suits the robust cost.
     let idle = (kept.max(1)..steps.len()).find(|&i| {
         let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
@@ -156,7 +157,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     });
     if let Some(first) = idle {
         selection.withdraw(first);
-        steps = closings(&problem, &selection);
+        left.truncate(first + 1);
+        steps = closings(&problem, selection.fit(), &left);
     }
 
     // Nor have effects that leave the gap no smaller than it was.
@@ -269,33 +271,41 @@ struct Step {
     is_sure: bool,
 }
 
-/// The shrinks of the effects in their order, on windows that the fits have not seen.
-fn closings(problem: &Problem<'_>, selection: &Selection) -> Vec<Step> {
+/// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
+/// have not seen.
+fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
     let bare = Fit {
         x: vec![0.0; problem.nudges.len()],
         ..selection.null.clone()
     };
     let nominal = problem.window_squares(&bare, Part::All);
-    let floor = problem.floor_squares(selection.fit());
-    let sum = |squares: &[f64]| squares.iter().sum::<f64>();
-    let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(&floor);
-    let mut before = nominal.clone();
-    let steps = selection.rounds.iter().map(|round| {
-        let after = if select::is_event(round.rivals[0].name) {
+    let left = selection.rounds.iter().map(|round| {
+        if select::is_event(round.rivals[0].name) {
             problem.window_squares(&round.so_far, Part::All)
         } else {
             problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))
-        };
-        let of_rest = shrink(&before, &after, &floor, &before)[0];
-        let step = Step {
-            own: shrink(&before, &after, &floor, &nominal),
-            of_rest: if is_at_floor(&before) { 0.0 } else { of_rest },
-            total: shrink(&nominal, &after, &floor, &nominal),
-            is_at_floor: is_at_floor(&after),
-            is_sure: resampled(before.len(), |sum| sum(&before) - sum(&after))[1] > 0.0,
-        };
-        before = after;
-        step
+        }
+    });
+    [nominal].into_iter().chain(left).collect()
+}
+
+/// The shrinks of the effects in their order, down to the floor of the `fit` with all of them.
+fn closings(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
+    let [nominal, _, ..] = left else {
+        return Vec::new();
+    };
+    let floor = problem.floor_squares(fit);
+    let sum = |squares: &[f64]| squares.iter().sum::<f64>();
+    let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(&floor);
+    let steps = left.iter().zip(&left[1..]).map(|(before, after)| {
+        let of_rest = shrink(before, after, &floor, before)[0];
+        Step {
+            own: shrink(before, after, &floor, nominal),
+            of_rest: if is_at_floor(before) { 0.0 } else { of_rest },
+            total: shrink(nominal, after, &floor, nominal),
+            is_at_floor: is_at_floor(after),
+            is_sure: resampled(before.len(), |sum| sum(before) - sum(after))[1] > 0.0,
+        }
     });
     steps.collect()
 }

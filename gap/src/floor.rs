@@ -30,12 +30,12 @@ pub(crate) fn floor_squares<'a>(
     let left = draws
         .into_par_iter()
         .map(|(imagined, draw)| left(imagined, draw, predictor, cut));
-    let left: Vec<Vec<Left>> = left.collect();
-    let mut by_window: HashMap<[usize; 2], Left> = HashMap::new();
+    let left: Vec<Vec<(Place, Left)>> = left.collect();
+    let mut by_window: HashMap<Place, Left> = HashMap::new();
     let mut all = Left::default();
-    for one in left.iter().flatten() {
+    for (place, one) in left.iter().flatten() {
         all.add(one);
-        by_window.entry([one.run, one.window]).or_default().add(one);
+        by_window.entry(*place).or_default().add(one);
     }
     let floors = windows.map(|(run, window)| {
         let start_s = recording.runs[run].time[0];
@@ -46,11 +46,12 @@ pub(crate) fn floor_squares<'a>(
     floors.collect()
 }
 
-/// What is left of a window of a run.
+/// A run, and a window of it.
+type Place = [usize; 2];
+
+/// What is left of so many samples.
 #[derive(Clone, Copy, Default)]
 struct Left {
-    run: usize,
-    window: usize,
     squares: f64,
     samples: usize,
 }
@@ -68,33 +69,29 @@ fn left(
     draw: u64,
     predictor: &Predictor,
     cut: fn(&Recording, f64) -> Vec<Series>,
-) -> Vec<Left> {
+) -> Vec<(Place, Left)> {
     let shown = imagined.shown(draw);
     let mut all = Vec::new();
     for series in cut(&shown, shown.horizon) {
         let predicted = predictor.predict(&series);
         let windows = series.windows.iter().enumerate();
-        let left = windows
-            .filter(|(w, _)| imagined.tells(*w))
-            .map(|(w, window)| {
-                let rows = window.samples.clone();
-                let samples = rows.len();
-                let pairs = predicted[rows.clone()].iter().zip(&series.position[rows]);
-                Left {
-                    run: series.run,
-                    window: w + imagined.skipped(series.run),
-                    squares: pairs.map(|(p, m)| (p - m).powi(2)).sum(),
-                    samples,
-                }
-            });
-        all.extend(left);
+        all.extend(
+            windows
+                .filter(|(w, _)| imagined.tells(*w))
+                .map(|(w, window)| {
+                    let left = Left {
+                        squares: series.squares(window, &predicted),
+                        samples: window.samples.len(),
+                    };
+                    ([series.run, w + imagined.skipped(series.run)], left)
+                }),
+        );
     }
     all
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::Fit;
     use crate::hypothesis::Hypothesis;
     use crate::made;
     use crate::problem::Part;
@@ -106,7 +103,7 @@ mod tests {
             let recording = made::recorded(effects, seed);
             let problem = made::problem(&recording);
             let bare = Hypothesis { terms: Vec::new() };
-            let null: Fit = problem.fit(&bare, Vec::new(), Part::All, 0);
+            let null = problem.fit(&bare, Vec::new(), Part::All, 0);
             left += problem.window_squares(&null, Part::All).iter().sum::<f64>();
             floor += problem.floor_squares(&null).iter().sum::<f64>();
         }
@@ -116,7 +113,6 @@ mod tests {
     #[test]
     fn a_right_model_leaves_the_floor_and_a_wrong_one_more() {
         let right = over_floor(&[]);
-
         assert!((0.7..1.4).contains(&right), "{right}");
         let wrong = over_floor(&["spring:stiffness=0.06,zero=0"]);
         assert!(wrong > 5.0, "{wrong}");

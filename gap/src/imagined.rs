@@ -154,14 +154,10 @@ fn begin_at_rest(series: &mut Series, predictor: &Predictor) {
     let (Some(first), Some(&value)) = (series.windows.first(), series.position.first()) else {
         return;
     };
-    let rows = first.samples.clone();
     let cubic = first.restart;
-    let squares = |series: &Series| -> f64 {
+    let squares = |series: &Series| {
         let predicted = predictor.predict_shifted(series, [0.0, 0.0], |w| w == 0);
-        let pairs = predicted[rows.clone()]
-            .iter()
-            .zip(&series.position[rows.clone()]);
-        pairs.map(|(p, m)| (p - m).powi(2)).sum()
+        series.squares(&series.windows[0], &predicted)
     };
     let moving = squares(series);
     series.windows[0].restart = cubic.at_rest(value);

@@ -2,7 +2,7 @@
 
 use crate::floor::floor_squares;
 use crate::predict::Predictor;
-use crate::series::{self, Series};
+use crate::series;
 use host_sim::device::Device;
 use recording::Recording;
 use serde::Serialize;
@@ -36,14 +36,10 @@ pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun
     let predictor = Predictor::new(device.clone(), recording);
     let (mut squares, mut windows, mut runs) = (Vec::new(), Vec::new(), Vec::new());
     for series in series::full(recording, recording.horizon) {
-        let (predicted, of_run) = predicted(&predictor, &series);
-        squares.extend(of_run);
-        windows.extend(
-            series
-                .windows
-                .into_iter()
-                .map(|window| (series.run, window)),
-        );
+        let predicted = predictor.predict(&series);
+        let left = |window| series.squares(window, &predicted);
+        squares.extend(series.windows.iter().map(left));
+        windows.extend(series.windows.into_iter().map(|w| (series.run, w)));
         runs.push(PredictedRun {
             file: recording.runs[series.run].file.clone(),
             time: series.time,
@@ -62,18 +58,6 @@ pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun
         unit: recording.units.position.clone(),
     };
     (gap, runs)
-}
-
-/// What is predicted of a run, and the squares that are left of each window.
-fn predicted(predictor: &Predictor, series: &Series) -> (Vec<f64>, Vec<f64>) {
-    let predicted = predictor.predict(series);
-    let squares = series.windows.iter().map(|window| {
-        let rows = window.samples.clone();
-        let pairs = predicted[rows.clone()].iter().zip(&series.position[rows]);
-        pairs.map(|(p, m)| (p - m).powi(2)).sum()
-    });
-    let squares = squares.collect();
-    (predicted, squares)
 }
 
 fn rms(squares: &[f64], samples: usize) -> f64 {

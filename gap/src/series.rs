@@ -86,6 +86,13 @@ impl Series {
         self.time[i] + self.session_offset_s
     }
 
+    /// Sum of the squares that are left of a window where this is `predicted` of the series.
+    pub(crate) fn squares(&self, window: &Window, predicted: &[f64]) -> f64 {
+        let rows = window.samples.clone();
+        let pairs = predicted[rows.clone()].iter().zip(&self.position[rows]);
+        pairs.map(|(p, m)| (p - m).powi(2)).sum()
+    }
+
     /// Torque that a drive makes of input `i` once delay and lag have passed, N m: where samples are put together the
     /// mean of what it makes of each, as a limit or a dead band of the mean would be something else.
     pub(crate) fn settled_nm(&self, drive: &Drive, i: usize) -> f64 {

@@ -63,15 +63,17 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             anew.push((start, start, -sum));
         }
     }
-    let mut all = vec![jumps, anew];
     // Of a jump that a low-pass has gone over, the first sample shows a part.
     let shown = low_pass_gain(e.cutoff_hz, e.series[0].period_s.max(e.series[0].span_s));
-    if shown < 1.0 {
-        let whole = |&(before, after, height): &(f64, f64, f64)| (before, after, height / shown);
-        let whole = |jumps: &Vec<_>| jumps.iter().map(whole).collect();
-        all.extend(all.iter().map(whole).collect::<Vec<_>>());
-    }
-    all.iter().map(|jumps| term(kind, jumps)).collect()
+    let parts = if shown < 1.0 {
+        &[1.0, shown][..]
+    } else {
+        &[1.0]
+    };
+    let terms = parts
+        .iter()
+        .flat_map(|part| [&jumps, &anew].map(|jumps| term(kind, jumps, *part)));
+    terms.collect()
 }
 
 /// Height of a jump that samples `i − 1` to `i` show, of which their neighbours, as means, may show a part.
@@ -83,8 +85,8 @@ fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
     Some(x[b] - x[a] - motion * (time[b] - time[a]))
 }
 
-/// A term of jumps, each between two instants, or at one, and with a height.
-fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)]) -> Term {
+/// A term of jumps, each between two instants, or at one, and with a height of which a `part` is given.
+fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)], part: f64) -> Term {
     let mut values = Vec::new();
     let mut free = Vec::new();
     for (before, after, height) in jumps {
@@ -97,8 +99,9 @@ fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)]) -> Term {
             ));
         }
         values.push(0.5 * (before + after));
-        free.push(linear(values.len(), *height, 0.5 * height.abs()));
-        values.push(*height);
+        let height = height / part;
+        free.push(linear(values.len(), height, 0.5 * height.abs()));
+        values.push(height);
     }
     Term {
         kind,

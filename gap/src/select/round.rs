@@ -243,8 +243,9 @@ impl Search<'_> {
         };
         let mut local = 0;
         let all = screened.clone();
-        let lowest = screened.first().map_or(0.0, |rival| level(&rival.fit));
-        let limit = lowest + IN_REACH * (level(known) - lowest).max(0.0);
+        let short_of = |best: f64, share: f64| best + share * (level(known) - best).max(0.0);
+        let best = screened.first().map_or(0.0, |rival| level(&rival.fit));
+        let limit = short_of(best, IN_REACH);
         let finalists = screened.into_iter().enumerate().filter(|(rank, rival)| {
             let is_local = is_local(rival.name);
             local += usize::from(is_local);
@@ -259,7 +260,7 @@ impl Search<'_> {
         let Some(best) = rivals.first().map(|rival| level(&rival.fit)) else {
             return rivals;
         };
-        let limit = best + NEAR * (level(known) - best).max(0.0);
+        let limit = short_of(best, NEAR);
         let near = rivals
             .iter()
             .take_while(|rival| level(&rival.fit) <= limit)

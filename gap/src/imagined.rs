@@ -2,6 +2,7 @@
 
 use crate::motion::quantile;
 use crate::predict::Predictor;
+use crate::restart::Restart;
 use crate::series::{self, Series, Window};
 use host_sim::sensors::Noise;
 use recording::{Recording, Run};
@@ -22,6 +23,8 @@ pub(crate) struct Imagined {
     sensed: Vec<Sensed>,
     /// Windows of each run before it begins.
     skipped: Vec<usize>,
+    /// Where it was put in each run.
+    put: Vec<Vec<Restart>>,
     from_first: bool,
 }
 
@@ -58,6 +61,7 @@ impl Imagined {
         motion.runs = runs;
         let resolution = recording.sensor("position").resolution;
         let mut sensed = vec![Sensed::default(); motion.runs.len()];
+        let mut put = vec![Vec::new(); motion.runs.len()];
         for mut series in series::full(&motion, 2.0 * recording.horizon) {
             let seen = typical_noise(&series);
             if let Some(pid) = &recording.runs[series.run].controller {
@@ -68,6 +72,8 @@ impl Imagined {
             let correlation = series.correlation;
             // What is seen as noise has the quantising in it, which is filtered with it if it is.
             let quantum = if correlation > 0.0 { 0.0 } else { resolution };
+            let later = series.windows.iter().skip(1);
+            put[series.run] = later.map(|window| window.restart).collect();
             sensed[series.run] = Sensed {
                 noise: (seen.powi(2) - quantum.powi(2) / 12.0).max(0.0).sqrt(),
                 correlation,
@@ -79,6 +85,7 @@ impl Imagined {
             motion,
             sensed,
             skipped,
+            put,
             from_first,
         }
     }
@@ -88,16 +95,36 @@ impl Imagined {
         self.skipped[run]
     }
 
-    /// What a sensor may show of it, another each `draw`: every other has the noise of the one before it with the other sign, as
-    /// an error to one side may do far more than one to the other.
-    pub(crate) fn shown(&self, draw: u64) -> Recording {
+    /// What a sensor may show of it, another each `draw`, and the series that are `cut` from that: every other has the noise of
+    /// the one before it with the other sign, as an error to one side may do far more than one to the other.
+    pub(crate) fn shown(
+        &self,
+        draw: u64,
+        cut: fn(&Recording, f64) -> Vec<Series>,
+    ) -> (Recording, Vec<Series>) {
         let mut shown = self.motion.clone();
         let mut noise = Noise::new(SEED.wrapping_add(draw / 2));
         let sign = if draw.is_multiple_of(2) { 1.0 } else { -1.0 };
         for (run, sensed) in shown.runs.iter_mut().zip(&self.sensed) {
             run.position = sensed.show(&run.position, &mut noise, sign);
         }
-        shown
+        let mut all = cut(&shown, shown.horizon);
+        for series in &mut all {
+            for state in &self.put[series.run] {
+                let before = state.time_s - 0.5 * shown.horizon;
+                let at = series
+                    .windows
+                    .partition_point(|w| w.restart.time_s < before);
+                let Some(window) = series.windows.get_mut(at) else {
+                    break;
+                };
+                // A cubic over the tear says nothing of what goes on from there.
+                let drawn = |deviation| sign * noise.next(deviation);
+                let errors = state.errors(window.restart_noise, drawn);
+                window.restart = window.restart.at(state, errors);
+            }
+        }
+        (shown, all)
     }
 
     /// About how many windows show what is left.

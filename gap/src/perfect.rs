@@ -31,9 +31,9 @@ impl Perfect {
         let predictor = Predictor::new(device, problem.recording);
         let (mut first, mut odd) = (Vec::new(), Vec::new());
         for imagined in Imagined::both(problem.recording, &predictor) {
-            let own = imagined.shown(0);
+            let (own, series) = imagined.shown(0, series::coarse);
             let problem = Problem {
-                series: series::coarse(&own, own.horizon),
+                series,
                 recording: &own,
                 nudges: problem.nudges.clone(),
                 quarter: None,

@@ -44,6 +44,25 @@ impl Restart {
         }
     }
 
+    /// The same instant in another state, seen with these errors of value and slope.
+    pub(crate) fn at(self, state: &Self, errors: [f64; 2]) -> Self {
+        Self {
+            value: state.value + errors[0],
+            slope: state.slope + errors[1],
+            curvature: state.curvature,
+            ..self
+        }
+    }
+
+    /// Errors of value and slope as noise of this standard deviation makes them, from `drawn` numbers of given ones.
+    pub(crate) fn errors(&self, noise: f64, mut drawn: impl FnMut(f64) -> f64) -> [f64; 2] {
+        let [[value, both], [_, slope]] = self.covariance;
+        let value = value.max(f64::MIN_POSITIVE);
+        let first = drawn(noise * value.sqrt());
+        let alone = (slope - both * both / value).max(0.0).sqrt();
+        [first, both / value * first + drawn(noise * alone)]
+    }
+
     /// Fits the samples within ± `half_width_s` of `time_s`, or the nearest nine if those are fewer.
     /// `None` if the run has fewer than four samples.
     pub fn fit(time: &[f64], position: &[f64], time_s: f64, half_width_s: f64) -> Option<Self> {

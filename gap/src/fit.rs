@@ -5,7 +5,7 @@ use crate::ground::Ground;
 use crate::hypothesis::{Hypothesis, Term};
 use crate::predict::Predictor;
 use crate::problem::{PRIOR_WEIGHT, Part, Problem};
-use crate::whitening::dot;
+use crate::whitening::{Whitening, dot};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -44,9 +44,9 @@ const LIKELY_ERRORS: f64 = 4.0;
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
 /// kinks of stick and slip, then narrow.
 pub(crate) const DIFFERENCES: [f64; 2] = [0.15, 0.02];
-/// The slopes along the model's own numbers, which move little, are taken anew at every third iteration, those along
-/// effects before the last at every second.
-const NUDGES_EVERY: usize = 3;
+/// The slopes along the model's own numbers, which move little, and how uncertain the restarts leave the windows are taken
+/// anew at every third iteration, the slopes along effects before the last at every second.
+const ANEW_EVERY: usize = 3;
 const HELD_EVERY: usize = 2;
 /// Iterations with the wide difference.
 const WIDE: usize = 2;
@@ -173,40 +173,42 @@ impl Problem<'_> {
         for (x, reach) in x.iter_mut().zip(&reaches) {
             *x = within(*x, *reach);
         }
-        let mut damping = FIRST_DAMPING;
-        let mut predictor = self.predictor(hypothesis, &x);
-        let mut residuals = self.residuals(&predictor, part);
+        let predictor = self.predictor(hypothesis, &x);
+        let residuals = self.residuals(&predictor, part);
         let known = ground.map_or(&[][..], Ground::slopes);
         let whiten = |predictor: &Predictor, residuals: &[Vec<f64>]| match ground {
             Some(ground) => Cow::Borrowed(ground.whitenings()),
             None => Cow::Owned(self.whitenings(predictor, residuals, part)),
         };
         let mut whitenings = whiten(&predictor, &residuals);
-        let mut whitened = self.whitened(&residuals, &whitenings);
-        let mut now = Costs::new(&whitened, self.prior(&x));
-        let mut total = now.sum();
-        let mut best = (total, x.clone(), now.clone());
+        let mut here = self.point(x, predictor, residuals, &whitenings);
+        let mut best = (here.x.clone(), here.costs.clone());
+        let mut damping = FIRST_DAMPING;
         let mut normal = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
-        let mut slopes: Vec<Slope> = Vec::new();
+        let mut slopes: Vec<Slope> = vec![Slope::new(); n - known.len()];
         for iteration in 0..iterations {
-            let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
             if n == 0 {
                 break;
             }
-            slopes.resize(n - known.len(), Slope::new());
+            if iteration > 0 && iteration % ANEW_EVERY == 0 && ground.is_none() {
+                whitenings = whiten(&here.predictor, &here.residuals);
+                here = self.point(here.x, here.predictor, here.residuals, &whitenings);
+                here.keep_if_better(&mut best);
+            }
+            let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
             slopes.par_iter_mut().enumerate().for_each(|(at, slope)| {
                 let i = at + known.len();
                 let every = if i < self.nudges.len() {
-                    NUDGES_EVERY
+                    ANEW_EVERY
                 } else if i < held {
                     HELD_EVERY
                 } else {
                     1
                 };
                 if iteration % every == 0 {
-                    let difference = aside(x[i], difference, reaches[i]);
-                    *slope = self.slope(hypothesis, &x, &residuals, i, difference, part);
+                    let difference = aside(here.x[i], difference, reaches[i]);
+                    *slope = self.slope(hypothesis, &here.x, &here.residuals, i, difference, part);
                 }
             });
             let columns: Vec<Vec<Vec<f64>>> = known
@@ -214,92 +216,52 @@ impl Problem<'_> {
                 .chain(&slopes)
                 .map(|slope| self.whitened(slope, &whitenings))
                 .collect();
-            let mut gradient = DVector::zeros(n);
-            normal = DMatrix::zeros(n, n);
-            scatter = DMatrix::zeros(n, n);
-            for (w, base) in whitened.iter().enumerate().filter(|(_, r)| !r.is_empty()) {
-                let samples = base.len() as f64;
-                let weight = 1.0 / (samples * (1.0 + now.per_sample[w]));
-                let pull =
-                    DVector::from_iterator(n, columns.iter().map(|c| weight * dot(&c[w], base)));
-                for i in 0..n {
-                    for j in 0..=i {
-                        normal[(i, j)] += weight * dot(&columns[i][w], &columns[j][w]);
-                    }
-                }
-                scatter += &pull * pull.transpose();
-                gradient += pull;
-            }
-            for i in 0..n {
-                for j in 0..i {
-                    normal[(j, i)] = normal[(i, j)];
-                }
-                if i < self.nudges.len() {
-                    normal[(i, i)] += PRIOR_WEIGHT;
-                    gradient[i] += PRIOR_WEIGHT * x[i];
-                }
-            }
-            let mut improved = None;
+            let gradient;
+            (normal, scatter, gradient) = self.normal_equations(&here, &columns);
             let stuck = |&i: &usize| {
-                let [low, high] = reaches[i];
-                (gradient[i] > 0.0 && x[i] <= low) || (gradient[i] < 0.0 && x[i] >= high)
+                let ([low, high], x) = (reaches[i], here.x[i]);
+                (gradient[i] > 0.0 && x <= low) || (gradient[i] < 0.0 && x >= high)
             };
             let stuck: Vec<usize> = (0..n).filter(stuck).collect();
+            let total = here.costs.sum();
+            let mut improved = None;
             while damping < MOST_DAMPING {
-                let mut damped = normal.clone();
-                for i in 0..n {
-                    damped[(i, i)] += damping * normal[(i, i)] + 1e-9;
-                }
-                let mut pull = gradient.clone();
-                // The others move as if those at their bound were fixed.
-                for &i in &stuck {
-                    damped.row_mut(i).fill(0.0);
-                    damped.column_mut(i).fill(0.0);
-                    damped[(i, i)] = 1.0;
-                    pull[i] = 0.0;
-                }
-                let Some(step) = damped.cholesky().map(|c| c.solve(&pull)) else {
+                let Some(step) = damped_step(&normal, &gradient, damping, &stuck) else {
                     damping *= 10.0;
                     continue;
                 };
-                let mut trial = x.clone();
-                for (i, dx) in step.iter().enumerate() {
-                    let moved = x[i] - dx.clamp(-LONGEST_MOVE, LONGEST_MOVE);
-                    trial[i] = within(moved, reaches[i]);
-                }
-                let at = self.predictor(hypothesis, &trial);
-                let r = self.residuals(&at, part);
-                let w = self.whitened(&r, &whitenings);
-                let trial_total = Costs::new(&w, self.prior(&trial)).sum();
-                if trial_total < total {
+                let moves = step.iter().map(|dx| dx.clamp(-LONGEST_MOVE, LONGEST_MOVE));
+                let moved = here.x.iter().zip(moves).zip(&reaches);
+                let trial: Vec<f64> = moved.map(|((x, by), r)| within(x - by, *r)).collect();
+                let predictor = self.predictor(hypothesis, &trial);
+                let residuals = self.residuals(&predictor, part);
+                let there = self.point(trial, predictor, residuals, &whitenings);
+                if there.costs.sum() < total {
                     damping = (0.2 * damping).max(1e-6);
-                    improved = Some((trial, at, r, trial_total));
+                    improved = Some(there);
                     break;
                 }
                 damping *= 8.0;
             }
-            let Some((trial, at, r, trial_total)) = improved else {
+            let Some(there) = improved else {
                 if iteration < WIDE {
                     damping = FIRST_DAMPING;
                     continue;
                 }
                 break;
             };
-            let small = total - trial_total < (LEAST_GAIN * total).min(LEAST_WINDOW_GAIN);
-            (x, predictor, residuals) = (trial, at, r);
-            whitenings = whiten(&predictor, &residuals);
-            whitened = self.whitened(&residuals, &whitenings);
-            now = Costs::new(&whitened, self.prior(&x));
-            total = now.sum();
-            // Restarts weigh otherwise at each point, so that a step down may turn out to be one up.
-            if total < best.0 {
-                best = (total, x.clone(), now.clone());
-            }
-            if small && iteration >= WIDE {
+            here = there;
+            let gain = total - here.costs.sum();
+            if iteration >= WIDE && gain < (LEAST_GAIN * total).min(LEAST_WINDOW_GAIN) {
                 break;
             }
         }
-        let (_, x, costs) = best;
+        if here.x != best.0 {
+            let whitenings = whiten(&here.predictor, &here.residuals);
+            let here = self.point(here.x, here.predictor, here.residuals, &whitenings);
+            here.keep_if_better(&mut best);
+        }
+        let (x, costs) = best;
         Fit {
             hypothesis: hypothesis.clone(),
             x,
@@ -307,6 +269,95 @@ impl Problem<'_> {
             costs,
         }
     }
+
+    fn point(
+        &self,
+        x: Vec<f64>,
+        predictor: Predictor,
+        residuals: Vec<Vec<f64>>,
+        whitenings: &[Option<Whitening>],
+    ) -> Point {
+        let whitened = self.whitened(&residuals, whitenings);
+        Point {
+            costs: Costs::new(&whitened, self.prior(&x)),
+            x,
+            predictor,
+            residuals,
+            whitened,
+        }
+    }
+
+    /// Of the robust cost at a point with slopes along all its coordinates, whitened: normal matrix, scatter of what the
+    /// windows pull at it, and gradient.
+    fn normal_equations(
+        &self,
+        here: &Point,
+        columns: &[Vec<Vec<f64>>],
+    ) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
+        let n = columns.len();
+        let mut gradient = DVector::zeros(n);
+        let mut normal = DMatrix::zeros(n, n);
+        let mut scatter = DMatrix::zeros(n, n);
+        let windows = here.whitened.iter().enumerate();
+        for (w, base) in windows.filter(|(_, r)| !r.is_empty()) {
+            let weight = 1.0 / (base.len() as f64 * (1.0 + here.costs.per_sample[w]));
+            let pulls = columns.iter().map(|c| weight * dot(&c[w], base));
+            let pull = DVector::from_iterator(n, pulls);
+            for i in 0..n {
+                for j in 0..=i {
+                    normal[(i, j)] += weight * dot(&columns[i][w], &columns[j][w]);
+                }
+            }
+            scatter += &pull * pull.transpose();
+            gradient += pull;
+        }
+        normal.fill_upper_triangle_with_lower_triangle();
+        for i in 0..self.nudges.len() {
+            normal[(i, i)] += PRIOR_WEIGHT;
+            gradient[i] += PRIOR_WEIGHT * here.x[i];
+        }
+        (normal, scatter, gradient)
+    }
+}
+
+/// What a hypothesis leaves at a point, and what that costs as it is weighed there.
+struct Point {
+    x: Vec<f64>,
+    predictor: Predictor,
+    residuals: Vec<Vec<f64>>,
+    whitened: Vec<Vec<f64>>,
+    costs: Costs,
+}
+
+impl Point {
+    /// Restarts weigh otherwise at each point, so that steps down may turn out to lead up.
+    fn keep_if_better(&self, best: &mut (Vec<f64>, Costs)) {
+        if self.costs.sum() < best.1.sum() {
+            *best = (self.x.clone(), self.costs.clone());
+        }
+    }
+}
+
+/// The step down; along coordinates that are `stuck` none, the others move as if those were fixed. None if there is no such
+/// step.
+fn damped_step(
+    normal: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    damping: f64,
+    stuck: &[usize],
+) -> Option<DVector<f64>> {
+    let mut damped = normal.clone();
+    for i in 0..normal.nrows() {
+        damped[(i, i)] += damping * normal[(i, i)] + 1e-9;
+    }
+    let mut pull = gradient.clone();
+    for &i in stuck {
+        damped.row_mut(i).fill(0.0);
+        damped.column_mut(i).fill(0.0);
+        damped[(i, i)] = 1.0;
+        pull[i] = 0.0;
+    }
+    Some(damped.cholesky()?.solve(&pull))
 }
 
 /// A difference of a coordinate that leaves it in its reach: at the upper end it goes nowhere but back.

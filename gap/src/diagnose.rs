@@ -77,8 +77,6 @@ const EXPLAINED: f64 = 0.15;
 /// Share of the robust excess that may be left where the gap is at its floor: a wrong name for a hum may come that near
 /// by the few windows that are large.
 const MOST_MISSING_AT_FLOOR: f64 = 0.25;
-/// Gap over floor up to which nothing that can be named is missing: near stick and slip a few restarts may decide either.
-const QUIET_GAP: f64 = 2.0;
 /// Factor within which the floor is known.
 const FLOOR_DOUBT: f64 = 1.2;
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
@@ -188,7 +186,9 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
     let verdict = if selection.rounds.is_empty() {
         let null = &selection.null;
-        if selection.quiet || (null.is_likely() && is_within_floor(&problem, null)) {
+        if selection.quiet
+            || (null.is_likely() && problem.gap_over_floor(null) <= select::QUIET_GAP)
+        {
             Verdict::NoGap
         } else {
             Verdict::Unexplained
@@ -233,13 +233,6 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         elapsed_s: started.elapsed().as_secs_f64(),
     };
     Outcome { diagnosis, model }
-}
-
-/// True if the null misses no more than a small multiple of what noise and restarts alone would.
-fn is_within_floor(problem: &Problem<'_>, null: &Fit) -> bool {
-    let squares: f64 = problem.window_squares(null, Part::All).iter().sum();
-    let floor: f64 = problem.floor_squares(null).iter().sum();
-    squares <= QUIET_GAP.powi(2) * floor
 }
 
 fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {

@@ -107,6 +107,13 @@ impl Problem<'_> {
         floor_squares(self.recording, &predictor, windows, series::coarse)
     }
 
+    /// Root mean square of what a fit leaves, over that of what noise and restarts alone would.
+    pub(crate) fn gap_over_floor(&self, fit: &Fit) -> f64 {
+        let squares: f64 = self.window_squares(fit, Part::All).iter().sum();
+        let floor: f64 = self.floor_squares(fit).iter().sum();
+        (squares / floor.max(f64::MIN_POSITIVE)).sqrt()
+    }
+
     /// Running index of the first window of each series.
     fn bases(&self) -> Vec<usize> {
         let counts = self.series.iter().scan(0, |next, s| {

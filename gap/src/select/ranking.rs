@@ -12,23 +12,39 @@ const SPECIAL_PARSIMONY: f64 = 0.08;
 /// A name is not separable from the winner within this share of the winner's gain.
 const TIE_SHARE: f64 = 0.04;
 
-/// Best first; among those that gain nearly as much as the best, fewer parameters first.
-pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit) -> Option<Vec<Rival>> {
+/// Robust cost, over all windows, that a parameter must save where nothing else is missing: half the logarithm of their number
+/// (Schwarz, Annals of Statistics 6, 1978).
+fn price(windows: usize) -> f64 {
+    0.5 * (windows.max(1) as f64).ln()
+}
+
+/// Best first; among those that gain nearly as much as the best, fewer parameters first. Where the best leaves no more than
+/// `quiet`, what they leave beyond it must be within luck, too.
+pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<Vec<Rival>> {
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let first = &rivals.first()?.fit;
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
     // What needs fewer numbers because it bends those of the model saves none.
     let bends = |fit: &Fit| likely && !fit.is_likely();
+    let windows = first.costs.per_sample.len();
+    let numbers = rivals[0].parameters();
+    let is_luck = |rival: &Rival| {
+        let saved = (level(&rival.fit) - best) * windows as f64;
+        let more = numbers.saturating_sub(rival.parameters()) as f64;
+        best > quiet || saved <= more * price(windows)
+    };
+    let is_as_good = |i: usize, limit: f64| {
+        let rival = &rivals[i];
+        level(&rival.fit) <= limit && !bends(&rival.fit) && is_luck(rival)
+    };
     let winner = (0..rivals.len())
-        .filter(|&i| level(&rivals[i].fit) <= close && !bends(&rivals[i].fit))
+        .filter(|&i| is_as_good(i, close))
         .min_by_key(|&i| (rivals[i].parameters(), i))?;
     // A special case needs even less to be preferred to what contains it.
     let gain = (level(known) - best).max(0.0);
-    let special = (0..rivals.len()).filter(|&i| {
-        level(&rivals[i].fit) <= best + SPECIAL_PARSIMONY * gain
-            && !bends(&rivals[i].fit)
-            && is_special(rivals[i].name, rivals[winner].name)
-    });
+    let near = best + SPECIAL_PARSIMONY * gain;
+    let special = (0..rivals.len())
+        .filter(|&i| is_as_good(i, near) && is_special(rivals[i].name, rivals[winner].name));
     let winner = special.min().unwrap_or(winner);
     let winner = rivals.remove(winner);
     rivals.insert(0, winner);

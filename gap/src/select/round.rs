@@ -4,7 +4,7 @@ use super::evolution::evolved;
 use super::place::{bounces, earns_its_place, is_local};
 use super::ranking::{contains, enough, ranked, special_cases};
 use super::rival::{Rival, extended, turned};
-use super::{Given, is_quiet, level};
+use super::{Given, QUIET_EXCESS, is_quiet, level};
 use crate::candidate::{one_sided, untouched};
 use crate::fit::Fit;
 use crate::hypothesis::{Hypothesis, Term};
@@ -131,7 +131,8 @@ impl Search<'_> {
             }
         }
         let screened = looked.iter().flat_map(|(_, screened)| screened).cloned();
-        let both = ranked(self.finals(screened.collect(), null), null)?.swap_remove(0);
+        let both =
+            ranked(self.finals(screened.collect(), null), null, self.quiet())?.swap_remove(0);
         if !worth(&both.fit) {
             return None;
         }
@@ -277,10 +278,15 @@ impl Search<'_> {
         rivals
     }
 
+    /// Level up to which nothing is missing.
+    pub(super) fn quiet(&self) -> f64 {
+        self.perfect.level + QUIET_EXCESS
+    }
+
     /// The rivals in their order, the best one polished and judged.
     fn judged(&self, known: &Fit, screened: Vec<Rival>, rivals: Vec<Rival>) -> Option<Round> {
         (self.progress)(Stage::Judging);
-        let mut rivals = ranked(rivals, known)?;
+        let mut rivals = ranked(rivals, known, self.quiet())?;
         // What needs a moment of its own is none where the same thing at all times leaves nothing.
         let halfway = 0.5 * (level(known) + level(&rivals[0].fit));
         let special = rivals.iter().position(|rival| {

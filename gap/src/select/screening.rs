@@ -1,10 +1,10 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
 use super::evolution::evolved;
+use super::level;
 use super::place::{bounces, is_local, is_scanned};
 use super::rival::{Rival, extended};
 use super::round::Search;
-use super::{QUIET_EXCESS, level};
 use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::Fit;
 use crate::ground::Ground;
@@ -233,7 +233,7 @@ impl Search<'_> {
         let Some(Rival { fit, .. }) = best else {
             return false;
         };
-        let enough = self.perfect.level + QUIET_EXCESS;
+        let enough = self.quiet();
         if level(fit) > enough {
             let (hypothesis, x) = (&fit.hypothesis, fit.x.clone());
             let part = Part::Chosen(chosen);

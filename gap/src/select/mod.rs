@@ -137,8 +137,8 @@ impl Selection {
         fit.is_likely() && self.left(fit) <= MOST_LEFT_EXPLAINED
     }
 
-    /// True if it leaves no more than it would if it were right, too, and little of what the null leaves; or as much as it
-    /// would, in the gap, too: near stick and slip a right model leaves more than that.
+    /// True if it leaves no more than it would if it were right, where that is little beside what the null leaves, or as much
+    /// of the gap as is foretold: near stick and slip even a right model leaves more than little.
     fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
         if !fit.is_likely() {
             return false;

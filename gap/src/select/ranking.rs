@@ -128,3 +128,64 @@ pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
     });
     both.flatten().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::costs::Costs;
+    use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use host_sim::effects;
+
+    const KNOWN: f64 = 2.0;
+    const BEST: f64 = 0.7;
+
+    /// A fit that leaves `level` in each of 200 windows, with so many free parameters of an effect.
+    fn fit(name: &str, free: usize, level: f64) -> Fit {
+        let kind = effects::kind(name).unwrap();
+        let coordinate = |parameter| Coordinate {
+            parameter,
+            start: 1.0,
+            scale: Scale::Linear(1.0),
+        };
+        let term = Term {
+            kind,
+            values: kind.parameters.iter().map(|p| p.default).collect(),
+            free: (0..free).map(coordinate).collect(),
+            sensor_on_load: false,
+        };
+        Fit {
+            hypothesis: Hypothesis { terms: vec![term] },
+            x: vec![0.0; free],
+            std: vec![0.0; free],
+            costs: Costs {
+                per_sample: vec![level.exp_m1(); 200],
+                prior: 0.0,
+            },
+        }
+    }
+
+    /// Which is first of a spring, which leaves least, and a gain with a parameter less that leaves so much more.
+    fn first(more: f64, quiet: f64) -> &'static str {
+        let rival = |name, free, level| Rival {
+            name,
+            fit: fit(name, free, level),
+        };
+        let rivals = vec![
+            rival("torque_gain", 1, BEST + more),
+            rival("spring", 2, BEST),
+        ];
+        ranked(rivals, &fit("coulomb", 0, KNOWN), quiet).unwrap()[0].name
+    }
+
+    #[test]
+    fn fewer_parameters_win_while_what_they_leave_is_luck() {
+        let price = price(200) / 200.0;
+        assert!(1.2 * price < PARSIMONY * (KNOWN - BEST));
+        let [less, quiet] = [0.9 * BEST, 1.1 * BEST];
+        assert_eq!(first(0.8 * price, quiet), "torque_gain");
+        assert_eq!(first(1.2 * price, quiet), "spring");
+        // Where more is missing than either explains, luck is not all that is left.
+        assert_eq!(first(1.2 * price, less), "torque_gain");
+        assert_eq!(first(1.2 * PARSIMONY * (KNOWN - BEST), less), "spring");
+    }
+}

@@ -176,11 +176,15 @@ impl Problem<'_> {
         let predictor = self.predictor(hypothesis, &x);
         let residuals = self.residuals(&predictor, part);
         let known = ground.map_or(&[][..], Ground::slopes);
-        let whiten = |predictor: &Predictor, residuals: &[Vec<f64>]| match ground {
+        let mut whitenings = match ground {
             Some(ground) => Cow::Borrowed(ground.whitenings()),
-            None => Cow::Owned(self.whitenings(predictor, residuals, part)),
+            None => Cow::Owned(self.whitenings(&predictor, &residuals, part)),
         };
-        let mut whitenings = whiten(&predictor, &residuals);
+        let weighed_anew = |here: Point| {
+            let whitenings = self.whitenings(&here.predictor, &here.residuals, part);
+            let here = self.point(here.x, here.predictor, here.residuals, &whitenings);
+            (here, Cow::Owned(whitenings))
+        };
         let mut here = self.point(x, predictor, residuals, &whitenings);
         let mut best = (here.x.clone(), here.costs.clone());
         let mut damping = FIRST_DAMPING;
@@ -192,8 +196,7 @@ impl Problem<'_> {
                 break;
             }
             if iteration > 0 && iteration % ANEW_EVERY == 0 && ground.is_none() {
-                whitenings = whiten(&here.predictor, &here.residuals);
-                here = self.point(here.x, here.predictor, here.residuals, &whitenings);
+                (here, whitenings) = weighed_anew(here);
                 here.keep_if_better(&mut best);
             }
             let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
@@ -256,11 +259,10 @@ impl Problem<'_> {
                 break;
             }
         }
-        if here.x != best.0 {
-            let whitenings = whiten(&here.predictor, &here.residuals);
-            let here = self.point(here.x, here.predictor, here.residuals, &whitenings);
-            here.keep_if_better(&mut best);
+        if ground.is_none() && here.x != best.0 {
+            (here, _) = weighed_anew(here);
         }
+        here.keep_if_better(&mut best);
         let (x, costs) = best;
         Fit {
             hypothesis: hypothesis.clone(),

@@ -120,8 +120,9 @@ impl Imagined {
                 };
                 // A cubic over the tear says nothing of what goes on from there.
                 let drawn = |deviation| sign * noise.next(deviation);
-                let errors = state.errors(window.restart_noise, drawn);
-                window.restart = window.restart.at(state, errors);
+                let [value, slope] = state.errors(window.restart_noise, drawn);
+                let seen = [state.value + value, state.slope + slope, state.curvature];
+                window.restart = window.restart.at(seen);
             }
         }
         (shown, all)
@@ -187,7 +188,7 @@ fn begin_at_rest(series: &mut Series, predictor: &Predictor) {
         series.squares(&series.windows[0], &predicted)
     };
     let moving = squares(series);
-    series.windows[0].restart = cubic.at_rest(value);
+    series.windows[0].restart = cubic.at([value, 0.0, 0.0]);
     if squares(series) >= moving {
         series.windows[0].restart = cubic;
     }

@@ -2,7 +2,6 @@
 
 use crate::fit::Fit;
 use crate::imagined::Imagined;
-use crate::predict::Predictor;
 use crate::problem::{Part, Problem};
 use crate::series;
 
@@ -25,10 +24,7 @@ pub(crate) struct Perfect {
 impl Perfect {
     /// Of `fit`, on what its own device would have given.
     pub(crate) fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
-        let device = fit
-            .hypothesis
-            .device(&problem.recording.model, &problem.nudges, &fit.x);
-        let predictor = Predictor::new(device, problem.recording);
+        let predictor = problem.predictor(&fit.hypothesis, &fit.x);
         let (mut first, mut odd) = (Vec::new(), Vec::new());
         for imagined in Imagined::both(problem.recording, &predictor) {
             let (own, series) = imagined.shown(0, series::coarse);

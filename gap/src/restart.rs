@@ -34,22 +34,12 @@ pub struct Restart {
 }
 
 impl Restart {
-    /// The same instant, at rest at `value`.
-    pub(crate) fn at_rest(self, value: f64) -> Self {
+    /// The same instant in another state: value, slope and second derivative.
+    pub(crate) fn at(self, [value, slope, curvature]: [f64; 3]) -> Self {
         Self {
             value,
-            slope: 0.0,
-            curvature: 0.0,
-            ..self
-        }
-    }
-
-    /// The same instant in another state, seen with these errors of value and slope.
-    pub(crate) fn at(self, state: &Self, errors: [f64; 2]) -> Self {
-        Self {
-            value: state.value + errors[0],
-            slope: state.slope + errors[1],
-            curvature: state.curvature,
+            slope,
+            curvature,
             ..self
         }
     }

@@ -83,14 +83,14 @@ impl Selection {
     }
 
     /// True if one more effect may be found on top of those there are.
-    fn goes_on(&self, problem: &Problem<'_>) -> bool {
+    fn goes_on(&self) -> bool {
         let fit = self.fit();
         let hopeless = !self.given && self.is_hopeless(fit);
         let possible = self.last.is_none() && !hopeless;
         possible
             && match self.rounds.len() {
                 // The second of two may be small beside the first.
-                1 => !self.suffices(problem, fit),
+                1 => true,
                 2..MOST_EFFECTS => !self.leaves_little(fit),
                 _ => false,
             }
@@ -209,10 +209,16 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let promising = selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE;
     let pair =
         (promising && !settled).then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
-    for round in pair.flatten().unwrap_or_else(|| vec![first]) {
+    let pair = pair.flatten();
+    // One of the two may do what both do.
+    let is_alone = pair.as_ref().is_some_and(|rounds| rounds.len() == 1);
+    for round in pair.unwrap_or_else(|| vec![first]) {
         selection.add(round);
     }
-    while selection.goes_on(problem) {
+    if is_alone && selection.suffices(problem, selection.fit()) {
+        return selection;
+    }
+    while selection.goes_on() {
         match search.round(selection.fit(), &hints) {
             Some(round) => selection.add(round),
             None => break,

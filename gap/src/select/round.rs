@@ -246,9 +246,9 @@ impl Search<'_> {
         let all = screened.clone();
         let short_of = |best: f64, share: f64, none: f64| best + share * (none - best).max(0.0);
         // On the windows of screening an effect that explains nothing leaves what is known to leave there.
-        let levels = screened.first().zip(screened.last());
-        let levels = levels.map(|(best, worst)| [best, worst].map(|rival| level(&rival.fit)));
-        let limit = levels.map_or(0.0, |[best, worst]| short_of(best, IN_REACH, worst));
+        let [best, worst] = [screened.first(), screened.last()]
+            .map(|rival| rival.map_or(0.0, |rival| level(&rival.fit)));
+        let limit = short_of(best, IN_REACH, worst);
         let finalists = screened.into_iter().enumerate().filter(|(rank, rival)| {
             let is_local = is_local(rival.name);
             local += usize::from(is_local);

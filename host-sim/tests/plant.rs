@@ -331,6 +331,24 @@ fn error_of_quick_behind(mechanics: &Mechanics, lag_s: f64) -> f64 {
     differences.fold(0.0, f64::max) / way
 }
 
+#[test]
+fn bristles_that_bend_suddenly_are_followed_by_long_steps() {
+    for distance in [2e-4, 1e-3, 5e-3] {
+        for elastic in [0.0, 0.5, 0.8, 0.9] {
+            let error = error_of_quick(&Mechanics {
+                presliding: Some(Presliding {
+                    distance,
+                    damping: 1e-3,
+                    exponent: 1.0,
+                    elastic,
+                }),
+                ..paddle()
+            });
+            assert!(error < 2e-3, "{distance} {elastic}: {error}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

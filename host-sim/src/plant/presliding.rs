@@ -23,6 +23,8 @@ pub struct Presliding {
 
 /// Share of its sliding deflection at which a bristle counts as sliding.
 const SLID: f64 = 0.98;
+/// Share of the way to sliding by which a step too long may overshoot: bristles spring back no faster than they are bent.
+const FARTHEST_BACK: f64 = -1.0;
 /// Share that is left of the way to sliding below which the exponent is one: no solver follows a root to its end.
 const LAST: f64 = 0.02;
 
@@ -44,6 +46,7 @@ impl Presliding {
         } else {
             1.0 - bent
         };
+        let left = left.max(FARTHEST_BACK);
         if self.exponent == 1.0 {
             velocity * left
         } else if left < LAST {
@@ -53,11 +56,20 @@ impl Presliding {
         }
     }
 
+    /// Longest step over which a deflection follows a velocity, s: to the end of the elastic part, then once as long as it
+    /// relaxes.
+    #[inline]
+    pub(super) fn longest_step(&self, velocity: f64, deflection: f64) -> f64 {
+        let bent = deflection * velocity.signum();
+        let elastic = self.elastic * self.distance - bent;
+        elastic.max((1.0 - self.elastic) * self.distance) / velocity.abs()
+    }
+
     /// True where the deflection has settled and would relax faster than a step of `step_s` follows.
     #[inline]
     pub(super) fn has_slid(&self, velocity: f64, deflection: f64, step_s: f64) -> bool {
         deflection * velocity.signum() > SLID * self.distance
-            && velocity.abs() * step_s > self.distance
+            && velocity.abs() * step_s > (1.0 - self.elastic) * self.distance
     }
 
     /// Fastest rate of an inertia on bristles of this sliding level, 1/s.

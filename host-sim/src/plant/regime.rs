@@ -227,8 +227,16 @@ impl Plant {
                     .longest_step(state, torque.at(0.0), closed)
                     .min(torque.longest_step());
                 let h = piece.min(longest.max(shortest_s));
+                let bends = if has_bristles(N) && state.phase == Phase::Bristle {
+                    let bristles = &self.parts.bristles;
+                    bristles.longest_step(state.velocity, state.deflection)
+                } else {
+                    f64::INFINITY
+                };
+                let followed = h.min(bends.max(shortest_s));
                 let watched = events < self.pace.most_events;
-                let (taken, event) = self.flow::<N>(state, &torque, h, watched, closed);
+                let (taken, event) = self.flow::<N>(state, &torque, followed, watched, closed);
+                let event = event || has_bristles(N) && self.slides_on(state, h);
                 events += usize::from(event);
                 taken
             };
@@ -378,14 +386,13 @@ impl Plant {
         let tolerance = watch.then_some(self.pace.event_tolerance);
         let step = event::advance(&regime, &pack::<N>(state), h, tolerance);
         unpack(&step.x, state);
-        let mut event = step.event;
         if !watch {
             state.time_s += step.taken;
             self.enter(state);
             state.time_s -= step.taken;
             return (step.taken, false);
         }
-        if event {
+        if step.event {
             if direction != 0.0 && state.velocity * direction <= 0.0 {
                 state.velocity = 0.0;
                 state.phase = Phase::Stick;
@@ -402,16 +409,19 @@ impl Plant {
             self.touch(state);
             state.time_s -= step.taken;
         }
+        (step.taken, step.event)
+    }
+
+    /// Takes bristles that have bent all the way for sliding, if they would relax faster than a step of `step_s` follows.
+    #[inline]
+    fn slides_on(&self, state: &mut State, step_s: f64) -> bool {
         let bristles = &self.parts.bristles;
-        if state.phase == Phase::Bristle && bristles.has_slid(state.velocity, state.deflection, h) {
-            event = true;
-            state.phase = if state.velocity > 0.0 {
-                Phase::Forward
-            } else {
-                Phase::Backward
-            };
+        let slides = state.phase == Phase::Bristle
+            && bristles.has_slid(state.velocity, state.deflection, step_s);
+        if slides {
+            state.phase = Phase::sliding(state.velocity);
         }
-        (step.taken, event)
+        slides
     }
 
     /// The longest step that follows how friction falls with speed, s.

@@ -220,7 +220,9 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         .iter()
         .filter_map(|c| c.line(&recording.units.position));
     let oddities = recording.oddities.iter().map(ToString::to_string);
-    let warnings = oddities.chain(disagreement).collect();
+    let bounds = selection.fit().at_bounds(&problem.nudges);
+    let bounds = bounds.iter().map(ToString::to_string);
+    let warnings = oddities.chain(disagreement).chain(bounds).collect();
     let diagnosis = Diagnosis {
         format: 1,
         verdict,

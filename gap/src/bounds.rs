@@ -1,0 +1,135 @@
+//! Numbers that a fit left at the end of their reach: it may have stalled there, and their uncertainty counts for nothing.
+
+use crate::fit::Fit;
+use crate::hypothesis::Nudge;
+use std::fmt;
+
+/// Share of its reach within which a coordinate is at the end of it.
+const AT_END: f64 = 1e-6;
+
+/// A number at the end of what it can reach.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Bound {
+    /// Of the model itself.
+    Model { name: String },
+    /// Of an effect.
+    Effect {
+        effect: &'static str,
+        name: String,
+        is_upper: bool,
+    },
+}
+
+impl Fit {
+    /// The numbers of model and effects that stand at the end of their reach.
+    pub(crate) fn at_bounds(&self, nudges: &[Nudge]) -> Vec<Bound> {
+        let reaches = self.hypothesis.reaches(nudges);
+        let mut ends = self
+            .x
+            .iter()
+            .zip(&reaches)
+            .map(|(x, reach)| end(*x, *reach));
+        let of_model = nudges.iter().zip(&mut ends);
+        let of_model = of_model.filter(|(_, end)| end.is_some());
+        let mut all: Vec<Bound> = of_model
+            .map(|(nudge, _)| Bound::Model {
+                name: nudge.name.clone(),
+            })
+            .collect();
+        let terms = self.hypothesis.terms.iter();
+        let free = terms.flat_map(|term| term.free.iter().map(move |c| (term, c.parameter)));
+        all.extend(free.zip(ends).filter_map(|((term, place), end)| {
+            Some(Bound::Effect {
+                effect: term.kind.name,
+                name: term.kind.value_name(place, term.values.len()),
+                is_upper: end?,
+            })
+        }));
+        all
+    }
+}
+
+/// Whether a coordinate is at the upper end of its reach, if it is at either.
+fn end(x: f64, [low, high]: [f64; 2]) -> Option<bool> {
+    let near = AT_END * (high - low);
+    let is_upper = x >= high - near;
+    (is_upper || x <= low + near).then_some(is_upper)
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Model { name } => write!(
+                f,
+                "the fit moves {name} as far from the model as its tolerance can bear: check both"
+            ),
+            Self::Effect {
+                effect,
+                name,
+                is_upper,
+            } => {
+                let end = if *is_upper { "highest" } else { "lowest" };
+                write!(
+                    f,
+                    "the fit of {effect} ends with {name} at its {end} possible value, where fits may stall: its uncertainty is not known"
+                )
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::costs::Costs;
+    use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use host_sim::effects;
+
+    #[test]
+    fn what_stands_at_an_end_is_named() {
+        let kind = effects::kind("presliding").unwrap();
+        let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+        let elastic = kind.parameters.iter().position(|p| p.name == "elastic");
+        let elastic = elastic.unwrap();
+        let free = [0, elastic].map(|parameter| Coordinate {
+            parameter,
+            start: values[parameter],
+            scale: Scale::Linear(0.1 * values[parameter].max(1.0)),
+        });
+        let highest = (kind.parameter(elastic).range[1] - values[elastic]) / 0.1;
+        let term = Term {
+            kind,
+            values,
+            free: free.to_vec(),
+            sensor_on_load: false,
+        };
+        let nudge = |name: &str| Nudge {
+            name: name.to_owned(),
+            value: 1.0,
+            std: 0.02,
+        };
+        let nudges = [nudge("inertia"), nudge("viscous")];
+        let at = |x: [f64; 4]| {
+            let fit = Fit {
+                hypothesis: Hypothesis {
+                    terms: vec![term.clone()],
+                },
+                x: x.to_vec(),
+                std: vec![0.0; 4],
+                costs: Costs {
+                    per_sample: Vec::new(),
+                    prior: 0.0,
+                },
+            };
+            let bounds = fit.at_bounds(&nudges);
+            bounds.iter().map(Bound::to_string).collect::<Vec<_>>()
+        };
+        assert_eq!(at([1.0, -4.9, 0.1, highest - 0.01]), [""; 0]);
+        let [viscous, elastic] = at([1.0, -5.0, 0.1, highest]).try_into().unwrap();
+        assert!(viscous.contains("moves viscous"), "{viscous}");
+        assert!(
+            elastic.contains("presliding ends with elastic at its highest"),
+            "{elastic}"
+        );
+    }
+}

@@ -90,6 +90,16 @@ impl Term {
         values
     }
 
+    /// True if nothing that a fit leaves as it is tells it from another.
+    pub(crate) fn is_same_variant(&self, other: &Self) -> bool {
+        let fixed = |term: &Self| -> Vec<(usize, u64)> {
+            let values = term.values.iter().map(|v| v.to_bits()).enumerate();
+            let is_free = |i: usize| term.free.iter().any(|c| c.parameter == i);
+            values.filter(|(i, _)| !is_free(*i)).collect()
+        };
+        self.kind.name == other.kind.name && fixed(self) == fixed(other)
+    }
+
     /// The same term begun at the coordinates `x`.
     pub(crate) fn moved(&self, x: &[f64]) -> Self {
         let mut moved = self.clone();
@@ -213,6 +223,16 @@ impl Hypothesis {
             rest = others;
             (term, own)
         })
+    }
+
+    /// The same begun at the coordinates `x`, and what these are then.
+    pub(crate) fn moved(&self, x: &[f64]) -> (Self, Vec<f64>) {
+        let terms = self.parts(x).map(|(term, own)| term.moved(own));
+        let terms = terms.collect();
+        let held = x.len() - self.free();
+        let mut there = vec![0.0; x.len()];
+        there[..held].copy_from_slice(&x[..held]);
+        (Self { terms }, there)
     }
 
     pub(crate) fn device(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Device {

@@ -82,8 +82,12 @@ impl Problem<'_> {
 
     /// Squared residuals of each window of a part, by running index; NaN for the others.
     pub(crate) fn window_squares(&self, fit: &Fit, part: Part<'_>) -> Vec<f64> {
-        let predictor = self.predictor(&fit.hypothesis, &fit.x);
-        let residuals = self.residuals(&predictor, part);
+        self.squares(&self.predictor(&fit.hypothesis, &fit.x), part)
+    }
+
+    /// The same of what predicts.
+    pub(crate) fn squares(&self, predictor: &Predictor, part: Part<'_>) -> Vec<f64> {
+        let residuals = self.residuals(predictor, part);
         let pairs = self.series.iter().zip(&residuals).zip(self.bases());
         pairs
             .flat_map(|((series, residual), base)| {

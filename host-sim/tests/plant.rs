@@ -5,6 +5,7 @@ use host_sim::plant::{
     Barrier, Drift, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque,
 };
 use proptest::prelude::*;
+use std::f64::consts::TAU;
 
 fn paddle() -> Mechanics {
     Mechanics {
@@ -45,6 +46,40 @@ fn run_behind(
             state.position
         })
         .collect()
+}
+
+#[test]
+fn a_hand_that_holds_swings_about_its_place_and_lets_go() {
+    let (stiffness, inertia, displaced) = (0.5_f64, 5e-4, 0.1);
+    let period_s = TAU * (inertia / stiffness).sqrt();
+    let held_s = 1.25 * period_s;
+    let mut mechanics = Mechanics::inertia(inertia);
+    mechanics.barriers[0] = Some(Barrier {
+        at: -0.2,
+        side: 0.0,
+        stiffness,
+        damping: 0.0,
+        during_s: Some([0.0, held_s]),
+    });
+    let positions = run(
+        &Plant::new(mechanics),
+        [displaced - 0.2, 0.0],
+        held_s / 1000.0,
+        1.2 * held_s,
+        |_| 0.0,
+    );
+    let expected = |t: f64| {
+        let omega = TAU / period_s;
+        if t < held_s {
+            displaced * (omega * t).cos() - 0.2
+        } else {
+            -0.2 - displaced * omega * (t - held_s)
+        }
+    };
+    for (i, position) in positions.iter().enumerate() {
+        let t = (i + 1) as f64 * held_s / 1000.0;
+        assert!((position - expected(t)).abs() < 1e-6, "{t}: {position}");
+    }
 }
 
 #[test]
@@ -391,6 +426,7 @@ proptest! {
         slope in -2.0..2.0f64,
         load_share in 0.0..0.3f64,
         from_s in 0.0..0.2f64,
+        side in prop_oneof![Just(1.0), Just(0.0)],
     ) {
         let mut paddle = paddle();
         let friction = &mut paddle.friction;
@@ -402,7 +438,7 @@ proptest! {
         friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None });
         paddle.barriers[0] = Some(Barrier {
             at: 0.01,
-            side: 1.0,
+            side,
             stiffness: 2.0,
             damping: 0.01,
             during_s: Some([from_s, from_s + 0.05]),

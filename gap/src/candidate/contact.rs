@@ -1,6 +1,7 @@
-//! Something outside that pushes back for a while: a stretch of time in which the nominal model fails.
+//! Something outside that pushes back or holds for a while: a stretch of time in which the nominal model fails.
 
 use super::Evidence;
+use super::regression::{moments, regress_in};
 use super::start::{linear, log, term};
 use crate::hypothesis::Term;
 use crate::motion::{quantile, rms};
@@ -14,11 +15,20 @@ const QUIET: f64 = 0.4;
 /// A stretch longer than this share of the recording is no passing contact.
 const LONGEST_SHARE: f64 = 0.5;
 
+/// What pushes back or holds: against motion up, down, and both.
+const HAND: [f64; 3] = [1.0, -1.0, 0.0];
+/// Places among its numbers of the side, and of when it comes and goes.
+const SIDE: usize = 1;
+const INSTANTS: [usize; 2] = [4, 5];
+
+/// Least damping of a start, over what is usual.
+const LEAST_DAMPING: f64 = 0.1;
+
 /// Something that pushes back, and when.
 #[derive(Clone, Copy)]
 pub(super) struct Push {
     pub position: f64,
-    /// +1 if it pushes back what comes from below.
+    /// +1 if it pushes back what comes from below, 0 if it holds.
     pub side: f64,
     pub stiffness: f64,
     pub damping: f64,
@@ -30,29 +40,64 @@ pub(super) struct Push {
 
 /// As contacts of that time.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
-    let contacts = pushes(e).into_iter().map(|push| {
+    let contacts = pushes(e, &HAND).into_iter().map(|push| {
         let time_scale = 0.1 * (push.to_s - push.from_s);
         let free = vec![
             linear(0, push.position, 0.1 * push.span),
             log(2, push.stiffness),
             log(3, push.damping),
-            linear(4, push.from_s, time_scale),
-            linear(5, push.to_s, time_scale),
+            linear(INSTANTS[0], push.from_s, time_scale),
+            linear(INSTANTS[1], push.to_s, time_scale),
         ];
-        term(kind, free, &[(1, push.side)])
+        term(kind, free, &[(SIDE, push.side)])
     });
     contacts.collect()
 }
 
-/// What could push back in the stretch that is worst.
-pub(super) fn pushes(e: &Evidence<'_>) -> Vec<Push> {
+/// The same hand as it would push back or hold otherwise.
+pub(crate) fn otherwise(hand: &Term) -> Vec<Term> {
+    let others = HAND.into_iter().filter(|side| *side != hand.values[SIDE]);
+    others.map(|side| with(hand, SIDE, side)).collect()
+}
+
+/// When a hand comes and goes, s of the session.
+pub(crate) fn instants(hand: &Term) -> [f64; 2] {
+    INSTANTS.map(|instant| hand.values[instant])
+}
+
+/// The same hand that comes (0) or goes (1) at another instant.
+pub(crate) fn moved(hand: &Term, which: usize, by_s: f64) -> Term {
+    with(hand, INSTANTS[which], hand.values[INSTANTS[which]] + by_s)
+}
+
+fn with(hand: &Term, parameter: usize, value: f64) -> Term {
+    let mut hand = hand.clone();
+    hand.values[parameter] = value;
+    for coordinate in hand.free.iter_mut().filter(|c| c.parameter == parameter) {
+        coordinate.start = value;
+    }
+    hand
+}
+
+/// What could push back to some `sides` in the stretch that is worst.
+pub(super) fn pushes(e: &Evidence<'_>, sides: &[f64]) -> Vec<Push> {
     let stretches = stretches(e).into_iter();
     stretches
-        .flat_map(|(series, windows)| pushes_during(e, series, windows))
+        .flat_map(|(series, windows)| pushes_during(e, sides, series, windows))
         .collect()
 }
 
-fn pushes_during(e: &Evidence<'_>, series: usize, windows: Range<usize>) -> Vec<Push> {
+/// Missing torque that is more than chance, from its rms.
+fn strongly(rms_nm: f64) -> f64 {
+    1.5 * rms_nm
+}
+
+fn pushes_during(
+    e: &Evidence<'_>,
+    sides: &[f64],
+    series: usize,
+    windows: Range<usize>,
+) -> Vec<Push> {
     let data = &e.series[series];
     let rows = data.windows[windows.start].samples.start..data.windows[windows.end - 1].samples.end;
     let motion = &e.motions[series];
@@ -65,7 +110,7 @@ fn pushes_during(e: &Evidence<'_>, series: usize, windows: Range<usize>) -> Vec<
         .filter(|m| m.is_finite())
         .collect::<Vec<_>>());
     // The torque is missing while it is there: from the first to the last sample that shows it.
-    let strong = |m: f64| m.abs() > 1.5 * quiet;
+    let strong = |m: f64| m.abs() > strongly(quiet);
     let from = missing.iter().position(|m| strong(*m)).unwrap_or(0);
     let to = missing
         .iter()
@@ -81,22 +126,43 @@ fn pushes_during(e: &Evidence<'_>, series: usize, windows: Range<usize>) -> Vec<
     let positions: Vec<f64> = rows.clone().map(|i| motion.position[i]).collect();
     let strength = rms(&known).max(0.2 * e.scales.torque);
     let span = (quantile(&positions, 1.0) - quantile(&positions, 0.0)).max(0.02 * e.scales.span());
+    let stiffness = 3.0 * strength / span;
     let mut all = Vec::new();
-    for side in [1.0, -1.0] {
-        for share in [0.15, 0.5, 0.85] {
-            let stiffness = 3.0 * strength / span;
-            all.extend(edges.map(|[from_s, to_s]| Push {
-                position: quantile(&positions, share),
-                side,
-                stiffness,
-                damping: 0.3 * (stiffness * e.device.mechanics.inertia).sqrt(),
-                from_s,
-                to_s,
-                span,
-            }));
-        }
+    for (&side, [from_s, to_s]) in sides.iter().flat_map(|s| edges.map(|edge| (s, edge))) {
+        let push = Push {
+            position: 0.0,
+            side,
+            stiffness,
+            damping: 0.3 * (stiffness * e.device.mechanics.inertia).sqrt(),
+            from_s,
+            to_s,
+            span,
+        };
+        let least = if side == 0.0 { 0.0 } else { strongly(quiet) };
+        all.extend(push.regressed(e, least));
+        all.extend([0.15, 0.5, 0.85].map(|share| Push {
+            position: quantile(&positions, share),
+            ..push
+        }));
     }
     all
+}
+
+impl Push {
+    /// The same where the torque that is missing meanwhile, `least_nm` to its side, says that it is.
+    fn regressed(self, e: &Evidence<'_>, least_nm: f64) -> Option<Self> {
+        let pushed = moments(e).filter(|m| {
+            let meanwhile = m.session_s >= self.from_s && m.session_s <= self.to_s;
+            meanwhile && -self.side * m.missing_nm >= least_nm
+        });
+        let [stiffness, damping, pull] = regress_in(pushed, |m| [-m.position, -m.velocity, 1.0])?;
+        (stiffness > 0.0).then(|| Self {
+            position: pull / stiffness,
+            stiffness,
+            damping: damping.max(LEAST_DAMPING * self.damping),
+            ..self
+        })
+    }
 }
 
 /// The run of windows with the largest sum of cost above the quiet level (Kadane's algorithm), if it is short and stands

@@ -2,7 +2,7 @@
 
 mod actuation;
 mod cogging;
-mod contact;
+pub(crate) mod contact;
 mod friction;
 mod jumps;
 mod mechanics;

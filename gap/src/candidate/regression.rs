@@ -38,9 +38,17 @@ pub(super) fn regress<const N: usize>(
     e: &Evidence<'_>,
     basis: impl Fn(&Moment) -> [f64; N],
 ) -> Option<[f64; N]> {
+    regress_in(moments(e), basis)
+}
+
+/// The same in some of the moments.
+pub(super) fn regress_in<const N: usize>(
+    moments: impl Iterator<Item = Moment>,
+    basis: impl Fn(&Moment) -> [f64; N],
+) -> Option<[f64; N]> {
     let mut normal = DMatrix::<f64>::zeros(N, N);
     let mut right = DVector::<f64>::zeros(N);
-    for moment in moments(e) {
+    for moment in moments {
         let row = basis(&moment);
         for a in 0..N {
             right[a] += row[a] * moment.missing_nm;

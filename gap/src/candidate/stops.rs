@@ -47,7 +47,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 
 /// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.
 fn pushing(kind: &'static Kind, e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
-    let mut pushes = pushes(e);
+    let mut pushes = pushes(e, &[1.0, -1.0]);
     // How long it was takes no part.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
     let stops = pushes.into_iter().map(|push| {

@@ -1,6 +1,7 @@
 //! Which effects earn their place.
 
 mod evolution;
+mod hand;
 mod place;
 mod ranking;
 mod rival;

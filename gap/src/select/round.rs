@@ -1,6 +1,7 @@
 //! One more effect on top of what is known.
 
 use super::evolution::evolved;
+use super::hand;
 use super::place::{bounces, earns_its_place, is_local};
 use super::ranking::{contains, enough, ranked, special_cases};
 use super::rival::{Rival, extended, turned};
@@ -302,6 +303,9 @@ impl Search<'_> {
         if bounces(name) {
             let costs = |x: &[f64]| self.problem.costs(&winner.hypothesis, x, Part::All);
             (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
+        }
+        if *name == "contact" {
+            *winner = hand::found(self.problem, winner, FITTING_ITERATIONS);
         }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         if *name == "end_stop"

@@ -16,10 +16,10 @@ use crate::stage::Stage;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Starts of an effect that a fit begins from, those that promise most, and for how many iterations; more starts where
-/// there are many optima.
+/// Starts of an effect that a fit begins from, those that promise most, and for how many iterations; more where there are
+/// many optima, of each variant.
 const BEGUN: usize = 2;
-const MANY_BEGUN: usize = 6;
+const VARIANT_BEGUN: usize = 3;
 const FIRST_ITERATIONS: usize = 2;
 /// Those that go on from there.
 const STARTS_KEPT: usize = 1;
@@ -27,6 +27,7 @@ const STARTS_KEPT: usize = 1;
 const SCANNED_FITTED: usize = 4;
 /// Starts that go on where there are many optima, and for how long.
 const MANY_KEPT: usize = 3;
+const VARIANT_KEPT: usize = 2;
 const MANY_ITERATIONS: usize = 6;
 /// Effects that are fitted on then; beside two masses, which take ten times as long, fewer.
 const PROMISING: usize = 14;
@@ -127,8 +128,7 @@ impl<'a> Field<'a> {
     /// The best `kept` fits from some starts.
     fn begun(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
         let begun = |start: &Term| self.fit(start, FIRST_ITERATIONS);
-        let mut fits: Vec<Fit> = starts.par_iter().map(begun).collect();
-        fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
+        let mut fits = sorted(starts.par_iter().map(begun).collect());
         fits.truncate(kept);
         fits
     }
@@ -182,6 +182,23 @@ impl<'a> Field<'a> {
     }
 }
 
+fn sorted(mut fits: Vec<Fit>) -> Vec<Fit> {
+    fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
+    fits
+}
+
+/// The starts by what no fit of them changes: a hand that pushes up never comes to hold.
+fn variants(starts: &[Term]) -> Vec<Vec<Term>> {
+    let mut all: Vec<Vec<Term>> = Vec::new();
+    for start in starts {
+        match all.iter_mut().find(|like| like[0].is_same_variant(start)) {
+            Some(like) => like.push(start.clone()),
+            None => all.push(vec![start.clone()]),
+        }
+    }
+    all
+}
+
 impl Search<'_> {
     /// Every effect on top of `known`, fitted to the chosen windows.
     pub(super) fn screened(&self, known: &Fit, chosen: &[bool], hints: &[Rival]) -> Vec<Rival> {
@@ -205,8 +222,12 @@ impl Search<'_> {
         let mut rivals = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
             // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
             if is_local(candidate.kind.name) {
-                let starts = as_fitted.promising(&candidate.starts, MANY_BEGUN);
-                as_fitted.begun(&starts, MANY_KEPT)
+                let variants = variants(&candidate.starts);
+                let fits = variants.par_iter().flat_map(|starts| {
+                    let starts = as_fitted.promising(starts, VARIANT_BEGUN);
+                    as_fitted.begun(&starts, VARIANT_KEPT)
+                });
+                sorted(fits.collect())
             } else {
                 let starts = field.promising(&candidate.starts, BEGUN);
                 field.begun(&starts, STARTS_KEPT)

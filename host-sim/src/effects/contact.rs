@@ -1,4 +1,4 @@
-//! Something outside pushes back for a while.
+//! Something outside pushes back for a while, or holds.
 
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 use crate::device::CONTACT;
@@ -8,8 +8,8 @@ use crate::plant::Barrier;
 pub const KIND: Kind = Kind {
     name: "contact",
     channel: Channel::Surroundings,
-    about: "Something outside pushes back for a while",
-    equation: "T = −max(0, K d + D d') while it is there",
+    about: "Something outside pushes back for a while, or holds",
+    equation: "T = −max(0, K d + D d') while it is there; −K d − D d' if it holds",
     parameters: &[
         Parameter {
             name: "position",
@@ -17,7 +17,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.1,
             typical: [-0.6, 0.6],
-            about: "where it begins",
+            about: "where it begins, or holds",
         },
         Parameter {
             name: "side",
@@ -25,7 +25,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 1.0,
             typical: [-1.0, 1.0],
-            about: "+1 against positive motion, -1 against negative",
+            about: "+1 against positive motion, -1 against negative, 0 holds against both",
         },
         Parameter {
             name: "stiffness",
@@ -63,7 +63,7 @@ pub const KIND: Kind = Kind {
     install: |device, p| {
         device.mechanics.barriers[CONTACT] = Some(Barrier {
             at: p[0],
-            side: 1f64.copysign(p[1]),
+            side: if p[1] == 0.0 { 0.0 } else { p[1].signum() },
             stiffness: p[2],
             damping: p[3],
             during_s: Some([p[4], p[5]]),

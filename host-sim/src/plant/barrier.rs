@@ -1,11 +1,12 @@
-//! A one-sided spring and damper: a hard stop, or something outside that pushes back.
+//! A spring and damper in the way: a hard stop, or something outside that pushes back or holds.
 
-/// Pushes back once the joint is past `at`; never pulls, and damps only while in contact.
+/// Pushes back once the joint is past `at`; never pulls, and damps only while in contact. Without a side it holds the joint
+/// there: it pulls as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
     /// Where it begins, rad.
     pub at: f64,
-    /// +1 if it is in the way of positive motion, -1 of negative.
+    /// +1 if it is in the way of positive motion, -1 of negative, 0 of both.
     pub side: f64,
     /// N m/rad.
     pub stiffness: f64,
@@ -20,7 +21,7 @@ pub struct Barrier {
 pub enum Touch {
     /// Not reached.
     Free,
-    /// In contact and pushing.
+    /// In contact and pushing, or held.
     Pushing,
     /// Past the edge, but receding faster than the spring follows.
     Released,
@@ -45,6 +46,11 @@ impl Barrier {
     }
 
     #[inline]
+    fn holds(&self) -> bool {
+        self.side == 0.0
+    }
+
+    #[inline]
     fn depth(&self, position: f64) -> f64 {
         self.side * (position - self.at)
     }
@@ -56,6 +62,9 @@ impl Barrier {
 
     /// How the joint stands to it at this position and velocity.
     pub fn touch(&self, position: f64, velocity: f64) -> Touch {
+        if self.holds() {
+            return Touch::Pushing;
+        }
         let (depth, push) = (self.depth(position), self.push(position, velocity));
         if depth < 0.0 || (depth == 0.0 && self.side * velocity <= 0.0) {
             Touch::Free
@@ -70,7 +79,7 @@ impl Barrier {
     #[inline]
     pub fn torque(&self, touch: Touch, position: f64, velocity: f64) -> f64 {
         match touch {
-            Touch::Pushing => -self.side * self.push(position, velocity),
+            Touch::Pushing => -self.stiffness * (position - self.at) - self.damping * velocity,
             Touch::Free | Touch::Released => 0.0,
         }
     }
@@ -83,6 +92,7 @@ impl Barrier {
         let push = || self.push(position, velocity) / self.stiffness.max(f64::MIN_POSITIVE);
         match touch {
             Touch::Free => -depth,
+            Touch::Pushing if self.holds() => f64::INFINITY,
             Touch::Pushing => depth.min(push()),
             Touch::Released => depth.min(-push()),
         }

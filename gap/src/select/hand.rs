@@ -1,0 +1,142 @@
+//! When a hand comes and goes, and to which side it pushes.
+
+use super::level;
+use crate::candidate::contact;
+use crate::fit::Fit;
+use crate::hypothesis::Term;
+use crate::problem::{Part, Problem};
+use rayon::prelude::*;
+
+/// Moves of an instant that are tried, as shares of how long the hand is there, and how many are made at most.
+const MOVES: [f64; 8] = [0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
+const MOST_MOVES: usize = 12;
+/// Times that it is fitted and timed again at most.
+const MOST_ROUNDS: usize = 4;
+/// How far beyond its time windows count, over how long it is there.
+const AROUND: f64 = 1.5;
+
+/// The best of the hands that push to either side or hold, from the last effect of a fit on.
+pub(super) fn found(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
+    let Some(hand) = fit.last_term() else {
+        return fit.clone();
+    };
+    let hands = [vec![hand.clone()], contact::otherwise(&hand)].concat();
+    let fits = hands.into_par_iter();
+    let fits = fits.map(|hand| timed_and_fitted(problem, fit, hand, iterations));
+    let mut best = fit.clone();
+    let mut next = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
+    // The longer it is found to be, the farther it is looked for.
+    for _ in 0..MOST_ROUNDS {
+        let Some(better) = next.filter(|next| level(next) < level(&best)) else {
+            break;
+        };
+        let hand = better.last_term();
+        next = hand.map(|hand| timed_and_fitted(problem, &better, hand, iterations));
+        best = better;
+    }
+    best
+}
+
+/// A fit with another hand in the place of its last effect, there as long as suits it best.
+fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: usize) -> Fit {
+    let (mut hypothesis, x) = fit.hypothesis.moved(&fit.x);
+    hypothesis.terms.pop();
+    let with = |hand: &Term| {
+        let mut hypothesis = hypothesis.clone();
+        hypothesis.terms.push(hand.clone());
+        hypothesis
+    };
+    let windows = around(problem, &hand);
+    let squares = |hand: &Term| -> f64 {
+        let predictor = problem.predictor(&with(hand), &x);
+        let squares = problem.squares(&predictor, Part::Chosen(&windows));
+        squares.iter().filter(|sum| !sum.is_nan()).sum()
+    };
+    let hypothesis = with(&timed(hand, squares));
+    problem.fit(&hypothesis, x.clone(), Part::All, iterations)
+}
+
+/// True for the windows around the time of a hand.
+fn around(problem: &Problem<'_>, hand: &Term) -> Vec<bool> {
+    let [from_s, to_s] = contact::instants(hand);
+    let beyond_s = AROUND * (to_s - from_s).abs();
+    let windows = problem.series.iter().flat_map(|series| {
+        series.windows.iter().map(|window| {
+            let [first, end] = [window.samples.start, window.samples.end];
+            [series.session(first), series.session(end - 1)]
+        })
+    });
+    windows
+        .map(|[first_s, last_s]| last_s >= from_s - beyond_s && first_s <= to_s + beyond_s)
+        .collect()
+}
+
+/// A hand with both its instants where moving either leaves no smaller sum of squares: the robust cost of a window is flat
+/// until that end of the hand is nearly right.
+fn timed(mut hand: Term, squares: impl Fn(&Term) -> f64 + Sync) -> Term {
+    let [from_s, to_s] = contact::instants(&hand);
+    let mut least = squares(&hand);
+    for _ in 0..MOST_MOVES {
+        let moves = MOVES.into_iter().flat_map(|by| [by, -by]);
+        let moves: Vec<(usize, f64)> = moves.flat_map(|by| [(0, by), (1, by)]).collect();
+        let moved = moves.into_par_iter().map(|(which, by)| {
+            let moved = contact::moved(&hand, which, by * (to_s - from_s).abs());
+            (squares(&moved), moved)
+        });
+        match moved.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((sum, better)) if sum < least => (least, hand) = (sum, better),
+            _ => break,
+        }
+    }
+    hand
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::made;
+    use host_sim::effects::Effect;
+
+    /// The contact that is written so, all its numbers free but the side.
+    fn hand(written: &str) -> Term {
+        let Effect { kind, values } = written.parse().unwrap();
+        let coordinate = |(parameter, scale): (usize, f64)| Coordinate {
+            parameter,
+            start: values[parameter],
+            scale: Scale::Linear(scale),
+        };
+        let scales = [(0, 0.02), (2, 0.05), (3, 0.002), (4, 0.02), (5, 0.02)];
+        Term {
+            kind,
+            free: scales.map(coordinate).to_vec(),
+            values,
+            sensor_on_load: false,
+        }
+    }
+
+    #[test]
+    fn a_hand_that_holds_is_found_from_one_that_pushed_for_a_moment() {
+        let held = "contact:position=0.02,side=0,stiffness=0.3,damping=0.003,from=8,to=8.9";
+        let recording = made::recording(&[held]);
+        let problem = made::problem(&recording);
+        let pushed =
+            hand("contact:position=0.02,side=1,stiffness=0.2,damping=0.005,from=8.1,to=8.3");
+        let hypothesis = Hypothesis {
+            terms: vec![pushed],
+        };
+        let x = vec![0.0; hypothesis.free()];
+        let poor = problem.fit(&hypothesis, x, Part::All, 8);
+        let found = found(&problem, &poor, 8);
+        let (term, x) = found.hypothesis.parts(&found.x).next().unwrap();
+        let values = term.at(x);
+        let expected = [0.02, 0.0, 0.3, 0.003, 8.0, 8.9];
+        for (value, expected) in values.iter().zip(expected) {
+            assert!(
+                (value - expected).abs() < 0.02 * expected.max(0.05),
+                "{values:?}"
+            );
+        }
+        assert!(level(&poor) > 2.0 * level(&found));
+    }
+}

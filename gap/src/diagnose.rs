@@ -128,7 +128,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let (measured, _) = measure(recording, &nominal);
     let before = measured.before;
     let given = Given {
-        // Where noise and restarts alone leave as much, there is nothing to name.
+        // Where noise and restarts alone leave as much, there is hardly anything to name.
         is_gap: before > FLOOR_DOUBT * measured.floor,
         measured: like.map(Match::term),
         certain: comparison.as_ref().is_some_and(Comparison::is_certain),
@@ -186,9 +186,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
     let verdict = if selection.rounds.is_empty() {
         let null = &selection.null;
-        if selection.quiet
-            || (null.is_likely() && problem.gap_over_floor(null) <= select::QUIET_GAP)
-        {
+        let is_hidden = || null.is_likely() && problem.gap_over_floor(null) <= select::QUIET_GAP;
+        if selection.quiet || (!selection.plain && is_hidden()) {
             Verdict::NoGap
         } else {
             Verdict::Unexplained

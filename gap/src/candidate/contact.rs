@@ -155,7 +155,8 @@ impl Push {
             let meanwhile = m.session_s >= self.from_s && m.session_s <= self.to_s;
             meanwhile && -self.side * m.missing_nm >= least_nm
         });
-        let [stiffness, damping, pull] = regress_in(pushed, |m| [-m.position, -m.velocity, 1.0])?;
+        let (found, _) = regress_in(pushed, |m| [-m.position, -m.velocity, 1.0])?;
+        let [stiffness, damping, pull] = found;
         (stiffness > 0.0).then(|| Self {
             position: pull / stiffness,
             stiffness,

@@ -1,12 +1,13 @@
 //! What resists motion.
 
 use super::Evidence;
-use super::regression::{Moment, regress};
+use super::regression::{Moment, moments, regress, regress_in};
 use super::start::{guessed, linear, log, term, terms};
 use crate::hypothesis::Term;
 use crate::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
+use host_sim::plant::Spot;
 
 /// How suddenly a static friction may fall with speed.
 const FALLS: [f64; 2] = [2.0, 1.0];
@@ -20,6 +21,9 @@ const BENDS: [f64; 3] = [0.003, 0.015, 0.06];
 const BRISTLE_DAMPING: f64 = 0.3;
 /// Periods of a ripple over the span of the motion.
 const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
+/// Places of a spot that rubs, and its width over the span of the motion.
+const SPOT_PLACES: usize = 16;
+const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
 /// Time constants with which a friction settles, over the duration.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
 
@@ -141,6 +145,7 @@ fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     terms(kind, guess, [])
         .into_iter()
         .chain(ripples)
+        .chain(spot(kind, e))
         .chain(terms(kind, None, bent))
         .collect()
 }
@@ -155,6 +160,36 @@ fn bristles(kind: &'static Kind, e: &Evidence<'_>, bend: f64) -> [Term; 2] {
     let damping = BRISTLE_DAMPING * 2.0 * (level / distance * inertia).sqrt();
     [log(2, 0.7), linear(3, 0.4, 0.2)]
         .map(|last| term(kind, vec![log(0, distance), log(1, damping), last], &[]))
+}
+
+/// A spot that rubs, where one explains most.
+fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
+    let [low, high] = e.scales.position;
+    let places = (0..SPOT_PLACES).map(|k| (k as f64 + 0.5) / SPOT_PLACES as f64);
+    let places = places.map(|share| low + share * (high - low));
+    let spots = places.flat_map(|place| SPOT_WIDTHS.map(|width| (place, width * e.scales.span())));
+    let tried = spots.filter_map(|(position, width)| {
+        let shape = Spot {
+            height: 1.0,
+            position,
+            width,
+        };
+        let found = regress_in(moments(e), |m| {
+            let friction = sliding_nm(e, m);
+            [friction * shape.at(m.position), friction]
+        });
+        let ([height, more], explained) = found?;
+        let free = vec![
+            log(2, times(more)),
+            guessed(6, height, 0.3),
+            linear(7, position, width),
+            log(8, width),
+        ];
+        Some((explained, term(kind, free, &[(0, 0.0), (1, 0.0)])))
+    });
+    tried
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, spot)| spot)
 }
 
 /// A friction that grows or falls all the time, or that settles as something warms up.

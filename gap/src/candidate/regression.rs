@@ -38,14 +38,14 @@ pub(super) fn regress<const N: usize>(
     e: &Evidence<'_>,
     basis: impl Fn(&Moment) -> [f64; N],
 ) -> Option<[f64; N]> {
-    regress_in(moments(e), basis)
+    regress_in(moments(e), basis).map(|(coefficients, _)| coefficients)
 }
 
-/// The same in some of the moments.
+/// The same in some of the moments, and the sum of squares that they explain, (N m)².
 pub(super) fn regress_in<const N: usize>(
     moments: impl Iterator<Item = Moment>,
     basis: impl Fn(&Moment) -> [f64; N],
-) -> Option<[f64; N]> {
+) -> Option<([f64; N], f64)> {
     let mut normal = DMatrix::<f64>::zeros(N, N);
     let mut right = DVector::<f64>::zeros(N);
     for moment in moments {
@@ -59,8 +59,7 @@ pub(super) fn regress_in<const N: usize>(
     }
     let solution = normal.cholesky()?.solve(&right);
     let coefficients: [f64; N] = core::array::from_fn(|i| solution[i]);
-    coefficients
-        .iter()
-        .all(|c| c.is_finite())
-        .then_some(coefficients)
+    let explained = solution.dot(&right);
+    let is_finite = coefficients.iter().all(|c| c.is_finite());
+    is_finite.then_some((coefficients, explained))
 }

@@ -1,14 +1,15 @@
 //! Dry friction that depends on the position.
 
-use super::{ANY, Channel, Kind, LEVEL, Parameter, Quantity, WAVE_NUMBER};
+use super::{ANY, Channel, Kind, LEVEL, POSITIVE, Parameter, Quantity, WAVE_NUMBER};
+use crate::plant::Spot;
 use crate::ripple::Ripple;
 
-/// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1)) sign(v)`.
+/// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h e^−((x − c)/w)²) sign(v)`.
 pub const KIND: Kind = Kind {
     name: "position_dependent_coulomb",
     channel: Channel::Friction,
     about: "Dry friction that depends on the position",
-    equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1)) sign(v)",
+    equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h e^−((x − c)/w)²) sign(v)",
     parameters: &[
         Parameter {
             name: "slope",
@@ -51,6 +52,30 @@ pub const KIND: Kind = Kind {
             about: "likewise",
         },
         WAVE_NUMBER,
+        Parameter {
+            name: "spot",
+            quantity: Quantity::Ratio,
+            range: ANY,
+            default: 0.0,
+            typical: [-0.5, 3.0],
+            about: "of a spot that rubs, relative to the model's level",
+        },
+        Parameter {
+            name: "spot_position",
+            quantity: Quantity::Position,
+            range: ANY,
+            default: 0.0,
+            typical: [-0.6, 0.6],
+            about: "its middle",
+        },
+        Parameter {
+            name: "spot_width",
+            quantity: Quantity::Position,
+            range: POSITIVE,
+            default: 0.1,
+            typical: [0.02, 0.3],
+            about: "half of it, down to 1/e",
+        },
     ],
     install: |device, p| {
         let level = p[2];
@@ -62,6 +87,11 @@ pub const KIND: Kind = Kind {
             sine: p[3] / level,
             cosine: p[4] / level,
             wave_number: p[5],
+        };
+        friction.position_spot = Spot {
+            height: p[6] / level,
+            position: p[7],
+            width: p[8],
         };
     },
 };

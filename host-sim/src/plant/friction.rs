@@ -1,5 +1,6 @@
 //! Dry friction: the level that opposes sliding, and the one that holds at rest.
 
+use super::spot::Spot;
 use super::stribeck::Stribeck;
 use crate::ripple::Ripple;
 
@@ -14,15 +15,14 @@ pub struct Friction {
     pub level_nm: [f64; 2],
     /// Fall from the static to the sliding level.
     pub stribeck: Stribeck,
-    /// Dependence on position: `p = max(0, 1 + slope x + curve x² + r sin(n x) + s (cos(n x) − 1))` with
-    /// x from the centre.
+    /// Dependence on position: `p = max(0, 1 + slope x + curve x² + r sin(n x) + s (cos(n x) − 1) + h e^−((x − c)/w)²)`.
     pub position_slope: f64,
     /// Likewise, 1/rad².
     pub position_curve: f64,
-    /// Likewise, its last two terms.
+    /// Likewise, the terms of r and s.
     pub position_ripple: Ripple,
-    /// Likewise, rad.
-    pub position_centre: f64,
+    /// Likewise, the last term.
+    pub position_spot: Spot,
     /// Share of the driving torque that is added to the level.
     pub load_share: f64,
     /// Dependence on time, if any: `d = max(0, 1 + growth(t))`.
@@ -58,7 +58,7 @@ impl Friction {
             position_slope: 0.0,
             position_curve: 0.0,
             position_ripple: Ripple::NONE,
-            position_centre: 0.0,
+            position_spot: Spot::NONE,
             load_share: 0.0,
             drift: None,
         }
@@ -92,6 +92,7 @@ impl Friction {
             && self.position_slope == 0.0
             && self.position_curve == 0.0
             && self.position_ripple.is_none()
+            && self.position_spot.is_none()
             && self.load_share == 0.0
             && self.drift.is_none()
     }
@@ -118,11 +119,13 @@ impl Friction {
     }
 
     #[inline]
-    fn scaled(&self, direction: f64, position: f64, t_s: f64) -> f64 {
-        let x = position - self.position_centre;
+    fn scaled(&self, direction: f64, x: f64, t_s: f64) -> f64 {
         let mut p = 1.0 + x * (self.position_slope + x * self.position_curve);
         if !self.position_ripple.is_none() {
             p += self.position_ripple.at(x);
+        }
+        if !self.position_spot.is_none() {
+            p += self.position_spot.at(x);
         }
         let d = 1.0 + self.drift.map_or(0.0, |drift| drift.growth(t_s));
         self.level(direction) * p.max(0.0) * d.max(0.0)
@@ -132,6 +135,22 @@ impl Friction {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_spot_rubs_where_it_is_alone() {
+        let spot = Friction {
+            position_spot: Spot {
+                height: 1.5,
+                position: 0.3,
+                width: 0.1,
+            },
+            ..Friction::coulomb(2.0)
+        };
+        let level = |x| spot.sliding(1.0, x, 0.1, 0.0, 0.0);
+        assert!((level(0.3) - 5.0).abs() < 1e-12);
+        assert!((level(0.4) - (2.0 + 3.0 * (-1.0f64).exp())).abs() < 1e-12);
+        assert!((level(-0.3) - 2.0).abs() < 1e-12);
+    }
 
     #[test]
     fn a_level_that_drifts_grows_on_or_settles() {

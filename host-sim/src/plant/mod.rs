@@ -22,6 +22,7 @@ mod pendulum;
 mod presliding;
 mod regime;
 mod runge_kutta;
+mod spot;
 mod stribeck;
 mod torque;
 mod two_mass;
@@ -36,6 +37,7 @@ pub use cogging::Cogging;
 pub use friction::{Drift, Friction};
 pub use link::Link;
 pub use presliding::Presliding;
+pub use spot::Spot;
 pub use stribeck::Stribeck;
 pub use torque::Torque;
 

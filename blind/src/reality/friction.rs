@@ -1,5 +1,6 @@
 //! Friction at the joint.
 
+use core::f64::consts::PI;
 use recording::Model;
 
 use super::{Motion, REST};
@@ -13,6 +14,8 @@ pub(crate) enum Profile {
     Quadratic { amount: f64, at: f64, scale: f64 },
     /// `amount * sin((x - at) / scale)`
     Wave { amount: f64, at: f64, scale: f64 },
+    /// `amount` at `at`, falling to nothing within `scale` like a cosine
+    Spot { amount: f64, at: f64, scale: f64 },
 }
 
 impl Profile {
@@ -21,6 +24,10 @@ impl Profile {
             Self::Linear { amount, at, scale } => amount * (x - at) / scale,
             Self::Quadratic { amount, at, scale } => amount * ((x - at) / scale).powi(2),
             Self::Wave { amount, at, scale } => amount * ((x - at) / scale).sin(),
+            Self::Spot { amount, at, scale } => {
+                let away = ((x - at) / scale).clamp(-1.0, 1.0);
+                amount * (0.5 * PI * away).cos().powi(2)
+            }
         };
         (1.0 + factor).max(0.0)
     }

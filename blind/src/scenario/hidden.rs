@@ -188,8 +188,8 @@ impl Hidden {
                 }
             }
             "position_dependent_coulomb" => {
-                friction.profile = Some(match self.variant % 3 {
-                    0 => Profile::Linear {
+                friction.profile = Some(match self.variant {
+                    0 | 3 => Profile::Linear {
                         amount: self.sign * s.min(0.95),
                         at: middle,
                         scale: half_span,
@@ -198,6 +198,11 @@ impl Hidden {
                         amount: s * 1.5,
                         at: middle,
                         scale: half_span,
+                    },
+                    2 => Profile::Spot {
+                        amount: 1.5 * s,
+                        at: middle + self.between(0, -0.6, 0.6) * half_span,
+                        scale: self.between(1, 0.2, 0.6) * half_span,
                     },
                     _ => Profile::Wave {
                         amount: s.min(0.95),
@@ -331,6 +336,7 @@ impl Hidden {
                         stiffness,
                         damping: critical * self.between(3, 0.05, 0.8),
                     },
+                    grips: self.variant < 2,
                 });
             }
             _ => {}

@@ -8,7 +8,7 @@ use crate::predict::Predictor;
 use crate::series::{self, Series};
 use crate::whitening::{Whitening, dot, whitenings};
 use rayon::prelude::*;
-use recording::Recording;
+use recording::{Recording, Run};
 
 /// What every fit shares.
 pub(crate) struct Problem<'a> {
@@ -51,6 +51,11 @@ pub(crate) const PRIOR_WEIGHT: f64 = 0.25;
 impl Problem<'_> {
     pub(crate) fn window_count(&self) -> usize {
         self.series.iter().map(|s| s.windows.len()).sum()
+    }
+
+    /// Of all runs, s.
+    pub(crate) fn duration_s(&self) -> f64 {
+        self.recording.runs.iter().map(Run::duration_s).sum()
     }
 
     /// Lowest and highest measured position.

@@ -13,7 +13,7 @@ const HIT_MARGIN: f64 = 0.7;
 /// Quantile of the window costs that stands for the quiet ones.
 const QUIET: f64 = 0.4;
 /// A stretch longer than this share of the recording is no passing contact.
-const LONGEST_SHARE: f64 = 0.5;
+pub(crate) const LONGEST_SHARE: f64 = 0.5;
 
 /// What pushes back or holds: against motion up, down, and both.
 const HAND: [f64; 3] = [1.0, -1.0, 0.0];

@@ -52,7 +52,8 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
         let squares = problem.squares(&predictor, Part::Chosen(&windows));
         squares.iter().filter(|sum| !sum.is_nan()).sum()
     };
-    let hypothesis = with(&timed(hand, squares));
+    let longest_s = contact::LONGEST_SHARE * problem.duration_s();
+    let hypothesis = with(&timed(hand, longest_s, squares));
     problem.fit(&hypothesis, x.clone(), Part::All, iterations)
 }
 
@@ -71,19 +72,23 @@ fn around(problem: &Problem<'_>, hand: &Term) -> Vec<bool> {
         .collect()
 }
 
-/// A hand with both its instants where moving either leaves no smaller sum of squares: the robust cost of a window is flat
+/// A hand, there for `longest_s` at most, with both its instants where moving either leaves no smaller sum of squares: the robust cost of a window is flat
 /// until that end of the hand is nearly right.
-fn timed(mut hand: Term, squares: impl Fn(&Term) -> f64 + Sync) -> Term {
+fn timed(mut hand: Term, longest_s: f64, squares: impl Fn(&Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = contact::instants(&hand);
+    let passes = |hand: &Term| {
+        let [from_s, to_s] = contact::instants(hand);
+        to_s - from_s <= longest_s
+    };
     let mut least = squares(&hand);
     for _ in 0..MOST_MOVES {
         let moves = MOVES.into_iter().flat_map(|by| [by, -by]);
         let moves: Vec<(usize, f64)> = moves.flat_map(|by| [(0, by), (1, by)]).collect();
         let moved = moves.into_par_iter().map(|(which, by)| {
             let moved = contact::moved(&hand, which, by * (to_s - from_s).abs());
-            (squares(&moved), moved)
+            passes(&moved).then(|| (squares(&moved), moved))
         });
-        match moved.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        match moved.flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((sum, better)) if sum < least => (least, hand) = (sum, better),
             _ => break,
         }

@@ -159,6 +159,19 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
                 false => format!("dry friction of {} in place of {nominal}", shown(level)),
             }
         }
+        "contact"
+            if finding
+                .parameters
+                .get("side")
+                .is_some_and(|side| side.value == 0.0) =>
+        {
+            let held = "something outside that holds it from {from} to {to}";
+            filled(held, finding).unwrap_or_else(|| (*noun).to_owned())
+        }
+        "position_dependent_coulomb" if fitted("spot").is_some() => {
+            let spot = "dry friction that differs around {spot_position}";
+            filled(spot, finding).unwrap_or_else(|| (*noun).to_owned())
+        }
         "lost_counts" if !finding.parameters.contains_key("jump") => {
             let jumps = finding.parameters.keys().filter(|n| n.starts_with("jump"));
             format!("a sensor that jumps {} times", jumps.count())
@@ -183,6 +196,19 @@ fn filled(template: &str, finding: &Finding) -> Option<String> {
 
 fn shown(estimate: &Estimate) -> String {
     show(estimate.value, &estimate.unit)
+}
+
+/// The parameters that say something: not those that were held where they do nothing or where they are by default.
+pub fn telling(finding: &Finding) -> impl Iterator<Item = (&String, &Estimate)> {
+    let kind = effects::kind(finding.name);
+    let default = move |name: &str| {
+        let parameters = kind.map_or(&[][..], |kind| kind.parameters);
+        let parameter = parameters.iter().find(|p| p.name == name);
+        parameter.map_or(0.0, |p| p.default)
+    };
+    finding.parameters.iter().filter(move |(name, estimate)| {
+        estimate.std > 0.0 || (estimate.value != 0.0 && estimate.value != default(name))
+    })
 }
 
 /// What the parameter `name` of the effect `effect` means.
@@ -249,6 +275,40 @@ mod tests {
             phrase(&finding("end_stop", &numbers), &labels()),
             "a hard stop at 33°"
         );
+    }
+
+    #[test]
+    fn a_hand_holds_or_pushes_back() {
+        let phrase = |side| {
+            let numbers = [
+                ("side", side, 0.0, "1"),
+                ("from", 1.0, 0.1, "s"),
+                ("to", 2.5, 0.1, "s"),
+            ];
+            phrase(&finding("contact", &numbers), &labels())
+        };
+        assert_eq!(
+            phrase(0.0),
+            "something outside that holds it from 1.0 s to 2.5 s"
+        );
+        assert_eq!(
+            phrase(-1.0),
+            "something outside that pushes back from 1.0 s to 2.5 s"
+        );
+    }
+
+    #[test]
+    fn numbers_that_say_nothing_are_left_out() {
+        let numbers = [
+            ("level", 1.0, 0.1, "1"),
+            ("ripple_sine", 0.0, 0.0, "1"),
+            ("spot", 0.0, 0.01, "1"),
+            ("spot_width", 0.1, 0.0, "rad"),
+            ("slope", -0.5, 0.0, "1/rad"),
+        ];
+        let finding = finding("position_dependent_coulomb", &numbers);
+        let told: Vec<&str> = telling(&finding).map(|(name, _)| name.as_str()).collect();
+        assert_eq!(told, ["level", "slope", "spot"]);
     }
 
     #[test]

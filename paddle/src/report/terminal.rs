@@ -1,5 +1,6 @@
 //! A diagnosis for a terminal.
 
+use super::effect::telling;
 use super::paragraph::{experiment, headline, paragraph};
 use super::quantity::{Display, percent};
 use super::region::{self, Labels};
@@ -74,7 +75,7 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
 
 fn row(text: &mut String, effect: &Finding) {
     let [low, high] = effect.shrink_interval;
-    let mut parameters = effect.parameters.iter().map(|(name, estimate)| {
+    let mut parameters = telling(effect).map(|(name, estimate)| {
         let shown = Display::of(&estimate.unit, estimate.value);
         format!(
             "{name} {}",

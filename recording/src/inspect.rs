@@ -15,6 +15,11 @@ const STAY: f64 = 0.02;
 const STAY_INPUT: f64 = 0.25;
 /// The stay begins at this share of the median step while moving: a sensor clips abruptly, a rest is eased into.
 const STAY_ENTRY: f64 = 0.5;
+/// A spike: a sample is so many times farther from the middle of its neighbours than these are from one another and from the
+/// next ones, than most samples are, and than the smallest steps.
+const SPIKE: f64 = 8.0;
+/// Most samples.
+const MOST: f64 = 0.9;
 /// Quantised: each value comes this many times on average.
 const REPEATS: usize = 4;
 /// The quantum seen and the one stated differ by this factor.
@@ -45,6 +50,7 @@ pub(crate) fn run(run: &Run, stated: f64, frozen: &[String]) -> Vec<Oddity> {
     }
     found.extend(frozen_columns(run, frozen));
     found.extend(saturated(run));
+    found.extend(spikes(run));
     found.extend(resolution(run, stated));
     found.extend(coarse_supply(run));
     found
@@ -164,6 +170,31 @@ fn saturated(run: &Run) -> Option<Oddity> {
             from_s: run.time[from],
             stay_s,
         })
+    })
+}
+
+fn spikes(run: &Run) -> Option<Oddity> {
+    let x = &run.position;
+    let beside = |five: &[f64]| (five[2] - 0.5 * (five[1] + five[3])).abs();
+    let steps: Vec<f64> = x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    let smallest = quantile(
+        steps.into_iter().filter(|step| *step > 0.0).collect(),
+        QUANTUM_QUANTILE,
+    );
+    let usual = quantile(x.windows(5).map(beside).collect(), MOST).max(smallest);
+    let is_spike = |five: &[f64]| {
+        let near = [five[1] - five[0], five[3] - five[1], five[4] - five[3]];
+        let near = near.iter().fold(usual, |most, step| step.abs().max(most));
+        beside(five) > SPIKE * near
+    };
+    let spikes = || x.windows(5).enumerate().filter(|(_, five)| is_spike(five));
+    let far = spikes().map(|(before, five)| (before + 2, beside(five)));
+    let (at, farthest) = far.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(Oddity::Spikes {
+        file: run.file.clone(),
+        count: spikes().count(),
+        farthest,
+        at_s: run.time[at],
     })
 }
 

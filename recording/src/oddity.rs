@@ -78,6 +78,18 @@ pub enum Oddity {
         /// Its length, s.
         stay_s: f64,
     },
+    /// Single samples far from both their neighbours, as no motion makes them.
+    #[error("{file}: {count} samples of `position` stand out from both their neighbours, the farthest by {farthest} at {at_s} s; they count as they are: check the sensor and its wiring", farthest = short(*farthest), at_s = short(*at_s))]
+    Spikes {
+        /// The run.
+        file: String,
+        /// How many.
+        count: usize,
+        /// How far the farthest stands out, in units of position.
+        farthest: f64,
+        /// Its time, s.
+        at_s: f64,
+    },
     /// Two runs claim the same stretch of session time.
     #[error("{first} and {second} overlap in time; they are taken as separate runs")]
     Overlap {

@@ -149,6 +149,43 @@ fn saturation() {
 }
 
 #[test]
+fn spikes() {
+    let found = oddity(|run| {
+        for at in [300, 900, 1700] {
+            run.position[at] += 0.05;
+        }
+        run.position[1200] -= 0.08;
+    });
+    let Oddity::Spikes {
+        count,
+        farthest,
+        at_s,
+        ..
+    } = found
+    else {
+        panic!("{found}")
+    };
+    assert_eq!((count, at_s), (4, 1.2));
+    assert!((farthest - 0.08).abs() < RESOLUTION, "{farthest}");
+}
+
+#[test]
+fn a_step_an_impact_and_a_count_that_flickers_are_no_spikes() {
+    let mut run = run("a.csv");
+    for (k, position) in run.position.iter_mut().enumerate() {
+        // A counter that jumps, a stop from which the device comes back at once, and rest between two counts.
+        *position = match k {
+            0..1000 => 0.01 * k as f64 - if k >= 500 { 3.0 } else { 0.0 },
+            1000..1500 => 7.0 - 0.01 * (k - 1000) as f64,
+            _ => 2.0 + if k % 50 == 0 { RESOLUTION } else { 0.0 },
+        };
+    }
+    let found = oddities_of(&recording(vec![run]));
+    let is_spikes = |oddity: &Oddity| matches!(oddity, Oddity::Spikes { .. });
+    assert!(!found.iter().any(is_spikes), "{found:?}");
+}
+
+#[test]
 fn sticking_until_breakaway_is_no_saturation() {
     let mut ramp = run("a.csv");
     for (k, (input, position)) in ramp.input.iter_mut().zip(&mut ramp.position).enumerate() {

@@ -72,8 +72,8 @@ fn around(problem: &Problem<'_>, hand: &Term) -> Vec<bool> {
         .collect()
 }
 
-/// A hand, there for `longest_s` at most, with both its instants where moving either leaves no smaller sum of squares: the robust cost of a window is flat
-/// until that end of the hand is nearly right.
+/// A hand, there for `longest_s` at most, with both its instants where moving either leaves no smaller sum of squares: the
+/// robust cost of a window is flat until that end of the hand is nearly right.
 fn timed(mut hand: Term, longest_s: f64, squares: impl Fn(&Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = contact::instants(&hand);
     let passes = |hand: &Term| {

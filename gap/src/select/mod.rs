@@ -31,6 +31,9 @@ const QUIET_WINDOW: f64 = 3.0;
 const PLAIN_EXCESS: f64 = 1.0;
 /// Gap over floor up to which nothing that can be named is missing: near stick and slip a few restarts may decide either.
 pub(crate) const QUIET_GAP: f64 = 2.0;
+/// Gap over floor beyond which something is, be it in a restart or two: of 90 recordings with nothing wrong the largest was
+/// 1.8.
+const LOUD_GAP: f64 = 3.0;
 const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
@@ -183,7 +186,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
     let perfect = Perfect::of(problem, &null);
     let mut selection = Selection {
-        quiet: is_quiet(&null, &perfect),
+        quiet: is_quiet(&null, &perfect) && problem.gap_over_floor(&null) <= LOUD_GAP,
         plain: null.costs.mean() - perfect.level > PLAIN_EXCESS,
         perfect: perfect.bounded(),
         null,

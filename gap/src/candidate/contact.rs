@@ -128,8 +128,8 @@ fn pushes_during(
     let span = (quantile(&positions, 1.0) - quantile(&positions, 0.0)).max(0.02 * e.scales.span());
     let stiffness = 3.0 * strength / span;
     let mut all = Vec::new();
-    for (&side, [from_s, to_s]) in sides.iter().flat_map(|s| edges.map(|edge| (s, edge))) {
-        let push = Push {
+    for &side in sides {
+        let during = edges.map(|[from_s, to_s]| Push {
             position: 0.0,
             side,
             stiffness,
@@ -137,13 +137,13 @@ fn pushes_during(
             from_s,
             to_s,
             span,
-        };
-        let least = if side == 0.0 { 0.0 } else { strongly(quiet) };
-        all.extend(push.regressed(e, least));
-        all.extend([0.15, 0.5, 0.85].map(|share| Push {
-            position: quantile(&positions, share),
-            ..push
-        }));
+        });
+        let least_nm = if side == 0.0 { 0.0 } else { strongly(quiet) };
+        all.extend(during.iter().filter_map(|push| push.regressed(e, least_nm)));
+        for share in [0.15, 0.5, 0.85] {
+            let position = quantile(&positions, share);
+            all.extend(during.map(|push| Push { position, ..push }));
+        }
     }
     all
 }

@@ -70,6 +70,14 @@ pub(crate) fn moved(hand: &Term, which: usize, by_s: f64) -> Term {
     with(hand, INSTANTS[which], hand.values[INSTANTS[which]] + by_s)
 }
 
+/// The same hand from before the first sample until after the last, with no instants to fit.
+pub(crate) fn lasting(hand: &Term) -> Term {
+    let mut hand = with(hand, INSTANTS[0], f64::NEG_INFINITY);
+    hand = with(&hand, INSTANTS[1], f64::INFINITY);
+    hand.free.retain(|c| !INSTANTS.contains(&c.parameter));
+    hand
+}
+
 fn with(hand: &Term, parameter: usize, value: f64) -> Term {
     let mut hand = hand.clone();
     hand.values[parameter] = value;

@@ -57,6 +57,19 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
     problem.fit(&hypothesis, x.clone(), Part::All, iterations)
 }
 
+/// True if the hand that is the last effect of a fit explains more where it never goes: then none came.
+pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> bool {
+    let (mut hypothesis, mut x) = fit.hypothesis.moved(&fit.x);
+    let Some(hand) = hypothesis.terms.pop() else {
+        return false;
+    };
+    let lasting = contact::lasting(&hand);
+    x.truncate(x.len() + lasting.free.len() - hand.free.len());
+    hypothesis.terms.push(lasting);
+    let lasting = problem.fit(&hypothesis, x, Part::All, iterations);
+    level(&lasting) < level(fit)
+}
+
 /// True for the windows around the time of a hand.
 fn around(problem: &Problem<'_>, hand: &Term) -> Vec<bool> {
     let [from_s, to_s] = contact::instants(hand);
@@ -143,5 +156,25 @@ mod tests {
             );
         }
         assert!(level(&poor) > 2.0 * level(&found));
+    }
+
+    /// True if a hand that is written so, fitted to a recording with what is `hidden`, had better never go.
+    fn lasts(hidden: &str, written: &str) -> bool {
+        let recording = made::recording(&[hidden]);
+        let problem = made::problem(&recording);
+        let hypothesis = Hypothesis {
+            terms: vec![hand(written)],
+        };
+        let x = vec![0.0; hypothesis.free()];
+        let fit = problem.fit(&hypothesis, x, Part::All, 8);
+        is_lasting(&problem, &fit, 8)
+    }
+
+    #[test]
+    fn a_hand_that_damps_for_half_the_time_is_none_where_friction_does_at_all_times() {
+        let begun = "contact:position=0,side=0,stiffness=0.001,damping=0.002,from=1,to=6";
+        assert!(lasts("viscous:coefficient=0.004", begun));
+        let held = "contact:position=0.02,side=0,stiffness=0.3,damping=0.003,from=8,to=8.9";
+        assert!(!lasts(held, held));
     }
 }

@@ -306,6 +306,11 @@ impl Search<'_> {
         }
         if *name == "contact" {
             *winner = hand::found(self.problem, winner, FITTING_ITERATIONS);
+            let leaves = level(winner) > self.quiet();
+            if leaves && hand::is_lasting(self.problem, winner, FITTING_ITERATIONS) {
+                rivals.remove(0);
+                return self.judged(known, screened, rivals);
+            }
         }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         if *name == "end_stop"

@@ -299,7 +299,7 @@ const BOUND_TO_A_MOMENT: [&str; 2] = ["contact", "lost_counts"];
 
 fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> {
     let has = |wanted: &[&str]| names.iter().any(|name| wanted.contains(name));
-    let mut plant = Plant::draw(draw, names.first().copied());
+    let mut plant = Plant::draw(draw, names);
     let mut secrets: Vec<Secret> = match kind {
         Kind::Outside => vec![Secret::Foreign(Cause::draw(draw, &plant))],
         _ => names

@@ -40,19 +40,23 @@ const CORNERS: [f64; 2] = [0.15, 0.7];
 const LEAST_CORNER: f64 = 15.0;
 
 impl Plant {
-    /// A device on which an effect of this name can be told from others in principle.
-    pub fn draw(draw: &mut Draw, name: Option<&str>) -> Self {
-        let family = match name {
-            // Gravity and a spring differ at large angles only.
-            Some("gravity") => draw.pick(&[Family::Servo, Family::DirectDrive]),
-            Some("spring") => draw.pick(&[Family::Servo, Family::DirectDrive, Family::Linear]),
-            _ => draw.pick(&[
+    /// A device on which effects of these names can be told from others in principle.
+    pub fn draw(draw: &mut Draw, names: &[&str]) -> Self {
+        let [hangs, springs, scales] =
+            ["gravity", "spring", "sensor_gain"].map(|name| names.contains(&name));
+        // Gravity and a spring differ at large angles only.
+        let family = if hangs {
+            draw.pick(&[Family::Servo, Family::DirectDrive])
+        } else if springs {
+            draw.pick(&[Family::Servo, Family::DirectDrive, Family::Linear])
+        } else {
+            draw.pick(&[
                 Family::Paddle,
                 Family::Paddle,
                 Family::Servo,
                 Family::Linear,
                 Family::DirectDrive,
-            ]),
+            ])
         };
         let mut plant = match family {
             Family::Paddle => paddle(draw),
@@ -60,10 +64,10 @@ impl Plant {
             Family::Linear => linear(draw),
             Family::DirectDrive => direct_drive(draw),
         };
-        if matches!(name, Some("gravity" | "spring")) && family != Family::Linear {
+        if (hangs || springs) && family != Family::Linear {
             plant.amplitude = draw.uniform(1.1, 1.8);
         }
-        if name == Some("sensor_gain") && family != Family::Servo && family != Family::Paddle {
+        if scales && family != Family::Servo && family != Family::Paddle {
             // Without a restoring torque a wrong scale is a wrong inertia.
             plant.model.stiffness = draw.uniform(0.3, 1.0) * plant.torque() / plant.amplitude;
         }
@@ -233,4 +237,19 @@ fn direct_drive(draw: &mut Draw) -> Plant {
         plant.model.gravity = draw.uniform(0.3, 1.0) * plant.torque();
     }
     plant
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_hangs_turns_whichever_effect_is_first() {
+        for index in 0..40 {
+            for names in [["gravity", "deadband"], ["deadband", "gravity"]] {
+                let plant = Plant::draw(&mut Draw::of_case(1, index), &names);
+                assert!(plant.family != Family::Linear, "{names:?}");
+            }
+        }
+    }
 }

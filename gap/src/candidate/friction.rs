@@ -162,6 +162,11 @@ fn bristles(kind: &'static Kind, e: &Evidence<'_>, bend: f64) -> [Term; 2] {
         .map(|last| term(kind, vec![log(0, distance), log(1, damping), last], &[]))
 }
 
+/// True for bristles of the same distance.
+pub(crate) fn bends_alike(one: &Term, other: &Term) -> bool {
+    one.values[0] == other.values[0]
+}
+
 /// A spot that rubs, where one explains most.
 fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
     let [low, high] = e.scales.position;

@@ -13,6 +13,7 @@ mod start;
 mod stops;
 mod transmission;
 
+pub(crate) use friction::bends_alike;
 pub(crate) use stops::{one_sided, untouched};
 
 use crate::hypothesis::Term;

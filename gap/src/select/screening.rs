@@ -5,7 +5,7 @@ use super::level;
 use super::place::{bounces, is_local, is_scanned};
 use super::rival::{Rival, extended};
 use super::round::Search;
-use crate::candidate::{Candidate, Evidence, candidates};
+use crate::candidate::{Candidate, Evidence, bends_alike, candidates};
 use crate::fit::Fit;
 use crate::ground::Ground;
 use crate::hypothesis::{Hypothesis, Term};
@@ -228,6 +228,11 @@ impl Search<'_> {
                     as_fitted.begun(&starts, VARIANT_KEPT)
                 });
                 sorted(fits.collect())
+            } else if candidate.kind.name == "presliding" {
+                // What bends too little or too far promises nothing.
+                let alike = candidate.starts.chunk_by(bends_alike);
+                let starts: Vec<Term> = alike.flat_map(|a| field.promising(a, 1)).collect();
+                field.begun(&starts, STARTS_KEPT)
             } else {
                 let starts = field.promising(&candidate.starts, BEGUN);
                 field.begun(&starts, STARTS_KEPT)

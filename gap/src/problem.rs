@@ -58,12 +58,17 @@ impl Problem<'_> {
         self.recording.runs.iter().map(Run::duration_s).sum()
     }
 
-    /// Lowest and highest measured position.
+    /// All measured positions.
+    pub(crate) fn positions(&self) -> impl Iterator<Item = f64> {
+        self.series.iter().flat_map(|s| s.position.iter().copied())
+    }
+
+    /// The lowest and the highest of them.
     pub(crate) fn extremes(&self) -> [f64; 2] {
-        let positions = self.series.iter().flat_map(|s| &s.position);
-        positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-            [low.min(*x), high.max(*x)]
-        })
+        self.positions()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                [low.min(x), high.max(x)]
+            })
     }
 
     pub(crate) fn predictor(&self, hypothesis: &Hypothesis, x: &[f64]) -> Predictor {

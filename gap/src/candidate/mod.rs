@@ -14,7 +14,7 @@ mod stops;
 mod transmission;
 
 pub(crate) use friction::bends_alike;
-pub(crate) use stops::{one_sided, untouched};
+pub(crate) use stops::{one_sided, push_at_most, untouched};
 
 use crate::hypothesis::Term;
 use crate::motion::{Motion, Scales};

@@ -69,6 +69,13 @@ pub(crate) fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2
     travel.unwrap_or([low - away, high + away])
 }
 
+/// True if stops push at most of some positions: what does so all along is none.
+pub(crate) fn push_at_most(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
+    let [lower, upper] = [stops.values[0], stops.values[1]];
+    let (free, pushed): (Vec<f64>, Vec<f64>) = positions.partition(|x| (lower..=upper).contains(x));
+    pushed.len() > free.len()
+}
+
 /// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
 pub(crate) fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
     let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
@@ -89,6 +96,16 @@ pub(crate) fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Te
 mod tests {
     use super::*;
     use host_sim::effects;
+
+    #[test]
+    fn stops_are_left_most_of_the_time() {
+        let kind = effects::kind("end_stop").unwrap();
+        let at = |lower| term(kind, Vec::new(), &[(0, lower), (1, 0.5)]);
+        let positions = || [-0.2, -0.1, 0.0, 0.1, 0.2].into_iter();
+        assert!(!push_at_most(&at(-0.15), positions()));
+        assert!(push_at_most(&at(0.05), positions()));
+        assert!(push_at_most(&at(0.6), positions()));
+    }
 
     #[test]
     fn the_other_stop_is_left_where_the_model_has_it() {

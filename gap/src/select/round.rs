@@ -6,7 +6,7 @@ use super::place::{bounces, earns_its_place, is_local};
 use super::ranking::{contains, enough, ranked, special_cases};
 use super::rival::{Rival, extended, turned};
 use super::{Given, QUIET_EXCESS, is_quiet, level};
-use crate::candidate::{one_sided, untouched};
+use crate::candidate::{one_sided, push_at_most, untouched};
 use crate::fit::Fit;
 use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
@@ -284,6 +284,21 @@ impl Search<'_> {
         self.perfect.level + QUIET_EXCESS
     }
 
+    /// True if the last effect of a fit acts at other times or places than its name says: a hand that never goes, or a stop
+    /// that is hardly ever left.
+    fn is_misnamed(&self, fit: &Fit) -> bool {
+        let Some(last) = fit.last_term() else {
+            return false;
+        };
+        match last.kind.name {
+            "contact" => {
+                level(fit) > self.quiet() && hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
+            }
+            "end_stop" => push_at_most(&last, self.problem.positions()),
+            _ => false,
+        }
+    }
+
     /// The rivals in their order, the best one polished and judged.
     fn judged(&self, known: &Fit, screened: Vec<Rival>, rivals: Vec<Rival>) -> Option<Round> {
         (self.progress)(Stage::Judging);
@@ -306,11 +321,10 @@ impl Search<'_> {
         }
         if *name == "contact" {
             *winner = hand::found(self.problem, winner, FITTING_ITERATIONS);
-            let leaves = level(winner) > self.quiet();
-            if leaves && hand::is_lasting(self.problem, winner, FITTING_ITERATIONS) {
-                rivals.remove(0);
-                return self.judged(known, screened, rivals);
-            }
+        }
+        if self.is_misnamed(winner) {
+            rivals.remove(0);
+            return self.judged(known, screened, rivals);
         }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         if *name == "end_stop"

@@ -92,8 +92,8 @@ const SENSOR_COMPARISON: &str = "sensor_comparison";
 /// Share of the gap that a further effect must close, or of what those before it leave.
 const LEAST_SHRINK: f64 = 0.05;
 const LEAST_SHRINK_OF_REST: f64 = 0.5;
-/// Or surely something of the gap and this share of the robust excess: a few windows in which a hidden state is wrong may
-/// be most of the gap.
+/// Or this share of the robust excess, and surely something of the gap or nearly all that was left of the excess: a few windows
+/// in which a hidden state is wrong may be most of the gap.
 const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 
 /// Coarse samples that rival models are fitted to: more would not tell them apart better, only later.
@@ -147,7 +147,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     // What does not close the gap by itself has no place, however well it suits the robust cost.
     let idle = (kept.max(1)..steps.len()).find(|&i| {
         let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
-        let typical = before - after >= LEAST_TYPICAL_SHRINK && steps[i].is_sure;
+        let is_real = steps[i].is_sure || after <= select::MOST_LEFT_EXPLAINED;
+        let typical = before - after >= LEAST_TYPICAL_SHRINK && is_real;
         // Where a restart falls on a jump, a right model leaves as much.
         let jumps = select::jumps(selection.rounds[i].rivals[0].name) && steps[i].is_at_floor;
         let closes = steps[i].own[0] >= LEAST_SHRINK || steps[i].of_rest >= LEAST_SHRINK_OF_REST;

@@ -164,7 +164,7 @@ impl Panel {
             .draw()?;
         let columns = ((WIDTH - LEFT - RIGHT - legend) / COLUMN) as usize;
         for line in &self.lines {
-            let width = (1.4 * f64::from(UNIT)) as u32;
+            let width = (line.ink.width() * f64::from(UNIT)) as u32;
             for piece in line.points.split(|p| p.1.is_nan()) {
                 let placed: Vec<_> = piece
                     .iter()

@@ -37,4 +37,13 @@ impl Ink {
             Self::Other(place) => OTHERS[place % OTHERS.len()],
         }
     }
+
+    /// Of a line, px.
+    pub(super) fn width(self) -> f64 {
+        match self {
+            // It shows behind a model that is right.
+            Self::Measured => 3.0,
+            _ => 1.4,
+        }
+    }
 }

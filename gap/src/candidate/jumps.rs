@@ -11,8 +11,11 @@ use recording::low_pass_gain;
 const STEP_RATIO: f64 = 12.0;
 /// 0.75 quantile of |N(0, 1)| over its standard deviation is 1.15.
 const UPPER_QUARTILE: f64 = 1.15;
-/// More jumps than this are noise of another kind.
+/// Steps this share of the largest beside them are as large.
+const TIED: f64 = 0.8;
+/// More jumps than this are noise of another kind, or motion, but for those this many times larger than the next.
 const MOST_JUMPS: usize = 12;
+const OUTSTANDING: f64 = 3.0;
 
 /// The jumps found, as one term with time and height of each; none if there are none.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
@@ -36,15 +39,21 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         let spread = (quantile(&sizes, 0.75) / UPPER_QUARTILE).max(e.scales.noise);
         for (i, height) in breaks.iter().enumerate() {
             // A step shows in the slopes beside it too: the largest of neighbours is the step.
-            let near = &sizes[i.saturating_sub(2)..(i + 3).min(sizes.len())];
-            let largest = near.iter().all(|size| *size <= height.abs());
+            let near = i.saturating_sub(2)..(i + 3).min(sizes.len());
+            let largest = near.clone().all(|k| sizes[k] <= height.abs());
             if largest && height.abs() > STEP_RATIO * spread {
-                let height = height_around(&series.time, x, i).unwrap_or(*height);
+                // Halfway within a mean it is as large in all of them, and whole in what is around it alone.
+                let tied = near.filter(|&k| sizes[k] >= TIED * height.abs());
+                let whole = tied.filter_map(|k| Some((k, height_around(&series.time, x, k)?)));
+                let whole = whole.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+                let (i, height) = whole.unwrap_or((i, *height));
                 jumps.push((series.session(i - 1), series.session(i), height));
             }
         }
     }
-    if jumps.is_empty() || jumps.len() > MOST_JUMPS {
+    jumps.dedup_by_key(|jump| jump.0);
+    let jumps = outstanding(jumps);
+    if jumps.is_empty() {
         return Vec::new();
     }
     // A counter may also start anew with every run.
@@ -76,6 +85,24 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     terms.collect()
 }
 
+/// One that the counter makes: the first and the last instant that it may have, s of the session, and its height.
+type Found = (f64, f64, f64);
+
+/// The jumps that are not too many: the largest ones where the others are a motion's.
+fn outstanding(jumps: Vec<Found>) -> Vec<Found> {
+    if jumps.len() <= MOST_JUMPS {
+        return jumps;
+    }
+    let mut sizes: Vec<f64> = jumps.iter().map(|jump| jump.2.abs()).collect();
+    sizes.sort_by(|a, b| b.total_cmp(a));
+    let falls = sizes.windows(2).take(MOST_JUMPS);
+    let steepest = falls.max_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
+    let least = steepest.filter(|fall| fall[0] > OUTSTANDING * fall[1]);
+    let least = least.map_or(f64::INFINITY, |fall| fall[0]);
+    let large = jumps.into_iter().filter(|jump| jump.2.abs() >= least);
+    large.collect()
+}
+
 /// Height of a jump that samples `i − 1` to `i` show, of which their neighbours, as means, may show a part.
 fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
     let (a, b) = (i.checked_sub(2)?, i + 1);
@@ -86,7 +113,7 @@ fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
 }
 
 /// A term of jumps, each between two instants, or at one, and with a height of which a `part` is given.
-fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)], part: f64) -> Term {
+fn term(kind: &'static Kind, jumps: &[Found], part: f64) -> Term {
     let mut values = Vec::new();
     let mut free = Vec::new();
     for (before, after, height) in jumps {
@@ -108,5 +135,22 @@ fn term(kind: &'static Kind, jumps: &[(f64, f64, f64)], part: f64) -> Term {
         values,
         free,
         sensor_on_load: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jumps_are_what_stands_out_from_the_motions_own_steps() {
+        let steps = |count: u32, height: f64| (0..count).map(move |k| (f64::from(k), 0.5, height));
+        let motion: Vec<Found> = steps(30, 0.04).collect();
+        let with = |jumps: &[Found]| outstanding([jumps, &motion].concat());
+        assert_eq!(with(&[]), []);
+        let two = [(31.0, 0.5, -0.7), (32.0, 0.5, 0.6)];
+        assert_eq!(with(&two), two);
+        let few: Vec<Found> = steps(5, 0.04).chain(two).collect();
+        assert_eq!(outstanding(few.clone()), few);
     }
 }

@@ -237,6 +237,12 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
             Some(round) => selection.add(round),
             None => break,
         }
+        if let [first, second] = &selection.rounds[..]
+            && !selection.given
+            && let Some(alone) = search.without_first(first, second)
+        {
+            selection.rounds = vec![alone];
+        }
     }
     selection
 }

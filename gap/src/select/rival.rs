@@ -30,6 +30,20 @@ impl Rival {
         alike.fit.x[held..].fill(0.0);
         Some(alike)
     }
+
+    /// The same with its last effect begun in so many times its size, if that is all that is free of it.
+    pub(super) fn sized(&self, by: f64) -> Option<Self> {
+        let mut sized = self.clone();
+        let term = sized.fit.hypothesis.terms.last_mut()?;
+        let [size] = &mut term.free[..] else {
+            return None;
+        };
+        let x = sized.fit.x.last_mut()?;
+        size.start = by * size.value(*x);
+        term.values[size.parameter] = size.start;
+        *x = 0.0;
+        Some(sized)
+    }
 }
 
 /// `known` with one more term, at the point where both stand.
@@ -54,4 +68,67 @@ pub(super) fn turned(both: &Rival, null: &Fit) -> Option<Rival> {
     fit.x[nudges..].rotate_left(split);
     fit.std[nudges..].rotate_left(split);
     Some(Rival { name, fit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::costs::Costs;
+    use crate::hypothesis::{Coordinate, Scale};
+    use host_sim::effects;
+
+    /// A rival of one effect at a point off its start.
+    fn rival(name: &str, free: &[Coordinate], x: &[f64]) -> Rival {
+        let kind = effects::kind(name).unwrap();
+        let term = Term {
+            kind,
+            values: kind.parameters.iter().map(|p| p.default).collect(),
+            free: free.to_vec(),
+            sensor_on_load: false,
+        };
+        let fit = Fit {
+            hypothesis: Hypothesis { terms: vec![term] },
+            x: x.to_vec(),
+            std: vec![0.0; x.len()],
+            costs: Costs {
+                per_sample: Vec::new(),
+                prior: 0.0,
+            },
+        };
+        Rival {
+            name: kind.name,
+            fit,
+        }
+    }
+
+    /// The first value of the last effect of a rival.
+    fn value(rival: &Rival) -> f64 {
+        rival.fit.last_term().unwrap().values[0]
+    }
+
+    #[test]
+    fn a_rival_is_begun_in_other_sizes_of_where_it_stands() {
+        let coordinate = |scale| Coordinate {
+            parameter: 0,
+            start: -0.02,
+            scale,
+        };
+        for scale in [Scale::Linear(0.03), Scale::Log] {
+            let found = rival("torque_offset", &[coordinate(scale)], &[0.3]);
+            let half = found.sized(0.5).unwrap();
+            assert!((value(&half) - 0.5 * value(&found)).abs() < 1e-12);
+            assert_eq!(half.fit.x, [0.0]);
+        }
+    }
+
+    #[test]
+    fn what_has_two_numbers_has_no_size() {
+        let both = [0, 1].map(|parameter| Coordinate {
+            parameter,
+            start: 0.01,
+            scale: Scale::Log,
+        });
+        let found = rival("asymmetric_coulomb", &both, &[0.0, 0.0]);
+        assert!(found.sized(0.5).is_none());
+    }
 }

@@ -34,6 +34,8 @@ const LEADERS: usize = 3;
 /// Share of the winner's gain that each gains alone: the first that led to the right pair gained 0.79 of it or more in 93 of
 /// 94 on blind sets, and less than half in one.
 const LEAST_LEAD: f64 = 0.3;
+/// Sizes of a special case over that as which it was found without what stands beside it now.
+const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
 /// More, for the one that is named.
 const POLISHING_ITERATIONS: usize = 15;
 /// Spread, in scales, of a search around the winner where slopes lead nowhere.
@@ -97,6 +99,7 @@ impl Search<'_> {
         let mut rivals = self.finals(screened.clone(), known);
         if let Some(found) = found {
             join(&mut rivals, found);
+            self.join_special_cases(&mut rivals, &screened);
         }
         self.judged(known, screened, rivals)
     }
@@ -152,6 +155,17 @@ impl Search<'_> {
         }
         beside_second.so_far = first_alone;
         Some(vec![beside_second, beside_first])
+    }
+
+    /// The second of two effects alone, where the first earns no place beside it: it had stood in for the second.
+    pub(crate) fn without_first(&self, first: &Round, second: &Round) -> Option<Round> {
+        let both = turned(&second.rivals[0], &first.known)?;
+        let alone = self.without_last(&both, &first.known);
+        let (_, earned) = earns_its_place(self.problem, &self.perfect, &alone, &both);
+        if earned {
+            return None;
+        }
+        self.alone(first, alone)?.pop()
     }
 
     /// The round of an effect that a search from beside another has led to, if it is the best one alone.
@@ -272,11 +286,33 @@ impl Search<'_> {
         let far = rivals.split_off(near.max(ALWAYS_NEAR).min(rivals.len()));
         let mut rivals = fitted(rivals, FITTING_ITERATIONS);
         rivals.extend(far);
-        let special = fitted(special_cases(&rivals, &all), FITTING_ITERATIONS);
-        for rival in special {
-            join(&mut rivals, rival);
-        }
+        self.join_special_cases(&mut rivals, &all);
         rivals
+    }
+
+    /// Adds the special cases of the best rival, fitted from where it stands in the size that suits best there.
+    fn join_special_cases(&self, rivals: &mut Vec<Rival>, screened: &[Rival]) {
+        let fit = |rival: &Rival, iterations| {
+            let Fit { hypothesis, x, .. } = &rival.fit;
+            self.problem
+                .fit(hypothesis, x.clone(), Part::All, iterations)
+        };
+        let special = special_cases(rivals, screened)
+            .into_par_iter()
+            .map(|rival| {
+                let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
+                let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
+                let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
+                let rival = nearest.map_or(rival, |(_, nearest)| nearest);
+                Rival {
+                    fit: fit(&rival, FITTING_ITERATIONS),
+                    ..rival
+                }
+            });
+        let special: Vec<Rival> = special.collect();
+        for rival in special {
+            join(rivals, rival);
+        }
     }
 
     /// Level up to which nothing is missing.
@@ -351,5 +387,60 @@ fn join(rivals: &mut Vec<Rival>, rival: Rival) {
         Some(same) if level(&same.fit) <= level(&rival.fit) => {}
         Some(same) => *same = rival,
         None => rivals.push(rival),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypothesis::{Coordinate, Scale};
+    use crate::made;
+    use host_sim::effects;
+
+    fn term(name: &str, start: f64) -> Term {
+        let kind = effects::kind(name).unwrap();
+        let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+        values[0] = start;
+        Term {
+            kind,
+            values,
+            free: vec![Coordinate {
+                parameter: 0,
+                start,
+                scale: Scale::Log,
+            }],
+            sensor_on_load: false,
+        }
+    }
+
+    /// What is left of friction and a dead band that is found beside it, where this is `hidden`.
+    fn left(hidden: &[&str]) -> Option<&'static str> {
+        let recording = made::recording(hidden);
+        let problem = made::problem(&recording);
+        let bare = Hypothesis { terms: Vec::new() };
+        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+        let given = Given {
+            is_gap: true,
+            excluded: Vec::new(),
+            measured: None,
+            certain: false,
+        };
+        let search = Search {
+            problem: &problem,
+            given: &given,
+            progress: |_| {},
+            perfect: Perfect::of(&problem, &null).bounded(),
+        };
+        let first = search.given(&null, &term("coulomb", 0.006));
+        let second = search.given(&first.so_far, &term("deadband", 1e-4));
+        let alone = search.without_first(&first, &second)?;
+        Some(alone.rivals[0].name)
+    }
+
+    #[test]
+    fn what_stood_in_for_another_goes_once_that_is_found() {
+        let deadband = "deadband:width=2e-4,jump=0";
+        assert_eq!(left(&[deadband]), Some("deadband"));
+        assert_eq!(left(&[deadband, "coulomb:level=0.006"]), None);
     }
 }

@@ -234,7 +234,10 @@ impl Search<'_> {
                 let starts: Vec<Term> = alike.flat_map(|a| field.promising(a, 1)).collect();
                 field.begun(&starts, STARTS_KEPT)
             } else {
-                let starts = field.promising(&candidate.starts, BEGUN);
+                // A form that promises more from afar may still lead to less.
+                let variants = variants(&candidate.starts);
+                let starts = variants.iter().flat_map(|s| field.promising(s, BEGUN));
+                let starts: Vec<Term> = starts.collect();
                 field.begun(&starts, STARTS_KEPT)
             }
         });

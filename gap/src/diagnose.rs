@@ -352,6 +352,10 @@ fn findings(
             compared(finding, like, selection.given);
         }
     }
+    if selection.given {
+        // What two columns show comes before what only predicts.
+        all.sort_by_key(|finding| finding.basis != SENSOR_COMPARISON);
+    }
     all
 }
 

@@ -1,11 +1,15 @@
 //! Which effects earn their place.
 
 mod evolution;
+mod field;
+mod finals;
 mod hand;
+mod pair;
 mod place;
 mod ranking;
 mod rival;
 mod round;
+mod scan;
 mod screening;
 
 use crate::fit::Fit;

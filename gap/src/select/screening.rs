@@ -1,34 +1,27 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
-use super::evolution::evolved;
+use super::field::{Field, sorted};
 use super::level;
 use super::place::{bounces, is_local, is_scanned};
-use super::rival::{Rival, extended};
+use super::rival::Rival;
 use super::round::Search;
 use crate::candidate::{Candidate, Evidence, bends_alike, candidates};
 use crate::fit::Fit;
-use crate::ground::Ground;
-use crate::hypothesis::{Hypothesis, Term};
+use crate::hypothesis::Term;
 use crate::motion::{Motion, Scales};
-use crate::perfect::WHITE;
 use crate::problem::{Part, Problem, turn};
 use crate::stage::Stage;
 use rayon::prelude::*;
-use std::borrow::Cow;
 
-/// Starts of an effect that a fit begins from, those that promise most, and for how many iterations; more where there are
-/// many optima, of each variant.
+/// Starts of an effect that a fit begins from, those that promise most; more where there are many optima, of each variant.
 const BEGUN: usize = 2;
 const VARIANT_BEGUN: usize = 3;
-const FIRST_ITERATIONS: usize = 2;
 /// Those that go on from there.
 const STARTS_KEPT: usize = 1;
-/// Lowest points of a scan, which is made once, that are fitted.
-const SCANNED_FITTED: usize = 4;
 /// Starts that go on where there are many optima, and for how long.
 const MANY_KEPT: usize = 3;
 const VARIANT_KEPT: usize = 2;
-const MANY_ITERATIONS: usize = 6;
+pub(super) const MANY_ITERATIONS: usize = 6;
 /// Effects that are fitted on then; beside two masses, which take ten times as long, fewer.
 const PROMISING: usize = 14;
 const PROMISING_BESIDE_MASSES: usize = 6;
@@ -38,154 +31,12 @@ const LAST_ITERATIONS: usize = 10;
 /// Samples that suffice to tell the promising effects from the others, and fewest windows.
 const SCREENING_SAMPLES: f64 = 3000.0;
 const SCREENING_WINDOWS: f64 = 12.0;
-/// Spread, in scales, of a search from the lowest points of a scan.
-const WIDELY: f64 = 0.5;
-/// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
-/// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
-const LEAST_SCAN_GAIN: f64 = 0.02;
-/// The same as a share of what the best of the others closes, for a scan and for what a search over a quarter of the horizon
-/// found: beside another effect play closes 0.14 and 0.23 at least, alone far more.
-const LEAST_SCAN_LEAD: f64 = 0.1;
-const LEAST_SEARCH_LEAD: f64 = 0.2;
-/// Lowest points that are searched from: the right one was among them in all of 16 recordings.
-const SEARCHED: usize = 2;
 /// Share of the gain of the best of the others that is worth a fit of what was scanned.
 const LEAST_SCANNED_GAIN: f64 = 0.5;
 /// Samples of a block, its fewest and most windows, and fewest blocks.
 const BLOCK_SAMPLES: usize = 1000;
 const BLOCK_WINDOWS: [usize; 2] = [2, 8];
 const FEWEST_BLOCKS: f64 = 3.0;
-
-/// The windows on which starts are compared, on top of what is known.
-struct Field<'a> {
-    problem: &'a Problem<'a>,
-    known: &'a Fit,
-    chosen: Cow<'a, [bool]>,
-    ground: Ground,
-}
-
-impl<'a> Field<'a> {
-    fn new(problem: &'a Problem<'a>, known: &'a Fit, chosen: impl Into<Cow<'a, [bool]>>) -> Self {
-        let chosen = chosen.into();
-        Self {
-            ground: problem.ground(known, Part::Chosen(&chosen)),
-            problem,
-            known,
-            chosen,
-        }
-    }
-
-    fn fit(&self, start: &Term, iterations: usize) -> Fit {
-        let (hypothesis, x) = extended(self.known, start);
-        self.fitted(&hypothesis, x, iterations)
-    }
-
-    fn fitted(&self, hypothesis: &Hypothesis, x: Vec<f64>, iterations: usize) -> Fit {
-        let ground = Some(&self.ground);
-        let part = Part::Chosen(&self.chosen);
-        self.problem.fit_on(ground, hypothesis, x, part, iterations)
-    }
-
-    fn cost(&self, start: &Term) -> f64 {
-        level(&self.fit(start, 0))
-    }
-
-    /// What a fit, whatever it was fitted to, costs here.
-    fn cost_of(&self, fit: &Fit) -> f64 {
-        let part = Part::Chosen(&self.chosen);
-        self.problem.costs(&fit.hypothesis, &fit.x, part).level()
-    }
-
-    /// Cost at which so much of the excess of what is known is gone, and so large a share of what `best` closes, that a start
-    /// is worth a search.
-    fn worth(&self, best: &Fit, share: f64) -> f64 {
-        let known = self.cost_of(self.known);
-        let closed = known - self.cost_of(best);
-        known - (LEAST_SCAN_GAIN * (known - WHITE)).max(share * closed)
-    }
-
-    /// Those of many starts that cost least as they are.
-    fn near(&self, starts: &[Term]) -> Vec<Term> {
-        lowest(
-            starts.par_iter().map(|s| (self.cost(s), s)).collect(),
-            SCANNED_FITTED,
-        )
-    }
-
-    /// The starts that promise most, `kept` of them.
-    fn promising(&self, starts: &[Term], kept: usize) -> Vec<Term> {
-        if starts.len() <= kept {
-            return starts.to_vec();
-        }
-        let part = Part::Chosen(&self.chosen);
-        let promise = |start: &Term| {
-            let (hypothesis, x) = extended(self.known, start);
-            self.ground.promise(self.problem, &hypothesis, &x, part)
-        };
-        lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)
-    }
-
-    /// The best `kept` fits from some starts.
-    fn begun(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
-        let begun = |start: &Term| self.fit(start, FIRST_ITERATIONS);
-        let mut fits = sorted(starts.par_iter().map(begun).collect());
-        fits.truncate(kept);
-        fits
-    }
-
-    /// Where fits from some starts lead.
-    fn followed(&self, starts: &[Term]) -> Vec<Term> {
-        let fits = starts.par_iter().map(|s| self.fit(s, MANY_ITERATIONS));
-        fits.filter_map(|fit| fit.last_term()).collect()
-    }
-
-    /// The starts around the lowest points of a scan, here and where the same data are restarted four times as often.
-    fn scanned(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
-        let mut low = minima(starts, |start| self.cost(start));
-        // What swings out of step over the horizon is still in step over a quarter of it.
-        if let Some(soon) = soon {
-            let early = minima(starts, |start| soon.cost(start));
-            low.extend(soon.followed(&early));
-            low.extend(early);
-        }
-        let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
-        self.near(&around)
-    }
-
-    /// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
-    fn searched(&self, soon: Option<&Self>, starts: &[Term], best: &Fit) -> Vec<Term> {
-        let soon = soon.unwrap_or(self);
-        let mut low = minima(starts, |start| soon.cost(start));
-        low.truncate(SEARCHED);
-        let leads = |on: &Self, to: &[Term], share| {
-            let lowest = to.first().map(|start| on.cost(start));
-            lowest.is_some_and(|cost| cost <= on.worth(best, share))
-        };
-        if !leads(soon, &low, LEAST_SCAN_LEAD) {
-            return low;
-        }
-        let early = self.near(&soon.descended(&low));
-        if !leads(self, &early, LEAST_SEARCH_LEAD) {
-            return early;
-        }
-        self.near(&self.descended(&early))
-    }
-
-    /// Where searches from some starts lead.
-    fn descended(&self, starts: &[Term]) -> Vec<Term> {
-        let found = starts.par_iter().map(|start| {
-            let x = vec![0.0; start.free.len()];
-            let (_, x) = evolved(x, WIDELY, |x| self.cost(&start.moved(x)));
-            start.moved(&x)
-        });
-        found.collect()
-    }
-}
-
-fn sorted(mut fits: Vec<Fit>) -> Vec<Fit> {
-    fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
-    fits
-}
 
 /// The starts by what no fit of them changes: a hand that pushes up never comes to hold.
 fn variants(starts: &[Term]) -> Vec<Vec<Term>> {
@@ -391,32 +242,6 @@ fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
     (0..problem.window_count())
         .map(|w| fit.costs.log(w))
         .collect()
-}
-
-/// The starts, in the order of a scan for either side of the sensor, at which a cost is lower than at their neighbours:
-/// the lowest of them. Of starts of the same size the lowest stands for all.
-fn minima(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
-    let costs: Vec<f64> = starts.par_iter().map(&cost).collect();
-    let costs: Vec<(f64, &Term)> = costs.into_iter().zip(starts).collect();
-    let sizes = costs.chunk_by(|(_, a), (_, b)| a.values[0] == b.values[0]);
-    let sizes: Vec<(f64, &Term)> = sizes
-        .filter_map(|same| same.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied())
-        .collect();
-    let beside = |i: usize, j: Option<usize>| {
-        j.and_then(|j| sizes.get(j))
-            .filter(|(_, start)| start.sensor_on_load == sizes[i].1.sensor_on_load)
-            .map_or(f64::INFINITY, |(cost, _)| *cost)
-    };
-    let minima = (0..sizes.len())
-        .filter(|&i| sizes[i].0 <= beside(i, i.checked_sub(1)).min(beside(i, Some(i + 1))));
-    lowest(minima.map(|i| sizes[i]).collect(), SCANNED_FITTED)
-}
-
-/// The `kept` of the lowest cost.
-fn lowest(mut costs: Vec<(f64, &Term)>, kept: usize) -> Vec<Term> {
-    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    costs.truncate(kept);
-    costs.into_iter().map(|(_, start)| start.clone()).collect()
 }
 
 /// Windows in blocks from everywhere, with as many samples as screening takes: what is carried from window to window

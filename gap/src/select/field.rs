@@ -1,0 +1,94 @@
+//! Starts compared on a few windows, on top of what is known.
+
+use super::level;
+use super::rival::extended;
+use crate::fit::Fit;
+use crate::ground::Ground;
+use crate::hypothesis::{Hypothesis, Term};
+use crate::problem::{Part, Problem};
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Iterations of the first look at a start.
+const FIRST_ITERATIONS: usize = 2;
+
+/// The windows on which starts are compared, on top of what is known.
+pub(super) struct Field<'a> {
+    problem: &'a Problem<'a>,
+    pub(super) known: &'a Fit,
+    pub(super) chosen: Cow<'a, [bool]>,
+    ground: Ground,
+}
+
+impl<'a> Field<'a> {
+    pub(super) fn new(
+        problem: &'a Problem<'a>,
+        known: &'a Fit,
+        chosen: impl Into<Cow<'a, [bool]>>,
+    ) -> Self {
+        let chosen = chosen.into();
+        Self {
+            ground: problem.ground(known, Part::Chosen(&chosen)),
+            problem,
+            known,
+            chosen,
+        }
+    }
+
+    /// A start fitted on.
+    pub(super) fn fit(&self, start: &Term, iterations: usize) -> Fit {
+        let (hypothesis, x) = extended(self.known, start);
+        self.fitted(&hypothesis, x, iterations)
+    }
+
+    fn fitted(&self, hypothesis: &Hypothesis, x: Vec<f64>, iterations: usize) -> Fit {
+        let ground = Some(&self.ground);
+        let part = Part::Chosen(&self.chosen);
+        self.problem.fit_on(ground, hypothesis, x, part, iterations)
+    }
+
+    /// What a start costs as it is.
+    pub(super) fn cost(&self, start: &Term) -> f64 {
+        level(&self.fit(start, 0))
+    }
+
+    /// What a fit, whatever it was fitted to, costs here.
+    pub(super) fn cost_of(&self, fit: &Fit) -> f64 {
+        let part = Part::Chosen(&self.chosen);
+        self.problem.costs(&fit.hypothesis, &fit.x, part).level()
+    }
+
+    /// The starts that promise most, `kept` of them.
+    pub(super) fn promising(&self, starts: &[Term], kept: usize) -> Vec<Term> {
+        if starts.len() <= kept {
+            return starts.to_vec();
+        }
+        let part = Part::Chosen(&self.chosen);
+        let promise = |start: &Term| {
+            let (hypothesis, x) = extended(self.known, start);
+            self.ground.promise(self.problem, &hypothesis, &x, part)
+        };
+        lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)
+    }
+
+    /// The best `kept` fits from some starts.
+    pub(super) fn begun(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
+        let begun = |start: &Term| self.fit(start, FIRST_ITERATIONS);
+        let mut fits = sorted(starts.par_iter().map(begun).collect());
+        fits.truncate(kept);
+        fits
+    }
+}
+
+/// Those that leave least first.
+pub(super) fn sorted(mut fits: Vec<Fit>) -> Vec<Fit> {
+    fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
+    fits
+}
+
+/// The `kept` of the lowest cost.
+pub(super) fn lowest(mut costs: Vec<(f64, &Term)>, kept: usize) -> Vec<Term> {
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    costs.truncate(kept);
+    costs.into_iter().map(|(_, start)| start.clone()).collect()
+}

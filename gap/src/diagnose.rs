@@ -77,8 +77,6 @@ const EXPLAINED: f64 = 0.15;
 /// Share of the robust excess that may be left where the gap is at its floor: a wrong name for a hum may come that near
 /// by the few windows that are large.
 const MOST_MISSING_AT_FLOOR: f64 = 0.25;
-/// Factor within which the floor is known.
-const FLOOR_DOUBT: f64 = 1.2;
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
 const SURE: f64 = 6.0;
 /// Probability that two columns and the dynamics are not wrong together.
@@ -129,7 +127,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let before = measured.before;
     let given = Given {
         // Where noise and restarts alone leave as much, there is hardly anything to name.
-        is_gap: before > FLOOR_DOUBT * measured.floor,
+        is_gap: before > select::FLOOR_DOUBT * measured.floor,
         measured: like.map(Match::term),
         certain: comparison.as_ref().is_some_and(Comparison::is_certain),
         excluded,
@@ -180,7 +178,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
 
     let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
-    let most_missing = if closing.after <= FLOOR_DOUBT * floor {
+    let most_missing = if closing.after <= select::FLOOR_DOUBT * floor {
         MOST_MISSING_AT_FLOOR
     } else {
         select::MOST_LEFT_EXPLAINED
@@ -291,7 +289,7 @@ fn closings(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
     };
     let floor = problem.floor_squares(fit);
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
-    let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(&floor);
+    let is_at_floor = |left: &[f64]| sum(left) <= select::FLOOR_DOUBT.powi(2) * sum(&floor);
     let steps = left.iter().zip(&left[1..]).map(|(before, after)| {
         let of_rest = shrink(before, after, &floor, before)[0];
         Step {

@@ -38,6 +38,8 @@ pub(crate) const QUIET_GAP: f64 = 2.0;
 /// Gap over floor beyond which something is, be it in a restart or two: of 90 recordings with nothing wrong the largest was
 /// 1.8.
 const LOUD_GAP: f64 = 3.0;
+/// Factor within which the floor is known.
+pub(crate) const FLOOR_DOUBT: f64 = 1.2;
 const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
@@ -142,6 +144,11 @@ impl Selection {
         self.left(fit) > MOST_LEFT && !spares
     }
 
+    /// True if the model's own numbers, moved no farther than is likely, leave no more than noise and restarts do.
+    fn is_at_floor(&self, problem: &Problem<'_>) -> bool {
+        self.null.is_likely() && problem.gap_over_floor(&self.null) <= FLOOR_DOUBT
+    }
+
     /// True if a fit leaves so much that nothing more can bring a name.
     fn is_hopeless(&self, fit: &Fit) -> bool {
         self.left(fit) > HOPELESS
@@ -198,7 +205,8 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         rounds: Vec::new(),
         last: None,
     };
-    if selection.quiet || !(given.is_gap || selection.plain) {
+    let is_gap = || given.is_gap && !selection.is_at_floor(problem);
+    if selection.quiet || !(selection.plain || is_gap()) {
         return selection;
     }
     let search = Search {

@@ -29,7 +29,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         .flat_map(|&share| HARDNESS.map(|hardness| (share, hardness)));
     for (share, hardness) in sizes {
         let [low, high] = [share, 1.0 - share].map(|share| quantile(&positions, share));
-        for (lower, upper) in [(far[0], high), (low, far[1]), (low, high)] {
+        for [lower, upper] in places([low, high], far) {
             let stiffness = hardness * s.torque / s.span();
             let damping = 2.0 * STOP_DAMPING * (stiffness * inertia).sqrt();
             let mut free = vec![log(2, stiffness), log(3, damping)];
@@ -43,6 +43,15 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
     }
     all
+}
+
+/// One stop where the motion ends, the other `far`, then both there: beyond a stop that is known is no other.
+fn places([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
+    let (low, high) = (low.max(far[0]), high.min(far[1]));
+    let mut places = vec![[far[0], high], [low, far[1]], [low, high]];
+    places.retain(|place| *place != far);
+    places.dedup();
+    places
 }
 
 /// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.
@@ -105,6 +114,15 @@ mod tests {
         assert!(!push_at_most(&at(-0.15), positions()));
         assert!(push_at_most(&at(0.05), positions()));
         assert!(push_at_most(&at(0.6), positions()));
+    }
+
+    #[test]
+    fn no_stop_is_looked_for_beyond_one_that_is_known() {
+        let known = [-0.61, 0.61];
+        assert_eq!(places([-0.63, 0.4], known), [[-0.61, 0.4]]);
+        assert_eq!(places([-0.63, 0.65], known), [[0.0; 2]; 0]);
+        let all = [[-0.61, 0.4], [-0.3, 0.61], [-0.3, 0.4]];
+        assert_eq!(places([-0.3, 0.4], known), all);
     }
 
     #[test]

@@ -264,3 +264,33 @@ fn screening_share(problem: &Problem<'_>, fewest: f64) -> f64 {
 fn samples(problem: &Problem<'_>) -> usize {
     problem.series.iter().map(|s| s.time.len()).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypothesis::{Coordinate, Scale};
+    use host_sim::effects;
+
+    /// A dead band of a width that is fitted, and of a form that is not.
+    fn deadband(width: f64, jump: f64) -> Term {
+        Term {
+            kind: effects::kind("deadband").unwrap(),
+            values: vec![width, jump],
+            free: vec![Coordinate {
+                parameter: 0,
+                start: width,
+                scale: Scale::Log,
+            }],
+            sensor_on_load: false,
+        }
+    }
+
+    #[test]
+    fn starts_that_a_fit_can_make_alike_are_of_one_form() {
+        let starts = [(0.1, 0.0), (0.1, 1.0), (0.3, 1.0), (0.5, 0.0)];
+        let variants = variants(&starts.map(|(width, jump)| deadband(width, jump)));
+        let widths = variants.iter().map(|v| v.iter().map(|t| t.values[0]));
+        let widths: Vec<Vec<f64>> = widths.map(Iterator::collect).collect();
+        assert_eq!(widths, [[0.1, 0.5], [0.1, 0.3]]);
+    }
+}

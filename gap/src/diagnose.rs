@@ -3,6 +3,7 @@
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
 use crate::fit::Fit;
+use crate::floor::FLOOR_DOUBT;
 use crate::hypothesis::{Hypothesis, nudges};
 use crate::measure::measure;
 use crate::problem::{Part, Problem};
@@ -127,7 +128,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let before = measured.before;
     let given = Given {
         // Where noise and restarts alone leave as much, there is hardly anything to name.
-        is_gap: before > select::FLOOR_DOUBT * measured.floor,
+        is_gap: before > FLOOR_DOUBT * measured.floor,
         measured: like.map(Match::term),
         certain: comparison.as_ref().is_some_and(Comparison::is_certain),
         excluded,
@@ -178,14 +179,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
 
     let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
-    let most_missing = if closing.after <= select::FLOOR_DOUBT * floor {
+    let most_missing = if closing.after <= FLOOR_DOUBT * floor {
         MOST_MISSING_AT_FLOOR
     } else {
         select::MOST_LEFT_EXPLAINED
     };
     let verdict = if selection.rounds.is_empty() {
-        let null = &selection.null;
-        let is_hidden = || null.is_likely() && problem.gap_over_floor(null) <= select::QUIET_GAP;
+        let is_hidden = || selection.null_leaves_at_most(select::QUIET_GAP, &problem);
         if selection.quiet || (!selection.plain && is_hidden()) {
             Verdict::NoGap
         } else {
@@ -289,7 +289,7 @@ fn closings(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
     };
     let floor = problem.floor_squares(fit);
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
-    let is_at_floor = |left: &[f64]| sum(left) <= select::FLOOR_DOUBT.powi(2) * sum(&floor);
+    let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(&floor);
     let steps = left.iter().zip(&left[1..]).map(|(before, after)| {
         let of_rest = shrink(before, after, &floor, before)[0];
         Step {

@@ -393,23 +393,15 @@ mod tests {
     use super::*;
     use crate::hypothesis::{Coordinate, Scale};
     use crate::made;
-    use host_sim::effects;
 
     fn term(name: &str, free: &[(usize, f64, f64)]) -> Term {
-        let kind = effects::kind(name).unwrap();
-        Term {
-            kind,
-            values: kind.parameters.iter().map(|p| p.default).collect(),
-            free: free
-                .iter()
-                .map(|&(parameter, start, scale)| Coordinate {
-                    parameter,
-                    start,
-                    scale: Scale::Linear(scale),
-                })
-                .collect(),
-            sensor_on_load: false,
-        }
+        let linear = |&(parameter, start, scale)| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Linear(scale),
+        };
+        let free: Vec<Coordinate> = free.iter().map(linear).collect();
+        made::term(name, &free)
     }
 
     /// What terms come to on a recording with the effects written in `effects`.

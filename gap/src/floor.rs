@@ -10,6 +10,8 @@ use std::collections::HashMap;
 /// Windows that are looked at, or all there are: where noise decides between stick and slip, a few of them are most of the
 /// floor, and from so many it is known to some 20 %.
 const LOOKED_AT: usize = 400;
+/// Factor within which it is known then.
+pub(crate) const FLOOR_DOUBT: f64 = 1.2;
 
 /// Squares that noise and restarts alone would leave in each of some windows, given with their runs, if `predictor` were right:
 /// the mean over some draws of the noise, as near stick and slip, and where a restart falls on a kink of the motion, nothing is

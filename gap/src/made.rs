@@ -1,10 +1,11 @@
 //! Recordings that tests are made with.
 
+use crate::hypothesis::{Coordinate, Term};
 use crate::problem::Problem;
 use crate::series;
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
-use host_sim::effects::Effect;
+use host_sim::effects::{self, Effect};
 use host_sim::plant::Plant;
 use host_sim::sensors::Noise;
 use recording::{Drive, Model, Recording, Run, Sensor};
@@ -20,6 +21,21 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
         series: series::coarse(recording, recording.horizon),
         nudges: Vec::new(),
         quarter: None,
+    }
+}
+
+/// An effect that begins at some numbers that are free, the others as they are by default.
+pub(crate) fn term(name: &str, free: &[Coordinate]) -> Term {
+    let kind = effects::kind(name).unwrap();
+    let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+    for coordinate in free {
+        values[coordinate.parameter] = coordinate.start;
+    }
+    Term {
+        kind,
+        values,
+        free: free.to_vec(),
+        sensor_on_load: false,
     }
 }
 

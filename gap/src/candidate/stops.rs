@@ -81,8 +81,8 @@ pub(crate) fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2
 /// True if stops push at most of some positions: what does so all along is none.
 pub(crate) fn push_at_most(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
     let [lower, upper] = [stops.values[0], stops.values[1]];
-    let (free, pushed): (Vec<f64>, Vec<f64>) = positions.partition(|x| (lower..=upper).contains(x));
-    pushed.len() > free.len()
+    let pushes = |x: f64| if (lower..=upper).contains(&x) { -1 } else { 1 };
+    positions.map(pushes).sum::<i64>() > 0
 }
 
 /// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.

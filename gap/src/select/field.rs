@@ -4,7 +4,7 @@ use super::level;
 use super::rival::extended;
 use crate::fit::Fit;
 use crate::ground::Ground;
-use crate::hypothesis::{Hypothesis, Term};
+use crate::hypothesis::Term;
 use crate::problem::{Part, Problem};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -38,13 +38,10 @@ impl<'a> Field<'a> {
     /// A start fitted on.
     pub(super) fn fit(&self, start: &Term, iterations: usize) -> Fit {
         let (hypothesis, x) = extended(self.known, start);
-        self.fitted(&hypothesis, x, iterations)
-    }
-
-    fn fitted(&self, hypothesis: &Hypothesis, x: Vec<f64>, iterations: usize) -> Fit {
         let ground = Some(&self.ground);
         let part = Part::Chosen(&self.chosen);
-        self.problem.fit_on(ground, hypothesis, x, part, iterations)
+        self.problem
+            .fit_on(ground, &hypothesis, x, part, iterations)
     }
 
     /// What a start costs as it is.

@@ -24,8 +24,13 @@ const ALWAYS_NEAR: usize = 2;
 const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
 
 impl Search<'_> {
-    /// The most promising ones, fitted to all windows.
-    pub(super) fn finals(&self, mut screened: Vec<Rival>, known: &Fit) -> Vec<Rival> {
+    /// The most promising ones, fitted to all windows, and what was `found` there otherwise, with the special cases of the best.
+    pub(super) fn finals(
+        &self,
+        mut screened: Vec<Rival>,
+        known: &Fit,
+        found: Option<Rival>,
+    ) -> Vec<Rival> {
         (self.progress)(Stage::Finalists);
         screened.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
         let fitted = |rivals: Vec<Rival>, iterations: usize| -> Vec<Rival> {
@@ -55,9 +60,7 @@ impl Search<'_> {
             SHORT_ITERATIONS,
         );
         rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
-        let Some(best) = rivals.first().map(|rival| level(&rival.fit)) else {
-            return rivals;
-        };
+        let best = rivals.first().map_or(level(known), |r| level(&r.fit));
         let limit = short_of(best, NEAR, level(known));
         let near = rivals
             .iter()
@@ -66,12 +69,15 @@ impl Search<'_> {
         let far = rivals.split_off(near.max(ALWAYS_NEAR).min(rivals.len()));
         let mut rivals = fitted(rivals, FITTING_ITERATIONS);
         rivals.extend(far);
+        if let Some(found) = found {
+            join(&mut rivals, found);
+        }
         self.join_special_cases(&mut rivals, &all);
         rivals
     }
 
     /// Adds the special cases of the best rival, fitted from where it stands in the size that suits best there.
-    pub(super) fn join_special_cases(&self, rivals: &mut Vec<Rival>, screened: &[Rival]) {
+    fn join_special_cases(&self, rivals: &mut Vec<Rival>, screened: &[Rival]) {
         let fit = |rival: &Rival, iterations| {
             let Fit { hypothesis, x, .. } = &rival.fit;
             self.problem

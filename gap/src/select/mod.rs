@@ -13,6 +13,7 @@ mod scan;
 mod screening;
 
 use crate::fit::Fit;
+use crate::floor::FLOOR_DOUBT;
 use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
@@ -38,8 +39,6 @@ pub(crate) const QUIET_GAP: f64 = 2.0;
 /// Gap over floor beyond which something is, be it in a restart or two: of 90 recordings with nothing wrong the largest was
 /// 1.8.
 const LOUD_GAP: f64 = 3.0;
-/// Factor within which the floor is known.
-pub(crate) const FLOOR_DOUBT: f64 = 1.2;
 const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
@@ -144,9 +143,10 @@ impl Selection {
         self.left(fit) > MOST_LEFT && !spares
     }
 
-    /// True if the model's own numbers, moved no farther than is likely, leave no more than noise and restarts do.
-    fn is_at_floor(&self, problem: &Problem<'_>) -> bool {
-        self.null.is_likely() && problem.gap_over_floor(&self.null) <= FLOOR_DOUBT
+    /// True if the model's own numbers, moved no farther than is likely, leave no more than so many times what noise and
+    /// restarts do.
+    pub(crate) fn null_leaves_at_most(&self, floors: f64, problem: &Problem<'_>) -> bool {
+        self.null.is_likely() && problem.gap_over_floor(&self.null) <= floors
     }
 
     /// True if a fit leaves so much that nothing more can bring a name.
@@ -205,8 +205,10 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         rounds: Vec::new(),
         last: None,
     };
-    let is_gap = || given.is_gap && !selection.is_at_floor(problem);
-    if selection.quiet || !(selection.plain || is_gap()) {
+    // What two columns show is there, whatever the tolerances could make of it.
+    let is_hidden = || !given.certain && selection.null_leaves_at_most(FLOOR_DOUBT, problem);
+    let is_gap = selection.plain || given.is_gap && !is_hidden();
+    if selection.quiet || !is_gap {
         return selection;
     }
     let search = Search {

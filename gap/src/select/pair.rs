@@ -49,8 +49,12 @@ impl Search<'_> {
             }
         }
         let screened = looked.iter().flat_map(|(_, screened)| screened).cloned();
-        let both =
-            ranked(self.finals(screened.collect(), null), null, self.quiet())?.swap_remove(0);
+        let both = ranked(
+            self.finals(screened.collect(), null, None),
+            null,
+            self.quiet(),
+        )?
+        .swap_remove(0);
         if !worth(&both.fit) {
             return None;
         }
@@ -75,6 +79,10 @@ impl Search<'_> {
     pub(crate) fn without_first(&self, first: &Round, second: &Round) -> Option<Round> {
         let both = turned(&second.rivals[0], &first.known)?;
         let alone = self.without_last(&both, &first.known);
+        // What leaves more than the first did is not what that stood in for.
+        if !first.leaves_more_than(&alone) {
+            return None;
+        }
         let (_, earned) = earns_its_place(self.problem, &self.perfect, &alone, &both);
         if earned {
             return None;
@@ -85,7 +93,7 @@ impl Search<'_> {
     /// The round of an effect that a search from beside another has led to, if it is the best one alone.
     fn alone(&self, first: &Round, fit: Fit) -> Option<Vec<Round>> {
         let name = fit.hypothesis.terms.first()?.kind.name;
-        if level(&fit) >= level(&first.rivals[0].fit) {
+        if !first.leaves_more_than(&fit) {
             return None;
         }
         let mut rivals = first.rivals.clone();
@@ -147,22 +155,15 @@ mod tests {
     use crate::made;
     use crate::perfect::Perfect;
     use crate::select::Given;
-    use host_sim::effects;
 
+    /// An effect of which the first number is free.
     fn term(name: &str, start: f64) -> Term {
-        let kind = effects::kind(name).unwrap();
-        let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
-        values[0] = start;
-        Term {
-            kind,
-            values,
-            free: vec![Coordinate {
-                parameter: 0,
-                start,
-                scale: Scale::Log,
-            }],
-            sensor_on_load: false,
-        }
+        let first = Coordinate {
+            parameter: 0,
+            start,
+            scale: Scale::Log,
+        };
+        made::term(name, &[first])
     }
 
     /// What is left of friction and a dead band that is found beside it, where this is `hidden`.

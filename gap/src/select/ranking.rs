@@ -133,26 +133,21 @@ pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
 mod tests {
     use super::*;
     use crate::costs::Costs;
-    use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
-    use host_sim::effects;
+    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::made;
 
     const KNOWN: f64 = 2.0;
     const BEST: f64 = 0.7;
 
     /// A fit that leaves `level` in each of 200 windows, with so many free parameters of an effect.
     fn fit(name: &str, free: usize, level: f64) -> Fit {
-        let kind = effects::kind(name).unwrap();
         let coordinate = |parameter| Coordinate {
             parameter,
             start: 1.0,
             scale: Scale::Linear(1.0),
         };
-        let term = Term {
-            kind,
-            values: kind.parameters.iter().map(|p| p.default).collect(),
-            free: (0..free).map(coordinate).collect(),
-            sensor_on_load: false,
-        };
+        let coordinates: Vec<Coordinate> = (0..free).map(coordinate).collect();
+        let term = made::term(name, &coordinates);
         Fit {
             hypothesis: Hypothesis { terms: vec![term] },
             x: vec![0.0; free],

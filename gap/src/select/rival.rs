@@ -24,25 +24,27 @@ impl Rival {
     /// The same, begun with the numbers that its last effect shares with that of another, if there are any.
     pub(super) fn alike(&self, other: &Self) -> Option<Self> {
         let term = self.fit.last_term()?.alike(&other.fit.last_term()?)?;
-        let mut alike = self.clone();
-        let held = self.held()?;
-        *alike.fit.hypothesis.terms.last_mut()? = term;
-        alike.fit.x[held..].fill(0.0);
-        Some(alike)
+        self.begun_at(term)
     }
 
     /// The same with its last effect begun in so many times its size, if that is all that is free of it.
     pub(super) fn sized(&self, by: f64) -> Option<Self> {
-        let mut sized = self.clone();
-        let term = sized.fit.hypothesis.terms.last_mut()?;
+        let mut term = self.fit.last_term()?;
         let [size] = &mut term.free[..] else {
             return None;
         };
-        let x = sized.fit.x.last_mut()?;
-        size.start = by * size.value(*x);
+        size.start *= by;
         term.values[size.parameter] = size.start;
-        *x = 0.0;
-        Some(sized)
+        self.begun_at(term)
+    }
+
+    /// The same with its last effect begun anew.
+    fn begun_at(&self, term: Term) -> Option<Self> {
+        let held = self.held()?;
+        let mut begun = self.clone();
+        *begun.fit.hypothesis.terms.last_mut()? = term;
+        begun.fit.x[held..].fill(0.0);
+        Some(begun)
     }
 }
 
@@ -75,17 +77,12 @@ mod tests {
     use super::*;
     use crate::costs::Costs;
     use crate::hypothesis::{Coordinate, Scale};
-    use host_sim::effects;
+    use crate::made;
 
     /// A rival of one effect at a point off its start.
     fn rival(name: &str, free: &[Coordinate], x: &[f64]) -> Rival {
-        let kind = effects::kind(name).unwrap();
-        let term = Term {
-            kind,
-            values: kind.parameters.iter().map(|p| p.default).collect(),
-            free: free.to_vec(),
-            sensor_on_load: false,
-        };
+        let term = made::term(name, free);
+        let name = term.kind.name;
         let fit = Fit {
             hypothesis: Hypothesis { terms: vec![term] },
             x: x.to_vec(),
@@ -95,10 +92,7 @@ mod tests {
                 prior: 0.0,
             },
         };
-        Rival {
-            name: kind.name,
-            fit,
-        }
+        Rival { name, fit }
     }
 
     /// The first value of the last effect of a rival.

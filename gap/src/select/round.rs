@@ -1,7 +1,6 @@
 //! One more effect on top of what is known.
 
 use super::evolution::evolved;
-use super::finals::join;
 use super::hand;
 use super::place::{bounces, earns_its_place};
 use super::ranking::{contains, enough, ranked};
@@ -36,6 +35,13 @@ pub(crate) struct Round {
     pub earned: bool,
     /// The model with the effects up to this one.
     pub so_far: Fit,
+}
+
+impl Round {
+    /// True if a fit leaves less than its winner does.
+    pub(super) fn leaves_more_than(&self, fit: &Fit) -> bool {
+        level(fit) < level(&self.rivals[0].fit)
+    }
 }
 
 /// What all rounds share.
@@ -81,11 +87,7 @@ impl Search<'_> {
         screened: Vec<Rival>,
         found: Option<Rival>,
     ) -> Option<Round> {
-        let mut rivals = self.finals(screened.clone(), known);
-        if let Some(found) = found {
-            join(&mut rivals, found);
-            self.join_special_cases(&mut rivals, &screened);
-        }
+        let rivals = self.finals(screened.clone(), known, found);
         self.judged(known, screened, rivals)
     }
 

@@ -79,16 +79,16 @@ impl Search<'_> {
                     as_fitted.begun(&starts, VARIANT_KEPT)
                 });
                 sorted(fits.collect())
-            } else if candidate.kind.name == "presliding" {
-                // What bends too little or too far promises nothing.
-                let alike = candidate.starts.chunk_by(bends_alike);
-                let starts: Vec<Term> = alike.flat_map(|a| field.promising(a, 1)).collect();
-                field.begun(&starts, STARTS_KEPT)
             } else {
-                // A form that promises more from afar may still lead to less.
-                let variants = variants(&candidate.starts);
-                let starts = variants.iter().flat_map(|s| field.promising(s, BEGUN));
-                let starts: Vec<Term> = starts.collect();
+                let starts: Vec<Term> = if candidate.kind.name == "presliding" {
+                    // What bends too little or too far promises nothing.
+                    let alike = candidate.starts.chunk_by(bends_alike);
+                    alike.flat_map(|a| field.promising(a, 1)).collect()
+                } else {
+                    // A form that promises more from afar may still lead to less.
+                    let variants = variants(&candidate.starts).into_iter();
+                    variants.flat_map(|v| field.promising(&v, BEGUN)).collect()
+                };
                 field.begun(&starts, STARTS_KEPT)
             }
         });
@@ -269,20 +269,18 @@ fn samples(problem: &Problem<'_>) -> usize {
 mod tests {
     use super::*;
     use crate::hypothesis::{Coordinate, Scale};
-    use host_sim::effects;
+    use crate::made;
 
     /// A dead band of a width that is fitted, and of a form that is not.
     fn deadband(width: f64, jump: f64) -> Term {
-        Term {
-            kind: effects::kind("deadband").unwrap(),
-            values: vec![width, jump],
-            free: vec![Coordinate {
-                parameter: 0,
-                start: width,
-                scale: Scale::Log,
-            }],
-            sensor_on_load: false,
-        }
+        let free = Coordinate {
+            parameter: 0,
+            start: width,
+            scale: Scale::Log,
+        };
+        let mut deadband = made::term("deadband", &[free]);
+        deadband.values[1] = jump;
+        deadband
     }
 
     #[test]

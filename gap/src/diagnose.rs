@@ -11,6 +11,7 @@ use crate::select::{self, Given, Round, Selection};
 use crate::series;
 use crate::shrink::{resampled, shrink};
 use crate::stage::Stage;
+use crate::stand_in::StandIn;
 use crate::{comparison, experiment, locate};
 use host_sim::device::Device;
 use recording::Recording;
@@ -73,8 +74,6 @@ impl CorrectedModel {
     }
 }
 
-/// Largest share of the excess that may be left for a gap to count as explained.
-const EXPLAINED: f64 = 0.15;
 /// Share of the robust excess that may be left where the gap is at its floor: a wrong name for a hum may come that near
 /// by the few windows that are large.
 const MOST_MISSING_AT_FLOOR: f64 = 0.25;
@@ -178,12 +177,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         unit: recording.units.position.clone(),
     };
 
-    let excess = |gap: f64| (gap * gap - floor * floor).max(0.0).sqrt();
     let most_missing = if closing.after <= FLOOR_DOUBT * floor {
         MOST_MISSING_AT_FLOOR
     } else {
         select::MOST_LEFT_EXPLAINED
     };
+    let stand_in = StandIn::of(&problem, selection.fit());
     let verdict = if selection.rounds.is_empty() {
         let is_hidden = || selection.null_leaves_at_most(select::QUIET_GAP, &problem);
         if selection.quiet || (!selection.plain && is_hidden()) {
@@ -191,8 +190,9 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         } else {
             Verdict::Unexplained
         }
-    } else if excess(closing.after) <= EXPLAINED * excess(closing.before)
+    } else if closing.is_closed()
         && selection.missing(&problem, selection.fit()) <= most_missing
+        && stand_in.is_none()
     {
         Verdict::Explained
     } else {
@@ -220,7 +220,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let oddities = recording.oddities.iter().map(ToString::to_string);
     let bounds = selection.fit().at_bounds(&problem.nudges);
     let bounds = bounds.iter().map(ToString::to_string);
-    let warnings = oddities.chain(disagreement).chain(bounds).collect();
+    let doubt = stand_in.iter().map(ToString::to_string);
+    let warnings = oddities.chain(disagreement).chain(bounds).chain(doubt);
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
@@ -229,7 +230,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         gap: closing,
         effects,
         next_experiment,
-        warnings,
+        warnings: warnings.collect(),
         elapsed_s: started.elapsed().as_secs_f64(),
     };
     Outcome { diagnosis, model }

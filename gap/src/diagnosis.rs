@@ -34,6 +34,17 @@ pub struct Closing {
     pub unit: String,
 }
 
+/// Largest share of the excess that may be left for a gap to count as explained.
+const EXPLAINED: f64 = 0.15;
+
+impl Closing {
+    /// True if hardly any of what a model could undercut is left: `√(after² − floor²)` is at most 15 % of what it was before.
+    pub fn is_closed(&self) -> bool {
+        let excess = |gap: f64| (gap * gap - self.floor * self.floor).max(0.0).sqrt();
+        excess(self.after) <= EXPLAINED * excess(self.before)
+    }
+}
+
 /// A fitted number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {

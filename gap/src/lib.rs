@@ -48,6 +48,7 @@ mod select;
 pub mod series;
 mod shrink;
 mod stage;
+mod stand_in;
 mod whitening;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};

@@ -54,16 +54,18 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
         } else {
             "explains"
         };
-        let how = match diagnosis.verdict {
-            Verdict::PartlyExplained => format!("{verb} part of it"),
-            _ => format!("{verb} it"),
+        let is_partial = diagnosis.verdict == Verdict::PartlyExplained;
+        let how = match (is_partial, gap.is_closed()) {
+            (true, true) => "may explain it".into(),
+            (true, false) => format!("{verb} part of it"),
+            (false, _) => format!("{verb} it"),
         };
         sentences.push(format!(
             "{all} {how}: the gap falls from {before} to {after} (floor {floor}) on data the fit has not seen."
         ));
-        if diagnosis.verdict == Verdict::PartlyExplained {
+        if is_partial {
             sentences.push(
-                "Something more is left that no further effect of the library explains.".into(),
+                "Something more may be left that no further effect of the library explains.".into(),
             );
         }
         if diagnosis
@@ -281,7 +283,8 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.contains("Something more is left") && text.contains("Viscous friction does not."),
+            text.contains("Something more may be left")
+                && text.contains("Viscous friction does not."),
             "{text}"
         );
     }

@@ -388,7 +388,9 @@ fn confidence(round: &Round, perfect: f64) -> f64 {
 
 fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tried> {
     let mut all: Vec<Tried> = Vec::new();
-    for round in selection.rounds.iter().chain(&selection.last) {
+    let named_rounds = selection.rounds.iter().map(|round| (round, true));
+    let last = selection.last.iter().map(|round| (round, named.is_empty()));
+    for (round, is_settled) in named_rounds.chain(last) {
         let winner = &round.rivals[0];
         for rival in &round.rivals {
             if named.contains(&rival.name) || all.iter().any(|t| t.name == rival.name) {
@@ -399,8 +401,10 @@ fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tr
                 "no gain".to_owned()
             } else if rival.name == winner.name {
                 "no gain on held-out data".to_owned()
-            } else {
+            } else if is_settled {
                 format!("gains less than {}", winner.name)
+            } else {
+                format!("earns no place beside {}", named.join(" and "))
             };
             all.push(Tried {
                 name: rival.name,

@@ -12,7 +12,7 @@ use host_sim::plant::Spot;
 /// How suddenly a static friction may fall with speed.
 const FALLS: [f64; 2] = [2.0, 1.0];
 /// Its rise over the sliding level, and its velocity over that of the motion.
-const RISES: [(f64, f64); 3] = [(0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
+const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
 /// Natural frequency of bristles, in rad a coarse sample.
 const RESOLVED_RATE: f64 = 2.0;
 /// How far they bend, over the span of the motion.
@@ -157,14 +157,11 @@ fn bristles(kind: &'static Kind, e: &Evidence<'_>, bend: f64) -> [Term; 2] {
     // Bristles that ring faster than samples follow are stick.
     let stiffest = inertia * (RESOLVED_RATE / e.scales.period_s.max(FINE_PERIOD_S)).powi(2);
     let distance = (bend * e.scales.span()).max(level / stiffest);
-    let damping = BRISTLE_DAMPING * 2.0 * (level / distance * inertia).sqrt();
+    let much = BRISTLE_DAMPING * 2.0 * (level / distance * inertia).sqrt();
+    // They may not damp at all.
+    let damping = guessed(1, much, 0.0);
     [log(2, 0.7), linear(3, 0.4, 0.2)]
-        .map(|last| term(kind, vec![log(0, distance), log(1, damping), last], &[]))
-}
-
-/// True for bristles of the same distance.
-pub(crate) fn bends_alike(one: &Term, other: &Term) -> bool {
-    one.values[0] == other.values[0]
+        .map(|last| term(kind, vec![log(0, distance), damping, last], &[]))
 }
 
 /// A spot that rubs, where one explains most.

@@ -13,7 +13,6 @@ mod start;
 mod stops;
 mod transmission;
 
-pub(crate) use friction::bends_alike;
 pub(crate) use stops::{one_sided, push_at_most, untouched};
 
 use crate::hypothesis::Term;

@@ -5,7 +5,7 @@ use super::level;
 use super::place::{bounces, is_local, is_scanned};
 use super::rival::Rival;
 use super::round::Search;
-use crate::candidate::{Candidate, Evidence, bends_alike, candidates};
+use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::Fit;
 use crate::hypothesis::Term;
 use crate::motion::{Motion, Scales};
@@ -80,15 +80,9 @@ impl Search<'_> {
                 });
                 sorted(fits.collect())
             } else {
-                let starts: Vec<Term> = if candidate.kind.name == "presliding" {
-                    // What bends too little or too far promises nothing.
-                    let alike = candidate.starts.chunk_by(bends_alike);
-                    alike.flat_map(|a| field.promising(a, 1)).collect()
-                } else {
-                    // A form that promises more from afar may still lead to less.
-                    let variants = variants(&candidate.starts).into_iter();
-                    variants.flat_map(|v| field.promising(&v, BEGUN)).collect()
-                };
+                // A form that promises more from afar may still lead to less.
+                let variants = variants(&candidate.starts).into_iter();
+                let starts: Vec<Term> = variants.flat_map(|v| field.promising(&v, BEGUN)).collect();
                 field.begun(&starts, STARTS_KEPT)
             }
         });

@@ -160,17 +160,22 @@ impl Selection {
     }
 
     /// True if it leaves no more than it would if it were right, where that is little beside what the null leaves, or as much
-    /// of the gap as is foretold: near stick and slip even a right model leaves more than little.
+    /// of the gap as is foretold: near stick and slip even a right model leaves more than little. Or if little is left of the
+    /// excess, and nothing of the gap.
     fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
         if !fit.is_likely() {
             return false;
+        }
+        let over_floor = problem.gap_over_floor(fit);
+        if self.leaves_little(fit) && over_floor <= FLOOR_DOUBT {
+            return true;
         }
         let perfect = Perfect::of(problem, fit);
         // After some impacts even the right model has lost its way.
         let bounces = fit.hypothesis.terms.iter().any(|t| bounces(t.kind.name));
         let perfect = if bounces { perfect } else { perfect.bounded() };
-        let as_foretold = || (1.0 / QUIET_GAP..QUIET_GAP).contains(&problem.gap_over_floor(fit));
-        is_quiet(fit, &perfect) && (self.leaves_little(fit) || as_foretold())
+        let as_foretold = (1.0 / QUIET_GAP..QUIET_GAP).contains(&over_floor);
+        is_quiet(fit, &perfect) && (self.leaves_little(fit) || as_foretold)
     }
 }
 

@@ -158,8 +158,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         steps = closings(&problem, selection.fit(), &left);
     }
 
-    // Nor have effects that leave the gap no smaller than it was.
-    if kept == 0 && steps.last().is_some_and(|step| step.total[0] <= 0.0) {
+    // Nor have effects that leave the gap no smaller than it was, or may do so and leave most of the excess.
+    let left_open = selection.left(selection.fit());
+    let closes_nothing = |step: &Step| {
+        let [value, low, _] = step.total;
+        value <= 0.0 || low <= 0.0 && left_open > select::MOST_LEFT
+    };
+    if kept == 0 && steps.last().is_some_and(closes_nothing) {
         steps.clear();
         selection.withdraw(0);
     }

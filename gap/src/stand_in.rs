@@ -13,7 +13,7 @@ const LEAST_WAVES: f64 = 1.0;
 pub(crate) enum StandIn {
     /// Less than a wave of a ripple was travelled: any force over position looks so.
     Wave { travelled: f64 },
-    /// A soft transmission behind a drive that is late: so is any drive with dynamics of its own.
+    /// A soft transmission behind a drive that is late, or before a sensor that is: so is any drive with dynamics of its own.
     Drive { late: &'static str },
 }
 
@@ -28,7 +28,9 @@ impl StandIn {
             return Some(Self::Wave { travelled });
         }
         let names: Vec<&str> = fit.hypothesis.terms.iter().map(|t| t.kind.name).collect();
-        let late = ["delay", "lag"].into_iter().find(|n| names.contains(n))?;
+        let late = ["delay", "lag", "sensor_lag"]
+            .into_iter()
+            .find(|n| names.contains(n))?;
         names
             .contains(&"compliance")
             .then_some(Self::Drive { late })
@@ -85,7 +87,8 @@ mod tests {
         let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
         assert!(is_doubted(named(&["compliance", "lag"])));
         assert!(is_doubted(named(&["delay", "compliance"])));
-        assert!(!is_doubted(named(&["compliance", "sensor_lag"])));
+        assert!(is_doubted(named(&["compliance", "sensor_lag"])));
+        assert!(!is_doubted(named(&["compliance", "viscous"])));
         assert!(!is_doubted(named(&["delay"])));
     }
 }

@@ -17,8 +17,9 @@ pub(crate) const LONGEST_SHARE: f64 = 0.5;
 
 /// What pushes back or holds: against motion up, down, and both.
 const HAND: [f64; 3] = [1.0, -1.0, 0.0];
-/// Places among its numbers of the side, and of when it comes and goes.
+/// Places among its numbers of the side, of the stiffness, and of when it comes and goes.
 const SIDE: usize = 1;
+pub(crate) const STIFFNESS: usize = 2;
 const INSTANTS: [usize; 2] = [4, 5];
 
 /// Least damping of a start, over what is usual.
@@ -44,7 +45,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         let time_scale = 0.1 * (push.to_s - push.from_s);
         let free = vec![
             linear(0, push.position, 0.1 * push.span),
-            log(2, push.stiffness),
+            log(STIFFNESS, push.stiffness),
             log(3, push.damping),
             linear(INSTANTS[0], push.from_s, time_scale),
             linear(INSTANTS[1], push.to_s, time_scale),

@@ -12,6 +12,8 @@ const MOVES: [f64; 8] = [0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
 const MOST_MOVES: usize = 12;
 /// Times that it is fitted and timed again at most.
 const MOST_ROUNDS: usize = 4;
+/// Standard deviations by which a stiffness is above none where it is sure.
+const SURE_ERRORS: f64 = 2.0;
 /// How far beyond its time windows count, over how long it is there.
 const AROUND: f64 = 1.5;
 
@@ -55,6 +57,19 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
     let longest_s = contact::LONGEST_SHARE * problem.duration_s();
     let hypothesis = with(&timed(hand, longest_s, squares));
     problem.fit(&hypothesis, x.clone(), Part::All, iterations)
+}
+
+/// True if the hand that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
+/// what the others leave.
+pub(super) fn is_stiff(fit: &Fit) -> bool {
+    let [at, spread] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
+    let (Some((hand, x)), Some((_, std))) = (at, spread) else {
+        return false;
+    };
+    let mut free = hand.free.iter().zip(x.iter().zip(std));
+    free.all(|(c, (x, std))| {
+        c.parameter != contact::STIFFNESS || c.value(*x) > SURE_ERRORS * c.spread(*x, *std)
+    })
 }
 
 /// True if the hand that is the last effect of a fit explains more where it never goes: then none came.
@@ -158,8 +173,8 @@ mod tests {
         assert!(level(&poor) > 2.0 * level(&found));
     }
 
-    /// True if a hand that is written so, fitted to a recording with what is `hidden`, had better never go.
-    fn lasts(hidden: &str, written: &str) -> bool {
+    /// What a hand that is written so comes to on a recording with what is `hidden`.
+    fn fitted<T>(hidden: &str, written: &str, of: impl Fn(&Problem<'_>, &Fit) -> T) -> T {
         let recording = made::recording(&[hidden]);
         let problem = made::problem(&recording);
         let hypothesis = Hypothesis {
@@ -167,14 +182,30 @@ mod tests {
         };
         let x = vec![0.0; hypothesis.free()];
         let fit = problem.fit(&hypothesis, x, Part::All, 8);
-        is_lasting(&problem, &fit, 8)
+        of(&problem, &fit)
     }
 
     #[test]
     fn a_hand_that_damps_for_half_the_time_is_none_where_friction_does_at_all_times() {
+        let lasts =
+            |hidden, written| fitted(hidden, written, |problem, fit| is_lasting(problem, fit, 8));
         let begun = "contact:position=0,side=0,stiffness=0.001,damping=0.002,from=1,to=6";
         assert!(lasts("viscous:coefficient=0.004", begun));
         let held = "contact:position=0.02,side=0,stiffness=0.3,damping=0.003,from=8,to=8.9";
         assert!(!lasts(held, held));
+    }
+
+    #[test]
+    fn what_drags_for_a_while_is_no_hand_with_a_stiffness() {
+        let stiff = |hidden| {
+            let begun = "contact:position=0,side=0,stiffness=0.01,damping=0.003,from=8,to=8.9";
+            fitted(hidden, begun, |_, fit| is_stiff(fit))
+        };
+        assert!(stiff(
+            "contact:position=0,side=0,stiffness=0.1,damping=0.003,from=8,to=8.9"
+        ));
+        assert!(!stiff(
+            "contact:position=0,side=0,stiffness=0,damping=0.006,from=8,to=8.9"
+        ));
     }
 }

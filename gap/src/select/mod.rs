@@ -43,7 +43,7 @@ const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;
 /// Share of the robust excess that named effects may leave; a wrong name for a foreign cause leaves more.
-const MOST_LEFT: f64 = 0.7;
+pub(crate) const MOST_LEFT: f64 = 0.7;
 /// Share of it that two effects may leave for a third to be looked for.
 const HOPELESS: f64 = 0.75;
 /// Share of the excess that may be left where nothing else of its size is missing: as much as a further effect must close
@@ -252,11 +252,14 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         return selection;
     }
     while selection.goes_on() {
-        match search.round(selection.fit(), &hints) {
-            Some(round) => selection.add(round),
-            None => break,
-        }
+        let Some(round) = search.round(selection.fit(), &hints) else {
+            break;
+        };
+        // Two that were found together have each been looked at without the other.
+        let is_second = round.earned && selection.rounds.len() == 1;
+        selection.add(round);
         if let [first, second] = &selection.rounds[..]
+            && is_second
             && !selection.given
             && let Some(alone) = search.without_first(first, second)
         {

@@ -58,14 +58,14 @@ impl Search<'_> {
         if !worth(&both.fit) {
             return None;
         }
-        let turned = turned(&both, null)?;
+        let turned = turned(&both)?;
         // Each in turn is looked for anew beside the other.
         let (second_alone, screened) = self.beside(&turned, null, &looked, &hints);
         let mut beside_second = self.round_of(&second_alone, screened, Some(turned))?;
         if !beside_second.earned {
             return self.alone(first, second_alone);
         }
-        let both = self::turned(&beside_second.rivals[0], null)?;
+        let both = self::turned(&beside_second.rivals[0])?;
         let (first_alone, screened) = self.beside(&both, null, &looked, &hints);
         let beside_first = self.round_of(&first_alone, screened, Some(both))?;
         if !beside_first.earned {
@@ -77,7 +77,7 @@ impl Search<'_> {
 
     /// The second of two effects alone, where the first earns no place beside it: it had stood in for the second.
     pub(crate) fn without_first(&self, first: &Round, second: &Round) -> Option<Round> {
-        let both = turned(&second.rivals[0], &first.known)?;
+        let both = turned(&second.rivals[0])?;
         let alone = self.without_last(&both, &first.known);
         // What leaves more than the first did is not what that stood in for.
         if !first.leaves_more_than(&alone) {

@@ -57,10 +57,10 @@ pub(super) fn extended(known: &Fit, term: &Term) -> (Hypothesis, Vec<f64>) {
     (hypothesis, x)
 }
 
-/// A rival of two effects on top of `null` in the other order.
-pub(super) fn turned(both: &Rival, null: &Fit) -> Option<Rival> {
+/// A rival of two effects in the other order.
+pub(super) fn turned(both: &Rival) -> Option<Rival> {
     let mut fit = both.fit.clone();
-    let nudges = null.x.len();
+    let nudges = fit.x.len().checked_sub(fit.hypothesis.free())?;
     let [first, _] = &fit.hypothesis.terms[..] else {
         return None;
     };
@@ -113,6 +113,27 @@ mod tests {
             assert!((value(&half) - 0.5 * value(&found)).abs() < 1e-12);
             assert_eq!(half.fit.x, [0.0]);
         }
+    }
+
+    #[test]
+    fn two_effects_change_places_with_their_numbers_and_the_model_keeps_its_own() {
+        let free = |parameter| Coordinate {
+            parameter,
+            start: 0.01,
+            scale: Scale::Log,
+        };
+        let mut both = rival("viscous", &[free(0)], &[0.5, 1.0, 2.0, 3.0]);
+        let second = made::term("asymmetric_coulomb", &[free(0), free(1)]);
+        both.fit.hypothesis.terms.push(second);
+        let turned = turned(&both).unwrap();
+        assert_eq!(turned.name, "viscous");
+        assert_eq!(
+            turned.fit.hypothesis.terms[0].kind.name,
+            "asymmetric_coulomb"
+        );
+        assert_eq!(turned.fit.x, [0.5, 2.0, 3.0, 1.0]);
+        let back = super::turned(&turned).unwrap();
+        assert_eq!(back.fit.x, both.fit.x);
     }
 
     #[test]

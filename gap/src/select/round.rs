@@ -115,15 +115,18 @@ impl Search<'_> {
         self.perfect.level + QUIET_EXCESS
     }
 
-    /// True if the last effect of a fit acts at other times or places than its name says: a hand that never goes, or a stop
-    /// that is hardly ever left.
+    /// True if the last effect of a fit acts at other times or places than its name says: a hand that never goes, or of which
+    /// beside something else no stiffness can be told, or a stop that is hardly ever left.
     fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
         };
         match last.kind.name {
             "contact" => {
-                level(fit) > self.quiet() && hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
+                let is_alone = fit.hypothesis.terms.len() == 1;
+                !is_alone && !hand::is_stiff(fit)
+                    || level(fit) > self.quiet()
+                        && hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
             }
             "end_stop" => push_at_most(&last, self.problem.positions()),
             _ => false,

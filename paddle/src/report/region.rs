@@ -64,6 +64,16 @@ pub fn range(region: &Region, labels: &Labels) -> String {
     }
 }
 
+/// Least reach to one side of zero over that to the other for a range to be around it.
+const ABOUT_AS_FAR: f64 = 0.5;
+
+fn is_around_zero(region: &Region) -> bool {
+    let (Some(from), Some(to)) = (region.from, region.to) else {
+        return false;
+    };
+    (-from).min(to) >= ABOUT_AS_FAR * (-from).max(to)
+}
+
 /// The region as it follows "the gap sits".
 pub fn phrase(region: &Region, labels: &Labels) -> String {
     let range = range(region, labels);
@@ -71,11 +81,7 @@ pub fn phrase(region: &Region, labels: &Labels) -> String {
         "velocity" if region.name.as_deref() == Some(AFTER_REST) => {
             format!("at rest, at reversals and right after (velocities of {range})")
         }
-        "velocity"
-            if region.from.is_some_and(|f| f <= 0.0) && region.to.is_some_and(|t| t >= 0.0) =>
-        {
-            format!("at low speed (velocities of {range})")
-        }
+        "velocity" if is_around_zero(region) => format!("at low speed (velocities of {range})"),
         "velocity" => format!("at velocities of {range}"),
         "position" => format!("at positions of {range}"),
         "acceleration" => format!("at accelerations of {range}"),
@@ -92,5 +98,24 @@ pub fn phrase(region: &Region, labels: &Labels) -> String {
             format!("{place} of {file}")
         }
         _ => place,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::example;
+    use super::*;
+
+    #[test]
+    fn speeds_to_one_side_are_not_called_low() {
+        let mut region = example::stribeck().regions.remove(0);
+        let labels = example::labels();
+        let mut said = |from, to| {
+            (region.from, region.to) = (Some(from), Some(to));
+            phrase(&region, &labels)
+        };
+        assert!(said(-0.05, 0.04).starts_with("at low speed (velocities of"));
+        assert!(said(-2.0, 10.0).starts_with("at velocities of"));
+        assert!(said(0.5, 1.0).starts_with("at velocities of"));
     }
 }

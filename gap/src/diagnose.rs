@@ -187,7 +187,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     } else {
         select::MOST_LEFT_EXPLAINED
     };
-    let stand_in = StandIn::of(&problem, selection.fit());
+    let stand_in = StandIn::of(&problem, selection.fit(), kept);
     let verdict = if selection.rounds.is_empty() {
         let is_hidden = || selection.null_leaves_at_most(select::QUIET_GAP, &problem);
         if selection.quiet || (!selection.plain && is_hidden()) {

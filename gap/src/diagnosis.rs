@@ -11,7 +11,7 @@ pub enum Verdict {
     NoGap,
     /// The named effects leave at most 15 % of the excess.
     Explained,
-    /// The named effects are real, something more is left.
+    /// The named effects are real and something more is left, or another cause would do the same.
     PartlyExplained,
     /// A gap, and no effect earns its place.
     Unexplained,

@@ -18,8 +18,8 @@ pub(crate) enum StandIn {
 }
 
 impl StandIn {
-    /// The reason to doubt what was found, if there is one.
-    pub(crate) fn of(problem: &Problem<'_>, fit: &Fit) -> Option<Self> {
+    /// The reason to doubt what was found beyond the first effects that are `certain`, if there is one.
+    pub(crate) fn of(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
         let predictor = problem.predictor(&fit.hypothesis, &fit.x);
         let [low, high] = problem.extremes();
         let cogging = predictor.device().mechanics.cogging;
@@ -27,7 +27,8 @@ impl StandIn {
         if let Some(travelled) = travelled.filter(|waves| *waves < LEAST_WAVES) {
             return Some(Self::Wave { travelled });
         }
-        let names: Vec<&str> = fit.hypothesis.terms.iter().map(|t| t.kind.name).collect();
+        let found = fit.hypothesis.terms.iter().skip(certain);
+        let names: Vec<&str> = found.map(|term| term.kind.name).collect();
         let late = ["delay", "lag", "sensor_lag"]
             .into_iter()
             .find(|n| names.contains(n))?;
@@ -61,12 +62,12 @@ mod tests {
     use crate::made;
     use crate::problem::Part;
 
-    /// Whether these terms may stand in for something else.
-    fn is_doubted(terms: Vec<Term>) -> bool {
+    /// Whether these terms, the first ones `certain`, may stand in for something else.
+    fn is_doubted(terms: Vec<Term>, certain: usize) -> bool {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let fit = problem.fit(&Hypothesis { terms }, Vec::new(), Part::All, 0);
-        StandIn::of(&problem, &fit).is_some()
+        StandIn::of(&problem, &fit, certain).is_some()
     }
 
     #[test]
@@ -78,17 +79,18 @@ mod tests {
             term.values[..2].copy_from_slice(&[1e-4, waves * TAU / (high - low)]);
             vec![term]
         };
-        assert!(is_doubted(ripple(0.8)));
-        assert!(!is_doubted(ripple(1.2)));
+        assert!(is_doubted(ripple(0.8), 0));
+        assert!(!is_doubted(ripple(1.2), 0));
     }
 
     #[test]
     fn a_soft_transmission_behind_a_late_drive_may_be_the_drive() {
         let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
-        assert!(is_doubted(named(&["compliance", "lag"])));
-        assert!(is_doubted(named(&["delay", "compliance"])));
-        assert!(is_doubted(named(&["compliance", "sensor_lag"])));
-        assert!(!is_doubted(named(&["compliance", "viscous"])));
-        assert!(!is_doubted(named(&["delay"])));
+        assert!(is_doubted(named(&["compliance", "lag"]), 0));
+        assert!(is_doubted(named(&["delay", "compliance"]), 0));
+        assert!(is_doubted(named(&["compliance", "sensor_lag"]), 0));
+        assert!(!is_doubted(named(&["sensor_lag", "compliance"]), 1));
+        assert!(!is_doubted(named(&["compliance", "viscous"]), 0));
+        assert!(!is_doubted(named(&["delay"]), 0));
     }
 }

@@ -325,8 +325,7 @@ fn findings(
         let mut parameters = std::collections::BTreeMap::new();
         for (i, value) in values.iter().enumerate() {
             let quantity = term.kind.parameter(i).quantity;
-            let free = term.free.iter().position(|c| c.parameter == i);
-            let std = free.map_or(0.0, |k| term.free[k].spread(x[k], std[k]));
+            let std = term.spread(i, x, std);
             let name = term.kind.value_name(i, values.len());
             let unit = quantity.unit(&units.position, &units.input);
             parameters.insert(
@@ -393,10 +392,9 @@ fn confidence(round: &Round, perfect: f64) -> f64 {
 
 fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tried> {
     let mut all: Vec<Tried> = Vec::new();
-    let named_rounds = selection.rounds.iter().map(|round| (round, true));
-    let last = selection.last.iter().map(|round| (round, named.is_empty()));
-    for (round, is_settled) in named_rounds.chain(last) {
+    for round in selection.rounds.iter().chain(&selection.last) {
         let winner = &round.rivals[0];
+        let stands_alone = named.is_empty() || named.contains(&winner.name);
         for rival in &round.rivals {
             if named.contains(&rival.name) || all.iter().any(|t| t.name == rival.name) {
                 continue;
@@ -406,7 +404,7 @@ fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tr
                 "no gain".to_owned()
             } else if rival.name == winner.name {
                 "no gain on held-out data".to_owned()
-            } else if is_settled {
+            } else if stands_alone {
                 format!("gains less than {}", winner.name)
             } else {
                 format!("earns no place beside {}", named.join(" and "))

@@ -90,6 +90,12 @@ impl Term {
         values
     }
 
+    /// Standard deviation of a parameter at the coordinates `x` of this term, known to within `std`; none if it is not free.
+    pub(crate) fn spread(&self, parameter: usize, x: &[f64], std: &[f64]) -> f64 {
+        let free = self.free.iter().position(|c| c.parameter == parameter);
+        free.map_or(0.0, |i| self.free[i].spread(x[i], std[i]))
+    }
+
     /// True if nothing that a fit leaves as it is tells it from another.
     pub(crate) fn is_same_variant(&self, other: &Self) -> bool {
         let fixed = |term: &Self| -> Vec<(usize, u64)> {

@@ -1,5 +1,6 @@
 //! Recordings that tests are made with.
 
+use crate::candidate;
 use crate::hypothesis::{Coordinate, Term};
 use crate::problem::Problem;
 use crate::series;
@@ -26,17 +27,7 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
 
 /// An effect that begins at some numbers that are free, the others as they are by default.
 pub(crate) fn term(name: &str, free: &[Coordinate]) -> Term {
-    let kind = effects::kind(name).unwrap();
-    let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
-    for coordinate in free {
-        values[coordinate.parameter] = coordinate.start;
-    }
-    Term {
-        kind,
-        values,
-        free: free.to_vec(),
-        sensor_on_load: false,
-    }
+    candidate::term(effects::kind(name).unwrap(), free.to_vec(), &[])
 }
 
 /// Two runs of a paddle under two sines, with the effects written in `effects`.

@@ -13,6 +13,8 @@ mod start;
 mod stops;
 mod transmission;
 
+#[cfg(test)]
+pub(crate) use start::term;
 pub(crate) use stops::{one_sided, push_at_most, untouched};
 
 use crate::hypothesis::Term;

@@ -27,7 +27,7 @@ pub(super) const fn log(parameter: usize, start: f64) -> Coordinate {
 }
 
 /// A term whose free coordinates are all its parameters but those given as fixed.
-pub(super) fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, f64)]) -> Term {
+pub(crate) fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, f64)]) -> Term {
     let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
     for coordinate in &free {
         values[coordinate.parameter] = coordinate.start;

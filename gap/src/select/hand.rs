@@ -62,14 +62,12 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
 /// True if the hand that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
 /// what the others leave.
 pub(super) fn is_stiff(fit: &Fit) -> bool {
-    let [at, spread] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
-    let (Some((hand, x)), Some((_, std))) = (at, spread) else {
+    let [at, within] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
+    let (Some((hand, x)), Some((_, std))) = (at, within) else {
         return false;
     };
-    let mut free = hand.free.iter().zip(x.iter().zip(std));
-    free.all(|(c, (x, std))| {
-        c.parameter != contact::STIFFNESS || c.value(*x) > SURE_ERRORS * c.spread(*x, *std)
-    })
+    let stiffness = hand.at(x)[contact::STIFFNESS];
+    stiffness > SURE_ERRORS * hand.spread(contact::STIFFNESS, x, std)
 }
 
 /// True if the hand that is the last effect of a fit explains more where it never goes: then none came.

@@ -166,16 +166,17 @@ impl Selection {
         if !fit.is_likely() {
             return false;
         }
-        let over_floor = problem.gap_over_floor(fit);
-        if self.leaves_little(fit) && over_floor <= FLOOR_DOUBT {
+        let over_floor = || problem.gap_over_floor(fit);
+        let leaves_little = self.leaves_little(fit);
+        if leaves_little && over_floor() <= FLOOR_DOUBT {
             return true;
         }
         let perfect = Perfect::of(problem, fit);
         // After some impacts even the right model has lost its way.
         let bounces = fit.hypothesis.terms.iter().any(|t| bounces(t.kind.name));
         let perfect = if bounces { perfect } else { perfect.bounded() };
-        let as_foretold = (1.0 / QUIET_GAP..QUIET_GAP).contains(&over_floor);
-        is_quiet(fit, &perfect) && (self.leaves_little(fit) || as_foretold)
+        let as_foretold = || (1.0 / QUIET_GAP..QUIET_GAP).contains(&over_floor());
+        is_quiet(fit, &perfect) && (leaves_little || as_foretold())
     }
 }
 

@@ -122,11 +122,9 @@ impl Search<'_> {
             return false;
         };
         match last.kind.name {
+            "contact" if fit.hypothesis.terms.len() > 1 && !hand::is_stiff(fit) => true,
             "contact" => {
-                let is_alone = fit.hypothesis.terms.len() == 1;
-                !is_alone && !hand::is_stiff(fit)
-                    || level(fit) > self.quiet()
-                        && hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
+                level(fit) > self.quiet() && hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
             }
             "end_stop" => push_at_most(&last, self.problem.positions()),
             _ => false,

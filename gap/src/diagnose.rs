@@ -148,7 +148,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         let is_real = steps[i].is_sure || after <= select::MOST_LEFT_EXPLAINED;
         let typical = before - after >= LEAST_TYPICAL_SHRINK && is_real;
         // Where a restart falls on a jump, a right model leaves as much.
-        let jumps = select::jumps(selection.rounds[i].rivals[0].name) && steps[i].is_at_floor;
+        let winner = &selection.rounds[i].rivals[0];
+        let jumps = winner.name == "lost_counts" && winner.is_event() && steps[i].is_at_floor;
         let closes = steps[i].own[0] >= LEAST_SHRINK || steps[i].of_rest >= LEAST_SHRINK_OF_REST;
         !closes && !typical && !jumps
     });
@@ -279,7 +280,7 @@ fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
     };
     let nominal = problem.window_squares(&bare, Part::All);
     let left = selection.rounds.iter().map(|round| {
-        if select::is_event(round.rivals[0].name) {
+        if round.rivals[0].is_event() {
             problem.window_squares(&round.so_far, Part::All)
         } else {
             problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))

@@ -81,6 +81,11 @@ pub(crate) struct Term {
 const NEIGHBOUR: f64 = 1.4;
 
 impl Term {
+    /// True if it is bound to moments of one recording.
+    pub(crate) fn is_event(&self) -> bool {
+        self.kind.is_event(&self.values)
+    }
+
     /// The parameters at the coordinates `x` of this term.
     pub(crate) fn at(&self, x: &[f64]) -> Vec<f64> {
         let mut values = self.values.clone();

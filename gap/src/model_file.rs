@@ -18,7 +18,6 @@
 //! ```
 
 use crate::diagnose::{CorrectedEffect, CorrectedModel};
-use crate::select::is_event;
 use host_sim::effects::{self, Effect, EffectError};
 use recording::{Model, Recording};
 use serde::{Deserialize, Serialize};
@@ -110,7 +109,7 @@ impl ModelFile {
         let (moments, effects): (Vec<_>, Vec<_>) = corrected
             .effects
             .iter()
-            .partition(|corrected| is_event(corrected.effect.kind.name));
+            .partition(|corrected| corrected.effect.is_event());
         let moment = |corrected: &CorrectedEffect| Moment {
             recording: recording.title.clone(),
             fingerprint: fingerprint.clone(),
@@ -220,8 +219,8 @@ fn named(effect: &Effect) -> BTreeMap<String, f64> {
 
 fn effect(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Effect, ModelFileError> {
     let kind = effects::kind(name).ok_or_else(|| EffectError::Kind(name.to_owned()))?;
-    let once = kind.parameters.len();
-    let count = parameters.len().div_ceil(once).max(1) * once;
+    let events = (0..).find(|&events| kind.event_place(events) >= parameters.len());
+    let count = kind.event_place(events.unwrap_or(1).max(1));
     let names: Vec<_> = (0..count)
         .map(|place| kind.value_name(place, count))
         .collect();

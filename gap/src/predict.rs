@@ -157,6 +157,7 @@ impl Predictor {
             || mechanics.presliding.is_some()
             || self.device.sensing.hysteresis > 0.0
             || self.device.sensing.lag_s > 0.0
+            || !self.device.sensing.overspeed.is_none()
     }
 
     /// The windows to go through for those that are wanted: with some before them in which what is carried over
@@ -186,8 +187,8 @@ impl Predictor {
         let mechanics = &self.device.mechanics;
         let sensing = &self.device.sensing;
         let plays = sensing.hysteresis > 0.0 || mechanics.link.is_some_and(|link| link.play > 0.0);
-        if plays || mechanics.presliding.is_some() {
-            // Where a play or a bristle stands is known once the device has been followed for a while.
+        if plays || mechanics.presliding.is_some() || !sensing.overspeed.is_none() {
+            // Where a play or a bristle stands, or a counter, is known once the device has been followed for a while.
             return MOST_LEAD;
         }
         let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
@@ -284,14 +285,15 @@ impl Predictor {
         let session_s = fit.time_s + series.session_offset_s;
         let logged_s = self.logged_lag_s(series);
         // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
-        let lagged = value + logged_s * slope - sensing.jumped(session_s);
-        let [lag, lag_rate] = if follows {
-            self.sensor_lag(running)
+        let ([lag, lag_rate], lost) = if follows {
+            (self.sensor_lag(running), running.reading.lost)
         } else {
-            [0.0; 2]
+            ([0.0; 2], 0.0)
         };
+        let lagged = value + logged_s * slope - sensing.jumped(session_s) + lost;
         let behind = lagged + lag;
-        let rate = slope + logged_s * fit.curvature + lag_rate;
+        let shown_rate = slope + logged_s * fit.curvature;
+        let rate = sensing.overspeed.undone(shown_rate) + lag_rate;
         running.shown = value + logged_s * slope;
         running.filtered = value;
 
@@ -310,7 +312,7 @@ impl Predictor {
         } else {
             rate / sensing.slope(x)
         };
-        running.reading = Reading::resumed(behind, lagged);
+        running.reading = Reading::resumed(behind, lagged, lost);
         running.state = self.plant.restart(&running.state, session_s, x, v);
     }
 

@@ -11,7 +11,46 @@ pub struct Jump {
     pub height: f64,
 }
 
-/// `y = jumps(t) + lag(play(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o))`.
+/// Counting that cannot follow: `y' = x' − q (x' − v sgn x')` where `|x'| > v`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Overspeed {
+    /// q, 0 to 1.
+    pub share: f64,
+    /// v, in units of position a second.
+    pub speed: f64,
+}
+
+impl Overspeed {
+    /// Counts all.
+    pub const NONE: Self = Self {
+        share: 0.0,
+        speed: 0.0,
+    };
+
+    /// True if it counts all.
+    pub fn is_none(&self) -> bool {
+        self.share == 0.0
+    }
+
+    /// What is lost a second where it turns at `rate`.
+    #[inline]
+    pub fn lost(&self, rate: f64) -> f64 {
+        self.share * (rate - rate.clamp(-self.speed, self.speed))
+    }
+
+    /// The rate that shows as `shown`; where all that is too fast is lost, the slowest that is.
+    #[inline]
+    pub fn undone(&self, shown: f64) -> f64 {
+        let too_fast = shown - shown.clamp(-self.speed, self.speed);
+        if self.share < 1.0 {
+            shown + too_fast * self.share / (1.0 - self.share)
+        } else {
+            shown - too_fast
+        }
+    }
+}
+
+/// `y = jumps(t) − lost(x) + lag(play(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensing {
     /// g.
@@ -30,6 +69,8 @@ pub struct Sensing {
     pub lag_s: f64,
     /// In the order of time.
     pub jumps: Vec<Jump>,
+    /// Of what is before the lag.
+    pub overspeed: Overspeed,
 }
 
 impl Sensing {
@@ -44,6 +85,7 @@ impl Sensing {
             hysteresis: 0.0,
             lag_s: 0.0,
             jumps: Vec::new(),
+            overspeed: Overspeed::NONE,
         }
     }
 
@@ -117,13 +159,15 @@ const INVERSE_ITERATIONS: usize = 6;
 /// Share of the gain below which a slope is taken as flat.
 const FLATTEST: f64 = 0.1;
 
-/// The sensor at work: where the play stands, and the lag.
+/// The sensor at work: where the play stands, the lag, and what was lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Middle of the play, in units of the reading.
     pub middle: f64,
     /// Behind the lag.
     pub lagged: f64,
+    /// By turning too fast.
+    pub lost: f64,
     before: f64,
 }
 
@@ -134,15 +178,17 @@ impl Reading {
         Self {
             middle: y,
             lagged: y,
+            lost: 0.0,
             before: y,
         }
     }
 
-    /// Where play and lag are known to stand, in units of the reading.
-    pub fn resumed(middle: f64, lagged: f64) -> Self {
+    /// Where play and lag are known to stand and what was lost, in units of the reading.
+    pub fn resumed(middle: f64, lagged: f64, lost: f64) -> Self {
         Self {
             middle,
             lagged,
+            lost,
             before: middle,
         }
     }
@@ -155,13 +201,16 @@ impl Reading {
         // Not `clamp`: a position that has run away may be no number.
         self.middle = self.middle.max(y - half).min(y + half);
         let y = self.middle;
+        let slope = if dt_s > 0.0 {
+            (y - self.before) / dt_s
+        } else {
+            0.0
+        };
+        if !sensing.overspeed.is_none() {
+            self.lost += sensing.overspeed.lost(slope) * dt_s;
+        }
         if sensing.lag_s > 0.0 {
             // Exact for a reading that runs straight between the two calls.
-            let slope = if dt_s > 0.0 {
-                (y - self.before) / dt_s
-            } else {
-                0.0
-            };
             let decay = (-dt_s / sensing.lag_s).exp();
             let behind = self.lagged - self.before + slope * sensing.lag_s;
             self.lagged = y - slope * sensing.lag_s + behind * decay;
@@ -169,7 +218,7 @@ impl Reading {
             self.lagged = y;
         }
         self.before = y;
-        self.lagged
+        self.lagged - self.lost
     }
 }
 
@@ -202,6 +251,27 @@ mod tests {
             y = reading.follow(&sensing, 2.0 * f64::from(i) * 1e-3, 1e-3);
         }
         assert!((y - (0.2 - 2.0 * 5e-3)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_turns_too_fast_is_lost_and_stays_so() {
+        let overspeed = Overspeed {
+            share: 0.25,
+            speed: 2.0,
+        };
+        let sensing = Sensing {
+            overspeed,
+            ..Sensing::ideal()
+        };
+        let mut reading = Reading::at_rest(&sensing, 0.0);
+        // 1 rad at 10 rad/s, and slowly back.
+        let there = reading.follow(&sensing, 1.0, 0.1);
+        assert!((there - (1.0 - 0.25 * 8.0 * 0.1)).abs() < 1e-12);
+        assert!((reading.follow(&sensing, 0.0, 1.0) + 0.2).abs() < 1e-12);
+        for rate in [-10.0, -1.0, 0.5, 2.0, 9.0] {
+            let shown = rate - overspeed.lost(rate);
+            assert!((overspeed.undone(shown) - rate).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -524,7 +524,7 @@ fn a_saved_model_is_a_plant_apart_from_what_belongs_to_a_moment() {
     let file = out.join("corrected.toml");
     let model = "format = 1\n[model]\ninertia = 1.2e-3\nratio = 15.0\n[[effects]]\nname = \"viscous\"\n\
                  parameters = { coefficient = 4e-3 }\n[[moments]]\nrecording = \"Monday\"\nfingerprint = \"0\"\n\
-                 name = \"lost_counts\"\nparameters = { time = 0.1, jump = 0.1 }\n";
+                 name = \"lost_counts\"\nparameters = { time = 0.1, jump = 0.1, share = 0.0, speed = 0.0 }\n";
     std::fs::write(&file, model).unwrap();
     let [out, file] = [&out, &file].map(|path| path.to_str().unwrap());
     let output = paddle(&["sim", "tune", "--plant", file, "--out", out]);
@@ -652,7 +652,7 @@ fn a_model_of_one_moment_warns_on_another_recording() {
     let recording = recorded(&out, "hidden", &[]);
     let file = out.join("model.toml");
     let text = "format = 1\n[model]\ninertia = 5.755e-4\n[[moments]]\nrecording = \"Monday\"\nfingerprint = \"0\"\n\
-                name = \"lost_counts\"\nparameters = { time = 0.5, jump = 0.1 }\n";
+                name = \"lost_counts\"\nparameters = { time = 0.5, jump = 0.1, share = 0.0, speed = 0.0 }\n";
     std::fs::write(&file, text).unwrap();
     let measured = json(&[
         "gap",

@@ -42,6 +42,23 @@ pub(crate) struct Jump {
     pub by: f64,
 }
 
+/// A counter that falls behind where its input turns too fast.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slip {
+    /// Speed up to which it counts all.
+    pub above: f64,
+    /// Share of the turn beyond that it misses.
+    pub share: f64,
+}
+
+impl Slip {
+    /// Missed of a turn by `dx` within `dt`.
+    fn missed(self, dx: f64, dt: f64) -> f64 {
+        let counted = self.above * dt;
+        self.share * dx.signum() * (dx.abs() - counted).max(0.0)
+    }
+}
+
 /// A sensor of the position; the default is perfect.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sensing {
@@ -52,6 +69,7 @@ pub(crate) struct Sensing {
     pub half_play: f64,
     pub lag_s: f64,
     pub jumps: Vec<Jump>,
+    pub slip: Option<Slip>,
     /// Disturbance of the reading in time: amplitude and frequency. Outside the vocabulary.
     pub hum: Option<(f64, f64)>,
 }
@@ -60,6 +78,8 @@ pub(crate) struct Sensing {
 pub(crate) struct Memory {
     played: f64,
     lagged: f64,
+    missed: f64,
+    before: f64,
 }
 
 impl Sensing {
@@ -69,11 +89,18 @@ impl Sensing {
         Memory {
             played: shaped,
             lagged: shaped,
+            missed: 0.0,
+            before: shaped,
         }
     }
 
     /// Takes note of the position after a step of `dt`.
     pub fn remember(&self, memory: &mut Memory, x: f64, dt: f64) {
+        if let Some(slip) = self.slip {
+            let shaped = self.shaped(x);
+            memory.missed += slip.missed(shaped - memory.before, dt);
+            memory.before = shaped;
+        }
         if self.half_play > 0.0 || self.lag_s > 0.0 {
             let shaped = self.shaped(x);
             memory.played = memory
@@ -103,7 +130,7 @@ impl Sensing {
         let hum = self
             .hum
             .map_or(0.0, |(amplitude, hz)| amplitude * (TAU * hz * time_s).sin());
-        base + lost + hum
+        base + lost - memory.missed + hum
     }
 
     /// How fast the clean reading changes at position `x` and velocity `v`.
@@ -121,7 +148,8 @@ impl Sensing {
         let hum = self.hum.map_or(0.0, |(amplitude, hz)| {
             amplitude * TAU * hz * (TAU * hz * time_s).cos()
         });
-        base + hum
+        let missed = self.slip.map_or(0.0, |slip| slip.missed(base, 1.0));
+        base - missed + hum
     }
 
     /// Reading per unit of position around `x`.
@@ -133,6 +161,7 @@ impl Sensing {
     pub fn displace(&self, memory: &mut Memory, dx: f64) {
         memory.played += dx;
         memory.lagged += dx;
+        memory.before += dx;
     }
 
     fn shaped(&self, x: f64) -> f64 {

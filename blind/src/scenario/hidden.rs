@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::draw::Draw;
 use crate::reality::{
-    Bristle, Cogging, Contact, Coupling, Curve, Deadband, Jump, Profile, Reality, Side, Stop,
+    Bristle, Cogging, Contact, Coupling, Curve, Deadband, Jump, Profile, Reality, Side, Slip, Stop,
     WarmUp,
 };
 use crate::truth::Place;
@@ -300,6 +300,12 @@ impl Hidden {
             }
             "sensor_hysteresis" => sensing.half_play = s * half_span,
             "sensor_lag" => sensing.lag_s = s / (TAU * hz),
+            "lost_counts" if self.variant.is_multiple_of(3) => {
+                sensing.slip = Some(Slip {
+                    above: scale.speed * self.between(0, 0.2, 0.7),
+                    share: s.min(0.7),
+                });
+            }
             "lost_counts" => {
                 let quantum = scale.quantum.max(1e-4 * half_span);
                 let by = (s * half_span / quantum).round().max(1.0) * quantum;
@@ -498,6 +504,9 @@ impl Hidden {
             }
             "sensor_hysteresis" => vec![near_rest, axis("sensing")],
             "sensor_lag" => [&fast[..], &accelerating, &[phase, axis("sensing")]].concat(),
+            "lost_counts" if self.variant.is_multiple_of(3) => {
+                [&fast[..], &[axis("sensing")]].concat()
+            }
             "lost_counts" => {
                 let mut probe = Reality::plain(&recording::Model::new(1.0));
                 self.apply(&mut probe, scale);

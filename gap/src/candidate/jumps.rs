@@ -114,25 +114,26 @@ fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
 
 /// A term of jumps, each between two instants, or at one, and with a height of which a `part` is given.
 fn term(kind: &'static Kind, jumps: &[Found], part: f64) -> Term {
-    let mut values = Vec::new();
+    let jumps = jumps
+        .iter()
+        .map(|&(before, after, height)| (before, after, height / part));
     let mut free = Vec::new();
-    for (before, after, height) in jumps {
+    for (index, (before, after, height)) in jumps.clone().enumerate() {
+        let place = kind.event_place(index);
         // Within a sample that is a mean the instant shows in the height of that sample.
         if after > before {
             free.push(linear(
-                values.len(),
+                place,
                 0.5 * (before + after),
                 0.5 * (after - before),
             ));
         }
-        values.push(0.5 * (before + after));
-        let height = height / part;
-        free.push(linear(values.len(), height, 0.5 * height.abs()));
-        values.push(height);
+        free.push(linear(place + 1, height, 0.5 * height.abs()));
     }
+    let events = jumps.map(|(before, after, height)| [0.5 * (before + after), height]);
     Term {
         kind,
-        values,
+        values: kind.events(&events.collect::<Vec<_>>()),
         free,
         sensor_on_load: false,
     }

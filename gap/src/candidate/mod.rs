@@ -6,6 +6,7 @@ pub(crate) mod contact;
 mod friction;
 mod jumps;
 mod mechanics;
+mod overspeed;
 mod regression;
 mod ripple;
 mod sensing;

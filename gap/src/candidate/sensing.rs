@@ -2,7 +2,7 @@
 
 use super::Evidence;
 use super::start::{count, geometric, linear, log, term, terms};
-use super::{actuation, jumps, ripple};
+use super::{actuation, jumps, overspeed, ripple};
 use crate::hypothesis::Term;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
@@ -37,7 +37,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             terms(kind, None, widths.map(|width| vec![log(0, width)]))
         }
         "sensor_lag" => actuation::late(kind, e),
-        "lost_counts" => jumps::starts(kind, e),
+        "lost_counts" => [jumps::starts(kind, e), overspeed::starts(kind, e)].concat(),
         _ => Vec::new(),
     }
 }

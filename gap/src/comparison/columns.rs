@@ -17,6 +17,15 @@ pub(super) struct Track {
     pub windows: Vec<Range<usize>>,
 }
 
+impl Track {
+    /// How fast the device went between two samples.
+    pub(super) fn rates(&self) -> impl Iterator<Item = f64> {
+        let times = self.session_s.windows(2).map(|pair| pair[1] - pair[0]);
+        let steps = self.reference.windows(2).map(|pair| pair[1] - pair[0]);
+        steps.zip(times).map(|(step, dt_s)| step / dt_s)
+    }
+}
+
 /// What two columns of a recording say.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {

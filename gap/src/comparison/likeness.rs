@@ -15,6 +15,8 @@ const NARROWINGS: usize = 24;
 const WIDTHS: [f64; 2] = [1e-4, 0.5];
 const LAGS: [f64; 2] = [1e-4, 1.0];
 const TURNS: [f64; 2] = [0.25, 4.0];
+/// Over the fastest motion.
+const SPEEDS: [f64; 2] = [0.02, 0.98];
 /// More jumps than this are no lost counts.
 const MOST_JUMPS: usize = 12;
 /// A jump must reduce the squares by this, in variances, and be this high, in standard deviations.
@@ -165,7 +167,11 @@ impl<'a> Scope<'a> {
                 let range = LAGS.map(|f| f * self.window_s);
                 vec![vec![lowest(range, |tau| self.left(kind, &[tau]))]]
             }
-            _ => self.jumps().into_iter().collect(),
+            _ => self
+                .jumps(kind)
+                .into_iter()
+                .chain(self.overspeed(kind))
+                .collect(),
         }
     }
 
@@ -210,7 +216,7 @@ impl<'a> Scope<'a> {
 
     /// Time and height of each step between stretches on which the disagreement is constant, by binary
     /// segmentation (Scott and Knott, Biometrics 30, 1974).
-    fn jumps(&self) -> Option<Vec<f64>> {
+    fn jumps(&self, kind: &Kind) -> Option<Vec<f64>> {
         let tracks = &self.columns.tracks;
         let times: Vec<f64> = tracks.iter().flat_map(|t| &t.session_s).copied().collect();
         let mut sums = vec![0.0];
@@ -262,8 +268,34 @@ impl<'a> Scope<'a> {
             let late = 1.5 - share(at - 1) - share(at);
             [times[at - 1] + late * (times[at] - times[at - 1]), height]
         };
-        let steps: Vec<f64> = steps(&edges).into_iter().flat_map(timed).collect();
-        (!steps.is_empty()).then_some(steps)
+        let steps: Vec<_> = steps(&edges).into_iter().map(timed).collect();
+        (!steps.is_empty()).then(|| kind.events(&steps))
+    }
+
+    /// What a counter loses that cannot follow fast motion.
+    fn overspeed(&self, kind: &Kind) -> Option<Vec<f64>> {
+        let fastest = self.columns.tracks.iter().flat_map(Track::rates);
+        let fastest = fastest.fold(0.0f64, |fastest, rate| fastest.max(rate.abs()));
+        let values = |speed: f64, share: f64| {
+            let mut values = kind.events(&[[0.0; 2]]);
+            values[2..].copy_from_slice(&[share, speed]);
+            values
+        };
+        // All that is lost at most, of which the share that suits best is the slope.
+        let share = |speed: f64| {
+            let all = residuals(&self.columns.tracks, kind, &values(speed, 1.0));
+            let none = less_mean(self.difference.clone());
+            let lost = all.iter().zip(&none).map(|(all, none)| all - none);
+            let lost: Vec<f64> = lost.collect();
+            let product: f64 = lost.iter().zip(&none).map(|(lost, none)| lost * none).sum();
+            let square: f64 = lost.iter().map(|lost| lost * lost).sum();
+            (-product / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+        };
+        let speed = lowest(SPEEDS.map(|f| f * fastest), |speed| {
+            self.left(kind, &values(speed, share(speed)))
+        });
+        let share = share(speed);
+        (share > 0.0).then(|| values(speed, share))
     }
 
     fn likeness(&self, kind: &'static Kind, values: Vec<f64>) -> Likeness {
@@ -271,7 +303,7 @@ impl<'a> Scope<'a> {
         let parameters = match kind.name {
             // Without its ripple.
             "sensor_nonlinearity" if values[2] == 0.0 && values[3] == 0.0 => 3,
-            _ => values.len(),
+            _ => values.iter().filter(|value| **value != 0.0).count(),
         };
         Likeness {
             kind,

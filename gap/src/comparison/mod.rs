@@ -90,7 +90,8 @@ impl Match {
     pub(crate) fn term(&self) -> Term {
         let movable = |i: &usize| {
             // Instants stay.
-            self.values[*i] != 0.0 && (self.kind.name != "lost_counts" || i % 2 == 1)
+            let is_instant = self.kind.is_event(&self.values) && i.is_multiple_of(2);
+            self.values[*i] != 0.0 && !is_instant
         };
         let free = (0..self.values.len()).filter(movable);
         let coordinate = |i: usize| Coordinate {
@@ -251,7 +252,8 @@ fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
     let (gain, error) = mean_and_error(&gains);
     // Far more than noise is no chance however few the windows, nor are jumps that cancel in the mean.
     let is_faint = disagreement < MOST_NOISE * columns.variance;
-    if is_faint && gain < LEAST_SIGNIFICANCE * error && best.kind.name != "lost_counts" {
+    let jumps = best.kind.is_event(&best.values);
+    if is_faint && gain < LEAST_SIGNIFICANCE * error && !jumps {
         return None;
     }
     let floor: Vec<f64> = windows(columns)
@@ -410,16 +412,17 @@ mod tests {
 
     #[test]
     fn each_effect_is_known_by_how_the_columns_differ() {
-        for (effect, tolerance) in [
-            ("sensor_gain:gain=1.1", 0.002),
-            ("sensor_nonlinearity:quadratic=0.3", 0.02),
-            ("sensor_hysteresis:width=0.01", 0.05),
-            ("sensor_lag:time=0.006", 0.03),
+        for (effect, parameter, tolerance) in [
+            ("sensor_gain:gain=1.1", 0, 0.002),
+            ("sensor_nonlinearity:quadratic=0.3", 0, 0.02),
+            ("sensor_hysteresis:width=0.01", 0, 0.05),
+            ("sensor_lag:time=0.006", 0, 0.03),
+            ("lost_counts:jump=0,share=0.2,speed=2", 2, 0.03),
         ] {
             let found = blamed("", effect);
             let hidden: Effect = effect.parse().unwrap();
             assert_eq!(found.kind.name, hidden.kind.name);
-            let error = (found.values[0] / hidden.values[0] - 1.0).abs();
+            let error = (found.values[parameter] / hidden.values[parameter] - 1.0).abs();
             assert!(error < tolerance, "{effect}: {found:?}");
             assert!(found.shrink[0] > 0.9, "{effect}: {found:?}");
         }
@@ -430,7 +433,7 @@ mod tests {
         let comparison = compared("", "lost_counts:time=3.2,jump=0.04", "");
         let found = comparison.like().unwrap();
         assert_eq!(found.kind.name, "lost_counts");
-        assert_eq!(found.values.len(), 2);
+        assert_eq!(found.values[2..], [0.0; 2]);
         assert!((found.values[0] - 3.2).abs() < PERIOD_S && (found.values[1] - 0.04).abs() < 0.002);
     }
 

@@ -19,7 +19,6 @@ use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
 use crate::stage::Stage;
 use place::bounces;
-pub(crate) use place::{is_event, jumps};
 pub(crate) use ranking::{others, ties};
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;
@@ -31,8 +30,9 @@ const QUIET_EXCESS: f64 = 0.12;
 const QUIET_ERRORS: f64 = 2.0;
 /// Robust cost by which a window may exceed the worst of a perfect model.
 const QUIET_WINDOW: f64 = 3.0;
-/// Robust excess per window that no doubt about the floor hides: a floor that a restart or two make is none for the others.
-/// Of 900 recordings 2 were no larger than their floor and yet not quiet: 0.3 with nothing wrong, 2.1 with a sensor that bursts.
+/// Robust excess per window that no doubt about the floor hides, beyond as many standard errors: a floor that a restart or two
+/// make is none for the others. Of 2800 recordings 4 were no larger than their floor and yet not quiet: 0.3 to 1.05 with nothing
+/// wrong, where the error is 0.13, and 2.1 with a sensor that bursts.
 const PLAIN_EXCESS: f64 = 1.0;
 /// Gap over floor up to which nothing that can be named is missing: near stick and slip a few restarts may decide either.
 pub(crate) const QUIET_GAP: f64 = 2.0;
@@ -204,7 +204,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let perfect = Perfect::of(problem, &null);
     let mut selection = Selection {
         quiet: is_quiet(&null, &perfect) && problem.gap_over_floor(&null) <= LOUD_GAP,
-        plain: null.costs.mean() - perfect.level > PLAIN_EXCESS,
+        plain: null.costs.mean() - perfect.level > PLAIN_EXCESS + QUIET_ERRORS * perfect.error,
         perfect: perfect.bounded(),
         null,
         given: false,

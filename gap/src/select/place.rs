@@ -46,8 +46,9 @@ pub(super) fn earns_its_place(
         .map(|w| known.costs.log(w) - winner.fit.costs.log(w))
         .collect();
     // Where nothing seems to be missing, only what shows in a window or two is.
-    let by_unseen = by_unseen && !is_event(winner.name) && !is_quiet(known, perfect);
-    let earned = by_unseen || (is_local(winner.name) && stands_out(&seen, perfect));
+    let by_unseen = by_unseen && !winner.is_event() && !is_quiet(known, perfect);
+    let is_local = winner.is_event() || winner.name == "end_stop";
+    let earned = by_unseen || (is_local && stands_out(&seen, perfect));
     (significance, earned)
 }
 
@@ -74,19 +75,9 @@ const HARMLESS_GAIN: f64 = 1.5;
 /// instants and sizes searched, with a margin.
 const EVENT_GAIN: f64 = 4.0;
 
-/// True for effects that are bound to a moment of one recording.
-pub(crate) fn is_event(name: &str) -> bool {
-    matches!(name, "contact" | "lost_counts")
-}
-
-/// True for effects that shift the reading at once.
-pub(crate) fn jumps(name: &str) -> bool {
-    name == "lost_counts"
-}
-
 /// True for effects that may show in a window or two.
 pub(super) fn is_local(name: &str) -> bool {
-    is_event(name) || name == "end_stop"
+    matches!(name, "contact" | "end_stop" | "lost_counts")
 }
 
 /// True for effects of which a scan over many sizes says where they may be.

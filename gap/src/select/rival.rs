@@ -11,6 +11,11 @@ pub(crate) struct Rival {
 }
 
 impl Rival {
+    /// True if its last effect is bound to moments of one recording.
+    pub(crate) fn is_event(&self) -> bool {
+        self.fit.hypothesis.terms.last().is_some_and(Term::is_event)
+    }
+
     pub(super) fn parameters(&self) -> usize {
         self.fit.hypothesis.free()
     }

@@ -1,14 +1,17 @@
-//! The sensor jumps and stays off.
+//! The sensor loses counts: all at once, or more the faster it turns.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity};
-use crate::sensing::Jump;
+use super::{ANY, Channel, EVENT, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use crate::sensing::{Jump, Overspeed};
 
-/// `y = x + Δ from t on`.
+/// Place of the share that is lost at speed.
+pub(super) const SHARE_LOST: usize = 2;
+
+/// `y = x + Δ from t on`, and `y' = x' − q (x' − v sgn x')` beyond `|x'| = v`.
 pub const KIND: Kind = Kind {
     name: "lost_counts",
     channel: Channel::Sensing,
-    about: "The sensor jumps and stays off",
-    equation: "y = x + Δ from t on",
+    about: "The sensor jumps and stays off, or falls behind at speed",
+    equation: "y = x + Δ from t on, y' = x' − q (x' − v sgn x') where |x'| > v",
     parameters: &[
         Parameter {
             name: "time",
@@ -26,13 +29,36 @@ pub const KIND: Kind = Kind {
             typical: [-0.3, 0.3],
             about: "height of the jump",
         },
+        Parameter {
+            name: "share",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 0.5],
+            about: "lost of what it turns faster than the speed",
+        },
+        Parameter {
+            name: "speed",
+            quantity: Quantity::Velocity,
+            range: NOT_NEGATIVE,
+            default: 0.0,
+            typical: [1.0, 20.0],
+            about: "up to which it counts all",
+        },
     ],
     install: |device, p| {
-        // A counter that jumps more than once repeats the pair.
-        let jumps = p.chunks_exact(2).map(|pair| Jump {
-            at_s: pair[0],
-            height: pair[1],
+        let (once, again) = p.split_at(KIND.parameters.len());
+        let events = [&once[..EVENT], again].concat();
+        let jumps = events.chunks_exact(EVENT).map(|event| Jump {
+            at_s: event[0],
+            height: event[1],
         });
         device.sensing.jumps.extend(jumps);
+        if once[SHARE_LOST] > 0.0 {
+            device.sensing.overspeed = Overspeed {
+                share: once[SHARE_LOST],
+                speed: once[3],
+            };
+        }
     },
 };

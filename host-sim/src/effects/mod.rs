@@ -148,7 +148,8 @@ pub struct Kind {
     pub about: &'static str,
     /// Its equation.
     pub equation: &'static str,
-    /// Its numbers, in the order in which `install` takes them.
+    /// Its numbers, in the order in which `install` takes them; values beyond them repeat the first two, an instant and what
+    /// happens then.
     pub parameters: &'static [Parameter],
     /// Puts it into a device, with numbers in their ranges.
     install: fn(&mut Device, &[f64]),
@@ -165,23 +166,56 @@ impl Kind {
         (self.install)(device, &held.collect::<Vec<_>>());
     }
 
-    /// The parameter of the value at `place`; there are more values than parameters where these are repeated.
+    /// The parameter of the value at `place`; there are more values than parameters where something happens more than once.
     pub fn parameter(&self, place: usize) -> &'static Parameter {
-        &self.parameters[place % self.parameters.len()]
+        let once = self.parameters.len();
+        let beyond = place.checked_sub(once);
+        &self.parameters[beyond.map_or(place, |beyond| beyond % EVENT.min(once))]
     }
 
-    /// Name of the value at `place` of an effect of this kind that has `count` of them; one that repeats its
-    /// parameters numbers them from 1.
+    /// Name of the value at `place` of an effect of this kind that has `count` of them; what happens more than once is
+    /// numbered from 1.
     pub fn value_name(&self, place: usize, count: usize) -> String {
         let once = self.parameters.len();
         let name = self.parameter(place).name;
-        if count > once {
-            format!("{name}_{}", place / once + 1)
-        } else {
-            name.to_owned()
+        match place.checked_sub(once) {
+            Some(beyond) => format!("{name}_{}", beyond / EVENT + 2),
+            None if count > once && place < EVENT => format!("{name}_1"),
+            None => name.to_owned(),
         }
     }
+
+    /// True if with these values it acts at moments of one session alone.
+    pub fn is_event(&self, values: &[f64]) -> bool {
+        match self.name {
+            "contact" => true,
+            "lost_counts" => values[lost_counts::SHARE_LOST] == 0.0,
+            _ => false,
+        }
+    }
+
+    /// Place of the first value of the event `index`.
+    pub fn event_place(&self, index: usize) -> usize {
+        match index.checked_sub(1) {
+            Some(before) => self.parameters.len() + EVENT * before,
+            None => 0,
+        }
+    }
+
+    /// The values of an effect that does nothing but happen at these instants, each with what happens then.
+    pub fn events(&self, events: &[[f64; EVENT]]) -> Vec<f64> {
+        let count = self.event_place(events.len().max(1));
+        let mut values: Vec<f64> = (0..count).map(|i| self.parameter(i).default).collect();
+        for (index, event) in events.iter().enumerate() {
+            let place = self.event_place(index);
+            values[place..place + EVENT].copy_from_slice(event);
+        }
+        values
+    }
 }
+
+/// Values of an event: when, and what.
+const EVENT: usize = 2;
 
 /// Ranges of parameters.
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -259,6 +293,11 @@ pub struct Effect {
 }
 
 impl Effect {
+    /// True if it acts at moments of one session.
+    pub fn is_event(&self) -> bool {
+        self.kind.is_event(&self.values)
+    }
+
     /// Puts it into `device`.
     pub fn install(&self, device: &mut Device) {
         self.kind.install(device, &self.values);

@@ -172,6 +172,10 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             let spot = "dry friction that differs around {spot_position}";
             filled(spot, finding).unwrap_or_else(|| (*noun).to_owned())
         }
+        "lost_counts" if fitted("share").is_some() => {
+            let falls = "a sensor that loses {share} of what it turns faster than {speed}";
+            filled(falls, finding).unwrap_or_else(|| (*noun).to_owned())
+        }
         "lost_counts" if !finding.parameters.contains_key("jump") => {
             let jumps = finding.parameters.keys().filter(|n| n.starts_with("jump"));
             format!("a sensor that jumps {} times", jumps.count())

@@ -150,8 +150,11 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         // Where a restart falls on a jump, a right model leaves as much.
         let winner = &selection.rounds[i].rivals[0];
         let jumps = winner.name == "lost_counts" && winner.is_event() && steps[i].is_at_floor;
-        let closes = steps[i].own[0] >= LEAST_SHRINK || steps[i].of_rest >= LEAST_SHRINK_OF_REST;
-        !closes && !typical && !jumps
+        let closes = steps[i].own[0] >= LEAST_SHRINK;
+        let finishes = steps[i].of_rest >= LEAST_SHRINK_OF_REST;
+        // What only drags for a while may stand in for a little of anything.
+        let is_vague = winner.name == "contact" && !select::is_stiff(&winner.fit);
+        !closes && (is_vague || !finishes && !typical && !jumps)
     });
     if let Some(first) = idle {
         selection.withdraw(first);

@@ -18,6 +18,7 @@ use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
 use crate::stage::Stage;
+pub(crate) use hand::is_stiff;
 use place::bounces;
 pub(crate) use ranking::{others, ties};
 pub(crate) use rival::Rival;

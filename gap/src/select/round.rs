@@ -115,16 +115,17 @@ impl Search<'_> {
         self.perfect.level + QUIET_EXCESS
     }
 
-    /// True if the last effect of a fit acts at other times or places than its name says: a hand that never goes, or of which
-    /// beside something else no stiffness can be told, or a stop that is hardly ever left.
+    /// True if the last effect of a fit acts at other times or places than its name says: a hand with which something is missing
+    /// and that never goes, or of which beside something else no stiffness can be told; or a stop that is hardly ever left.
     fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
         };
         match last.kind.name {
-            "contact" if fit.hypothesis.terms.len() > 1 && !hand::is_stiff(fit) => true,
-            "contact" => {
-                level(fit) > self.quiet() && hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
+            "contact" if level(fit) > self.quiet() => {
+                let is_beside = fit.hypothesis.terms.len() > 1;
+                is_beside && !hand::is_stiff(fit)
+                    || hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
             }
             "end_stop" => push_at_most(&last, self.problem.positions()),
             _ => false,

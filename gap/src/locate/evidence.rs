@@ -16,6 +16,8 @@ const COARSE_TIME_BINS: usize = 8;
 pub(super) const LEAST_SURPLUS: f64 = 0.1;
 /// Weight of a band of frequencies or of a run: some of them always stand out, as excitation is uneven.
 const UNEVEN_WEIGHT: f64 = 0.5;
+/// Weight of the acceleration: it follows from the input and the place, and stands out wherever they do.
+const SHADOW_WEIGHT: f64 = 0.7;
 /// Bins of time that the moments of a recording take, wherever they lie.
 const EVENTS: usize = 4;
 /// With at least this surplus they, or one stretch, are an event, which no other axis can place.
@@ -66,7 +68,7 @@ type Place = fn(&Innovation) -> f64;
 
 /// The axes of some innovations, and what speaks for each.
 ///
-/// How strongly an axis speaks goes by the robust measure, so that one violent moment does not decide it, unless the
+/// How strongly an axis speaks goes as much by the robust measure, so that one violent moment does not decide it, unless the
 /// gap is such moments; the stretches that are told, and their shares, go by the squares, of which the gap is made.
 pub(super) struct Axes<'a> {
     all: &'a [Innovation],
@@ -175,7 +177,13 @@ impl<'a> Axes<'a> {
             _ => 0.0,
         };
         let course = self.explained(&bins).max(self.explained_along(&bins));
-        let strength = best.surplus() + course + everywhere;
+        let weight = if axis == "acceleration" {
+            SHADOW_WEIGHT
+        } else {
+            1.0
+        };
+        let surplus = 0.5 * (best.surplus() + stretch.surplus());
+        let strength = weight * (surplus + course + everywhere);
         Some(Evidence {
             reach: self.reach(&stretch, at, reach),
             ..Evidence::new(axis, bins, stretch, strength)

@@ -35,7 +35,7 @@ pub const KIND: Kind = Kind {
             range: SHARE,
             default: 0.0,
             typical: [0.0, 0.5],
-            about: "lost of what it turns faster than the speed",
+            about: "lost of the speed beyond",
         },
         Parameter {
             name: "speed",

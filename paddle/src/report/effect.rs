@@ -173,7 +173,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             filled(spot, finding).unwrap_or_else(|| (*noun).to_owned())
         }
         "lost_counts" if fitted("share").is_some() => {
-            let falls = "a sensor that loses {share} of what it turns faster than {speed}";
+            let falls = "a sensor that loses {share} of the speed beyond {speed}";
             filled(falls, finding).unwrap_or_else(|| (*noun).to_owned())
         }
         "lost_counts" if !finding.parameters.contains_key("jump") => {

@@ -147,9 +147,11 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
         let is_real = steps[i].is_sure || after <= select::MOST_LEFT_EXPLAINED;
         let typical = before - after >= LEAST_TYPICAL_SHRINK && is_real;
-        // Where a restart falls on a jump, a right model leaves as much.
+        // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
         let winner = &selection.rounds[i].rivals[0];
-        let jumps = winner.name == "lost_counts" && winner.is_event() && steps[i].is_at_floor;
+        let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
+        let jumps = winner.name == "lost_counts" && winner.is_event();
+        let jumps = jumps && (steps[i].is_at_floor || halves);
         let closes = steps[i].own[0] >= LEAST_SHRINK;
         let finishes = steps[i].of_rest >= LEAST_SHRINK_OF_REST;
         // What only drags for a while may stand in for a little of anything.

@@ -176,7 +176,7 @@ impl Push {
 }
 
 /// The run of windows with the largest sum of cost above the quiet level (Kadane's algorithm), if it is short and stands
-/// out, and the worst window if it is one of them.
+/// out, and the worst window.
 fn stretches(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
     let finite: Vec<f64> = e
         .window_costs
@@ -185,32 +185,34 @@ fn stretches(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
         .filter(|c| c.is_finite())
         .collect();
     let quiet = quantile(&finite, QUIET);
-    let mut best: Option<(f64, usize, usize, Range<usize>)> = None;
+    let mut best: Option<(f64, usize, Range<usize>)> = None;
+    let mut worst: Option<(f64, usize, Range<usize>)> = None;
     let mut base = 0;
     for (index, series) in e.series.iter().enumerate() {
         let (mut sum, mut start) = (0.0, 0);
         for w in 0..series.windows.len() {
-            let cost = e.window_costs[base + w];
-            sum += if cost.is_finite() { cost } else { quiet } - quiet - HIT_MARGIN;
+            let cost = Some(e.window_costs[base + w]).filter(|c| c.is_finite());
+            let cost = cost.unwrap_or(quiet);
+            if worst.as_ref().is_none_or(|(most, ..)| cost > *most) {
+                worst = Some((cost, index, w..w + 1));
+            }
+            sum += cost - quiet - HIT_MARGIN;
             if sum <= 0.0 {
                 (sum, start) = (0.0, w + 1);
             } else if best.as_ref().is_none_or(|(most, ..)| sum > *most) {
-                best = Some((sum, base, index, start..w + 1));
+                best = Some((sum, index, start..w + 1));
             }
         }
         base += series.windows.len();
     }
-    let Some((_, base, index, windows)) = best else {
+    let short = |windows: &Range<usize>| {
+        windows.len() as f64 <= LONGEST_SHARE * e.window_costs.len() as f64
+    };
+    let best = best.map(|(_, index, windows)| (index, windows));
+    let Some(best) = best.filter(|(_, windows)| short(windows)) else {
         return Vec::new();
     };
-    if windows.len() as f64 > LONGEST_SHARE * e.window_costs.len() as f64 {
-        return Vec::new();
-    }
-    let worst = (0..e.window_costs.len())
-        .filter(|&w| e.window_costs[w].is_finite())
-        .max_by(|&a, &b| e.window_costs[a].total_cmp(&e.window_costs[b]));
-    let inside = worst.and_then(|worst| worst.checked_sub(base));
-    let inside = inside.filter(|w| windows.contains(w) && windows.len() > 1);
-    let alone = inside.map(|w| (index, w..w + 1));
-    core::iter::once((index, windows)).chain(alone).collect()
+    let worst = worst.map(|(_, index, windows)| (index, windows));
+    let worst = worst.filter(|worst| *worst != best);
+    core::iter::once(best.clone()).chain(worst).collect()
 }

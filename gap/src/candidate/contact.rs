@@ -90,8 +90,9 @@ fn with(hand: &Term, parameter: usize, value: f64) -> Term {
 
 /// What could push back to some `sides` in the stretch that is worst.
 pub(super) fn pushes(e: &Evidence<'_>, sides: &[f64]) -> Vec<Push> {
-    let stretches = stretches(e).into_iter();
-    stretches
+    let counts: Vec<usize> = e.series.iter().map(|s| s.windows.len()).collect();
+    stretches(&counts, e.window_costs)
+        .into_iter()
         .flat_map(|(series, windows)| pushes_during(e, sides, series, windows))
         .collect()
 }
@@ -176,22 +177,17 @@ impl Push {
 }
 
 /// The run of windows with the largest sum of cost above the quiet level (Kadane's algorithm), if it is short and stands
-/// out, and the worst window.
-fn stretches(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
-    let finite: Vec<f64> = e
-        .window_costs
-        .iter()
-        .copied()
-        .filter(|c| c.is_finite())
-        .collect();
+/// out, and the worst window: by index of the series and windows of it, of which each series has its count.
+fn stretches(counts: &[usize], costs: &[f64]) -> Vec<(usize, Range<usize>)> {
+    let finite: Vec<f64> = costs.iter().copied().filter(|c| c.is_finite()).collect();
     let quiet = quantile(&finite, QUIET);
     let mut best: Option<(f64, usize, Range<usize>)> = None;
     let mut worst: Option<(f64, usize, Range<usize>)> = None;
     let mut base = 0;
-    for (index, series) in e.series.iter().enumerate() {
+    for (index, &count) in counts.iter().enumerate() {
         let (mut sum, mut start) = (0.0, 0);
-        for w in 0..series.windows.len() {
-            let cost = Some(e.window_costs[base + w]).filter(|c| c.is_finite());
+        for w in 0..count {
+            let cost = Some(costs[base + w]).filter(|c| c.is_finite());
             let cost = cost.unwrap_or(quiet);
             if worst.as_ref().is_none_or(|(most, ..)| cost > *most) {
                 worst = Some((cost, index, w..w + 1));
@@ -203,16 +199,36 @@ fn stretches(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
                 best = Some((sum, index, start..w + 1));
             }
         }
-        base += series.windows.len();
+        base += count;
     }
-    let short = |windows: &Range<usize>| {
-        windows.len() as f64 <= LONGEST_SHARE * e.window_costs.len() as f64
-    };
-    let best = best.map(|(_, index, windows)| (index, windows));
-    let Some(best) = best.filter(|(_, windows)| short(windows)) else {
+    let is_short = |windows: &Range<usize>| windows.len() as f64 <= LONGEST_SHARE * base as f64;
+    let Some((_, series, windows)) = best.filter(|(.., windows)| is_short(windows)) else {
         return Vec::new();
     };
-    let worst = worst.map(|(_, index, windows)| (index, windows));
+    let worst = worst.map(|(_, series, window)| (series, window));
+    let best = (series, windows);
     let worst = worst.filter(|worst| *worst != best);
-    core::iter::once(best.clone()).chain(worst).collect()
+    core::iter::once(best).chain(worst).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_is_looked_for_where_most_is_missing_and_where_it_is_worst() {
+        let mut costs = [0.7; 40];
+        costs[5..11].fill(4.0);
+        assert_eq!(stretches(&[20, 20], &costs), [(0, 5..11), (0, 5..6)]);
+        costs[33] = 12.0;
+        assert_eq!(stretches(&[20, 20], &costs), [(0, 5..11), (1, 13..14)]);
+        costs[33] = 60.0;
+        assert_eq!(stretches(&[20, 20], &costs), [(1, 13..14)]);
+    }
+
+    #[test]
+    fn what_is_missing_most_of_the_time_is_no_hand() {
+        let costs = [[0.7; 10], [4.0; 10], [4.0; 10]].concat();
+        assert_eq!(stretches(&[30], &costs), []);
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::level;
 use super::place::is_local;
-use super::ranking::special_cases;
+use super::ranking::relatives;
 use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, SHORT_ITERATIONS, Search};
 use crate::fit::Fit;
@@ -24,7 +24,7 @@ const ALWAYS_NEAR: usize = 2;
 const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
 
 impl Search<'_> {
-    /// The most promising ones, fitted to all windows, and what was `found` there otherwise, with the special cases of the best.
+    /// The most promising ones, fitted to all windows, and what was `found` there otherwise, with the special cases and kin of the best.
     pub(super) fn finals(
         &self,
         mut screened: Vec<Rival>,
@@ -72,31 +72,29 @@ impl Search<'_> {
         if let Some(found) = found {
             join(&mut rivals, found);
         }
-        self.join_special_cases(&mut rivals, &all);
+        self.join_relatives(&mut rivals, &all);
         rivals
     }
 
-    /// Adds the special cases of the best rival, fitted from where it stands in the size that suits best there.
-    fn join_special_cases(&self, rivals: &mut Vec<Rival>, screened: &[Rival]) {
+    /// Adds the special cases and kin of the best rival, fitted from where it stands in the size that suits best there.
+    fn join_relatives(&self, rivals: &mut Vec<Rival>, screened: &[Rival]) {
         let fit = |rival: &Rival, iterations| {
             let Fit { hypothesis, x, .. } = &rival.fit;
             self.problem
                 .fit(hypothesis, x.clone(), Part::All, iterations)
         };
-        let special = special_cases(rivals, screened)
-            .into_par_iter()
-            .map(|rival| {
-                let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
-                let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
-                let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
-                let rival = nearest.map_or(rival, |(_, nearest)| nearest);
-                Rival {
-                    fit: fit(&rival, FITTING_ITERATIONS),
-                    ..rival
-                }
-            });
-        let special: Vec<Rival> = special.collect();
-        for rival in special {
+        let relatives = relatives(rivals, screened).into_par_iter().map(|rival| {
+            let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
+            let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
+            let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
+            let rival = nearest.map_or(rival, |(_, nearest)| nearest);
+            Rival {
+                fit: fit(&rival, FITTING_ITERATIONS),
+                ..rival
+            }
+        });
+        let relatives: Vec<Rival> = relatives.collect();
+        for rival in relatives {
             join(rivals, rival);
         }
     }

@@ -96,9 +96,20 @@ pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
         .filter(move |rival| !contains(rival.name, winner))
 }
 
-/// The special cases of the best rival, from where it stands: what else is known of the device took long
+/// True if two effects make nearly the same of a motion that is not wide or fast.
+fn is_akin(one: &str, other: &str) -> bool {
+    const KIN: [&[&str]; 3] = [
+        &["gravity", "spring"],
+        &["delay", "lag", "sensor_lag"],
+        &["inertia", "torque_gain"],
+    ];
+    let both = |kin: &&[&str]| kin.contains(&one) && kin.contains(&other);
+    one != other && KIN.iter().any(both)
+}
+
+/// The special cases and the kin of the best rival, from where it stands: what else is known of the device took long
 /// to find, and what both have in common, too.
-pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
+pub(super) fn relatives(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
     let best = rivals
         .iter()
         .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
@@ -111,9 +122,12 @@ pub(super) fn special_cases(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
             rest.iter().map(|t| t.kind.name).collect()
         })
     };
-    let special = all
-        .iter()
-        .filter(|rival| is_special(rival.name, best.name) && beside(rival) == beside(best));
+    let special = all.iter().filter(|rival| {
+        let is_special = is_special(rival.name, best.name);
+        // Alone they find their own way.
+        let is_akin = is_akin(rival.name, best.name) && !beside(best).is_empty();
+        (is_special || is_akin) && beside(rival) == beside(best)
+    });
     let started = special.filter_map(|rival| {
         let mut rival = rival.clone();
         let own = rival.held()?;

@@ -142,38 +142,14 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     progress(Stage::Shrink);
     let mut left = left_by_each(&problem, &selection);
     let mut steps = closings(&problem, selection.fit(), &left);
-    // What does not close the gap by itself has no place, however well it suits the robust cost.
-    let idle = (kept.max(1)..steps.len()).find(|&i| {
-        let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
-        let is_real = steps[i].is_sure || after <= select::MOST_LEFT_EXPLAINED;
-        let typical = before - after >= LEAST_TYPICAL_SHRINK && is_real;
-        // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
-        let winner = &selection.rounds[i].rivals[0];
-        let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
-        let jumps = winner.name == "lost_counts" && winner.is_event();
-        let jumps = jumps && (steps[i].is_at_floor || halves);
-        let closes = steps[i].own[0] >= LEAST_SHRINK;
-        let finishes = steps[i].of_rest >= LEAST_SHRINK_OF_REST;
-        // What only drags for a while may stand in for a little of anything.
-        let is_vague = winner.name == "contact" && !select::is_stiff(&winner.fit);
-        !closes && (is_vague || !finishes && !typical && !jumps)
-    });
+    let idle = (kept.max(1)..steps.len()).find(|&i| is_idle(&selection, i, &steps[i]));
     if let Some(first) = idle {
         selection.withdraw(first);
         left.truncate(first + 1);
         steps = closings(&problem, selection.fit(), &left);
     }
 
-    // Nor have effects that leave the gap no smaller than it was, or may do so and leave most of the excess; nor several that
-    // leave much of it, if each of them may close nothing: of 415 such diagnoses two did, with no right name.
-    let left_open = selection.left(selection.fit());
-    let closes_nothing = |step: &Step| {
-        let [value, low, _] = step.total;
-        value <= 0.0 || low <= 0.0 && left_open > select::MOST_LEFT
-    };
-    let none_is_sure = steps.len() > 1 && steps.iter().all(|step| step.own[1] <= 0.0);
-    let none_is_sure = none_is_sure && left_open > select::MOST_LEFT_EXPLAINED;
-    if kept == 0 && (none_is_sure || steps.last().is_some_and(closes_nothing)) {
+    if kept == 0 && are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
         selection.withdraw(0);
     }
@@ -316,6 +292,39 @@ fn closings(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
         }
     });
     steps.collect()
+}
+
+/// True if the effect `i`, which is not the first, does not close the gap by itself, however well it suits the robust cost.
+fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
+    if step.own[0] >= LEAST_SHRINK {
+        return false;
+    }
+    let winner = &selection.rounds[i].rivals[0];
+    // What only drags for a while may stand in for a little of anything.
+    if winner.name == "contact" && !select::is_stiff(&winner.fit) {
+        return true;
+    }
+    let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
+    let is_real = step.is_sure || after <= select::MOST_LEFT_EXPLAINED;
+    let typical = before - after >= LEAST_TYPICAL_SHRINK && is_real;
+    // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
+    let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
+    let jumps = winner.name == "lost_counts" && winner.is_event();
+    let jumps = jumps && (step.is_at_floor || halves);
+    let finishes = step.of_rest >= LEAST_SHRINK_OF_REST;
+    !finishes && !typical && !jumps
+}
+
+/// True if effects that leave `left_open` of the excess leave the gap no smaller than it was, or may do so and leave most of
+/// the excess; or if several leave much of it and each of them may close nothing: of 415 such diagnoses two did, with no right
+/// name.
+fn are_vain(steps: &[Step], left_open: f64) -> bool {
+    let Some([value, low, _]) = steps.last().map(|step| step.total) else {
+        return false;
+    };
+    let closes_nothing = value <= 0.0 || low <= 0.0 && left_open > select::MOST_LEFT;
+    let none_is_sure = steps.len() > 1 && steps.iter().all(|step| step.own[1] <= 0.0);
+    closes_nothing || none_is_sure && left_open > select::MOST_LEFT_EXPLAINED
 }
 
 fn findings(

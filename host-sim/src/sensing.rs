@@ -201,16 +201,14 @@ impl Reading {
         // Not `clamp`: a position that has run away may be no number.
         self.middle = self.middle.max(y - half).min(y + half);
         let y = self.middle;
-        let slope = if dt_s > 0.0 {
-            (y - self.before) / dt_s
-        } else {
-            0.0
-        };
+        let step = y - self.before;
+        let slope = || if dt_s > 0.0 { step / dt_s } else { 0.0 };
         if !sensing.overspeed.is_none() {
-            self.lost += sensing.overspeed.lost(slope) * dt_s;
+            self.lost += sensing.overspeed.lost(slope()) * dt_s;
         }
         if sensing.lag_s > 0.0 {
             // Exact for a reading that runs straight between the two calls.
+            let slope = slope();
             let decay = (-dt_s / sensing.lag_s).exp();
             let behind = self.lagged - self.before + slope * sensing.lag_s;
             self.lagged = y - slope * sensing.lag_s + behind * decay;

@@ -116,6 +116,11 @@ impl Hidden {
         self.variant.is_multiple_of(2)
     }
 
+    /// Whether counts are lost at speed and not all at once.
+    fn slips(&self) -> bool {
+        self.variant.is_multiple_of(3)
+    }
+
     fn side(&self) -> Side {
         if self.form[5] < 0.5 {
             Side::Motor
@@ -300,7 +305,7 @@ impl Hidden {
             }
             "sensor_hysteresis" => sensing.half_play = s * half_span,
             "sensor_lag" => sensing.lag_s = s / (TAU * hz),
-            "lost_counts" if self.variant.is_multiple_of(3) => {
+            "lost_counts" if self.slips() => {
                 sensing.slip = Some(Slip {
                     above: scale.speed * self.between(0, 0.2, 0.7),
                     share: s.min(0.7),
@@ -504,9 +509,7 @@ impl Hidden {
             }
             "sensor_hysteresis" => vec![near_rest, axis("sensing")],
             "sensor_lag" => [&fast[..], &accelerating, &[phase, axis("sensing")]].concat(),
-            "lost_counts" if self.variant.is_multiple_of(3) => {
-                [&fast[..], &[axis("sensing")]].concat()
-            }
+            "lost_counts" if self.slips() => [&fast[..], &[axis("sensing")]].concat(),
             "lost_counts" => {
                 let mut probe = Reality::plain(&recording::Model::new(1.0));
                 self.apply(&mut probe, scale);

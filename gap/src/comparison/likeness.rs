@@ -1,6 +1,7 @@
 //! The sensing effect that turns one column into the other.
 
 use super::columns::{Columns, Track};
+use crate::whitening::dot;
 use host_sim::device::Device;
 use host_sim::effects::{self, Kind};
 use host_sim::sensing::Reading;
@@ -281,20 +282,18 @@ impl<'a> Scope<'a> {
             values[2..].copy_from_slice(&[share, speed]);
             values
         };
-        // All that is lost at most, of which the share that suits best is the slope.
-        let share = |speed: f64| {
+        let difference = less_mean(self.difference.clone());
+        // The share that suits best, as what is lost is in proportion to it, and what it leaves.
+        let suited = |speed: f64| {
             let all = residuals(&self.columns.tracks, kind, &values(speed, 1.0));
-            let none = less_mean(self.difference.clone());
-            let lost = all.iter().zip(&none).map(|(all, none)| all - none);
-            let lost: Vec<f64> = lost.collect();
-            let product: f64 = lost.iter().zip(&none).map(|(lost, none)| lost * none).sum();
-            let square: f64 = lost.iter().map(|lost| lost * lost).sum();
-            (-product / square.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+            let lost: Vec<f64> = all.iter().zip(&difference).map(|(a, d)| a - d).collect();
+            let share = -dot(&lost, &difference) / dot(&lost, &lost).max(f64::MIN_POSITIVE);
+            let share = share.clamp(0.0, 1.0);
+            let left = difference.iter().zip(&lost).map(|(d, l)| d + share * l);
+            (share, mean_square(&left.collect::<Vec<_>>()))
         };
-        let speed = lowest(SPEEDS.map(|f| f * fastest), |speed| {
-            self.left(kind, &values(speed, share(speed)))
-        });
-        let share = share(speed);
+        let speed = lowest(SPEEDS.map(|f| f * fastest), |speed| suited(speed).1);
+        let (share, _) = suited(speed);
         (share > 0.0).then(|| values(speed, share))
     }
 

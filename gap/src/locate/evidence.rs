@@ -68,7 +68,7 @@ type Place = fn(&Innovation) -> f64;
 
 /// The axes of some innovations, and what speaks for each.
 ///
-/// How strongly an axis speaks goes as much by the robust measure, so that one violent moment does not decide it, unless the
+/// How strongly an axis speaks goes half by the robust measure, so that one violent moment does not decide it, unless the
 /// gap is such moments; the stretches that are told, and their shares, go by the squares, of which the gap is made.
 pub(super) struct Axes<'a> {
     all: &'a [Innovation],

@@ -24,7 +24,8 @@ const ALWAYS_NEAR: usize = 2;
 const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
 
 impl Search<'_> {
-    /// The most promising ones, fitted to all windows, and what was `found` there otherwise, with the special cases and kin of the best.
+    /// The most promising ones, fitted to all windows, and what was `found` there otherwise, with the special cases and kin of
+    /// the best.
     pub(super) fn finals(
         &self,
         mut screened: Vec<Rival>,

@@ -122,13 +122,13 @@ pub(super) fn relatives(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
             rest.iter().map(|t| t.kind.name).collect()
         })
     };
-    let special = all.iter().filter(|rival| {
+    let related = all.iter().filter(|rival| {
         let is_special = is_special(rival.name, best.name);
         // Alone they find their own way.
         let is_akin = is_akin(rival.name, best.name) && !beside(best).is_empty();
         (is_special || is_akin) && beside(rival) == beside(best)
     });
-    let started = special.filter_map(|rival| {
+    let started = related.filter_map(|rival| {
         let mut rival = rival.clone();
         let own = rival.held()?;
         (own == held).then(|| rival.fit.x[..held].copy_from_slice(&best.fit.x[..held]))?;
@@ -171,6 +171,33 @@ mod tests {
                 prior: 0.0,
             },
         }
+    }
+
+    /// What is tried from where gravity stands, the best beside what is `known`, of springs beside as much.
+    fn beside_gravity(known: &str) -> Vec<&'static str> {
+        let rival = |name, level| {
+            let mut fit = fit(name, 1, level);
+            if !known.is_empty() {
+                let held = made::term(known, &[]);
+                fit.hypothesis.terms.insert(0, held);
+            }
+            let name = fit.hypothesis.terms.last().unwrap().kind.name;
+            Rival { name, fit }
+        };
+        let [gravity, spring] = [rival("gravity", BEST), rival("spring", KNOWN)];
+        let inertia = rival("inertia", KNOWN);
+        let found = relatives(
+            std::slice::from_ref(&gravity),
+            &[gravity.clone(), spring, inertia],
+        );
+        found.iter().map(|rival| rival.name).collect()
+    }
+
+    #[test]
+    fn kin_of_the_best_is_tried_from_where_that_stands_beside_others() {
+        assert!(beside_gravity("").is_empty());
+        let found = beside_gravity("compliance");
+        assert!(!found.is_empty() && found.iter().all(|name| *name == "spring"));
     }
 
     /// Which is first of a spring, which leaves least, and a gain with a parameter less that leaves so much more.

@@ -3,8 +3,9 @@
 use super::{ANY, Channel, EVENT, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 use crate::sensing::{Jump, Overspeed};
 
-/// Place of the share that is lost at speed.
+/// Places of the share that is lost at speed, and of the speed.
 pub(super) const SHARE_LOST: usize = 2;
+const FROM_SPEED: usize = 3;
 
 /// `y = x + Δ from t on`, and `y' = x' − q (x' − v sgn x')` beyond `|x'| = v`.
 pub const KIND: Kind = Kind {
@@ -57,7 +58,7 @@ pub const KIND: Kind = Kind {
         if once[SHARE_LOST] > 0.0 {
             device.sensing.overspeed = Overspeed {
                 share: once[SHARE_LOST],
-                speed: once[3],
+                speed: once[FROM_SPEED],
             };
         }
     },

@@ -31,6 +31,10 @@ impl Search<'_> {
         let least = LEAST_LEAD * gain(&first.rivals[0]);
         let leaders = first.rivals.iter().take(LEADERS);
         let leaders = leaders.filter(|rival| gain(rival) >= least);
+        // What two columns show may close next to nothing beside what is larger.
+        let measured = self.given.measured.as_ref();
+        let measured = measured.and_then(|term| self.given(null, term).rivals.pop());
+        let leaders = leaders.chain(&measured);
         let unexplained = self
             .problem
             .costs(&null.hypothesis, &null.x, Part::Chosen(&chosen))

@@ -4,6 +4,7 @@ use super::level;
 use super::rival::Rival;
 use super::round::Round;
 use crate::fit::Fit;
+use crate::hypothesis::Term;
 
 /// Within this share of the gain, fewer parameters win.
 const PARSIMONY: f64 = 0.04;
@@ -101,40 +102,31 @@ fn is_akin(one: &str, other: &str) -> bool {
     const KIN: [&[&str]; 3] = [
         &["gravity", "spring"],
         &["delay", "lag", "sensor_lag"],
-        &["inertia", "torque_gain"],
+        &["inertia", "torque_gain", "sensor_gain"],
     ];
     let both = |kin: &&[&str]| kin.contains(&one) && kin.contains(&other);
     one != other && KIN.iter().any(both)
 }
 
-/// The special cases and the kin of the best rival, from where it stands: what else is known of the device took long
-/// to find, and what both have in common, too.
-pub(super) fn relatives(rivals: &[Rival], all: &[Rival]) -> Vec<Rival> {
-    let best = rivals
-        .iter()
-        .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
-    let Some((best, held)) = best.and_then(|best| Some((best, best.held()?))) else {
+/// The special cases and the kin of a rival, from where it stands: what else is known of the device took long to find, and
+/// what both have in common, too.
+pub(super) fn relatives(best: &Rival, all: &[Rival]) -> Vec<Rival> {
+    let Some((held, (_, known))) = best.held().zip(best.fit.hypothesis.terms.split_last()) else {
         return Vec::new();
     };
-    let beside = |rival: &Rival| -> Vec<&str> {
-        let terms = rival.fit.hypothesis.terms.split_last();
-        terms.map_or(Vec::new(), |(_, rest)| {
-            rest.iter().map(|t| t.kind.name).collect()
-        })
-    };
-    let related = all.iter().filter(|rival| {
+    let beside = |terms: &[Term]| -> Vec<&str> { terms.iter().map(|t| t.kind.name).collect() };
+    let started = all.iter().filter_map(|rival| {
         let is_special = is_special(rival.name, best.name);
         // Alone they find their own way.
-        let is_akin = is_akin(rival.name, best.name) && !beside(best).is_empty();
-        (is_special || is_akin) && beside(rival) == beside(best)
-    });
-    let started = related.filter_map(|rival| {
-        let mut rival = rival.clone();
-        let own = rival.held()?;
-        (own == held).then(|| rival.fit.x[..held].copy_from_slice(&best.fit.x[..held]))?;
-        let terms = best.fit.hypothesis.terms.split_last()?.1;
-        rival.fit.hypothesis.terms[..terms.len()].clone_from_slice(terms);
-        Some(rival)
+        let is_akin = is_akin(rival.name, best.name) && !known.is_empty();
+        let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
+        let is_related = (is_special || is_akin) && beside(others) == beside(known);
+        is_related.then(|| {
+            let mut rival = rival.clone();
+            rival.fit.x = [&best.fit.x[..held], &rival.fit.x[own..]].concat();
+            rival.fit.hypothesis.terms = [known, std::slice::from_ref(last)].concat();
+            rival
+        })
     });
     let both = started.flat_map(|rival| {
         let alike = rival.alike(best);
@@ -186,10 +178,7 @@ mod tests {
         };
         let [gravity, spring] = [rival("gravity", BEST), rival("spring", KNOWN)];
         let inertia = rival("inertia", KNOWN);
-        let found = relatives(
-            std::slice::from_ref(&gravity),
-            &[gravity.clone(), spring, inertia],
-        );
+        let found = relatives(&gravity, &[gravity.clone(), spring, inertia]);
         found.iter().map(|rival| rival.name).collect()
     }
 

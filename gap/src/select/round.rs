@@ -117,7 +117,7 @@ impl Search<'_> {
 
     /// True if the last effect of a fit acts at other times or places than its name says: a hand with which something is missing
     /// and that never goes, or of which beside something else no stiffness can be told; or a stop that is hardly ever left.
-    fn is_misnamed(&self, fit: &Fit) -> bool {
+    pub(super) fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
         };
@@ -132,14 +132,8 @@ impl Search<'_> {
         }
     }
 
-    /// The rivals in their order, the best one polished and judged.
-    pub(super) fn judged(
-        &self,
-        known: &Fit,
-        screened: Vec<Rival>,
-        rivals: Vec<Rival>,
-    ) -> Option<Round> {
-        (self.progress)(Stage::Judging);
+    /// The rivals in their order.
+    fn ordered(&self, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
         let mut rivals = ranked(rivals, known, self.quiet())?;
         // What needs a moment of its own is none where the same thing at all times leaves nothing.
         let halfway = 0.5 * (level(known) + level(&rivals[0].fit));
@@ -152,6 +146,18 @@ impl Search<'_> {
             let special = rivals.remove(special);
             rivals.insert(0, special);
         }
+        Some(rivals)
+    }
+
+    /// The rivals in their order, the best one polished and judged, after what is related to it.
+    pub(super) fn judged(
+        &self,
+        known: &Fit,
+        screened: Vec<Rival>,
+        rivals: Vec<Rival>,
+    ) -> Option<Round> {
+        (self.progress)(Stage::Judging);
+        let mut rivals = self.ordered(known, rivals)?;
         let Rival { name, fit: winner } = &mut rivals[0];
         if bounces(name) {
             let costs = |x: &[f64]| self.problem.costs(&winner.hypothesis, x, Part::All);
@@ -169,6 +175,13 @@ impl Search<'_> {
             && let Some(single) = self.one_stop(known, winner)
         {
             *winner = single;
+        }
+        let first = *name;
+        self.join_relatives(&mut rivals, &screened);
+        let mut rivals = self.ordered(known, rivals)?;
+        let Rival { name, fit: winner } = &mut rivals[0];
+        if *name != first {
+            *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         }
         let (significance, earned) =
             earns_its_place(self.problem, &self.perfect, known, &rivals[0]);

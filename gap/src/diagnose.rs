@@ -4,7 +4,7 @@ use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
 use crate::fit::Fit;
 use crate::floor::FLOOR_DOUBT;
-use crate::hypothesis::{Hypothesis, nudges};
+use crate::hypothesis::nudges;
 use crate::measure::measure;
 use crate::problem::{Part, Problem};
 use crate::select::{self, Given, Round, Selection};
@@ -239,7 +239,9 @@ fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
         });
     let effects = effects.collect();
     CorrectedModel {
-        model: Hypothesis::nudged(&problem.recording.model, &problem.nudges, &fit.x),
+        model: fit
+            .hypothesis
+            .nudged(&problem.recording.model, &problem.nudges, &fit.x),
         effects,
     }
 }
@@ -312,7 +314,10 @@ fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
     let jumps = winner.name == "lost_counts" && winner.is_event();
     let jumps = jumps && (step.is_at_floor || halves);
     let finishes = step.of_rest >= LEAST_SHRINK_OF_REST;
-    !finishes && !typical && !jumps
+    // Without it the model's own numbers make up for it.
+    let round = &selection.rounds[i];
+    let relieves = round.known.is_strained() && !round.so_far.is_strained();
+    !finishes && !typical && !jumps && !relieves
 }
 
 /// True if effects that leave `left_open` of the excess leave the gap no smaller than it was, or may do so and leave most of

@@ -205,15 +205,21 @@ impl Hypothesis {
         numbers.chain(terms).collect()
     }
 
+    fn has(&self, name: &str) -> bool {
+        self.terms.iter().any(|term| term.kind.name == name)
+    }
+
     /// Coordinates of the terms.
     pub(crate) fn free(&self) -> usize {
         self.terms.iter().map(|t| t.free.len()).sum()
     }
 
     /// The model's numbers with the nudges of `x`.
-    pub(crate) fn nudged(model: &Model, nudges: &[Nudge], x: &[f64]) -> Model {
+    pub(crate) fn nudged(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Model {
         let mut model = *model;
-        for (nudge, z) in nudges.iter().zip(x) {
+        // A gain is one of what is stated, as another inertia is another than that: the two would be the same.
+        let is_gain = |nudge: &Nudge| nudge.name == "ratio" && self.has("torque_gain");
+        for (nudge, z) in nudges.iter().zip(x).filter(|(nudge, _)| !is_gain(nudge)) {
             let value = nudge.value + nudge.std * z;
             // A tolerance never turns a sign.
             let value = if value * nudge.value > 0.0 {
@@ -247,7 +253,7 @@ impl Hypothesis {
     }
 
     pub(crate) fn device(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Device {
-        let mut device = Device::nominal(&Self::nudged(model, nudges, x));
+        let mut device = Device::nominal(&self.nudged(model, nudges, x));
         for (term, own) in self.parts(x) {
             device.sensor_on_load = term.sensor_on_load;
             term.kind.install(&mut device, &term.at(own));

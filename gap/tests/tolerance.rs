@@ -39,3 +39,28 @@ fn a_number_far_from_it_is_one() {
     assert_eq!(found.verdict, Verdict::Explained);
     assert_eq!(found.effects[0].name, "viscous");
 }
+
+/// Names found in a paddle of more friction and of a number that lies four deviations from the nominal one, which leave no more
+/// than noise together.
+fn found_beside_friction(number: &str) -> Vec<&'static str> {
+    const TOLERANCE: f64 = 0.03;
+    let mut model = Model {
+        coulomb: 1.5 * paddle().coulomb,
+        ..paddle()
+    };
+    let nominal = model.get(number).unwrap();
+    assert!(model.set(number, nominal * (1.0 + 4.0 * TOLERANCE)));
+    let mut recording = recording(&model, paddle(), 1e-4, 0.0, 1);
+    recording.tolerance.set(number, TOLERANCE);
+    let diagnosis = diagnose(&recording, &Options::default()).diagnosis;
+    assert_eq!(diagnosis.verdict, Verdict::Explained);
+    let mut names: Vec<_> = diagnosis.effects.iter().map(|e| e.name).collect();
+    names.sort_unstable();
+    names
+}
+
+#[test]
+fn a_number_that_goes_too_far_beside_an_effect_is_another_one() {
+    assert_eq!(found_beside_friction("inertia"), ["coulomb", "inertia"]);
+    assert_eq!(found_beside_friction("ratio"), ["coulomb", "torque_gain"]);
+}

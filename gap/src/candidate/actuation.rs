@@ -16,9 +16,10 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     match kind.name {
         "torque_gain" => {
+            let as_known = e.device.drive.ratio / e.model.ratio;
             let guess = regress(e, |m| [m.drive_nm]);
-            let guess = guess.map(|[g]| vec![log(0, (1.0 + g).max(0.05))]);
-            terms(kind, guess, [vec![log(0, 1.0)]])
+            let guess = guess.map(|[g]| vec![log(0, as_known * (1.0 + g).max(0.05))]);
+            terms(kind, guess, [vec![log(0, as_known)]])
         }
         "torque_offset" => {
             let guess = regress(e, |_| [1.0]).map(|[t]| vec![guessed(0, t, 0.2 * s.torque)]);

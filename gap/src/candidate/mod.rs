@@ -23,6 +23,7 @@ use crate::motion::{Motion, Scales};
 use crate::series::Series;
 use host_sim::device::Device;
 use host_sim::effects::{Channel, KINDS, Kind};
+use recording::Model;
 
 /// What starting values are made from.
 pub(crate) struct Evidence<'a> {
@@ -31,8 +32,8 @@ pub(crate) struct Evidence<'a> {
     pub scales: &'a Scales,
     /// The device without the effect that is looked for.
     pub device: &'a Device,
-    /// Places of the nominal model's stops.
-    pub travel: Option<[f64; 2]>,
+    /// As it is stated.
+    pub model: &'a Model,
     /// Of the low-pass that the position column has gone through, Hz.
     pub cutoff_hz: Option<f64>,
     /// Robust cost of each window without the effect, by running index.

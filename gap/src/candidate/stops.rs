@@ -22,7 +22,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let inertia = e.device.mechanics.inertia;
     let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
     let positions: Vec<f64> = positions.collect();
-    let far = untouched(e.travel, s.position);
+    let far = untouched(e.model.travel, s.position);
     let mut all = pushing(kind, e, far);
     let sizes = STOPPED_SHARES
         .iter()

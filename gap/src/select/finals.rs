@@ -24,7 +24,7 @@ const ALWAYS_NEAR: usize = 2;
 const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
 
 impl Search<'_> {
-    /// The most promising ones, fitted to all windows, and what was `found` there otherwise.
+    /// The most promising ones, fitted to all windows, and what was `found` there otherwise, with what is related to the best.
     pub(super) fn finals(
         &self,
         mut screened: Vec<Rival>,
@@ -43,6 +43,7 @@ impl Search<'_> {
             fits.collect()
         };
         let mut local = 0;
+        let all = screened.clone();
         let short_of = |best: f64, share: f64, none: f64| best + share * (none - best).max(0.0);
         // On the windows of screening an effect that explains nothing leaves what is known to leave there.
         let [best, worst] = [screened.first(), screened.last()]
@@ -71,33 +72,46 @@ impl Search<'_> {
         if let Some(found) = found {
             join(&mut rivals, found);
         }
+        if let Some(best) = best_of(&rivals) {
+            let related = self.related(best, &all);
+            join_all(&mut rivals, related);
+        }
         rivals
     }
 
-    /// Adds the special cases and kin of the first rival, fitted from where it stands in the size that suits best there.
-    pub(super) fn join_relatives(&self, rivals: &mut Vec<Rival>, screened: &[Rival]) {
+    /// The special cases and kin of a rival among those that were `screened`, fitted from where it stands in the size that suits
+    /// best there.
+    pub(super) fn related(&self, to: &Rival, screened: &[Rival]) -> Vec<Rival> {
         let fit = |rival: &Rival, iterations| {
             let Fit { hypothesis, x, .. } = &rival.fit;
             self.problem
                 .fit(hypothesis, x.clone(), Part::All, iterations)
         };
-        let relatives = relatives(&rivals[0], screened)
-            .into_par_iter()
-            .map(|rival| {
-                let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
-                let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
-                let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
-                let rival = nearest.map_or(rival, |(_, nearest)| nearest);
-                Rival {
-                    fit: fit(&rival, FITTING_ITERATIONS),
-                    ..rival
-                }
-            });
-        let relatives: Vec<Rival> = relatives.collect();
-        let named = relatives.into_iter().filter(|r| !self.is_misnamed(&r.fit));
-        for rival in named {
-            join(rivals, rival);
-        }
+        let related = relatives(to, screened).into_par_iter().map(|rival| {
+            let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
+            let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
+            let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
+            let rival = nearest.map_or(rival, |(_, nearest)| nearest);
+            Rival {
+                fit: fit(&rival, FITTING_ITERATIONS),
+                ..rival
+            }
+        });
+        related.filter(|r| !self.is_misnamed(&r.fit)).collect()
+    }
+}
+
+/// The one that leaves least.
+pub(super) fn best_of(rivals: &[Rival]) -> Option<&Rival> {
+    rivals
+        .iter()
+        .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)))
+}
+
+/// Adds some rivals, each as [`join`] does.
+pub(super) fn join_all(rivals: &mut Vec<Rival>, others: Vec<Rival>) {
+    for rival in others {
+        join(rivals, rival);
     }
 }
 

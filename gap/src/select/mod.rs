@@ -164,7 +164,7 @@ impl Selection {
     /// of the gap as is foretold: near stick and slip even a right model leaves more than little. Or if little is left of the
     /// excess, and nothing of the gap.
     fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
-        if !fit.is_likely() {
+        if fit.is_strained() {
             return false;
         }
         let over_floor = || problem.gap_over_floor(fit);

@@ -46,7 +46,8 @@ pub(super) fn earns_its_place(
         .map(|w| known.costs.log(w) - winner.fit.costs.log(w))
         .collect();
     // Where nothing seems to be missing, only what shows in a window or two is.
-    let by_unseen = by_unseen && !winner.is_event() && !is_quiet(known, perfect);
+    let is_missing = known.is_strained() || !is_quiet(known, perfect);
+    let by_unseen = by_unseen && !winner.is_event() && is_missing;
     let is_local = winner.is_event() || winner.name == "end_stop";
     let earned = by_unseen || (is_local && stands_out(&seen, perfect));
     (significance, earned)

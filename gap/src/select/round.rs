@@ -1,6 +1,7 @@
 //! One more effect on top of what is known.
 
 use super::evolution::evolved;
+use super::finals::{best_of, join_all};
 use super::hand;
 use super::place::{bounces, earns_its_place};
 use super::ranking::{contains, enough, ranked};
@@ -157,6 +158,7 @@ impl Search<'_> {
         rivals: Vec<Rival>,
     ) -> Option<Round> {
         (self.progress)(Stage::Judging);
+        let best = best_of(&rivals)?.name;
         let mut rivals = self.ordered(known, rivals)?;
         let Rival { name, fit: winner } = &mut rivals[0];
         if bounces(name) {
@@ -177,8 +179,11 @@ impl Search<'_> {
             *winner = single;
         }
         let first = *name;
-        self.join_relatives(&mut rivals, &screened);
-        let mut rivals = self.ordered(known, rivals)?;
+        if first != best {
+            let related = self.related(&rivals[0], &screened);
+            join_all(&mut rivals, related);
+            rivals = self.ordered(known, rivals)?;
+        }
         let Rival { name, fit: winner } = &mut rivals[0];
         if *name != first {
             *winner = self.problem.polished(winner, POLISHING_ITERATIONS);

@@ -191,7 +191,7 @@ impl Search<'_> {
             motions: &motions,
             scales: &Scales::of(series, &motions, &device, recording.horizon),
             device: &device,
-            travel: recording.model.travel,
+            model: &recording.model,
             cutoff_hz: recording.sensor("position").cutoff_hz,
             window_costs: &window_costs(self.problem, known),
         });

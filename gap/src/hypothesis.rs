@@ -121,6 +121,17 @@ impl Term {
         moved
     }
 
+    /// The same term begun at other numbers, by their places.
+    pub(crate) fn begun(&self, numbers: &[(usize, f64)]) -> Self {
+        let mut begun = self.clone();
+        for &(place, value) in numbers {
+            begun.values[place] = value;
+            let free = begun.free.iter_mut().filter(|c| c.parameter == place);
+            free.for_each(|coordinate| coordinate.start = value);
+        }
+        begun
+    }
+
     /// The same term with the numbers that it shares with another, if there are any: those of one name and quantity.
     pub(crate) fn alike(&self, other: &Self) -> Option<Self> {
         let mut alike = self.clone();

@@ -1,8 +1,8 @@
 //! The most promising effects fitted to all windows.
 
+use super::kin::relatives;
 use super::level;
 use super::place::is_local;
-use super::ranking::relatives;
 use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, SHORT_ITERATIONS, Search};
 use crate::fit::Fit;
@@ -87,16 +87,18 @@ impl Search<'_> {
             self.problem
                 .fit(hypothesis, x.clone(), Part::All, iterations)
         };
-        let related = relatives(to, screened).into_par_iter().map(|rival| {
-            let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
-            let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
-            let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
-            let rival = nearest.map_or(rival, |(_, nearest)| nearest);
-            Rival {
-                fit: fit(&rival, FITTING_ITERATIONS),
-                ..rival
-            }
-        });
+        let related = relatives(to, screened, &self.problem.recording.model)
+            .into_par_iter()
+            .map(|rival| {
+                let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
+                let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
+                let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
+                let rival = nearest.map_or(rival, |(_, nearest)| nearest);
+                Rival {
+                    fit: fit(&rival, FITTING_ITERATIONS),
+                    ..rival
+                }
+            });
         related.filter(|r| !self.is_misnamed(&r.fit)).collect()
     }
 }

@@ -4,6 +4,7 @@ mod evolution;
 mod field;
 mod finals;
 mod hand;
+mod kin;
 mod pair;
 mod place;
 mod ranking;

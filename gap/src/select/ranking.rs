@@ -4,7 +4,6 @@ use super::level;
 use super::rival::Rival;
 use super::round::Round;
 use crate::fit::Fit;
-use crate::hypothesis::Term;
 
 /// Within this share of the gain, fewer parameters win.
 const PARSIMONY: f64 = 0.04;
@@ -58,7 +57,7 @@ pub(super) fn enough(known: &Fit, best: &Fit) -> f64 {
 }
 
 /// True if `special` does with fewer numbers what `general` does too.
-fn is_special(special: &str, general: &str) -> bool {
+pub(super) fn is_special(special: &str, general: &str) -> bool {
     contains(general, special) || (special, general) == ("torque_offset", "asymmetric_coulomb")
 }
 
@@ -97,44 +96,6 @@ pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
         .filter(move |rival| !contains(rival.name, winner))
 }
 
-/// True if two effects make nearly the same of a motion that is not wide or fast.
-fn is_akin(one: &str, other: &str) -> bool {
-    const KIN: [&[&str]; 3] = [
-        &["gravity", "spring"],
-        &["delay", "lag", "sensor_lag"],
-        &["inertia", "torque_gain", "sensor_gain"],
-    ];
-    let both = |kin: &&[&str]| kin.contains(&one) && kin.contains(&other);
-    one != other && KIN.iter().any(both)
-}
-
-/// The special cases and the kin of a rival, from where it stands: what else is known of the device took long to find, and
-/// what both have in common, too.
-pub(super) fn relatives(best: &Rival, all: &[Rival]) -> Vec<Rival> {
-    let Some((held, (_, known))) = best.held().zip(best.fit.hypothesis.terms.split_last()) else {
-        return Vec::new();
-    };
-    let beside = |terms: &[Term]| -> Vec<&str> { terms.iter().map(|t| t.kind.name).collect() };
-    let started = all.iter().filter_map(|rival| {
-        let is_special = is_special(rival.name, best.name);
-        // Alone they find their own way.
-        let is_akin = is_akin(rival.name, best.name) && !known.is_empty();
-        let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
-        let is_related = (is_special || is_akin) && beside(others) == beside(known);
-        is_related.then(|| {
-            let mut rival = rival.clone();
-            rival.fit.x = [&best.fit.x[..held], &rival.fit.x[own..]].concat();
-            rival.fit.hypothesis.terms = [known, std::slice::from_ref(last)].concat();
-            rival
-        })
-    });
-    let both = started.flat_map(|rival| {
-        let alike = rival.alike(best);
-        [Some(rival), alike]
-    });
-    both.flatten().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,30 +124,6 @@ mod tests {
                 prior: 0.0,
             },
         }
-    }
-
-    /// What is tried from where gravity stands, the best beside what is `known`, of springs beside as much.
-    fn beside_gravity(known: &str) -> Vec<&'static str> {
-        let rival = |name, level| {
-            let mut fit = fit(name, 1, level);
-            if !known.is_empty() {
-                let held = made::term(known, &[]);
-                fit.hypothesis.terms.insert(0, held);
-            }
-            let name = fit.hypothesis.terms.last().unwrap().kind.name;
-            Rival { name, fit }
-        };
-        let [gravity, spring] = [rival("gravity", BEST), rival("spring", KNOWN)];
-        let inertia = rival("inertia", KNOWN);
-        let found = relatives(&gravity, &[gravity.clone(), spring, inertia]);
-        found.iter().map(|rival| rival.name).collect()
-    }
-
-    #[test]
-    fn kin_of_the_best_is_tried_from_where_that_stands_beside_others() {
-        assert!(beside_gravity("").is_empty());
-        let found = beside_gravity("compliance");
-        assert!(!found.is_empty() && found.iter().all(|name| *name == "spring"));
     }
 
     /// Which is first of a spring, which leaves least, and a gain with a parameter less that leaves so much more.

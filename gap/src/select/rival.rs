@@ -26,21 +26,23 @@ impl Rival {
         self.fit.x.len().checked_sub(last.free.len())
     }
 
-    /// The same, begun with the numbers that its last effect shares with that of another, if there are any.
-    pub(super) fn alike(&self, other: &Self) -> Option<Self> {
-        let term = self.fit.last_term()?.alike(&other.fit.last_term()?)?;
+    /// The same, with its last effect begun as it is `made` from itself and that of another.
+    pub(super) fn begun_like(
+        &self,
+        other: &Self,
+        made: impl Fn(&Term, &Term) -> Option<Term>,
+    ) -> Option<Self> {
+        let term = made(&self.fit.last_term()?, &other.fit.last_term()?)?;
         self.begun_at(term)
     }
 
     /// The same with its last effect begun in so many times its size, if that is all that is free of it.
     pub(super) fn sized(&self, by: f64) -> Option<Self> {
-        let mut term = self.fit.last_term()?;
-        let [size] = &mut term.free[..] else {
+        let term = self.fit.last_term()?;
+        let [size] = term.free[..] else {
             return None;
         };
-        size.start *= by;
-        term.values[size.parameter] = size.start;
-        self.begun_at(term)
+        self.begun_at(term.begun(&[(size.parameter, by * size.start)]))
     }
 
     /// The same with its last effect begun anew.

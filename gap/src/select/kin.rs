@@ -1,0 +1,178 @@
+//! Effects that make nearly the same of a motion that is not wide or fast: each is tried from where another stands.
+
+use super::ranking::is_special;
+use super::rival::Rival;
+use crate::hypothesis::Term;
+use recording::Model;
+
+const KIN: [&[&str]; 3] = [
+    &["gravity", "spring"],
+    &["delay", "lag", "sensor_lag"],
+    &["inertia", "torque_gain", "sensor_gain"],
+];
+
+fn is_akin(one: &str, other: &str) -> bool {
+    let both = |kin: &&[&str]| kin.contains(&one) && kin.contains(&other);
+    one != other && KIN.iter().any(both)
+}
+
+/// The special cases and the kin of a rival among `all`, from where it stands on top of `model`: what else is known of the
+/// device took long to find, and what both have in common, too.
+pub(super) fn relatives(best: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
+    let Some((held, (_, known))) = best.held().zip(best.fit.hypothesis.terms.split_last()) else {
+        return Vec::new();
+    };
+    let beside = |terms: &[Term]| -> Vec<&str> { terms.iter().map(|t| t.kind.name).collect() };
+    let started = all.iter().filter_map(|rival| {
+        let is_special = is_special(rival.name, best.name);
+        // Alone they find their own way.
+        let is_akin = is_akin(rival.name, best.name) && !known.is_empty();
+        let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
+        let is_related = (is_special || is_akin) && beside(others) == beside(known);
+        is_related.then(|| {
+            let mut rival = rival.clone();
+            rival.fit.x = [&best.fit.x[..held], &rival.fit.x[own..]].concat();
+            rival.fit.hypothesis.terms = [known, std::slice::from_ref(last)].concat();
+            rival
+        })
+    });
+    let all = started.flat_map(|rival| {
+        let shared = rival.begun_like(best, Term::alike);
+        let equal = rival.begun_like(best, |own, other| equal(own, other, model));
+        [Some(rival), shared, equal]
+    });
+    all.flatten().collect()
+}
+
+/// A term begun where it makes of a small motion what one that is akin does, each in place of a number of `model`.
+fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
+    // Slope of a restoring torque, and where it vanishes.
+    let restoring = |name: &str| match name {
+        "gravity" => Some([model.gravity, model.gravity_zero]),
+        "spring" => Some([model.stiffness, model.stiffness_zero]),
+        _ => None,
+    };
+    let names = [own, other].map(|term| term.kind.name);
+    if let [Some(own_nominal), Some(other_nominal)] = names.map(restoring) {
+        let other = [other.values[0], other.values[1]];
+        let moment = |[slope, zero]: [f64; 2]| slope * zero;
+        let slope = own_nominal[0] + other[0] - other_nominal[0];
+        let zero = (moment(own_nominal) + moment(other) - moment(other_nominal)) / slope;
+        return (slope > 0.0 && zero.is_finite()).then(|| own.begun(&[(0, slope), (1, zero)]));
+    }
+    // How many times as much it moves.
+    let size = |term: &Term| match term.kind.name {
+        "inertia" => Some(model.inertia / term.values[0]),
+        "torque_gain" | "sensor_gain" => Some(term.values[0]),
+        _ => None,
+    };
+    let (_, times) = size(own).zip(size(other))?;
+    let value = match own.kind.name {
+        "inertia" => model.inertia / times,
+        _ => times,
+    };
+    (value > 0.0 && value.is_finite()).then(|| own.begun(&[(0, value)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::costs::Costs;
+    use crate::fit::Fit;
+    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::made;
+
+    /// An effect that is begun at `values`, all of them free.
+    fn term(name: &str, values: &[f64]) -> Term {
+        let coordinate = |(parameter, &start)| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Linear(1.0),
+        };
+        let free: Vec<Coordinate> = values.iter().enumerate().map(coordinate).collect();
+        made::term(name, &free)
+    }
+
+    /// A rival of one effect beside those that are `known`.
+    fn rival(known: &[Term], last: Term) -> Rival {
+        let name = last.kind.name;
+        let hypothesis = Hypothesis {
+            terms: [known, &[last]].concat(),
+        };
+        let x = vec![0.0; hypothesis.free()];
+        let costs = Costs {
+            per_sample: Vec::new(),
+            prior: 0.0,
+        };
+        let fit = Fit {
+            std: x.clone(),
+            hypothesis,
+            x,
+            costs,
+        };
+        Rival { name, fit }
+    }
+
+    /// What is tried from where gravity stands beside what is `known`.
+    fn beside_gravity(known: &[Term]) -> Vec<&'static str> {
+        let all = ["gravity", "spring", "inertia"];
+        let all = all.map(|name| rival(known, term(name, &[0.1])));
+        let found = relatives(&all[0], &all, &Model::new(1.0));
+        found.iter().map(|rival| rival.name).collect()
+    }
+
+    #[test]
+    fn kin_is_tried_from_where_a_rival_stands_beside_others() {
+        assert!(beside_gravity(&[]).is_empty());
+        let found = beside_gravity(&[term("compliance", &[])]);
+        assert!(!found.is_empty() && found.iter().all(|name| *name == "spring"));
+    }
+
+    /// Torque of weight and spring a little off the place where it vanishes.
+    fn restoring(model: &Model, x: f64) -> f64 {
+        model.gravity * (x - model.gravity_zero) + model.stiffness * (x - model.stiffness_zero)
+    }
+
+    #[test]
+    fn kin_begins_where_it_makes_the_same_of_a_small_motion() {
+        let nominal = Model {
+            gravity: 0.02,
+            gravity_zero: 0.3,
+            stiffness: 0.05,
+            stiffness_zero: -0.1,
+            ..Model::new(0.001)
+        };
+        let spring = term("spring", &[0.08, 0.2]);
+        let weight = equal(&term("gravity", &[0.5, 0.0]), &spring, &nominal).unwrap();
+        let sprung = Model {
+            stiffness: 0.08,
+            stiffness_zero: 0.2,
+            ..nominal
+        };
+        let heavy = Model {
+            gravity: weight.values[0],
+            gravity_zero: weight.values[1],
+            ..nominal
+        };
+        for x in [-0.2, 0.0, 0.5] {
+            let torques = [&sprung, &heavy].map(|model| restoring(model, x));
+            assert!((torques[0] - torques[1]).abs() < 1e-12, "{torques:?}");
+        }
+        let gain = equal(
+            &term("torque_gain", &[1.0]),
+            &term("inertia", &[0.002]),
+            &nominal,
+        );
+        assert_eq!(gain.unwrap().values, [0.5]);
+    }
+
+    #[test]
+    fn a_weight_that_would_pull_up_is_none() {
+        let nominal = Model {
+            stiffness: 0.05,
+            ..Model::new(0.001)
+        };
+        let soft = term("spring", &[0.04, 0.0]);
+        assert!(equal(&term("gravity", &[0.1, 0.0]), &soft, &nominal).is_none());
+    }
+}

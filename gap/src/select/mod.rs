@@ -254,6 +254,7 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     if is_alone && selection.suffices(problem, selection.fit()) {
         return selection;
     }
+    let mut is_revised = false;
     while selection.goes_on() {
         let Some(round) = search.round(selection.fit(), &hints) else {
             break;
@@ -267,6 +268,15 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
             && let Some(alone) = search.without_first(first, second)
         {
             selection.rounds = vec![alone];
+        }
+        if let [_, second, third] = &selection.rounds[..]
+            && !is_revised
+            && selection.last.is_none()
+            && let Some(instead) = search.without_second(second, third)
+        {
+            selection.rounds.truncate(1);
+            selection.rounds.push(instead);
+            is_revised = true;
         }
     }
     selection

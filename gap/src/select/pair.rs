@@ -3,10 +3,11 @@
 use super::finals::join;
 use super::level;
 use super::place::{bounces, earns_its_place};
-use super::ranking::ranked;
+use super::ranking::{enough, ranked};
 use super::rival::{Rival, turned};
 use super::round::{FITTING_ITERATIONS, Round, Search};
 use crate::fit::Fit;
+use crate::hypothesis::Hypothesis;
 use crate::problem::Part;
 
 /// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for.
@@ -94,6 +95,30 @@ impl Search<'_> {
         self.alone(first, alone)?.pop()
     }
 
+    /// The third of three effects in the place of the second, which had stood in for it.
+    pub(crate) fn without_second(&self, second: &Round, third: &Round) -> Option<Round> {
+        let both = &third.so_far;
+        let [first, second_term, third_term] = &both.hypothesis.terms[..] else {
+            return None;
+        };
+        let held = both.x.len() - third_term.free.len();
+        let x = [&both.x[..held - second_term.free.len()], &both.x[held..]].concat();
+        let hypothesis = Hypothesis {
+            terms: vec![first.clone(), third_term.clone()],
+        };
+        let fit = self
+            .problem
+            .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
+        if level(&fit) > enough(&second.known, both) {
+            return None;
+        }
+        let mut rivals = second.rivals.clone();
+        let name = third_term.kind.name;
+        join(&mut rivals, Rival { name, fit });
+        let round = self.judged(&second.known, second.screened.clone(), rivals)?;
+        round.earned.then_some(round)
+    }
+
     /// The round of an effect that a search from beside another has led to, if it is the best one alone.
     fn alone(&self, first: &Round, fit: Fit) -> Option<Vec<Round>> {
         let name = fit.hypothesis.terms.first()?.kind.name;
@@ -170,8 +195,12 @@ mod tests {
         made::term(name, &[first])
     }
 
-    /// What is left of friction and a dead band that is found beside it, where this is `hidden`.
-    fn left(hidden: &[&str]) -> Option<&'static str> {
+    /// What `told` says of the rounds of some effects, one after the other, where those written in `hidden` are.
+    fn told<T>(
+        hidden: &[&str],
+        terms: &[Term],
+        told: impl Fn(&Search<'_>, &[Round]) -> Option<T>,
+    ) -> Option<T> {
         let recording = made::recording(hidden);
         let problem = made::problem(&recording);
         let bare = Hypothesis { terms: Vec::new() };
@@ -188,16 +217,42 @@ mod tests {
             progress: |_| {},
             perfect: Perfect::of(&problem, &null).bounded(),
         };
-        let first = search.given(&null, &term("coulomb", 0.006));
-        let second = search.given(&first.so_far, &term("deadband", 1e-4));
-        let alone = search.without_first(&first, &second)?;
-        Some(alone.rivals[0].name)
+        let mut rounds: Vec<Round> = Vec::new();
+        for term in terms {
+            let known = rounds.last().map_or(&null, |round| &round.so_far);
+            rounds.push(search.given(known, term));
+        }
+        told(&search, &rounds)
     }
+
+    const DEAD: &str = "deadband:width=2e-4,jump=0";
+    const MORE: &str = "coulomb:level=0.006";
 
     #[test]
     fn what_stood_in_for_another_goes_once_that_is_found() {
-        let deadband = "deadband:width=2e-4,jump=0";
-        assert_eq!(left(&[deadband]), Some("deadband"));
-        assert_eq!(left(&[deadband, "coulomb:level=0.006"]), None);
+        let left = |hidden: &[&str]| {
+            let terms = [term("coulomb", 0.006), term("deadband", 1e-4)];
+            told(hidden, &terms, |search, rounds| {
+                let alone = search.without_first(&rounds[0], &rounds[1])?;
+                Some(alone.rivals[0].name)
+            })
+        };
+        assert_eq!(left(&[DEAD]), Some("deadband"));
+        assert_eq!(left(&[DEAD, MORE]), None);
+    }
+
+    #[test]
+    fn a_second_that_stood_in_for_a_third_goes_once_that_is_found() {
+        let left = |hidden: &[&str]| {
+            let offset = term("torque_offset", 0.001);
+            let terms = [term("coulomb", 0.006), offset, term("deadband", 1e-4)];
+            told(hidden, &terms, |search, rounds| {
+                let instead = search.without_second(&rounds[1], &rounds[2])?;
+                let names = instead.so_far.hypothesis.terms.iter();
+                Some(names.map(|term| term.kind.name).collect::<Vec<_>>())
+            })
+        };
+        assert_eq!(left(&[DEAD, MORE]), Some(vec!["coulomb", "deadband"]));
+        assert_eq!(left(&[DEAD, MORE, "torque_offset:torque=0.002"]), None);
     }
 }

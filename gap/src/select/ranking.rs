@@ -4,6 +4,7 @@ use super::level;
 use super::rival::Rival;
 use super::round::Round;
 use crate::fit::Fit;
+use crate::problem::PRIOR_WEIGHT;
 
 /// Within this share of the gain, fewer parameters win.
 const PARSIMONY: f64 = 0.04;
@@ -11,6 +12,9 @@ const PARSIMONY: f64 = 0.04;
 const SPECIAL_PARSIMONY: f64 = 0.08;
 /// A name is not separable from the winner within this share of the winner's gain.
 const TIE_SHARE: f64 = 0.04;
+
+/// A squared standard deviation costs half in the logarithm of a probability, and a half of that in a fit.
+const PRIOR_SHARE: f64 = 0.5 / PRIOR_WEIGHT;
 
 /// Robust cost, over all windows, that a parameter must save where nothing else is missing: half the logarithm of their number
 /// (Schwarz, Annals of Statistics 6, 1978).
@@ -26,10 +30,11 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
     // What needs fewer numbers because it bends those of the model saves none.
     let bends = |fit: &Fit| likely && !fit.is_likely();
-    let windows = first.costs.per_sample.len();
+    let (windows, first_prior) = (first.costs.per_sample.len(), first.costs.prior);
     let numbers = rivals[0].parameters();
     let is_luck = |rival: &Rival| {
-        let saved = (level(&rival.fit) - best) * windows as f64;
+        let prior = (PRIOR_SHARE - 1.0) * (rival.fit.costs.prior - first_prior);
+        let saved = (level(&rival.fit) - best) * windows as f64 + prior;
         let more = numbers.saturating_sub(rival.parameters()) as f64;
         best > quiet || saved <= more * price(windows)
     };
@@ -49,6 +54,13 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     let winner = rivals.remove(winner);
     rivals.insert(0, winner);
     Some(rivals)
+}
+
+/// True if one rival moves the model's own numbers farther than another by more than the parameters that it saves are worth.
+pub(super) fn strains_more(one: &Rival, other: &Rival) -> bool {
+    let more = other.parameters().saturating_sub(one.parameters()) as f64;
+    let [one, other] = [one, other].map(|rival| &rival.fit.costs);
+    PRIOR_SHARE * (one.prior - other.prior) > more * price(one.per_sample.len())
 }
 
 /// What one with fewer parameters than `best` may leave and win.
@@ -126,12 +138,13 @@ mod tests {
         }
     }
 
+    fn rival(name: &'static str, free: usize, level: f64) -> Rival {
+        let fit = fit(name, free, level);
+        Rival { name, fit }
+    }
+
     /// Which is first of a spring, which leaves least, and a gain with a parameter less that leaves so much more.
     fn first(more: f64, quiet: f64) -> &'static str {
-        let rival = |name, free, level| Rival {
-            name,
-            fit: fit(name, free, level),
-        };
         let rivals = vec![
             rival("torque_gain", 1, BEST + more),
             rival("spring", 2, BEST),
@@ -149,5 +162,21 @@ mod tests {
         // Where more is missing than either explains, luck is not all that is left.
         assert_eq!(first(1.2 * price, less), "torque_gain");
         assert_eq!(first(1.2 * PARSIMONY * (KNOWN - BEST), less), "spring");
+    }
+
+    #[test]
+    fn what_saves_a_parameter_and_strains_the_model_saves_none() {
+        let is_offset = |prior: f64| {
+            let mut offset = rival("torque_offset", 1, BEST);
+            offset.fit.costs.prior = prior;
+            let spring = rival("spring", 2, BEST);
+            let strains = strains_more(&offset, &spring);
+            let rivals = vec![offset, spring];
+            let first = ranked(rivals, &fit("coulomb", 0, KNOWN), 1.1 * BEST).unwrap()[0].name;
+            assert_eq!(strains, first == "spring");
+            !strains
+        };
+        let worth = price(200) / PRIOR_SHARE;
+        assert!(is_offset(0.8 * worth) && !is_offset(1.2 * worth));
     }
 }

@@ -12,6 +12,7 @@ use crate::series;
 use crate::shrink::{resampled, shrink};
 use crate::stage::Stage;
 use crate::stand_in::StandIn;
+use crate::strain::{self, Strain};
 use crate::{comparison, experiment, locate};
 use host_sim::device::Device;
 use recording::Recording;
@@ -211,7 +212,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let bounds = selection.fit().at_bounds(&problem.nudges);
     let bounds = bounds.iter().map(ToString::to_string);
     let doubt = stand_in.iter().map(ToString::to_string);
-    let warnings = oddities.chain(disagreement).chain(bounds).chain(doubt);
+    let rounds = selection.rounds.iter().zip(&steps);
+    let small = rounds.filter(|(_, step)| step.own[0] < LEAST_SHRINK);
+    let strains = small.filter_map(|(round, _)| Strain::of(round, &problem.nudges));
+    let strains = strains.map(|strain| strain.to_string());
+    let warnings = oddities.chain(disagreement).chain(bounds);
+    let warnings = warnings.chain(doubt).chain(strains);
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
@@ -314,9 +320,7 @@ fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
     let jumps = winner.name == "lost_counts" && winner.is_event();
     let jumps = jumps && (step.is_at_floor || halves);
     let finishes = step.of_rest >= LEAST_SHRINK_OF_REST;
-    // Without it the model's own numbers make up for it.
-    let round = &selection.rounds[i];
-    let relieves = round.known.is_strained() && !round.so_far.is_strained();
+    let relieves = strain::is_relieved(&selection.rounds[i]);
     !finishes && !typical && !jumps && !relieves
 }
 

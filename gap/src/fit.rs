@@ -29,30 +29,8 @@ impl Fit {
         let (term, own) = self.hypothesis.parts(&self.x).last()?;
         Some(term.moved(own))
     }
-
-    /// How far the model's own numbers have moved, in standard deviations.
-    fn moves(&self) -> &[f64] {
-        &self.x[..self.x.len() - self.hypothesis.free()]
-    }
-
-    /// True if the model's own numbers have moved no farther than their tolerances let one expect.
-    pub(crate) fn is_likely(&self) -> bool {
-        let moves = self.moves();
-        let squares: f64 = moves.iter().map(|z| z * z).sum();
-        let numbers = moves.len() as f64;
-        squares <= numbers + LIKELY_ERRORS * (2.0 * numbers).sqrt()
-    }
-
-    /// True if they, or one of them alone, have moved so far that they seem to make up for something else.
-    pub(crate) fn is_strained(&self) -> bool {
-        !self.is_likely() || self.moves().iter().any(|z| z.abs() > STRAINED)
-    }
 }
 
-/// Standard deviations of a chi-square within which the moves of the model's own numbers are likely.
-const LIKELY_ERRORS: f64 = 4.0;
-/// Standard deviations by which one of them moves once in 200 recordings, if it is one of five.
-const STRAINED: f64 = 3.3;
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
 /// kinks of stick and slip, then narrow.
 pub(crate) const DIFFERENCES: [f64; 2] = [0.15, 0.02];

@@ -49,6 +49,7 @@ pub mod series;
 mod shrink;
 mod stage;
 mod stand_in;
+mod strain;
 mod whitening;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};

@@ -73,8 +73,13 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
     text
 }
 
+/// Two decimals, of which nothing is never less than nothing.
+fn hundredths(value: f64) -> String {
+    format!("{:.2}", (100.0 * value).round() / 100.0 + 0.0)
+}
+
 fn row(text: &mut String, effect: &Finding) {
-    let [low, high] = effect.shrink_interval;
+    let [low, high] = effect.shrink_interval.map(hundredths);
     let mut parameters = telling(effect).map(|(name, estimate)| {
         let shown = Display::of(&estimate.unit, estimate.value);
         format!(
@@ -88,7 +93,7 @@ fn row(text: &mut String, effect: &Finding) {
             "{:<28}{:>6}   {:<24}{}",
             effect.name,
             percent(effect.confidence),
-            format!("{:.2} ({low:.2} to {high:.2})", effect.shrink),
+            format!("{} ({low} to {high})", hundredths(effect.shrink)),
             parameters.next().unwrap_or_default()
         ),
     );

@@ -29,6 +29,16 @@ impl Fit {
         let (term, own) = self.hypothesis.parts(&self.x).last()?;
         Some(term.moved(own))
     }
+
+    /// Its effects without one of them, and the coordinates without its own.
+    pub(crate) fn without(&self, place: usize) -> (Hypothesis, Vec<f64>) {
+        let parts = self.hypothesis.parts(&self.x).enumerate();
+        let kept = parts.filter(|(i, _)| *i != place);
+        let (terms, own): (_, Vec<_>) = kept.map(|(_, (term, own))| (term.clone(), own)).unzip();
+        let mut x = self.x[..self.x.len() - self.hypothesis.free()].to_vec();
+        x.extend(own.concat());
+        (Hypothesis { terms }, x)
+    }
 }
 
 /// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the

@@ -18,30 +18,30 @@ fn is_akin(one: &str, other: &str) -> bool {
 
 /// The special cases and the kin of a rival among `all`, from where it stands on top of `model`: what else is known of the
 /// device took long to find, and what both have in common, too.
-pub(super) fn relatives(best: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
-    let Some((held, (_, known))) = best.held().zip(best.fit.hypothesis.terms.split_last()) else {
+pub(super) fn relatives(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
+    let Some((held, (_, known))) = to.held().zip(to.fit.hypothesis.terms.split_last()) else {
         return Vec::new();
     };
     let beside = |terms: &[Term]| -> Vec<&str> { terms.iter().map(|t| t.kind.name).collect() };
-    let started = all.iter().filter_map(|rival| {
-        let is_special = is_special(rival.name, best.name);
+    let moved = all.iter().filter_map(|rival| {
+        let is_special = is_special(rival.name, to.name);
         // Alone they find their own way.
-        let is_akin = is_akin(rival.name, best.name) && !known.is_empty();
+        let is_akin = is_akin(rival.name, to.name) && !known.is_empty();
         let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
         let is_related = (is_special || is_akin) && beside(others) == beside(known);
         is_related.then(|| {
             let mut rival = rival.clone();
-            rival.fit.x = [&best.fit.x[..held], &rival.fit.x[own..]].concat();
+            rival.fit.x = [&to.fit.x[..held], &rival.fit.x[own..]].concat();
             rival.fit.hypothesis.terms = [known, std::slice::from_ref(last)].concat();
             rival
         })
     });
-    let all = started.flat_map(|rival| {
-        let shared = rival.begun_like(best, Term::alike);
-        let equal = rival.begun_like(best, |own, other| equal(own, other, model));
+    let begun = moved.flat_map(|rival| {
+        let shared = rival.begun_like(to, Term::alike);
+        let equal = rival.begun_like(to, |own, other| equal(own, other, model));
         [Some(rival), shared, equal]
     });
-    all.flatten().collect()
+    begun.flatten().collect()
 }
 
 /// A term begun where it makes of a small motion what one that is akin does, each in place of a number of `model`.

@@ -271,7 +271,6 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         }
         if let [_, second, third] = &selection.rounds[..]
             && !is_revised
-            && selection.last.is_none()
             && let Some(instead) = search.without_second(second, third)
         {
             selection.rounds.truncate(1);

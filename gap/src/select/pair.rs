@@ -7,7 +7,7 @@ use super::ranking::{enough, ranked};
 use super::rival::{Rival, turned};
 use super::round::{FITTING_ITERATIONS, Round, Search};
 use crate::fit::Fit;
-use crate::hypothesis::Hypothesis;
+
 use crate::problem::Part;
 
 /// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for.
@@ -31,11 +31,12 @@ impl Search<'_> {
         let gain = |rival: &Rival| level(null) - level(&rival.fit);
         let least = LEAST_LEAD * gain(&first.rivals[0]);
         let leaders = first.rivals.iter().take(LEADERS);
-        let leaders = leaders.filter(|rival| gain(rival) >= least);
+        let mut leaders: Vec<&Rival> = leaders.filter(|rival| gain(rival) >= least).collect();
         // What two columns show may close next to nothing beside what is larger.
         let measured = self.given.measured.as_ref();
+        let measured = measured.filter(|term| leaders.iter().all(|r| r.name != term.kind.name));
         let measured = measured.and_then(|term| self.given(null, term).rivals.pop());
-        let leaders = leaders.chain(&measured);
+        leaders.extend(&measured);
         let unexplained = self
             .problem
             .costs(&null.hypothesis, &null.x, Part::Chosen(&chosen))
@@ -97,23 +98,16 @@ impl Search<'_> {
 
     /// The third of three effects in the place of the second, which had stood in for it.
     pub(crate) fn without_second(&self, second: &Round, third: &Round) -> Option<Round> {
-        let both = &third.so_far;
-        let [first, second_term, third_term] = &both.hypothesis.terms[..] else {
-            return None;
-        };
-        let held = both.x.len() - third_term.free.len();
-        let x = [&both.x[..held - second_term.free.len()], &both.x[held..]].concat();
-        let hypothesis = Hypothesis {
-            terms: vec![first.clone(), third_term.clone()],
-        };
+        let all = &third.so_far;
+        let (hypothesis, x) = all.without(1);
+        let name = hypothesis.terms.last()?.kind.name;
         let fit = self
             .problem
             .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
-        if level(&fit) > enough(&second.known, both) {
+        if level(&fit) > enough(&second.known, all) {
             return None;
         }
         let mut rivals = second.rivals.clone();
-        let name = third_term.kind.name;
         join(&mut rivals, Rival { name, fit });
         let round = self.judged(&second.known, second.screened.clone(), rivals)?;
         round.earned.then_some(round)
@@ -157,9 +151,8 @@ impl Search<'_> {
 
     /// A rival without its last effect, fitted anew from its own numbers of the model and from those of `null`.
     fn without_last(&self, rival: &Rival, null: &Fit) -> Fit {
-        let mut hypothesis = rival.fit.hypothesis.clone();
-        let free = hypothesis.terms.pop().map_or(0, |term| term.free.len());
-        let own = rival.fit.x[..rival.fit.x.len() - free].to_vec();
+        let last = rival.fit.hypothesis.terms.len().saturating_sub(1);
+        let (hypothesis, own) = rival.fit.without(last);
         let given = [&null.x, &own[null.x.len()..]].concat();
         let fit = |x| {
             self.problem

@@ -30,13 +30,11 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
     // What needs fewer numbers because it bends those of the model saves none.
     let bends = |fit: &Fit| likely && !fit.is_likely();
-    let (windows, first_prior) = (first.costs.per_sample.len(), first.costs.prior);
-    let numbers = rivals[0].parameters();
     let is_luck = |rival: &Rival| {
-        let prior = (PRIOR_SHARE - 1.0) * (rival.fit.costs.prior - first_prior);
+        let prior = (PRIOR_SHARE - 1.0) * (rival.fit.costs.prior - first.costs.prior);
+        let windows = first.costs.per_sample.len();
         let saved = (level(&rival.fit) - best) * windows as f64 + prior;
-        let more = numbers.saturating_sub(rival.parameters()) as f64;
-        best > quiet || saved <= more * price(windows)
+        best > quiet || saved <= worth(rival, &rivals[0])
     };
     let is_as_good = |i: usize, limit: f64| {
         let rival = &rivals[i];
@@ -56,11 +54,15 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     Some(rivals)
 }
 
+/// Robust cost, over all windows, of the parameters that one rival saves beside another.
+fn worth(one: &Rival, other: &Rival) -> f64 {
+    let saved = other.parameters().saturating_sub(one.parameters());
+    saved as f64 * price(one.fit.costs.per_sample.len())
+}
+
 /// True if one rival moves the model's own numbers farther than another by more than the parameters that it saves are worth.
 pub(super) fn strains_more(one: &Rival, other: &Rival) -> bool {
-    let more = other.parameters().saturating_sub(one.parameters()) as f64;
-    let [one, other] = [one, other].map(|rival| &rival.fit.costs);
-    PRIOR_SHARE * (one.prior - other.prior) > more * price(one.per_sample.len())
+    PRIOR_SHARE * (one.fit.costs.prior - other.fit.costs.prior) > worth(one, other)
 }
 
 /// What one with fewer parameters than `best` may leave and win.

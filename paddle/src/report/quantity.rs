@@ -95,7 +95,13 @@ pub fn show(value: f64, unit: &str) -> String {
 
 /// A share as a whole percentage.
 pub fn percent(share: f64) -> String {
-    format!("{:.0} %", 100.0 * share)
+    let percent = 100.0 * share;
+    format!("{} %", signed(percent, format!("{:.0}", percent.abs())))
+}
+
+/// A share with two decimals.
+pub fn hundredths(share: f64) -> String {
+    signed(share, format!("{:.2}", share.abs()))
 }
 
 /// Power of ten of the first digit, after rounding to `digits`; 0 for what has none.
@@ -147,6 +153,12 @@ mod tests {
         assert_eq!(show(0.05, "1/s"), "5.0 % per second");
         assert_eq!(show(1.4, "1"), "1.4");
         assert_eq!(show(0.0, "m"), "0.0 m");
+    }
+
+    #[test]
+    fn a_share_that_rounds_to_nothing_has_no_sign() {
+        assert_eq!([percent(-0.001), hundredths(-0.001)], ["0 %", "0.00"]);
+        assert_eq!([percent(-0.12), hundredths(-0.12)], ["−12 %", "−0.12"]);
     }
 
     #[test]

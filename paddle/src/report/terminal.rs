@@ -2,7 +2,7 @@
 
 use super::effect::telling;
 use super::paragraph::{experiment, headline, paragraph};
-use super::quantity::{Display, percent};
+use super::quantity::{Display, hundredths, percent};
 use super::region::{self, Labels};
 use gap::diagnosis::{Diagnosis, Finding};
 use std::fmt::Write;
@@ -71,11 +71,6 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
     }
     line(&mut text, format_args!("\n{:.1} s", diagnosis.elapsed_s));
     text
-}
-
-/// Two decimals, of which nothing is never less than nothing.
-fn hundredths(value: f64) -> String {
-    format!("{:.2}", (100.0 * value).round() / 100.0 + 0.0)
 }
 
 fn row(text: &mut String, effect: &Finding) {

@@ -52,11 +52,6 @@ const HELD_EVERY: usize = 2;
 const WIDE: usize = 2;
 /// Longest move of a coordinate in one iteration.
 const LONGEST_MOVE: f64 = 1.5;
-/// Moves of one coordinate that are tried where no slope leads on, and how often.
-const POLLED: [f64; 10] = [-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4];
-const MOST_POLLS: usize = 3;
-/// What such a move must gain in robust cost: less is within what a window leaves by chance.
-const POLL_GAIN: f64 = 0.5;
 /// Iterations on either half.
 const HALF_ITERATIONS: usize = 5;
 const FIRST_DAMPING: f64 = 1e-2;
@@ -84,45 +79,6 @@ impl Problem<'_> {
         );
         let pairs = first.into_iter().zip(second);
         pairs.map(|(a, b)| if a.is_nan() { b } else { a }).collect()
-    }
-
-    /// A fit to all windows carried on until looking to both sides along each coordinate of its effects leads no further:
-    /// slopes say nothing across a kink or a step.
-    pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
-        let mut best = self.fit(&fit.hypothesis, fit.x.clone(), Part::All, iterations);
-        let reaches = fit.hypothesis.reaches(&self.nudges);
-        for _ in 0..MOST_POLLS {
-            let total = best.costs.sum();
-            let beside: Vec<Vec<f64>> = (self.nudges.len()..best.x.len())
-                .flat_map(|i| POLLED.map(|by| (i, by)))
-                .map(|(i, by)| {
-                    let mut x = best.x.clone();
-                    x[i] = within(x[i] + by, reaches[i]);
-                    x
-                })
-                .collect();
-            // How uncertain the restarts leave the windows changes little nearby.
-            let here = self.predictor(&best.hypothesis, &best.x);
-            let residuals = self.residuals(&here, Part::All);
-            let whitenings = self.whitenings(&here, &residuals, Part::All);
-            let polled = beside.into_par_iter().map(|x| {
-                let there = self.predictor(&best.hypothesis, &x);
-                let residuals = self.residuals(&there, Part::All);
-                let costs = Costs::new(&self.whitened(&residuals, &whitenings), self.prior(&x));
-                (costs.sum(), x)
-            });
-            let lowest = polled.min_by(|a, b| a.0.total_cmp(&b.0));
-            let lowest = lowest.filter(|(low, _)| *low < total - POLL_GAIN);
-            let Some((_, x)) = lowest else {
-                break;
-            };
-            let again = self.fit(&best.hypothesis, x, Part::All, iterations);
-            if again.costs.sum() >= total {
-                break;
-            }
-            best = again;
-        }
-        best
     }
 
     /// Change of the residuals from those at `x`, which are `base`, by coordinate `i`.
@@ -371,7 +327,7 @@ pub(crate) fn aside(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
     }
 }
 
-fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
+pub(crate) fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
     x.max(low).min(high)
 }
 

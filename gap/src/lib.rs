@@ -41,6 +41,7 @@ pub mod model_file;
 mod motion;
 mod noise;
 mod perfect;
+mod polish;
 pub mod predict;
 mod problem;
 pub mod restart;

@@ -55,6 +55,8 @@ pub(crate) const MOST_LEFT_EXPLAINED: f64 = 0.1;
 /// for 18 % of the gap in each: far above the floor a share is more than one of two may close.
 const LEAST_GAIN_ALONE: f64 = 0.1;
 const LEAST_SAVED_ALONE: f64 = 0.4;
+/// Share of the excess that one effect may leave for its fit to begin anew from far around before another is looked for beside it.
+const MOST_LEFT_BY_ONE: f64 = 0.4;
 
 /// What is known before the search.
 pub(crate) struct Given<'a> {
@@ -230,10 +232,14 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         Some(term) => Some(search.given(&selection.null, term)),
         None => search.round(&selection.null, &[]),
     };
-    let Some(first) = first else {
+    let Some(mut first) = first else {
         return selection;
     };
     selection.given = certain.is_some();
+    let is_most = selection.left(&first.so_far) < MOST_LEFT_BY_ONE;
+    if is_most && !selection.given && !selection.suffices(problem, &first.so_far) {
+        first = search.begun_afar(first);
+    }
     if first.earned && selection.suffices(problem, &first.so_far) {
         selection.add(first);
         return selection;

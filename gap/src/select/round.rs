@@ -151,6 +151,19 @@ impl Search<'_> {
         Some(rivals)
     }
 
+    /// A round whose winner begins anew from far around, if that leads to less.
+    pub(crate) fn begun_afar(&self, round: Round) -> Round {
+        let Rival { name, fit: winner } = &round.rivals[0];
+        let fit = self.problem.begun_afar(winner, FITTING_ITERATIONS);
+        let Some(fit) = fit.filter(|fit| round.leaves_more_than(fit)) else {
+            return round;
+        };
+        let mut rivals = round.rivals.clone();
+        rivals[0] = Rival { name, fit };
+        let judged = self.judged(&round.known, round.screened.clone(), rivals);
+        judged.unwrap_or(round)
+    }
+
     /// The rivals in their order, the best one polished and judged, after what is related to it.
     pub(super) fn judged(
         &self,

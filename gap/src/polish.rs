@@ -1,0 +1,107 @@
+//! Fits carried on where slopes lead no further: they say nothing across a kink, a step or a change of what sticks.
+
+use crate::costs::Costs;
+use crate::fit::{Fit, within};
+use crate::problem::{Part, Problem};
+use rayon::prelude::*;
+
+/// Moves of one coordinate that are looked at, and how often.
+const POLLED: [f64; 10] = [-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4];
+const MOST_POLLS: usize = 3;
+/// What such a move must gain in robust cost: less is within what a window leaves by chance.
+const POLL_GAIN: f64 = 0.5;
+/// Moves of one coordinate from which fits begin anew, for how long, and how many of them go on.
+const FAR: [f64; 6] = [-3.0, -1.5, -0.7, 0.7, 1.5, 3.0];
+const FAR_ITERATIONS: usize = 3;
+const FAR_KEPT: usize = 2;
+
+impl Problem<'_> {
+    /// A fit to all windows carried on until looking to both sides along each coordinate of its effects leads no further.
+    pub(crate) fn polished(&self, fit: &Fit, iterations: usize) -> Fit {
+        let mut best = self.fit(&fit.hypothesis, fit.x.clone(), Part::All, iterations);
+        for _ in 0..MOST_POLLS {
+            let total = best.costs.sum();
+            // How uncertain the restarts leave the windows changes little nearby.
+            let here = self.predictor(&best.hypothesis, &best.x);
+            let residuals = self.residuals(&here, Part::All);
+            let whitenings = self.whitenings(&here, &residuals, Part::All);
+            let polled = self.beside(&best, &POLLED).into_par_iter().map(|x| {
+                let there = self.predictor(&best.hypothesis, &x);
+                let residuals = self.residuals(&there, Part::All);
+                let costs = Costs::new(&self.whitened(&residuals, &whitenings), self.prior(&x));
+                (costs.sum(), x)
+            });
+            let lowest = polled.min_by(|a, b| a.0.total_cmp(&b.0));
+            let lowest = lowest.filter(|(low, _)| *low < total - POLL_GAIN);
+            let Some((_, x)) = lowest else {
+                break;
+            };
+            let again = self.fit(&best.hypothesis, x, Part::All, iterations);
+            if again.costs.sum() >= total {
+                break;
+            }
+            best = again;
+        }
+        best
+    }
+
+    /// The best of the fits to all windows that begin far to both sides of one along each coordinate of its effects: where what
+    /// sticks or strikes is chaotic, neither slopes nor what a start costs say which of them leads on.
+    pub(crate) fn begun_afar(&self, fit: &Fit, iterations: usize) -> Option<Fit> {
+        let fitted = |starts: Vec<Vec<f64>>, iterations| {
+            let fits = starts.into_par_iter();
+            let fits = fits.map(|x| self.fit(&fit.hypothesis, x, Part::All, iterations));
+            let mut fits: Vec<Fit> = fits.collect();
+            fits.sort_by(|a, b| a.costs.level().total_cmp(&b.costs.level()));
+            fits
+        };
+        let near = fitted(self.beside(fit, &FAR), FAR_ITERATIONS).into_iter();
+        let near = near.take(FAR_KEPT).map(|fit| fit.x).collect();
+        fitted(near, iterations).into_iter().next()
+    }
+
+    /// The points to which moves of one coordinate of its effects lead from a fit, each within its reach.
+    fn beside(&self, fit: &Fit, moves: &[f64]) -> Vec<Vec<f64>> {
+        let reaches = fit.hypothesis.reaches(&self.nudges);
+        let moved = (self.nudges.len()..fit.x.len()).flat_map(|i| {
+            let ends = moves.iter().map(move |by| (i, by));
+            ends.map(|(i, by)| {
+                let mut x = fit.x.clone();
+                x[i] = within(x[i] + by, reaches[i]);
+                x
+            })
+        });
+        let mut points: Vec<Vec<f64>> = moved.collect();
+        points.dedup();
+        points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::made;
+
+    const PLAY: f64 = 0.02;
+
+    #[test]
+    fn where_neither_slopes_nor_small_moves_lead_on_a_start_from_afar_does() {
+        let recording = made::recording(&[&format!("backlash:play={PLAY}")]);
+        let problem = made::problem(&recording);
+        let wide = Coordinate {
+            parameter: 0,
+            start: 5.0 * PLAY,
+            scale: Scale::Log,
+        };
+        let hypothesis = Hypothesis {
+            terms: vec![made::term("backlash", &[wide])],
+        };
+        let play = |fit: &Fit| fit.last_term().unwrap().values[0];
+        let near = problem.fit(&hypothesis, vec![0.0], Part::All, 8);
+        let near = problem.polished(&near, 15);
+        assert!(play(&near) > 1.5 * PLAY, "{}", play(&near));
+        let far = problem.begun_afar(&near, 8).unwrap();
+        assert!((play(&far) / PLAY - 1.0).abs() < 0.05, "{}", play(&far));
+    }
+}

@@ -271,9 +271,9 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         if let [first, second] = &selection.rounds[..]
             && is_second
             && !selection.given
-            && let Some(alone) = search.without_first(first, second)
+            && let Some(rounds) = search.revised(first, second)
         {
-            selection.rounds = vec![alone];
+            selection.rounds = rounds;
         }
         if let [_, second, third] = &selection.rounds[..]
             && !is_revised

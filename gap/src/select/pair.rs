@@ -64,15 +64,42 @@ impl Search<'_> {
         if !worth(&both.fit) {
             return None;
         }
-        let turned = turned(&both)?;
-        // Each in turn is looked for anew beside the other.
-        let (second_alone, screened) = self.beside(&turned, null, &looked, &hints);
+        self.each_anew(first, &both, &looked, &hints)
+    }
+
+    /// What becomes of an effect and of the second that was found beside it, where the first had stood in for something.
+    pub(crate) fn revised(&self, first: &Round, second: &Round) -> Option<Vec<Round>> {
+        if let Some(alone) = self.without_first(first, second) {
+            return Some(vec![alone]);
+        }
+        let both = &second.rivals[0];
+        if level(&both.fit) <= self.quiet() {
+            return None;
+        }
+        let looked = [(&first.rivals[0], second.screened.clone())];
+        let rounds = self.each_anew(first, both, &looked, &first.screened)?;
+        let leaves_less = second.leaves_more_than(&rounds.last()?.so_far);
+        leaves_less.then_some(rounds)
+    }
+
+    /// The rounds of two effects of which each in turn is looked for anew beside the other, or the round of one of them if the other
+    /// then earns no place.
+    fn each_anew(
+        &self,
+        first: &Round,
+        both: &Rival,
+        looked: &[(&Rival, Vec<Rival>)],
+        hints: &[Rival],
+    ) -> Option<Vec<Round>> {
+        let null = &first.known;
+        let turned = turned(both)?;
+        let (second_alone, screened) = self.beside(&turned, null, looked, hints);
         let mut beside_second = self.round_of(&second_alone, screened, Some(turned))?;
         if !beside_second.earned {
             return self.alone(first, second_alone);
         }
         let both = self::turned(&beside_second.rivals[0])?;
-        let (first_alone, screened) = self.beside(&both, null, &looked, &hints);
+        let (first_alone, screened) = self.beside(&both, null, looked, hints);
         let beside_first = self.round_of(&first_alone, screened, Some(both))?;
         if !beside_first.earned {
             return self.alone(first, first_alone);
@@ -82,7 +109,7 @@ impl Search<'_> {
     }
 
     /// The second of two effects alone, where the first earns no place beside it: it had stood in for the second.
-    pub(crate) fn without_first(&self, first: &Round, second: &Round) -> Option<Round> {
+    fn without_first(&self, first: &Round, second: &Round) -> Option<Round> {
         let both = turned(&second.rivals[0])?;
         let alone = self.without_last(&both, &first.known);
         // What leaves more than the first did is not what that stood in for.
@@ -247,5 +274,17 @@ mod tests {
         };
         assert_eq!(left(&[DEAD, MORE]), Some(vec!["coulomb", "deadband"]));
         assert_eq!(left(&[DEAD, MORE, "torque_offset:torque=0.002"]), None);
+    }
+
+    #[test]
+    fn what_stands_in_for_an_effect_gives_way_to_it_beside_the_second() {
+        let hidden = ["spring:stiffness=0.1,zero=0.05", MORE];
+        let terms = [term("cogging", 0.002), term("coulomb", 0.006)];
+        let names = told(&hidden, &terms, |search, rounds| {
+            let revised = search.revised(&rounds[0], &rounds[1])?;
+            let terms = &revised.last()?.so_far.hypothesis.terms;
+            Some(terms.iter().map(|term| term.kind.name).collect::<Vec<_>>())
+        });
+        assert_eq!(names, Some(vec!["spring", "coulomb"]));
     }
 }

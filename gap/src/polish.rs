@@ -14,6 +14,8 @@ const POLL_GAIN: f64 = 0.5;
 const FAR: [f64; 6] = [-3.0, -1.5, -0.7, 0.7, 1.5, 3.0];
 const FAR_ITERATIONS: usize = 3;
 const FAR_KEPT: usize = 2;
+/// Standard deviations by which a number of the model is moved to look for a better start.
+const NUDGED: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
 
 impl Problem<'_> {
     /// A fit to all windows carried on until looking to both sides along each coordinate of its effects leads no further.
@@ -58,6 +60,22 @@ impl Problem<'_> {
         let near = fitted(self.beside(fit, &FAR), FAR_ITERATIONS).into_iter();
         let near = near.take(FAR_KEPT).map(|fit| fit.x).collect();
         fitted(near, iterations).into_iter().next()
+    }
+
+    /// The nominal model fitted from where one of its own numbers lies far from what is stated, if it leaves less there: friction
+    /// that holds where the stated one slides is not found by slopes.
+    pub(crate) fn nominal_afar(&self, fit: &Fit, iterations: usize) -> Option<Fit> {
+        let starts = (0..self.nudges.len()).flat_map(|i| NUDGED.map(|z| (i, z)));
+        let starts: Vec<(usize, f64)> = starts.collect();
+        let costs = starts.into_par_iter().map(|(i, z)| {
+            let mut x = vec![0.0; fit.x.len()];
+            x[i] = z;
+            (self.costs(&fit.hypothesis, &x, Part::All).level(), x)
+        });
+        let (lowest, x) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let level = fit.costs.level();
+        let far = (lowest < level).then(|| self.fit(&fit.hypothesis, x, Part::All, iterations))?;
+        (far.costs.level() < level).then_some(far)
     }
 
     /// The points to which moves of one coordinate of its effects lead from a fit, each within its reach.

@@ -64,3 +64,33 @@ fn a_number_that_goes_too_far_beside_an_effect_is_another_one() {
     assert_eq!(found_beside_friction("inertia"), ["coulomb", "inertia"]);
     assert_eq!(found_beside_friction("ratio"), ["coulomb", "torque_gain"]);
 }
+
+#[test]
+fn friction_within_its_tolerance_that_holds_where_the_nominal_one_slides_is_no_finding() {
+    for (tolerance, deviations, coulomb, horizon) in [
+        (0.1, 2.5, 0.03, 0.3),
+        (0.1, 1.75, 0.034, 0.6),
+        (0.15, 1.75, 0.026, 0.15),
+        (0.15, 2.25, 0.022, 0.15),
+    ] {
+        let nominal = Model {
+            coulomb,
+            ..paddle()
+        };
+        let model = Model {
+            coulomb: coulomb * (1.0 + tolerance * deviations),
+            ..nominal
+        };
+        let mut recording = recording(&model, nominal, 1e-4, 0.0, 1);
+        recording.tolerance.set("coulomb", tolerance);
+        recording.tolerance.set("inertia", 0.01);
+        recording.horizon = horizon;
+        let found = diagnose(&recording, &Options::default()).diagnosis;
+        assert_eq!(
+            found.verdict,
+            Verdict::NoGap,
+            "{coulomb}: {:?}",
+            found.effects
+        );
+    }
+}

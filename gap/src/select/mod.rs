@@ -205,6 +205,17 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let bare = Hypothesis { terms: Vec::new() };
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
     let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
+    let far = problem.nominal_afar(&null, NULL_ITERATIONS);
+    select_beyond(far.unwrap_or(null), problem, given, progress)
+}
+
+/// The same beyond what the nominal model leaves.
+fn select_beyond(
+    null: Fit,
+    problem: &Problem<'_>,
+    given: &Given<'_>,
+    progress: fn(Stage),
+) -> Selection {
     let perfect = Perfect::of(problem, &null);
     let mut selection = Selection {
         quiet: is_quiet(&null, &perfect) && problem.gap_over_floor(&null) <= LOUD_GAP,
@@ -236,6 +247,9 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
         return selection;
     };
     selection.given = certain.is_some();
+    if let Some(null) = search.nominal_beside(&first) {
+        return select_beyond(null, problem, given, progress);
+    }
     let is_most = selection.left(&first.so_far) < MOST_LEFT_BY_ONE;
     if is_most && !selection.given && !selection.suffices(problem, &first.so_far) {
         first = search.begun_afar(first);

@@ -13,6 +13,7 @@ use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
 use crate::stage::Stage;
+use rayon::prelude::*;
 
 /// Iterations for all finalists, for those that are near the best then, and more for the one that is named.
 pub(super) const SHORT_ITERATIONS: usize = 3;
@@ -20,6 +21,8 @@ pub(super) const FITTING_ITERATIONS: usize = 8;
 const POLISHING_ITERATIONS: usize = 15;
 /// Spread, in scales, of a search around the winner where slopes lead nowhere.
 const NARROWLY: f64 = 0.15;
+/// Share of the excess that the model's own numbers alone must make up for to be taken from beside an effect.
+const LEAST_MADE_UP: f64 = 0.5;
 
 /// One effect on top of what was known, with what stood beside it.
 #[derive(Clone, Debug)]
@@ -149,6 +152,28 @@ impl Search<'_> {
             rivals.insert(0, special);
         }
         Some(rivals)
+    }
+
+    /// What was known without the winner of a round, from where a rival leaves the model's own numbers, if those alone make up for
+    /// much: the way there may lead through worse.
+    pub(crate) fn nominal_beside(&self, round: &Round) -> Option<Fit> {
+        let Fit { hypothesis, x, .. } = &round.known;
+        let excess = level(&round.known) - self.perfect.level;
+        if excess <= QUIET_EXCESS {
+            return None;
+        }
+        let enough = level(&round.known) - LEAST_MADE_UP * excess;
+        let starts = round.rivals.par_iter().map(|rival| &rival.fit.x[..x.len()]);
+        let costs = starts.map(|x| (self.problem.costs(hypothesis, x, Part::All).level(), x));
+        let (lowest, x) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if lowest >= enough {
+            return None;
+        }
+        let x = x.to_vec();
+        let fit = self
+            .problem
+            .fit(hypothesis, x, Part::All, FITTING_ITERATIONS);
+        (level(&fit) < enough).then_some(fit)
     }
 
     /// A round whose winner begins anew from far around, if that leads to less.

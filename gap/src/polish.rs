@@ -2,6 +2,7 @@
 
 use crate::costs::Costs;
 use crate::fit::{Fit, within};
+use crate::hypothesis::Hypothesis;
 use crate::problem::{Part, Problem};
 use rayon::prelude::*;
 
@@ -62,20 +63,33 @@ impl Problem<'_> {
         fitted(near, iterations).into_iter().next()
     }
 
-    /// The nominal model fitted from where one of its own numbers lies far from what is stated, if it leaves less there: friction
-    /// that holds where the stated one slides is not found by slopes.
+    /// The nominal model fitted from where one of its own numbers lies far from what is stated, if that leaves less: friction that
+    /// holds where the stated one slides is not found by slopes.
     pub(crate) fn nominal_afar(&self, fit: &Fit, iterations: usize) -> Option<Fit> {
-        let starts = (0..self.nudges.len()).flat_map(|i| NUDGED.map(|z| (i, z)));
-        let starts: Vec<(usize, f64)> = starts.collect();
-        let costs = starts.into_par_iter().map(|(i, z)| {
+        let moves = (0..self.nudges.len()).flat_map(|i| NUDGED.map(|z| (i, z)));
+        let starts = moves.map(|(i, z)| {
             let mut x = vec![0.0; fit.x.len()];
             x[i] = z;
-            (self.costs(&fit.hypothesis, &x, Part::All).level(), x)
+            x
         });
-        let (lowest, x) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let level = fit.costs.level();
-        let far = (lowest < level).then(|| self.fit(&fit.hypothesis, x, Part::All, iterations))?;
-        (far.costs.level() < level).then_some(far)
+        let below = fit.costs.level();
+        self.fit_from_lowest(&fit.hypothesis, starts.collect(), below, iterations)
+    }
+
+    /// A fit to all windows from the one of some starts that leaves least, if start and fit leave less than `below`.
+    pub(crate) fn fit_from_lowest(
+        &self,
+        hypothesis: &Hypothesis,
+        starts: Vec<Vec<f64>>,
+        below: f64,
+        iterations: usize,
+    ) -> Option<Fit> {
+        let level = |x: &[f64]| self.costs(hypothesis, x, Part::All).level();
+        let levels = starts.into_par_iter().map(|x| (level(&x), x));
+        let lowest = levels.min_by(|a, b| a.0.total_cmp(&b.0));
+        let (_, x) = lowest.filter(|(level, _)| *level < below)?;
+        let fit = self.fit(hypothesis, x, Part::All, iterations);
+        (fit.costs.level() < below).then_some(fit)
     }
 
     /// The points to which moves of one coordinate of its effects lead from a fit, each within its reach.
@@ -98,7 +112,7 @@ impl Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::hypothesis::{Coordinate, Scale};
     use crate::made;
 
     const PLAY: f64 = 0.02;

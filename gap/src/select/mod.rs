@@ -55,7 +55,7 @@ pub(crate) const MOST_LEFT_EXPLAINED: f64 = 0.1;
 /// for 18 % of the gap in each: far above the floor a share is more than one of two may close.
 const LEAST_GAIN_ALONE: f64 = 0.1;
 const LEAST_SAVED_ALONE: f64 = 0.4;
-/// Share of the excess that one effect may leave for its fit to begin anew from far around before another is looked for beside it.
+/// Share of the excess that one effect may leave for its fit to begin anew from far around before a second is looked for.
 const MOST_LEFT_BY_ONE: f64 = 0.4;
 
 /// What is known before the search.
@@ -250,11 +250,16 @@ fn select_beyond(
     if let Some(null) = search.nominal_beside(&first) {
         return select_beyond(null, problem, given, progress);
     }
-    let is_most = selection.left(&first.so_far) < MOST_LEFT_BY_ONE;
-    if is_most && !selection.given && !selection.suffices(problem, &first.so_far) {
-        first = search.begun_afar(first);
+    let mut suffices = selection.suffices(problem, &first.so_far);
+    if selection.left(&first.so_far) < MOST_LEFT_BY_ONE
+        && !selection.given
+        && !suffices
+        && let Some(anew) = search.begun_afar(&first)
+    {
+        suffices = selection.suffices(problem, &anew.so_far);
+        first = anew;
     }
-    if first.earned && selection.suffices(problem, &first.so_far) {
+    if first.earned && suffices {
         selection.add(first);
         return selection;
     }

@@ -7,7 +7,6 @@ use super::ranking::{enough, ranked};
 use super::rival::{Rival, turned};
 use super::round::{FITTING_ITERATIONS, Round, Search};
 use crate::fit::Fit;
-
 use crate::problem::Part;
 
 /// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for.
@@ -82,8 +81,8 @@ impl Search<'_> {
         leaves_less.then_some(rounds)
     }
 
-    /// The rounds of two effects of which each in turn is looked for anew beside the other, or the round of one of them if the other
-    /// then earns no place.
+    /// The rounds of two effects of which each in turn is looked for anew beside the other, or the round of one of them if the
+    /// other then earns no place.
     fn each_anew(
         &self,
         first: &Round,

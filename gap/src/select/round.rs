@@ -13,7 +13,6 @@ use crate::hypothesis::{Hypothesis, Term};
 use crate::perfect::Perfect;
 use crate::problem::{Part, Problem};
 use crate::stage::Stage;
-use rayon::prelude::*;
 
 /// Iterations for all finalists, for those that are near the best then, and more for the one that is named.
 pub(super) const SHORT_ITERATIONS: usize = 3;
@@ -154,39 +153,33 @@ impl Search<'_> {
         Some(rivals)
     }
 
-    /// What was known without the winner of a round, from where a rival leaves the model's own numbers, if those alone make up for
-    /// much: the way there may lead through worse.
+    /// What was known without the winner of a round, from where a rival leaves the model's own numbers, if those alone make up
+    /// for much: the way there may lead through worse.
     pub(crate) fn nominal_beside(&self, round: &Round) -> Option<Fit> {
-        let Fit { hypothesis, x, .. } = &round.known;
-        let excess = level(&round.known) - self.perfect.level;
+        let known = &round.known;
+        let excess = level(known) - self.perfect.level;
         if excess <= QUIET_EXCESS {
             return None;
         }
-        let enough = level(&round.known) - LEAST_MADE_UP * excess;
-        let starts = round.rivals.par_iter().map(|rival| &rival.fit.x[..x.len()]);
-        let costs = starts.map(|x| (self.problem.costs(hypothesis, x, Part::All).level(), x));
-        let (lowest, x) = costs.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if lowest >= enough {
-            return None;
-        }
-        let x = x.to_vec();
-        let fit = self
-            .problem
-            .fit(hypothesis, x, Part::All, FITTING_ITERATIONS);
-        (level(&fit) < enough).then_some(fit)
+        let below = level(known) - LEAST_MADE_UP * excess;
+        let starts = round.rivals.iter();
+        let starts = starts.map(|rival| rival.fit.x[..known.x.len()].to_vec());
+        self.problem.fit_from_lowest(
+            &known.hypothesis,
+            starts.collect(),
+            below,
+            FITTING_ITERATIONS,
+        )
     }
 
-    /// A round whose winner begins anew from far around, if that leads to less.
-    pub(crate) fn begun_afar(&self, round: Round) -> Round {
+    /// A round with its winner begun anew from far around, if that leads to less.
+    pub(crate) fn begun_afar(&self, round: &Round) -> Option<Round> {
         let Rival { name, fit: winner } = &round.rivals[0];
         let fit = self.problem.begun_afar(winner, FITTING_ITERATIONS);
-        let Some(fit) = fit.filter(|fit| round.leaves_more_than(fit)) else {
-            return round;
-        };
+        let fit = fit.filter(|fit| round.leaves_more_than(fit))?;
         let mut rivals = round.rivals.clone();
         rivals[0] = Rival { name, fit };
-        let judged = self.judged(&round.known, round.screened.clone(), rivals);
-        judged.unwrap_or(round)
+        self.judged(&round.known, round.screened.clone(), rivals)
     }
 
     /// The rivals in their order, the best one polished and judged, after what is related to it.

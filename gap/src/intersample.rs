@@ -1,6 +1,6 @@
 //! What a loop may have told between the rows of a log that is slower than itself: the column has its means alone.
 
-use crate::series::Series;
+use crate::series::{Series, largest};
 use host_sim::sensors::Noise;
 use recording::{Pid, low_pass_gain};
 
@@ -35,6 +35,7 @@ impl Series {
                 inputs.push(told + added - drift);
             }
         }
+        self.largest_input = largest(&inputs);
         (self.input_time, self.input) = (times, inputs);
     }
 }

@@ -51,6 +51,7 @@ mod shrink;
 mod stage;
 mod stand_in;
 mod strain;
+mod told;
 mod whitening;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};

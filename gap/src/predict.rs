@@ -1,10 +1,10 @@
 //! Windowed prediction: what a device would have done with the recorded input.
 
 use crate::series::{FINE_PERIOD_S, Series, Window};
+use crate::told::Told;
 use core::f64::consts::TAU;
 use host_sim::device::Device;
-use host_sim::drive::DriveLine;
-use host_sim::plant::{Plant, State};
+use host_sim::plant::{Course, Follower, Plant, State};
 use host_sim::sensing::Reading;
 use recording::{Recording, Sensor, low_pass_gain};
 
@@ -33,6 +33,8 @@ fn span(values: &[f64]) -> f64 {
     (high - low).max(f64::MIN_POSITIVE)
 }
 
+/// Share by which two times may differ and be the same.
+const SAME: f64 = 1e-9;
 /// Time constants after which a ringing has died away, to a twentieth.
 const SETTLED: f64 = 3.0;
 /// Windows that lead up to a wanted one at most, and how many are gone through for each that is wanted.
@@ -40,13 +42,14 @@ const MOST_LEAD: usize = 8;
 const MOST_TAKEN: f64 = 2.5;
 
 struct Running {
-    line: DriveLine,
     state: State,
     reading: Reading,
     shown: f64,
     filtered: f64,
-    now_s: f64,
-    next_input: usize,
+    /// When the column was last read, in the run's time.
+    read_s: f64,
+    /// A time, s, and what is left after it of what the column's own low-pass has to forget.
+    fades: (f64, f64),
 }
 
 impl Predictor {
@@ -90,17 +93,16 @@ impl Predictor {
         let start_s = first.restart.time_s;
         let x = self.device.sensing.inverse(first.restart.value);
         let mut running = Running {
-            line: DriveLine::at_rest(&self.device.drive),
             state: self.plant.state(start_s + series.session_offset_s, x, 0.0),
             reading: Reading::at_rest(&self.device.sensing, x),
             shown: first.restart.value,
             filtered: first.restart.value,
-            now_s: start_s,
-            next_input: 0,
+            read_s: start_s,
+            fades: (0.0, 1.0),
         };
-        // Up to the first sample, which may lie a little later: what it says is the nearest.
-        let settled_nm = series.settled_nm(&self.device.drive, 0);
-        running.line.command_settled(start_s, settled_nm);
+        let mut follower = Follower::new(&self.plant, series.step_s());
+        let mut told = Told::from(start_s, &self.device.drive, series);
+        let mut course = Course::default();
         let taken = self.taken(series, wanted);
         for (index, window) in series.windows.iter().enumerate() {
             if !taken[index] {
@@ -108,19 +110,23 @@ impl Predictor {
             }
             let restart_s = window.restart.time_s;
             let follows = remembers && (index == 0 || taken[index - 1]);
+            course.clear();
             if follows {
-                let dt_s = restart_s - running.now_s;
-                self.follow_to(&mut running, series, restart_s);
-                self.read(&mut running, series, dt_s);
+                told.step_through(&[restart_s], &mut course);
+                let mut seen = [0.0];
+                follower.follow(&mut running.state, &course, &mut seen);
+                self.read(&mut running, series, seen[0], restart_s);
+                course.clear();
             } else {
-                self.skip_to(&mut running, series, restart_s);
+                told.skip_to(restart_s);
             }
             self.restart(&mut running, series, window, shift, follows);
-            for i in window.samples.clone() {
-                let before_s = running.now_s;
-                self.follow_to(&mut running, series, series.time[i]);
-                let dt_s = series.time[i] - before_s;
-                predicted[i] = self.read(&mut running, series, dt_s);
+            let samples = window.samples.clone();
+            told.step_through(&series.time[samples.clone()], &mut course);
+            follower.follow(&mut running.state, &course, &mut predicted[samples.clone()]);
+            running.read_s = restart_s;
+            for i in samples {
+                predicted[i] = self.read(&mut running, series, predicted[i], series.time[i]);
                 let strayed = (predicted[i] - window.restart.value).abs();
                 if strayed.is_nan() || strayed > farthest {
                     self.give_up(&mut running, series, window, &mut predicted[i..]);
@@ -141,13 +147,13 @@ impl Predictor {
         };
         rest[..left].fill(here);
         let end_s = series.time[window.samples.end - 1];
-        self.skip_to(running, series, end_s);
         let session_s = end_s + series.session_offset_s;
         let x = self.device.sensing.inverse(window.restart.value);
         running.state = self.plant.state(session_s, x, 0.0);
         running.reading = Reading::at_rest(&self.device.sensing, x);
         running.shown = window.restart.value;
         running.filtered = window.restart.value;
+        running.read_s = end_s;
     }
 
     /// True if anything but the drive is carried from window to window.
@@ -201,64 +207,6 @@ impl Predictor {
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
         let windows = (SETTLED * rings_s.max(sensing.lag_s) / window_s).ceil();
         (windows as usize).clamp(1, MOST_LEAD)
-    }
-
-    /// Tells the drive the next input.
-    #[inline]
-    fn command(&self, running: &mut Running, series: &Series, at_s: f64) {
-        let settled_nm = series.settled_nm(&self.device.drive, running.next_input);
-        running.line.command_settled(at_s, settled_nm);
-        running.next_input += 1;
-    }
-
-    /// Lets the drive alone run on to `to_s` of the run: the device is restarted there.
-    fn skip_to(&self, running: &mut Running, series: &Series, to_s: f64) {
-        // What it was told before the last that it still remembers makes no difference.
-        let forgotten_s = to_s - self.device.drive.memory_s();
-        let told = series.input_time.partition_point(|&at| at <= forgotten_s);
-        if let Some(last) = told.checked_sub(1).filter(|&i| i > running.next_input) {
-            running.next_input = last;
-            running.now_s = series.input_time[last];
-        }
-        loop {
-            let next = series.input_time.get(running.next_input);
-            let until = next.map_or(to_s, |&at| at.min(to_s));
-            while running.now_s < until {
-                let (_, dt_s) = running.line.piece(running.now_s, until - running.now_s);
-                let now = running.now_s + dt_s;
-                running.now_s = if now < until { now } else { until };
-            }
-            match next {
-                Some(&at) if at <= to_s => {
-                    self.command(running, series, at);
-                }
-                _ => return,
-            }
-        }
-    }
-
-    /// Carries the device to `to_s` of the run under the recorded input.
-    #[inline]
-    fn follow_to(&self, running: &mut Running, series: &Series, to_s: f64) {
-        loop {
-            while let Some(&at) = series.input_time.get(running.next_input)
-                && at <= running.now_s
-            {
-                self.command(running, series, at);
-            }
-            let next = series.input_time.get(running.next_input);
-            let until = next.map_or(to_s, |&at| at.min(to_s));
-            while running.now_s < until {
-                let (torque, dt_s) = running.line.piece(running.now_s, until - running.now_s);
-                self.plant.advance(&mut running.state, torque, dt_s);
-                // The last piece ends on the instant itself, not beside it.
-                let now = running.now_s + dt_s;
-                running.now_s = if now < until { now } else { until };
-            }
-            if running.now_s >= to_s {
-                return;
-            }
-        }
     }
 
     /// How far the column's own low-pass is behind a ramp, s.
@@ -327,15 +275,16 @@ impl Predictor {
         [lag, sensing.slope(x) * v - lag / sensing.lag_s]
     }
 
-    /// What the column shows, `dt_s` after it was last read.
+    /// What the column shows of a position at an instant of the run.
     #[inline]
-    fn read(&self, running: &mut Running, series: &Series, dt_s: f64) -> f64 {
-        let (x, _) = self.plant.seen(&running.state);
+    fn read(&self, running: &mut Running, series: &Series, x: f64, at_s: f64) -> f64 {
         if self.device.sensing.is_ideal() && self.sensor.cutoff_hz.is_none() {
             return x;
         }
         let sensing = &self.device.sensing;
-        let jumped = sensing.jumped_mean(running.state.time_s, series.span_s);
+        let dt_s = at_s - running.read_s;
+        running.read_s = at_s;
+        let jumped = sensing.jumped_mean(at_s + series.session_offset_s, series.span_s);
         let y = running.reading.follow(sensing, x, dt_s) + jumped;
         running.filtered = self.low_passed(running, series, y, dt_s);
         running.shown = y;
@@ -345,16 +294,19 @@ impl Predictor {
     /// What the column's own low-pass, which goes on once a period, makes of a reading that goes evenly to `y` within
     /// `dt_s`: its recursion in closed form, as samples that are put together are periods apart.
     #[inline]
-    fn low_passed(&self, running: &Running, series: &Series, y: f64, dt_s: f64) -> f64 {
+    fn low_passed(&self, running: &mut Running, series: &Series, y: f64, dt_s: f64) -> f64 {
         let Some(cutoff_hz) = self.sensor.cutoff_hz else {
             return y;
         };
         if dt_s <= 0.0 {
             return running.filtered;
         }
-        let left = 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
         let behind = self.logged_lag_s(series) * (y - running.shown) / dt_s;
         let bent = running.filtered - (running.shown - behind);
-        y - behind + bent * left.powf(dt_s / series.period_s)
+        if (dt_s - running.fades.0).abs() > SAME * dt_s {
+            let left = 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
+            running.fades = (dt_s, left.powf(dt_s / series.period_s));
+        }
+        y - behind + bent * running.fades.1
     }
 }

@@ -40,6 +40,8 @@ pub struct Series {
     pub input_time: Vec<f64>,
     /// One a position, held up to the next: the mean where samples are put together.
     pub input: Vec<f64>,
+    /// Largest magnitude of what was told.
+    pub(crate) largest_input: f64,
     /// What was told one after the other, where samples are put together; for each of them up to where.
     pub(crate) told: Vec<Told>,
     pub(crate) told_up_to: Vec<usize>,
@@ -71,6 +73,10 @@ impl Series {
             position: run.position.clone(),
             input_time: run.time.clone(),
             input: run.input.clone(),
+            largest_input: run
+                .input
+                .iter()
+                .fold(0.0, |largest, u| u.abs().max(largest)),
             told: Vec::new(),
             told_up_to: Vec::new(),
             span_s: 0.0,
@@ -86,6 +92,11 @@ impl Series {
         self.time[i] + self.session_offset_s
     }
 
+    /// From a position to the next, mostly, s.
+    pub(crate) fn step_s(&self) -> f64 {
+        self.span_s.max(self.period_s)
+    }
+
     /// Sum of the squares that are left of a window where this is `predicted` of the series.
     pub(crate) fn squares(&self, window: &Window, predicted: &[f64]) -> f64 {
         let rows = window.samples.clone();
@@ -95,7 +106,16 @@ impl Series {
 
     /// Torque that a drive makes of input `i` once delay and lag have passed, N m: where samples are put together the
     /// mean of what it makes of each, as a limit or a dead band of the mean would be something else.
+    #[inline]
     pub(crate) fn settled_nm(&self, drive: &Drive, i: usize) -> f64 {
+        if drive.is_linear(self.largest_input) {
+            drive.ratio * self.input[i]
+        } else {
+            self.settled_of_each_nm(drive, i)
+        }
+    }
+
+    fn settled_of_each_nm(&self, drive: &Drive, i: usize) -> f64 {
         let Some(&end) = self.told_up_to.get(i) else {
             return drive.settled(self.input[i]);
         };
@@ -131,6 +151,7 @@ impl Series {
             position: self.position[rows.clone()].to_vec(),
             input_time: self.input_time[rows.clone()].to_vec(),
             input: self.input[rows.clone()].to_vec(),
+            largest_input: self.largest_input,
             told: self.told[told.clone()].to_vec(),
             told_up_to: self.told_up_to[..]
                 .get(rows)
@@ -206,6 +227,11 @@ impl Series {
         }
         coarse
     }
+}
+
+/// Largest magnitude.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, x| x.abs().max(largest))
 }
 
 /// Median difference of consecutive times, s.

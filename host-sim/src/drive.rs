@@ -34,6 +34,17 @@ impl Drive {
         }
     }
 
+    /// True if what it is told acts at once.
+    pub fn is_instant(&self) -> bool {
+        self.delay_s == 0.0 && self.lag_s == 0.0
+    }
+
+    /// True if inputs up to this magnitude come to a torque in proportion.
+    #[inline]
+    pub fn is_linear(&self, largest: f64) -> bool {
+        self.deadband == 0.0 && largest <= self.limit
+    }
+
     /// Time after which an input that another has followed makes no difference that rounding shows, s.
     pub fn memory_s(&self) -> f64 {
         const LAGS: f64 = 40.0;
@@ -60,7 +71,7 @@ impl Drive {
     /// Joint torque once delay and lag have passed, per unit of `input`.
     #[inline]
     pub fn gain(&self, input: f64) -> f64 {
-        if input.abs() <= self.limit && self.deadband == 0.0 {
+        if self.is_linear(input.abs()) {
             self.ratio
         } else if input == 0.0 {
             0.0

@@ -2,7 +2,7 @@
 //! converge at fourth order through its events, and never create energy.
 
 use host_sim::plant::{
-    Barrier, Drift, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque,
+    Barrier, Course, Drift, Follower, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque,
 };
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -36,16 +36,26 @@ fn run_behind(
     torque: impl Fn(f64) -> f64,
 ) -> Vec<f64> {
     let mut state = plant.state(0.0, start[0], start[1]);
-    let mut acting = Torque::held(0.0);
-    let ticks = (seconds / tick_s).round() as usize;
-    (0..ticks)
-        .map(|i| {
-            let target_nm = torque(i as f64 * tick_s);
-            acting = Torque::relaxing(acting.after(tick_s).start_nm, target_nm, lag_s);
-            plant.advance(&mut state, acting, tick_s);
-            state.position
-        })
-        .collect()
+    let ticks = vec![tick_s; (seconds / tick_s).round() as usize];
+    let pieces = pieces_behind(lag_s, &ticks, torque);
+    let positions = pieces.into_iter().map(|(acting, tick_s)| {
+        plant.advance(&mut state, acting, tick_s);
+        state.position
+    });
+    positions.collect()
+}
+
+/// What acts in each of some ticks behind a lag of a drive that is told anew at every tick.
+fn pieces_behind(lag_s: f64, ticks_s: &[f64], torque: impl Fn(f64) -> f64) -> Vec<(Torque, f64)> {
+    let (mut t, mut acting) = (0.0, Torque::held(0.0));
+    let mut before_s = 0.0;
+    let pieces = ticks_s.iter().map(|&tick_s| {
+        acting = Torque::relaxing(acting.after(before_s).start_nm, torque(t), lag_s);
+        before_s = tick_s;
+        t += tick_s;
+        (acting, tick_s)
+    });
+    pieces.collect()
 }
 
 #[test]
@@ -352,13 +362,50 @@ fn error_of_quick(mechanics: &Mechanics) -> f64 {
     error_of_quick_behind(mechanics, 0.0)
 }
 
-/// The same with a drive that lags by `lag_s`.
+/// The same with a drive that lags by `lag_s`: in ticks of one length, and where a course of ticks that come unevenly, two to a
+/// step, is followed.
 fn error_of_quick_behind(mechanics: &Mechanics, lag_s: f64) -> f64 {
-    let [exact, quick] = [Plant::new, Plant::quick].map(|plant| {
-        let plant = plant(mechanics.clone());
-        run_behind(lag_s, &plant, [0.0, 0.0], 1e-3, 0.3, to_and_fro)
+    let [exact, quick] = [Plant::new, Plant::quick].map(|plant| plant(mechanics.clone()));
+    let even =
+        [&exact, &quick].map(|plant| run_behind(lag_s, plant, [0.0, 0.0], 1e-3, 0.3, to_and_fro));
+    let uneven = |i: usize| 5e-4 * (1.0 + 0.2 * (12.9 * i as f64).sin());
+    let ticks: Vec<f64> = (0..600).map(uneven).collect();
+    let pieces = pieces_behind(lag_s, &ticks, to_and_fro);
+    farthest(&even).max(farthest(&[
+        stepped(&exact, &pieces),
+        followed(&quick, &pieces),
+    ]))
+}
+
+/// Position after every other piece.
+fn stepped(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
+    let mut state = plant.state(0.0, 0.0, 0.0);
+    let positions = pieces.chunks(2).map(|step| {
+        for (torque, tick_s) in step {
+            plant.advance(&mut state, *torque, *tick_s);
+        }
+        state.position
     });
-    let differences = exact.iter().zip(&quick).map(|(a, b)| (a - b).abs());
+    positions.collect()
+}
+
+/// The same by following them.
+fn followed(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
+    let mut course = Course::default();
+    for step in pieces.chunks(2) {
+        step.iter()
+            .for_each(|(torque, tick_s)| course.act(*torque, *tick_s));
+        course.close();
+    }
+    let mut seen = vec![0.0; course.steps()];
+    let mut state = plant.state(0.0, 0.0, 0.0);
+    Follower::new(plant, 1e-3).follow(&mut state, &course, &mut seen);
+    seen
+}
+
+/// Largest difference of two ways, as a share of the first.
+fn farthest([exact, quick]: &[Vec<f64>; 2]) -> f64 {
+    let differences = exact.iter().zip(quick).map(|(a, b)| (a - b).abs());
     // What is held all the time goes no way at all.
     let way = exact
         .iter()

@@ -11,8 +11,8 @@ use host_sim::effects::Kind;
 /// and up to a share of the span; and the ratio of those that are tried.
 const LEAST_PLAY: f64 = 3.0;
 const LEAST_PLAY_SHARE: f64 = 1e-4;
-const WIDEST_PLAY: f64 = 0.06;
-const PLAY_RATIO: f64 = 4.0;
+const WIDEST_PLAY: f64 = 0.2;
+const PLAY_RATIO: f64 = 2.0;
 /// Square and cube by which a sensor's curve departs at the ends of the motion, over half of its span.
 const BENDS: [[f64; 2]; 5] = [
     [0.0, 0.0],

@@ -8,6 +8,9 @@ pub(super) trait Flow<const N: usize> {
     /// State `t` after the start of the step, from the state and the rate at its start, and about what the rate is there.
     fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]);
 
+    /// True if a cubic between the ends of a step of `h` follows it closely enough.
+    fn is_nearly_cubic(&self, h: f64) -> bool;
+
     /// Positive while the regime lasts, `t` after the start of the step; continuous through its end.
     fn guard(&self, t: f64, x: &[f64; N]) -> f64;
 
@@ -35,8 +38,8 @@ const DIP_SAMPLES: usize = 8;
 
 /// Steps by `h`, or to the first event if the guard ends before.
 ///
-/// An event is located by re-integrating to trial instants, to a share `tolerance` of the step; the state returned is the
-/// first one past it. With no tolerance the step is taken whole, whatever the guard says.
+/// An event is located by re-integrating to trial instants, or on a cubic where that will do, to a share `tolerance` of the step;
+/// the state returned is the first one past it. With no tolerance the step is taken whole, whatever the guard says.
 #[inline]
 pub(super) fn advance<const N: usize>(
     flow: &impl Flow<N>,
@@ -47,15 +50,23 @@ pub(super) fn advance<const N: usize>(
     let rate = flow.rate(0.0, x);
     let (end, end_rate) = flow.carried(x, &rate, h);
     if let Some(tolerance) = tolerance {
-        if flow.guard(h, &end) < 0.0 {
-            return locate(flow, x, &rate, (h, end), tolerance);
-        }
-        if flow.may_dip(h, [x, &end], [&rate, &end_rate]) {
+        let is_over = flow.guard(h, &end) < 0.0;
+        if is_over || flow.may_dip(h, [x, &end], [&rate, &end_rate]) {
+            let cubic = flow
+                .is_nearly_cubic(h)
+                .then(|| Cubic::new(h, [x, &end], [&rate, &end_rate]));
+            let between = |t: f64| match &cubic {
+                Some(cubic) => cubic.at(t),
+                None => flow.carried(x, &rate, t).0,
+            };
+            if is_over {
+                return locate(flow, x, between, (h, end), tolerance);
+            }
             for i in 1..DIP_SAMPLES {
                 let t = h * i as f64 / DIP_SAMPLES as f64;
-                let x_t = flow.carried(x, &rate, t).0;
+                let x_t = between(t);
                 if flow.guard(t, &x_t) < 0.0 {
-                    return locate(flow, x, &rate, (t, x_t), tolerance);
+                    return locate(flow, x, between, (t, x_t), tolerance);
                 }
             }
         }
@@ -64,6 +75,33 @@ pub(super) fn advance<const N: usize>(
         taken: h,
         x: end,
         event: false,
+    }
+}
+
+/// Through the states at both ends of a step with the rates there.
+struct Cubic<const N: usize> {
+    /// Of the powers of time from the start, the constant first.
+    coefficients: [[f64; N]; 4],
+}
+
+impl<const N: usize> Cubic<N> {
+    fn new(h: f64, x: [&[f64; N]; 2], rate: [&[f64; N]; 2]) -> Self {
+        let mean = |i: usize| (x[1][i] - x[0][i]) / h;
+        let square = |i: usize| (3.0 * mean(i) - 2.0 * rate[0][i] - rate[1][i]) / h;
+        let cube = |i: usize| (rate[0][i] + rate[1][i] - 2.0 * mean(i)) / (h * h);
+        Self {
+            coefficients: [
+                *x[0],
+                *rate[0],
+                core::array::from_fn(square),
+                core::array::from_fn(cube),
+            ],
+        }
+    }
+
+    fn at(&self, t: f64) -> [f64; N] {
+        let [constant, slope, square, cube] = &self.coefficients;
+        core::array::from_fn(|i| constant[i] + t * (slope[i] + t * (square[i] + t * cube[i])))
     }
 }
 
@@ -81,7 +119,7 @@ enum End {
 fn locate<const N: usize>(
     flow: &impl Flow<N>,
     x: &[f64; N],
-    rate: &[f64; N],
+    between: impl Fn(f64) -> [f64; N],
     past: (f64, [f64; N]),
     tolerance: f64,
 ) -> Step<N> {
@@ -103,7 +141,7 @@ fn locate<const N: usize>(
         } else {
             secant
         };
-        let x_t = flow.carried(x, rate, t).0;
+        let x_t = between(t);
         let g = flow.guard(t, &x_t) + within;
         if g.abs() < within {
             (high, x_high) = (t, x_t);

@@ -1,7 +1,7 @@
 //! Sliding with nothing stiff in action, which most steps are: the midpoint rule, without a look for what may happen
 //! within.
 
-use super::{Barrier, Plant, State, Torque, Touch};
+use super::{Plant, State, Torque, Touch};
 
 impl Plant {
     /// Carries `state` over `dt_s` if nothing but gentle sliding happens meanwhile; false, and where it was, if anything
@@ -52,10 +52,7 @@ impl Plant {
         let halfway = acceleration(state.position + half_s * state.velocity, midway, half_s);
         let velocity = state.velocity + dt_s * halfway;
         let turns = direction * midway <= 0.0 || direction * velocity <= 0.0;
-        let meets = |(barrier, touch): (&Barrier, &Touch)| {
-            barrier.is_there(state.time_s) && barrier.guard(*touch, position, velocity) < 0.0
-        };
-        if turns || self.parts.barriers.iter().zip(&state.touch).any(meets) {
+        if turns || self.meets_barrier(state, position, velocity) {
             return false;
         }
         state.position = position;

@@ -12,7 +12,9 @@
 
 mod barrier;
 mod cogging;
+mod course;
 mod event;
+mod follower;
 mod friction;
 mod glide;
 mod link;
@@ -26,6 +28,7 @@ mod spot;
 mod stribeck;
 mod torque;
 mod two_mass;
+mod zero_order_hold;
 
 use pace::{CLOSED_LINK_STEP, CLOSED_RATE_STEP, EXACT, Pace, QUICK};
 use parts::Parts;
@@ -34,11 +37,14 @@ use two_mass::Modes;
 
 pub use barrier::{Barrier, Touch};
 pub use cogging::Cogging;
+pub use course::Course;
+pub use follower::Follower;
 pub use friction::{Drift, Friction};
 pub use link::Link;
 pub use presliding::Presliding;
 pub use spot::Spot;
 pub use stribeck::Stribeck;
+use torque::Push;
 pub use torque::Torque;
 
 /// Most barriers that a plant can have: two stops and something outside.

@@ -9,6 +9,8 @@ pub(super) struct Pace {
     pub most_divisions: f64,
     /// How closely an event is located, as a share of the step.
     pub event_tolerance: f64,
+    /// Whether an event is located on a cubic through the ends of the step.
+    pub cubic_events: bool,
     /// More events than this within one step are chatter of a degenerate plant (a static level below
     /// the sliding one, say): the rest of the step is then taken without looking for more.
     pub most_events: usize,
@@ -23,6 +25,7 @@ pub(super) const EXACT: Pace = Pace {
     rate_step: 0.1,
     most_divisions: 256.0,
     event_tolerance: 1e-13,
+    cubic_events: false,
     most_events: 64,
     closed_link: false,
     glide_rate_step: None,
@@ -32,6 +35,7 @@ pub(super) const QUICK: Pace = Pace {
     rate_step: 0.8,
     most_divisions: 6.0,
     event_tolerance: 1e-4,
+    cubic_events: true,
     most_events: 6,
     closed_link: true,
     // The midpoint's frequency is off by a 24th of the square.

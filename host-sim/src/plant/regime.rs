@@ -11,6 +11,9 @@ use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
 /// hold it for ever.
 const LEAST_HOLD: f64 = 1e-6;
 
+/// Angle of an oscillation that a cubic follows within a thousandth.
+const MOST_ON_A_CUBIC: f64 = 0.8;
+
 /// Within one regime. The state is `[position, velocity]` of the motor side, then, for N of 4 and 5,
 /// those of the load side, then, for odd N, the deflection of the bristles.
 struct Regime<'a, const N: usize> {
@@ -150,7 +153,7 @@ impl Plant {
 
     /// Level that holds the load side against `pull` at rest, N m.
     #[inline]
-    fn load_holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
+    pub(super) fn load_holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
         let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
         let friction = &self.mechanics.friction;
         self.friction_share[1]
@@ -159,13 +162,13 @@ impl Plant {
 
     /// True if the load side has dry friction of its own.
     #[inline]
-    fn load_is_dry(&self) -> bool {
+    pub(super) fn load_is_dry(&self) -> bool {
         self.dry && self.friction_share[1] > 0.0
     }
 
     /// Level that holds against `pull` at rest, N m.
     #[inline]
-    fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
+    pub(super) fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
         let friction = &self.mechanics.friction;
         self.friction_share[0]
             * if self.plain {
@@ -186,7 +189,7 @@ impl Plant {
     /// Carries `state` over `dt_s` under `torque`.
     #[inline]
     pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
-        if self.stays_at_rest(state, &torque, dt_s) || self.glides(state, &torque, dt_s) {
+        if self.stays_at_rest(state, torque.bounds(dt_s)) || self.glides(state, &torque, dt_s) {
             state.time_s += dt_s;
             return;
         }
@@ -267,9 +270,9 @@ impl Plant {
         left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
     }
 
-    /// True if the joint is at rest and nothing breaks it away within `dt_s`.
+    /// True if the joint is at rest and no drive between two bounds breaks it away.
     #[inline]
-    fn stays_at_rest(&self, state: &mut State, torque: &Torque, dt_s: f64) -> bool {
+    pub(super) fn stays_at_rest(&self, state: &mut State, [low, high]: [f64; 2]) -> bool {
         if !(self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0) {
             return false;
         }
@@ -283,7 +286,6 @@ impl Plant {
             let pull = state.rest.pull_nm + drive_nm;
             pull.abs() <= self.holding(state, pull, drive_nm)
         };
-        let [low, high] = torque.bounds(dt_s);
         holds(low) && (low == high || holds(high))
     }
 
@@ -658,6 +660,15 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
             Some(closed) if is_linked(N) => self.in_closed_form(closed.masses, x, rate, t),
             _ => rk4(|t, x| self.rate(t, x), x, rate, t),
         }
+    }
+
+    #[inline]
+    fn is_nearly_cubic(&self, h: f64) -> bool {
+        let bends = match &self.closed {
+            Some(closed) => closed.masses.angle(h) > MOST_ON_A_CUBIC,
+            None => false,
+        };
+        self.plant.pace.cubic_events && !bends
     }
 
     #[inline(always)]

@@ -137,6 +137,82 @@ impl Torque {
     }
 }
 
+/// What pieces of torque that follow each other come to over a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Push {
+    /// Of the step, s.
+    pub(super) lasts_s: f64,
+    /// As [`Torque::means`], N m.
+    pub(super) means_nm: [f64; 2],
+    /// As [`Torque::bounds`], N m.
+    pub(super) bounds_nm: [f64; 2],
+}
+
+impl Push {
+    /// Of no time at all.
+    pub(super) const NONE: Self = Self {
+        lasts_s: 0.0,
+        means_nm: [0.0; 2],
+        bounds_nm: [0.0; 2],
+    };
+
+    /// Of a torque that is held.
+    #[inline]
+    pub(super) fn held(torque_nm: f64, lasts_s: f64) -> Self {
+        Self {
+            lasts_s,
+            means_nm: [torque_nm; 2],
+            bounds_nm: [torque_nm; 2],
+        }
+    }
+
+    /// Of one piece that acts for `lasts_s`.
+    #[inline]
+    fn of(torque: &Torque, lasts_s: f64) -> Self {
+        if torque.is_held() {
+            return Self::held(torque.target_nm, lasts_s);
+        }
+        Self {
+            lasts_s,
+            means_nm: torque.means(lasts_s),
+            bounds_nm: torque.bounds(lasts_s),
+        }
+    }
+
+    /// With one more piece that acts for `piece_s` after it.
+    #[inline]
+    pub(super) fn then(&self, torque: &Torque, piece_s: f64) -> Self {
+        let next = Self::of(torque, piece_s);
+        if self.lasts_s == 0.0 {
+            next
+        } else {
+            self.before(&next)
+        }
+    }
+
+    /// With another one after it.
+    #[inline]
+    pub(super) fn before(&self, next: &Self) -> Self {
+        let lasts_s = self.lasts_s + next.lasts_s;
+        let [before, after] = [self.lasts_s / lasts_s, next.lasts_s / lasts_s];
+        let [mean, early] = self.means_nm;
+        let [next_mean, next_early] = next.means_nm;
+        // What acts before has all of the later time, too, to move what it has set in motion.
+        let way = before * (before * early + 2.0 * after * mean);
+        Self {
+            lasts_s,
+            means_nm: [
+                before * mean + after * next_mean,
+                way + after * after * next_early,
+            ],
+            bounds_nm: [
+                self.bounds_nm[0].min(next.bounds_nm[0]),
+                self.bounds_nm[1].max(next.bounds_nm[1]),
+            ],
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,5 +239,20 @@ mod tests {
         assert!((mean - sum / 3e-3).abs() < 1e-6 && (early - twice / 4.5e-6).abs() < 1e-6);
         let halves = torque.after(1e-3).after(2e-3);
         assert!((halves.start_nm - end).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_push_of_pieces_is_that_of_the_whole() {
+        let torque = Torque::relaxing(0.3, -0.1, 2e-3);
+        let first = Push::NONE.then(&torque, 1e-3);
+        let parts = first.then(&torque.after(1e-3), 2e-3);
+        let whole = Push::of(&torque, 3e-3);
+        let off = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+        assert!((whole.lasts_s - parts.lasts_s).abs() < 1e-15);
+        assert!(
+            off(whole.means_nm, parts.means_nm) < 1e-12,
+            "{whole:?} {parts:?}"
+        );
+        assert_eq!(whole.bounds_nm, parts.bounds_nm);
     }
 }

@@ -41,6 +41,19 @@ const FLANKS: [Flank; 4] = [
     Flank::Bound,
 ];
 const HELD: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
+/// How many they are together.
+pub(super) const FLOWS: usize = FLANKS.len() * HELD.len();
+
+/// Place of a flank with motor side or load side held among the flows of two masses.
+#[inline]
+pub(super) fn flow_index(flank: Flank, held: [bool; 2]) -> usize {
+    let flank = match flank {
+        Flank::Apart => 0,
+        Flank::Pushing(side) => 1 + usize::from(side > 0.0),
+        Flank::Bound => 3,
+    };
+    HELD.len() * flank + usize::from(held[0]) + 2 * usize::from(held[1])
+}
 
 impl Modes {
     /// Of a link between two sides of these inverse inertias, 1/(kg m²).
@@ -65,12 +78,7 @@ impl Modes {
     /// Within a flank, with motor side or load side held.
     #[inline]
     pub(super) fn within(&self, flank: Flank, held: [bool; 2]) -> &TwoMass {
-        let flank = match flank {
-            Flank::Apart => 0,
-            Flank::Pushing(side) => 1 + usize::from(side > 0.0),
-            Flank::Bound => 3,
-        };
-        &self.0[HELD.len() * flank + usize::from(held[0]) + 2 * usize::from(held[1])]
+        &self.0[flow_index(flank, held)]
     }
 }
 
@@ -95,6 +103,12 @@ impl TwoMass {
             rate,
             rate_s: rate.recip(),
         }
+    }
+
+    /// How far the relative motion turns in a time, without its damping, rad.
+    #[inline]
+    pub(super) fn angle(&self, time_s: f64) -> f64 {
+        self.rate_squared.sqrt() * time_s
     }
 
     /// Of the free relative motion over `time_s`: the impulse response of a damped oscillator and its derivative.

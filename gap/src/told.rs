@@ -1,0 +1,136 @@
+//! The drive under the recorded input.
+
+use crate::series::Series;
+use host_sim::drive::{Drive, DriveLine};
+use host_sim::plant::{Course, Torque};
+
+/// A drive that is told what a series says.
+pub(crate) struct Told<'a> {
+    drive: &'a Drive,
+    series: &'a Series,
+    line: Line,
+    now_s: f64,
+    next: usize,
+}
+
+/// What becomes of what a drive is told.
+enum Line {
+    /// It acts at once, N m.
+    Instant(f64),
+    /// Through a delay or a lag.
+    Late(DriveLine),
+}
+
+impl<'a> Told<'a> {
+    /// From an instant on, at which it has known nothing but the first input for ever: what the first sample, which may lie a
+    /// little later, says is the nearest.
+    pub(crate) fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
+        let line = if drive.is_instant() {
+            Line::Instant(0.0)
+        } else {
+            Line::Late(DriveLine::at_rest(drive))
+        };
+        let mut told = Self {
+            drive,
+            series,
+            line,
+            now_s: start_s,
+            next: 0,
+        };
+        told.command(start_s);
+        told.next = 0;
+        told
+    }
+
+    /// Tells the drive the next input.
+    #[inline(always)]
+    fn command(&mut self, at_s: f64) {
+        let settled_nm = self.series.settled_nm(self.drive, self.next);
+        match &mut self.line {
+            Line::Instant(acting_nm) => *acting_nm = settled_nm,
+            Line::Late(line) => line.command_settled(at_s, settled_nm),
+        }
+        self.next += 1;
+    }
+
+    /// When it is told the next input, s.
+    #[inline(always)]
+    fn heard_at_s(&self) -> f64 {
+        let next = self.series.input_time.get(self.next);
+        next.copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Tells the drive what it is told by now.
+    #[inline(always)]
+    fn listen(&mut self) {
+        while self.heard_at_s() <= self.now_s {
+            self.command(self.heard_at_s());
+        }
+    }
+
+    /// Lets it run on to `to_s` of the run with nothing to drive.
+    pub(crate) fn skip_to(&mut self, to_s: f64) {
+        // What it was told before the last that it still remembers makes no difference.
+        let inputs = &self.series.input_time;
+        let forgotten_s = to_s - self.drive.memory_s();
+        let told = inputs.partition_point(|&at| at <= forgotten_s);
+        if let Some(last) = told.checked_sub(1).filter(|&i| i > self.next) {
+            self.next = last;
+            self.now_s = inputs[last];
+        }
+        self.run_to(to_s, |_, _| {});
+        self.listen();
+    }
+
+    /// Adds the steps to some instants of the run to a course.
+    pub(crate) fn step_through(&mut self, instants_s: &[f64], course: &mut Course) {
+        for &to_s in instants_s {
+            self.step_to(to_s, course);
+        }
+    }
+
+    #[inline(always)]
+    fn step_to(&mut self, to_s: f64, course: &mut Course) {
+        if matches!(self.line, Line::Instant(_)) {
+            return course.hold(std::iter::from_fn(|| self.held_until(to_s)));
+        }
+        self.run_to(to_s, |torque, piece_s| course.act(torque, piece_s));
+        course.close();
+    }
+
+    /// What an instant drive holds up to the next input, `to_s` at most, N m, and for how long, s; none at that.
+    #[inline(always)]
+    fn held_until(&mut self, to_s: f64) -> Option<(f64, f64)> {
+        self.listen();
+        let Line::Instant(acting_nm) = self.line else {
+            return None;
+        };
+        let until = self.heard_at_s().min(to_s);
+        let lasts_s = until - self.now_s;
+        (lasts_s > 0.0).then(|| {
+            self.now_s = until;
+            (acting_nm, lasts_s)
+        })
+    }
+
+    fn run_to(&mut self, to_s: f64, mut acts: impl FnMut(Torque, f64)) {
+        loop {
+            self.listen();
+            let until = self.heard_at_s().min(to_s);
+            while self.now_s < until {
+                let left_s = until - self.now_s;
+                let (torque, piece_s) = match &mut self.line {
+                    Line::Instant(acting_nm) => (Torque::held(*acting_nm), left_s),
+                    Line::Late(line) => line.piece(self.now_s, left_s),
+                };
+                acts(torque, piece_s);
+                // The last piece ends on the instant itself, not beside it.
+                let now = self.now_s + piece_s;
+                self.now_s = if now < until { now } else { until };
+            }
+            if self.now_s >= to_s {
+                return;
+            }
+        }
+    }
+}

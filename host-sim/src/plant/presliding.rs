@@ -56,6 +56,45 @@ impl Presliding {
         }
     }
 
+    /// Deflection after a `way` to one side: the bristles know no time. In closed form, for all that is left.
+    #[inline]
+    pub(super) fn bent(&self, deflection: f64, way: f64) -> f64 {
+        let side = 1f64.copysign(way);
+        let mut bent = side * deflection / self.distance;
+        let mut left = way.abs() / self.distance;
+        if self.elastic > 0.0 {
+            let freely = (self.elastic - bent).clamp(0.0, left);
+            bent += freely;
+            left -= freely;
+        }
+        let yields = 1.0 - self.elastic;
+        let before = ((1.0 - bent) / yields).max(0.0);
+        let after = if self.exponent == 1.0 {
+            before * (-left / yields).exp()
+        } else {
+            let power = 1.0 - self.exponent;
+            let after = before.powf(power) - power * left / yields;
+            after.max(0.0).powf(power.recip())
+        };
+        side * self.distance * (1.0 - yields * after)
+    }
+
+    /// Deflection per way at a deflection, on a way to the side of `velocity`.
+    #[inline]
+    pub(super) fn bends(&self, velocity: f64, deflection: f64) -> f64 {
+        if velocity == 0.0 {
+            1.0
+        } else {
+            self.rate(velocity, deflection) / velocity
+        }
+    }
+
+    /// Natural rate of an inertia on bristles of this sliding level, 1/s.
+    #[inline]
+    pub(super) fn natural_rate(&self, inertia: f64, level_nm: f64) -> f64 {
+        (level_nm / self.distance / inertia).sqrt()
+    }
+
     /// Longest step over which a deflection follows a velocity, s: to the end of the elastic part, then once as long as it
     /// relaxes.
     #[inline]
@@ -74,7 +113,7 @@ impl Presliding {
 
     /// Fastest rate of an inertia on bristles of this sliding level, 1/s.
     pub(super) fn fastest_rate(&self, inertia: f64, level_nm: f64) -> f64 {
-        (level_nm / self.distance / inertia).sqrt() + self.damping / inertia
+        self.natural_rate(inertia, level_nm) + self.damping / inertia
     }
 }
 
@@ -100,6 +139,29 @@ mod tests {
             let dt = 0.8 * distance / 0.3 / f64::from(steps);
             let z = (0..steps).fold(0.0, |z, _| z + dt * bristles.rate(velocity, z));
             assert!((z / distance + bent).abs() < 1e-4, "{exponent}: {z}");
+        }
+    }
+
+    #[test]
+    fn a_way_bends_as_many_small_ones_do() {
+        for (exponent, elastic) in [(1.0, 0.0), (1.0, 0.6), (0.4, 0.0), (1.8, 0.3)] {
+            let bristles = Presliding {
+                distance: 0.01,
+                damping: 0.0,
+                exponent,
+                elastic,
+            };
+            // There, back past the middle, and there again.
+            let mut z = [0.0; 2];
+            for way in [0.008, -0.013, 0.02] {
+                z[0] = bristles.bent(z[0], way);
+                let steps = 100_000;
+                let dt = way.abs() / f64::from(steps);
+                for _ in 0..steps {
+                    z[1] += dt * bristles.rate(way.signum(), z[1]);
+                }
+                assert!((z[0] - z[1]).abs() < 2e-5, "{exponent} {elastic}: {z:?}");
+            }
         }
     }
 

@@ -416,7 +416,7 @@ impl Plant {
 
     /// Takes bristles that have bent all the way for sliding, if they would relax faster than a step of `step_s` follows.
     #[inline]
-    fn slides_on(&self, state: &mut State, step_s: f64) -> bool {
+    pub(super) fn slides_on(&self, state: &mut State, step_s: f64) -> bool {
         let bristles = &self.parts.bristles;
         let slides = state.phase == Phase::Bristle
             && bristles.has_slid(state.velocity, state.deflection, step_s);

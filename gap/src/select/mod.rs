@@ -32,9 +32,8 @@ const QUIET_EXCESS: f64 = 0.12;
 const QUIET_ERRORS: f64 = 2.0;
 /// Robust cost by which a window may exceed the worst of a perfect model.
 const QUIET_WINDOW: f64 = 3.0;
-/// Robust excess per window that no doubt about the floor hides, beyond as many standard errors: a floor that a restart or two
-/// make is none for the others. Of 2800 recordings 4 were no larger than their floor and yet not quiet: 0.3 to 1.05 with nothing
-/// wrong, where the error is 0.13, and 2.1 with a sensor that bursts.
+/// Robust excess per window that a gap near its floor does not hide, beyond as many standard errors: a floor that a restart or
+/// two make is none for the others.
 const PLAIN_EXCESS: f64 = 1.0;
 /// Gap over floor up to which nothing that can be named is missing: near stick and slip a few restarts may decide either.
 pub(crate) const QUIET_GAP: f64 = 2.0;
@@ -55,8 +54,12 @@ pub(crate) const MOST_LEFT_EXPLAINED: f64 = 0.1;
 /// for 18 % of the gap in each: far above the floor a share is more than one of two may close.
 const LEAST_GAIN_ALONE: f64 = 0.1;
 const LEAST_SAVED_ALONE: f64 = 0.4;
+/// Share of the excess that a further effect must close in screening to be fitted to all windows: as much as it must then, and
+/// where the gap is at its floor, so that it can close nothing of that, much more.
+const LEAST_PROMISED: f64 = 0.1;
+const LEAST_PROMISED_AT_FLOOR: f64 = 0.5;
 /// Share of the excess that one effect may leave for its fit to begin anew from far around before a second is looked for.
-const MOST_LEFT_BY_ONE: f64 = 0.4;
+const MOST_LEFT_BY_ONE: f64 = 0.9;
 
 /// What is known before the search.
 pub(crate) struct Given<'a> {
@@ -74,9 +77,10 @@ pub(crate) struct Given<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
     pub null: Fit,
-    /// True if the null leaves no more than it would if it were right: nothing is missing that could be seen.
+    /// True if the null leaves no more than it would if it were right, or no more of the gap than noise and restarts do: nothing is
+    /// missing that could be seen.
     pub quiet: bool,
-    /// True if it leaves so much more in every window that a gap no larger than its floor is one.
+    /// True if it leaves so much more in every window that something is, though the gap is near its floor.
     pub plain: bool,
     /// True if the first round was given.
     pub given: bool,
@@ -194,6 +198,13 @@ fn is_quiet(fit: &Fit, perfect: &Perfect) -> bool {
         && worst - perfect.level <= perfect.worst + QUIET_WINDOW
 }
 
+impl Problem<'_> {
+    /// True if a fit leaves no more of the gap than noise and restarts do, and need not bend the model's own numbers for it.
+    fn is_at_floor(&self, fit: &Fit) -> bool {
+        !fit.is_strained() && self.gap_over_floor(fit) <= FLOOR_DOUBT
+    }
+}
+
 fn level(fit: &Fit) -> f64 {
     fit.costs.level()
 }
@@ -228,8 +239,8 @@ fn select_beyond(
     };
     // What two columns show is there, whatever the tolerances could make of it.
     let is_hidden = || !given.certain && selection.null_leaves_at_most(FLOOR_DOUBT, problem);
-    let is_gap = selection.plain || given.is_gap && !is_hidden();
-    if selection.quiet || !is_gap {
+    selection.quiet |= !given.is_gap || is_hidden();
+    if selection.quiet {
         return selection;
     }
     let search = Search {
@@ -241,7 +252,7 @@ fn select_beyond(
     let certain = given.measured.as_ref().filter(|_| given.certain);
     let first = match certain {
         Some(term) => Some(search.given(&selection.null, term)),
-        None => search.round(&selection.null, &[]),
+        None => search.round(&selection.null, &[], 0.0),
     };
     let Some(mut first) = first else {
         return selection;
@@ -264,7 +275,10 @@ fn select_beyond(
         return selection;
     }
     let hints = first.screened.clone();
-    let settled = selection.given || first.earned && selection.leaves_little(&first.so_far);
+    // Where the gap is at its floor, what else there may be stands beside the first, not in its place.
+    let leaves_little =
+        selection.leaves_little(&first.so_far) || problem.is_at_floor(&first.so_far);
+    let settled = selection.given || first.earned && leaves_little;
     let saved = level(&selection.null) - level(&first.so_far);
     let promising =
         selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE || saved > LEAST_SAVED_ALONE;
@@ -281,7 +295,13 @@ fn select_beyond(
     }
     let mut is_revised = false;
     while selection.goes_on() {
-        let Some(round) = search.round(selection.fit(), &hints) else {
+        let fit = selection.fit();
+        let promised = if problem.is_at_floor(fit) {
+            LEAST_PROMISED_AT_FLOOR
+        } else {
+            LEAST_PROMISED
+        };
+        let Some(round) = search.round(fit, &hints, promised) else {
             break;
         };
         // Two that were found together have each been looked at without the other.

@@ -57,11 +57,18 @@ pub(crate) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Tries every effect on top of `known`. Of effects with many starts, what `hints` found is the only
-    /// one.
-    pub(crate) fn round(&self, known: &Fit, hints: &[Rival]) -> Option<Round> {
+    /// Tries every effect on top of `known`. Of effects with many starts, what `hints` found is the only one. None if none
+    /// closes a `promised` share of the excess in screening.
+    pub(crate) fn round(&self, known: &Fit, hints: &[Rival], promised: f64) -> Option<Round> {
         let chosen = self.screening_windows(known);
-        self.round_of(known, self.screened(known, &chosen, hints), None)
+        let screened = self.screened(known, &chosen, hints);
+        let Fit { hypothesis, x, .. } = known;
+        let there = self.problem.costs(hypothesis, x, Part::Chosen(&chosen));
+        let enough = there.level() - promised * (there.level() - self.perfect.level);
+        if promised > 0.0 && screened.iter().all(|rival| level(&rival.fit) > enough) {
+            return None;
+        }
+        self.round_of(known, screened, None)
     }
 
     /// An effect that is known to be there, at a known size.

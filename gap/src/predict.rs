@@ -3,6 +3,7 @@
 use crate::series::{FINE_PERIOD_S, Series, Window};
 use crate::told::Told;
 use core::f64::consts::TAU;
+use host_sim::decay::Decay;
 use host_sim::device::Device;
 use host_sim::plant::{Course, Follower, Plant, State};
 use host_sim::sensing::Reading;
@@ -33,8 +34,6 @@ fn span(values: &[f64]) -> f64 {
     (high - low).max(f64::MIN_POSITIVE)
 }
 
-/// Share by which two times may differ and be the same.
-const SAME: f64 = 1e-9;
 /// Time constants after which a ringing has died away, to a twentieth.
 const SETTLED: f64 = 3.0;
 /// Windows that lead up to a wanted one at most, and how many are gone through for each that is wanted.
@@ -48,8 +47,8 @@ struct Running {
     filtered: f64,
     /// When the column was last read, in the run's time.
     read_s: f64,
-    /// A time, s, and what is left after it of what the column's own low-pass has to forget.
-    fades: (f64, f64),
+    /// Of what the column's own low-pass has to forget.
+    fading: Decay,
 }
 
 impl Predictor {
@@ -98,7 +97,7 @@ impl Predictor {
             shown: first.restart.value,
             filtered: first.restart.value,
             read_s: start_s,
-            fades: (0.0, 1.0),
+            fading: Decay::default(),
         };
         let mut follower = Follower::new(&self.plant, series.step_s());
         let mut told = Told::from(start_s, &self.device.drive, series);
@@ -303,10 +302,7 @@ impl Predictor {
         }
         let behind = self.logged_lag_s(series) * (y - running.shown) / dt_s;
         let bent = running.filtered - (running.shown - behind);
-        if (dt_s - running.fades.0).abs() > SAME * dt_s {
-            let left = 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
-            running.fades = (dt_s, left.powf(dt_s / series.period_s));
-        }
-        y - behind + bent * running.fades.1
+        let left = || 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
+        y - behind + bent * running.fading.over(dt_s, || left().ln() / series.period_s)
     }
 }

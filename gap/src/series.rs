@@ -57,7 +57,7 @@ pub struct Series {
     pub windows: Vec<Window>,
 }
 
-/// Median sampling period above which samples are not put together, s.
+/// Period to about which samples are put together, s.
 pub(crate) const FINE_PERIOD_S: f64 = 1e-3;
 
 impl Series {
@@ -170,7 +170,7 @@ impl Series {
     /// as they are. What moves faster than that carries no torque that a device of inertia shows.
     fn coarsened(self) -> Self {
         let period = self.period_s;
-        let group = (FINE_PERIOD_S * (1.0 + 1e-6) / period).floor() as usize;
+        let group = (FINE_PERIOD_S / period).round() as usize;
         if group < 2 {
             return self;
         }

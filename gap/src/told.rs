@@ -1,6 +1,7 @@
 //! The drive under the recorded input.
 
 use crate::series::Series;
+use host_sim::decay::Decay;
 use host_sim::drive::{Drive, DriveLine};
 use host_sim::plant::{Course, Torque};
 
@@ -17,7 +18,14 @@ pub(crate) struct Told<'a> {
 enum Line {
     /// It acts at once, N m.
     Instant(f64),
-    /// Through a delay or a lag.
+    /// It relaxes to what it is told, N m.
+    Lagging {
+        acting_nm: f64,
+        target_nm: f64,
+        /// Over the pieces of a step in turn, which recur.
+        decays: [Decay; 2],
+    },
+    /// Through a delay, and a lag if there is one.
     Late(DriveLine),
 }
 
@@ -25,10 +33,16 @@ impl<'a> Told<'a> {
     /// From an instant on, at which it has known nothing but the first input for ever: what the first sample, which may lie a
     /// little later, says is the nearest.
     pub(crate) fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
-        let line = if drive.is_instant() {
-            Line::Instant(0.0)
-        } else {
+        let line = if drive.delay_s > 0.0 {
             Line::Late(DriveLine::at_rest(drive))
+        } else if drive.lag_s > 0.0 {
+            Line::Lagging {
+                acting_nm: 0.0,
+                target_nm: 0.0,
+                decays: [Decay::default(); 2],
+            }
+        } else {
+            Line::Instant(0.0)
         };
         let mut told = Self {
             drive,
@@ -48,6 +62,7 @@ impl<'a> Told<'a> {
         let settled_nm = self.series.settled_nm(self.drive, self.next);
         match &mut self.line {
             Line::Instant(acting_nm) => *acting_nm = settled_nm,
+            Line::Lagging { target_nm, .. } => *target_nm = settled_nm,
             Line::Late(line) => line.command_settled(at_s, settled_nm),
         }
         self.next += 1;
@@ -78,7 +93,7 @@ impl<'a> Told<'a> {
             self.next = last;
             self.now_s = inputs[last];
         }
-        self.run_to(to_s, |_, _| {});
+        self.run_to(to_s, |_, _, _| {});
         self.listen();
     }
 
@@ -94,7 +109,10 @@ impl<'a> Told<'a> {
         if matches!(self.line, Line::Instant(_)) {
             return course.hold(std::iter::from_fn(|| self.held_until(to_s)));
         }
-        self.run_to(to_s, |torque, piece_s| course.act(torque, piece_s));
+        self.run_to(to_s, |torque, piece_s, decay| match decay {
+            Some(decay) => course.relax(torque, piece_s, decay),
+            None => course.act(torque, piece_s),
+        });
         course.close();
     }
 
@@ -113,17 +131,34 @@ impl<'a> Told<'a> {
         })
     }
 
-    fn run_to(&mut self, to_s: f64, mut acts: impl FnMut(Torque, f64)) {
+    /// Lets it run on to `to_s`: tells of each piece of torque, for how long it acts, and its lag's decay over that if known.
+    fn run_to(&mut self, to_s: f64, mut acts: impl FnMut(Torque, f64, Option<f64>)) {
+        let lag_s = self.drive.lag_s;
+        let mut piece = 0;
         loop {
             self.listen();
             let until = self.heard_at_s().min(to_s);
             while self.now_s < until {
                 let left_s = until - self.now_s;
-                let (torque, piece_s) = match &mut self.line {
-                    Line::Instant(acting_nm) => (Torque::held(*acting_nm), left_s),
-                    Line::Late(line) => line.piece(self.now_s, left_s),
+                let (torque, piece_s, decay) = match &mut self.line {
+                    Line::Instant(acting_nm) => (Torque::held(*acting_nm), left_s, None),
+                    Line::Lagging {
+                        acting_nm,
+                        target_nm,
+                        decays,
+                    } => {
+                        let torque = Torque::relaxing(*acting_nm, *target_nm, lag_s);
+                        let decay = decays[piece % 2].over(left_s, || -lag_s.recip());
+                        (*acting_nm, _) = torque.end_and_mean(left_s, decay);
+                        (torque, left_s, Some(decay))
+                    }
+                    Line::Late(line) => {
+                        let (torque, piece_s) = line.piece(self.now_s, left_s);
+                        (torque, piece_s, None)
+                    }
                 };
-                acts(torque, piece_s);
+                acts(torque, piece_s, decay);
+                piece += 1;
                 // The last piece ends on the instant itself, not beside it.
                 let now = self.now_s + piece_s;
                 self.now_s = if now < until { now } else { until };

@@ -34,11 +34,6 @@ impl Drive {
         }
     }
 
-    /// True if what it is told acts at once.
-    pub fn is_instant(&self) -> bool {
-        self.delay_s == 0.0 && self.lag_s == 0.0
-    }
-
     /// True if inputs up to this magnitude come to a torque in proportion.
     #[inline]
     pub fn is_linear(&self, largest: f64) -> bool {

@@ -1,6 +1,7 @@
 //! Simulated haptic paddle: plant, effects, sensors and the closed loop around the control core.
 
 pub mod closed_loop;
+pub mod decay;
 pub mod device;
 pub mod drive;
 pub mod effects;

@@ -97,7 +97,13 @@ impl Torque {
         if self.is_held() {
             return [self.target_nm; 2];
         }
-        let (_, mean) = self.end_and_mean(t_s, (-t_s / self.lag_s).exp());
+        self.means_after(t_s, (-t_s / self.lag_s).exp())
+    }
+
+    /// The same, where the lag's `decay` over them is known.
+    #[inline]
+    fn means_after(&self, t_s: f64, decay: f64) -> [f64; 2] {
+        let (_, mean) = self.end_and_mean(t_s, decay);
         // What the transient has lost in the mean, it has given to the way.
         let lost = self.transient_nm() - (mean - self.trailing_nm(0.5 * t_s));
         let early = self.trailing_nm(t_s / 3.0) + 2.0 * self.lag_s / t_s * lost;
@@ -168,7 +174,7 @@ impl Push {
 
     /// Of one piece that acts for `lasts_s`.
     #[inline]
-    fn of(torque: &Torque, lasts_s: f64) -> Self {
+    pub(super) fn of(torque: &Torque, lasts_s: f64) -> Self {
         if torque.is_held() {
             return Self::held(torque.target_nm, lasts_s);
         }
@@ -179,14 +185,23 @@ impl Push {
         }
     }
 
-    /// With one more piece that acts for `piece_s` after it.
+    /// Of one piece behind a lag, whose `decay` over `lasts_s` is known.
     #[inline]
-    pub(super) fn then(&self, torque: &Torque, piece_s: f64) -> Self {
-        let next = Self::of(torque, piece_s);
+    pub(super) fn behind(torque: &Torque, lasts_s: f64, decay: f64) -> Self {
+        Self {
+            lasts_s,
+            means_nm: torque.means_after(lasts_s, decay),
+            bounds_nm: torque.bounds(lasts_s),
+        }
+    }
+
+    /// With another one after it, of which this may be of no time at all.
+    #[inline]
+    pub(super) fn then(&self, next: &Self) -> Self {
         if self.lasts_s == 0.0 {
-            next
+            *next
         } else {
-            self.before(&next)
+            self.before(next)
         }
     }
 
@@ -244,8 +259,8 @@ mod tests {
     #[test]
     fn a_push_of_pieces_is_that_of_the_whole() {
         let torque = Torque::relaxing(0.3, -0.1, 2e-3);
-        let first = Push::NONE.then(&torque, 1e-3);
-        let parts = first.then(&torque.after(1e-3), 2e-3);
+        let first = Push::NONE.then(&Push::of(&torque, 1e-3));
+        let parts = first.then(&Push::behind(&torque.after(1e-3), 2e-3, (-1f64).exp()));
         let whole = Push::of(&torque, 3e-3);
         let off = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
         assert!((whole.lasts_s - parts.lasts_s).abs() < 1e-15);

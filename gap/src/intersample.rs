@@ -1,6 +1,7 @@
 //! What a loop may have told between the rows of a log that is slower than itself: the column has its means alone.
 
 use crate::series::{Series, largest};
+use crate::told::Courses;
 use host_sim::sensors::Noise;
 use recording::{Pid, low_pass_gain};
 
@@ -37,6 +38,7 @@ impl Series {
         }
         self.largest_input = largest(&inputs);
         (self.input_time, self.input) = (times, inputs);
+        self.courses = Courses::default();
     }
 }
 

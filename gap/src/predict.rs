@@ -5,7 +5,7 @@ use crate::told::Told;
 use core::f64::consts::TAU;
 use host_sim::decay::Decay;
 use host_sim::device::Device;
-use host_sim::plant::{Course, Follower, Plant, State};
+use host_sim::plant::{Follower, Plant, State};
 use host_sim::sensing::Reading;
 use recording::{Recording, Sensor, low_pass_gain};
 
@@ -100,8 +100,7 @@ impl Predictor {
             fading: Decay::default(),
         };
         let mut follower = Follower::new(&self.plant, series.step_s());
-        let mut told = Told::from(start_s, &self.device.drive, series);
-        let mut course = Course::default();
+        let told = Told::new(&self.device.drive, series);
         let taken = self.taken(series, wanted);
         for (index, window) in series.windows.iter().enumerate() {
             if !taken[index] {
@@ -109,20 +108,17 @@ impl Predictor {
             }
             let restart_s = window.restart.time_s;
             let follows = remembers && (index == 0 || taken[index - 1]);
-            course.clear();
-            if follows {
-                told.step_through(&[restart_s], &mut course);
-                let mut seen = [0.0];
-                follower.follow(&mut running.state, &course, &mut seen);
-                self.read(&mut running, series, seen[0], restart_s);
-                course.clear();
-            } else {
-                told.skip_to(restart_s);
-            }
-            self.restart(&mut running, series, window, shift, follows);
             let samples = window.samples.clone();
-            told.step_through(&series.time[samples.clone()], &mut course);
-            follower.follow(&mut running.state, &course, &mut predicted[samples.clone()]);
+            told.in_window(index, |course| {
+                if follows {
+                    let mut seen = [0.0];
+                    follower.follow(&mut running.state, &course.lead, &mut seen);
+                    self.read(&mut running, series, seen[0], restart_s);
+                }
+                self.restart(&mut running, series, window, shift, follows);
+                let seen = &mut predicted[samples.clone()];
+                follower.follow(&mut running.state, &course.steps, seen);
+            });
             running.read_s = restart_s;
             for i in samples {
                 predicted[i] = self.read(&mut running, series, predicted[i], series.time[i]);

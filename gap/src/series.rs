@@ -2,6 +2,7 @@
 
 use crate::noise;
 use crate::restart::Restart;
+use crate::told::Courses;
 use host_sim::drive::Drive;
 use recording::{Recording, Run};
 use std::ops::Range;
@@ -55,6 +56,8 @@ pub struct Series {
     pub session_offset_s: f64,
     /// In the order of time, without gaps between them.
     pub windows: Vec<Window>,
+    /// What drives make of the inputs.
+    pub(crate) courses: Courses,
 }
 
 /// Period to about which samples are put together, s.
@@ -84,6 +87,7 @@ impl Series {
             correlation,
             session_offset_s,
             windows,
+            courses: Courses::default(),
         }
     }
 
@@ -163,6 +167,7 @@ impl Series {
             period_s: self.period_s,
             correlation: self.correlation,
             session_offset_s: self.session_offset_s,
+            courses: Courses::default(),
         }
     }
 
@@ -184,6 +189,7 @@ impl Series {
             span_s: group as f64 * period,
             correlation: self.correlation.powi(group as i32),
             windows: Vec::new(),
+            courses: Courses::default(),
             ..self
         };
         let averaged = noise::averaged(group, self.correlation);

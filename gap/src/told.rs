@@ -1,12 +1,121 @@
-//! The drive under the recorded input.
+//! What drives make of the recorded input.
 
 use crate::series::Series;
 use host_sim::decay::Decay;
 use host_sim::drive::{Drive, DriveLine};
 use host_sim::plant::{Course, Torque};
+use std::ops::Range;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// The torque in one window.
+#[derive(Debug)]
+pub(crate) struct WindowCourse {
+    restart_s: f64,
+    samples: Range<usize>,
+    /// One step, from the last sample before.
+    pub lead: Course,
+    /// From the restart on, to each sample.
+    pub steps: Course,
+}
+
+/// The courses that a series has under the drives that were asked for last: most of what is tried leaves the drive as it is.
+#[derive(Debug, Default)]
+pub(crate) struct Courses(Mutex<Vec<(Drive, Windows)>>);
+
+/// By window, each as it is first asked for.
+type Windows = Arc<[OnceLock<WindowCourse>]>;
+
+/// Drives that are remembered, and the longest series for which they are.
+const MOST_DRIVES: usize = 4;
+const MOST_SAMPLES: usize = 60_000;
+
+impl Clone for Courses {
+    /// Of what may be changed nothing is known.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Courses {
+    fn under(&self, drive: &Drive, windows: usize) -> Windows {
+        // What a thread that has panicked leaves is whole.
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kept
+            .iter()
+            .position(|(d, w)| d == drive && w.len() == windows);
+        let entry = match known {
+            Some(place) => kept.remove(place),
+            None => (
+                drive.clone(),
+                (0..windows).map(|_| OnceLock::new()).collect(),
+            ),
+        };
+        let found = entry.1.clone();
+        kept.push(entry);
+        if kept.len() > MOST_DRIVES {
+            kept.remove(0);
+        }
+        found
+    }
+}
+
+/// The courses of a series under one drive.
+pub(crate) struct Told<'a> {
+    drive: &'a Drive,
+    series: &'a Series,
+    kept: Option<Windows>,
+}
+
+impl<'a> Told<'a> {
+    pub(crate) fn new(drive: &'a Drive, series: &'a Series) -> Self {
+        let keeps = series.time.len() <= MOST_SAMPLES;
+        let kept = keeps.then(|| series.courses.under(drive, series.windows.len()));
+        Self {
+            drive,
+            series,
+            kept,
+        }
+    }
+
+    /// The course in a window, to look at.
+    #[inline]
+    pub(crate) fn in_window<T>(&self, index: usize, look: impl FnOnce(&WindowCourse) -> T) -> T {
+        let window = &self.series.windows[index];
+        let fits = |course: &&WindowCourse| {
+            course.restart_s == window.restart.time_s && course.samples == window.samples
+        };
+        let kept = self.kept.as_ref().map(|kept| &kept[index]);
+        let kept = kept.map(|kept| kept.get_or_init(|| self.course(index)));
+        match kept.filter(fits) {
+            Some(course) => look(course),
+            None => look(&self.course(index)),
+        }
+    }
+
+    fn course(&self, index: usize) -> WindowCourse {
+        let Self { drive, series, .. } = self;
+        let window = &series.windows[index];
+        let restart_s = window.restart.time_s;
+        let start_s = series.windows[0].restart.time_s;
+        let mut listener = Listener::from(start_s, drive, series);
+        let before = index.checked_sub(1).map(|before| &series.windows[before]);
+        let left_s = before.map_or(start_s, |before| series.time[before.samples.end - 1]);
+        listener.skip_to(left_s);
+        let mut lead = Course::default();
+        listener.step_through(&[restart_s], &mut lead);
+        let mut steps = Course::default();
+        listener.step_through(&series.time[window.samples.clone()], &mut steps);
+        WindowCourse {
+            restart_s,
+            samples: window.samples.clone(),
+            lead,
+            steps,
+        }
+    }
+}
 
 /// A drive that is told what a series says.
-pub(crate) struct Told<'a> {
+struct Listener<'a> {
     drive: &'a Drive,
     series: &'a Series,
     line: Line,
@@ -29,10 +138,10 @@ enum Line {
     Late(DriveLine),
 }
 
-impl<'a> Told<'a> {
+impl<'a> Listener<'a> {
     /// From an instant on, at which it has known nothing but the first input for ever: what the first sample, which may lie a
     /// little later, says is the nearest.
-    pub(crate) fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
+    fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
         let line = if drive.delay_s > 0.0 {
             Line::Late(DriveLine::at_rest(drive))
         } else if drive.lag_s > 0.0 {
@@ -84,7 +193,7 @@ impl<'a> Told<'a> {
     }
 
     /// Lets it run on to `to_s` of the run with nothing to drive.
-    pub(crate) fn skip_to(&mut self, to_s: f64) {
+    fn skip_to(&mut self, to_s: f64) {
         // What it was told before the last that it still remembers makes no difference.
         let inputs = &self.series.input_time;
         let forgotten_s = to_s - self.drive.memory_s();
@@ -98,7 +207,7 @@ impl<'a> Told<'a> {
     }
 
     /// Adds the steps to some instants of the run to a course.
-    pub(crate) fn step_through(&mut self, instants_s: &[f64], course: &mut Course) {
+    fn step_through(&mut self, instants_s: &[f64], course: &mut Course) {
         for &to_s in instants_s {
             self.step_to(to_s, course);
         }

@@ -30,12 +30,6 @@ impl Default for Course {
 }
 
 impl Course {
-    /// Makes it empty.
-    pub fn clear(&mut self) {
-        self.pieces.clear();
-        self.steps.clear();
-    }
-
     /// A piece that acts for `lasts_s` after all that there is.
     #[inline]
     pub fn act(&mut self, torque: Torque, lasts_s: f64) {

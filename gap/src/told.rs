@@ -209,35 +209,12 @@ impl<'a> Listener<'a> {
     /// Adds the steps to some instants of the run to a course.
     fn step_through(&mut self, instants_s: &[f64], course: &mut Course) {
         for &to_s in instants_s {
-            self.step_to(to_s, course);
+            self.run_to(to_s, |torque, piece_s, decay| match decay {
+                Some(decay) => course.relax(torque, piece_s, decay),
+                None => course.act(torque, piece_s),
+            });
+            course.close();
         }
-    }
-
-    #[inline(always)]
-    fn step_to(&mut self, to_s: f64, course: &mut Course) {
-        if matches!(self.line, Line::Instant(_)) {
-            return course.hold(std::iter::from_fn(|| self.held_until(to_s)));
-        }
-        self.run_to(to_s, |torque, piece_s, decay| match decay {
-            Some(decay) => course.relax(torque, piece_s, decay),
-            None => course.act(torque, piece_s),
-        });
-        course.close();
-    }
-
-    /// What an instant drive holds up to the next input, `to_s` at most, N m, and for how long, s; none at that.
-    #[inline(always)]
-    fn held_until(&mut self, to_s: f64) -> Option<(f64, f64)> {
-        self.listen();
-        let Line::Instant(acting_nm) = self.line else {
-            return None;
-        };
-        let until = self.heard_at_s().min(to_s);
-        let lasts_s = until - self.now_s;
-        (lasts_s > 0.0).then(|| {
-            self.now_s = until;
-            (acting_nm, lasts_s)
-        })
     }
 
     /// Lets it run on to `to_s`: tells of each piece of torque, for how long it acts, and its lag's decay over that if known.

@@ -223,7 +223,6 @@ mod tests {
         };
         let selection = Selection {
             quiet,
-            plain: false,
             given: false,
             null,
             perfect,

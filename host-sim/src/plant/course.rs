@@ -1,7 +1,6 @@
 //! The torque of a drive over time, cut into steps.
 
 use super::{Push, Torque};
-use std::ops::Range;
 
 /// Torque in steps that follow each other, each of some pieces.
 #[derive(Clone, Debug)]
@@ -47,35 +46,11 @@ impl Course {
     /// Makes a step of the pieces since the last one.
     #[inline]
     pub fn close(&mut self) {
-        self.step(self.open);
+        self.steps.push(Step {
+            push: self.open,
+            end: self.pieces.len(),
+        });
         self.open = Push::NONE;
-    }
-
-    /// A step of torques that are held, each in N m and for how long in s.
-    #[inline(always)]
-    pub fn hold(&mut self, pieces: impl IntoIterator<Item = (f64, f64)>) {
-        let mut pieces = pieces.into_iter();
-        let (torque_nm, lasts_s) = pieces.next().unwrap_or_default();
-        let mut push = Push::held(torque_nm, lasts_s);
-        if let Some((next_nm, next_s)) = pieces.next() {
-            self.pieces.push((Torque::held(torque_nm), lasts_s));
-            let mut next = (next_nm, next_s);
-            loop {
-                self.pieces.push((Torque::held(next.0), next.1));
-                push = push.before(&Push::held(next.0, next.1));
-                match pieces.next() {
-                    Some(after) => next = after,
-                    None => break,
-                }
-            }
-        }
-        self.step(push);
-    }
-
-    #[inline]
-    fn step(&mut self, push: Push) {
-        let end = self.pieces.len();
-        self.steps.push(Step { push, end });
     }
 
     /// How many steps there are.
@@ -95,9 +70,8 @@ impl Course {
         &self.steps[step].push
     }
 
-    /// The pieces of a step; none where a torque is held.
+    /// The pieces of a step.
     pub(super) fn pieces(&self, step: usize) -> &[(Torque, f64)] {
-        let pieces: Range<usize> = self.start(step)..self.steps[step].end;
-        &self.pieces[pieces]
+        &self.pieces[self.start(step)..self.steps[step].end]
     }
 }

@@ -1,7 +1,7 @@
 //! Sliding with nothing stiff in action, which most steps are: the midpoint rule, without a look for what may happen
 //! within.
 
-use super::{Plant, State, Torque, Touch};
+use super::{Barrier, Plant, State, Torque, Touch};
 
 impl Plant {
     /// Carries `state` over `dt_s` if nothing but gentle sliding happens meanwhile; false, and where it was, if anything
@@ -58,5 +58,14 @@ impl Plant {
         state.position = position;
         state.velocity = velocity;
         true
+    }
+
+    /// True if what carries the barriers has come into one, or out of one.
+    #[inline]
+    pub(super) fn meets_barrier(&self, state: &State, position: f64, velocity: f64) -> bool {
+        let meets = |(barrier, touch): (&Barrier, &Touch)| {
+            barrier.is_there(state.time_s) && barrier.guard(*touch, position, velocity) < 0.0
+        };
+        self.parts.barriers.iter().zip(&state.touch).any(meets)
     }
 }

@@ -195,19 +195,12 @@ impl Push {
         }
     }
 
-    /// With another one after it, of which this may be of no time at all.
+    /// With another one after it.
     #[inline]
     pub(super) fn then(&self, next: &Self) -> Self {
         if self.lasts_s == 0.0 {
-            *next
-        } else {
-            self.before(next)
+            return *next;
         }
-    }
-
-    /// With another one after it.
-    #[inline]
-    pub(super) fn before(&self, next: &Self) -> Self {
         let lasts_s = self.lasts_s + next.lasts_s;
         let [before, after] = [self.lasts_s / lasts_s, next.lasts_s / lasts_s];
         let [mean, early] = self.means_nm;

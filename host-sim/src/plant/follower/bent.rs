@@ -1,0 +1,62 @@
+//! What is not linear.
+
+use super::super::Plant;
+use super::super::pendulum::Pendulum;
+
+/// What acts on one side, its linear part and what is the same at all times apart.
+pub(super) struct Bent<'a> {
+    plant: &'a Plant,
+    side: usize,
+    direction: f64,
+    /// True if friction is not the same at all times.
+    pub(super) varies: bool,
+}
+
+impl<'a> Bent<'a> {
+    pub(super) fn of(plant: &'a Plant, side: usize, direction: f64) -> Self {
+        Self {
+            plant,
+            side,
+            direction,
+            varies: plant.constant_friction_nm(side, direction).is_none(),
+        }
+    }
+
+    /// Drag beyond the viscous one, and friction that is not the same at all times, N m.
+    #[inline]
+    pub(super) fn resists(&self, position: f64, velocity: f64, time_s: f64, drive_nm: f64) -> f64 {
+        let m = &self.plant.mechanics;
+        let share = self.plant.friction_share[self.side];
+        let mut torque = m.drag * velocity.abs() * velocity;
+        if self.varies {
+            let speed = velocity.abs();
+            let level = m
+                .friction
+                .sliding(self.direction, position, speed, time_s, drive_nm);
+            torque += self.direction * level;
+        }
+        share * torque
+    }
+
+    /// N m.
+    #[inline]
+    pub(super) fn motor(&self, position: f64, velocity: f64, time_s: f64, drive_nm: f64) -> f64 {
+        let mut torque = -self.resists(position, velocity, time_s, drive_nm);
+        if self.plant.parts.has_cogging {
+            torque += self.plant.parts.cogging.torque(position);
+        }
+        torque
+    }
+
+    /// N m.
+    #[inline]
+    pub(super) fn gravity(&self, pendulum: &mut Pendulum, position: f64) -> f64 {
+        let m = &self.plant.mechanics;
+        if m.gravity == 0.0 {
+            return 0.0;
+        }
+        let angle = position - m.gravity_zero;
+        pendulum.follow(angle);
+        -m.gravity * pendulum.sin(angle)
+    }
+}

@@ -1,0 +1,74 @@
+//! One mass on bristles.
+
+use super::super::{Course, Phase, State};
+use super::Follower;
+
+/// Angle of an oscillation on bristles that a step takes at most, and parts of a step at most.
+const BRISTLE_ANGLE: f64 = 0.2;
+const MOST_PARTS: f64 = 6.0;
+impl Follower<'_> {
+    /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest.
+    pub(super) fn bend(
+        &self,
+        state: &mut State,
+        course: &Course,
+        from: usize,
+        seen: &mut [f64],
+    ) -> usize {
+        let plant = self.plant;
+        let m = &plant.mechanics;
+        let bristles = &plant.parts.bristles;
+        let inertia = m.inertia;
+        let Some(until_s) = self.until_s(state) else {
+            return from;
+        };
+        let holding = m.friction.highest_nm() * m.friction.stribeck.ratio;
+        let rate = bristles.natural_rate(inertia, holding) + self.bent_rate;
+        let mut next = from;
+        while next < course.steps() && state.phase == Phase::Bristle {
+            let push = course.push(next);
+            if state.time_s + push.lasts_s > until_s {
+                break;
+            }
+            let [mean_nm, early_nm] = push.means_nm;
+            let parts = (rate * push.lasts_s / BRISTLE_ANGLE)
+                .ceil()
+                .clamp(1.0, MOST_PARTS);
+            let part_s = push.lasts_s / parts;
+            let half_s = 0.5 * part_s;
+            let (mut x, mut v, mut z) = (state.position, state.velocity, state.deflection);
+            for part in 0..parts as usize {
+                let way = half_s * v;
+                (x, z) = (x + way, bristles.bent(z, way));
+                state.pendulum.follow(x - m.gravity_zero);
+                let level = m.friction.sliding(
+                    1f64.copysign(z),
+                    x,
+                    v.abs(),
+                    state.time_s + (part as f64 + 0.5) * part_s,
+                    mean_nm,
+                );
+                let torque = plant.motor_side(mean_nm, x)
+                    + plant.load_side(&state.pendulum, &state.touch, x, v)
+                    - level * z / bristles.distance;
+                let damping =
+                    m.viscous + m.drag * v.abs() + bristles.damping * bristles.bends(v, z);
+                let slowed = half_s * damping / inertia;
+                v = ((1.0 - slowed) * v + part_s * torque / inertia) / (1.0 + slowed);
+                let way = half_s * v;
+                (x, z) = (x + way, bristles.bent(z, way));
+            }
+            // A torque that comes early moves it farther.
+            x += 0.5 * push.lasts_s * push.lasts_s * (early_nm - mean_nm) / inertia;
+            if plant.meets_barrier(state, x, v) {
+                break;
+            }
+            [state.position, state.velocity, state.deflection] = [x, v, z];
+            plant.slides_on(state, push.lasts_s);
+            state.time_s += push.lasts_s;
+            seen[next] = x;
+            next += 1;
+        }
+        next
+    }
+}

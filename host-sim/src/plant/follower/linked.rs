@@ -1,0 +1,194 @@
+//! Two masses and their link.
+
+use super::super::link::Flank;
+use super::super::two_mass::flow_index;
+use super::super::zero_order_hold::ZeroOrderHold;
+use super::super::{Course, Phase, Plant, Push, State};
+use super::bent::Bent;
+use super::side::Side;
+use super::{Follower, after, is_usual};
+
+impl Follower<'_> {
+    /// Within one flank, whichever of the masses are held.
+    pub(super) fn coast_linked(
+        &mut self,
+        state: &mut State,
+        course: &Course,
+        from: usize,
+        seen: &mut [f64],
+    ) -> usize {
+        let plant = self.plant;
+        let m = &plant.mechanics;
+        let sides = [
+            Side::of(plant.dry, state.velocity, state.phase),
+            Side::of(plant.load_is_dry(), state.load_velocity, state.load_phase),
+        ];
+        let have = |x: &[f64; 4]| sides[0].has(x[1]) && sides[1].has(x[3]);
+        let mut x = [
+            state.position,
+            state.velocity,
+            state.load_position,
+            state.load_velocity,
+        ];
+        if !have(&x) {
+            return from;
+        }
+        let Some(until_s) = self.until_s(state) else {
+            return from;
+        };
+        let step_s = self.step_s;
+        let link = &plant.parts.link;
+        let flank = link.flank(x[0] - x[2], x[1] - x[3]);
+        let held = sides.map(|side| side == Side::Held);
+        let is_linear = self.is_linear;
+        let flow = &*self.two_masses[flow_index(flank, held)]
+            .get_or_insert_with(|| Box::new(plant.two_masses_held(flank, held, step_s)));
+        let (stiffness, damping, relaxed) = link.spring(flank);
+        let directions = sides.map(Side::direction);
+        let constant_friction = |side: usize| {
+            let direction = directions[side];
+            plant.constant_friction_nm(side, direction).unwrap_or(0.0)
+        };
+        let constant_nm = [
+            m.offset_nm + stiffness * relaxed - constant_friction(0),
+            m.stiffness * m.stiffness_zero - stiffness * relaxed - constant_friction(1),
+        ];
+        let bent = [0, 1].map(|side| Bent::of(plant, side, directions[side]));
+        let varies = bent.iter().any(|bent| bent.varies);
+        let mut pendulum = state.pendulum;
+        let mut bent_nm = |x: &[f64; 4], time_s: f64, drive_nm: f64| {
+            if is_linear {
+                return [0.0; 2];
+            }
+            [
+                bent[0].motor(x[0], x[1], time_s, drive_nm),
+                bent[1].gravity(&mut pendulum, x[2])
+                    - bent[1].resists(x[2], x[3], time_s, drive_nm),
+            ]
+        };
+        // Whether what is held stays so, with what is `bent` there.
+        let sticks = |state: &State, x: &[f64; 4], push: &Push, bent_nm: [f64; 2]| {
+            let through_nm = stiffness * (x[0] - x[2]) + damping * (x[1] - x[3]);
+            let motor_sticks = |drive_nm: f64| {
+                let pull = drive_nm + constant_nm[0] + bent_nm[0] - through_nm;
+                pull.abs() <= plant.holding(state, pull, drive_nm)
+            };
+            let load_sticks = || {
+                let pull = constant_nm[1] + bent_nm[1] + through_nm - m.stiffness * x[2];
+                pull.abs() <= plant.load_holding(state, pull, push.means_nm[0])
+            };
+            (!held[0] || push.bounds_nm.into_iter().all(motor_sticks))
+                && (!held[1] || load_sticks())
+        };
+        let is_held = held[0] || held[1];
+        // Near what acted over the step before, which is near enough for the way halfway.
+        let mut before_nm = None;
+        let mut next = from;
+        while next < course.steps() {
+            let push = course.push(next);
+            if !is_usual(push, step_s) || state.time_s + push.lasts_s > until_s {
+                break;
+            }
+            if varies && plant.is_steep(state, push) {
+                break;
+            }
+            let [mean_nm, early_nm] = push.means_nm;
+            let first_nm = match before_nm.filter(|_| !is_held) {
+                Some(before_nm) => before_nm,
+                None => bent_nm(&x, state.time_s, mean_nm),
+            };
+            if is_held && !sticks(state, &x, push, first_nm) {
+                break;
+            }
+            let forces = |bent_nm: [f64; 2]| {
+                [
+                    constant_nm[0] + mean_nm + bent_nm[0],
+                    constant_nm[1] + bent_nm[1],
+                ]
+            };
+            let midway = || flow.half.of(&x, &forces(first_nm));
+            let mut acting_nm = first_nm;
+            if !is_linear {
+                let midway = midway();
+                if !have(&midway) {
+                    break;
+                }
+                acting_nm = bent_nm(&midway, state.time_s + 0.5 * step_s, mean_nm);
+            }
+            let mut end = after(flow, push, &x, &forces(acting_nm));
+            if is_linear {
+                let stopped =
+                    |side: usize| sides[side].may_have_stopped(x[2 * side + 1], end[2 * side + 1]);
+                if (stopped(0) || stopped(1)) && !have(&midway()) {
+                    break;
+                }
+            }
+            if !held[0] {
+                // A torque that comes early moves the motor farther.
+                let ahead = (early_nm - mean_nm) * plant.inverse_inertia[0];
+                end[0] += 0.5 * step_s * step_s * ahead;
+            }
+            let leaves = link.guard(flank, end[0] - end[2], end[1] - end[3]) < 0.0;
+            if leaves
+                || !have(&end)
+                || plant.meets_barrier(state, end[2], end[3])
+                || is_held && !sticks(state, &end, push, bent_nm(&end, state.time_s, mean_nm))
+            {
+                break;
+            }
+            before_nm = Some(acting_nm);
+            x = end;
+            [
+                state.position,
+                state.velocity,
+                state.load_position,
+                state.load_velocity,
+            ] = end;
+            state.time_s += push.lasts_s;
+            seen[next] = if link.sensor_on_load { end[2] } else { end[0] };
+            next += 1;
+        }
+        state.pendulum = pendulum;
+        if next > from {
+            for (phase, held) in [&mut state.phase, &mut state.load_phase]
+                .into_iter()
+                .zip(held)
+            {
+                if held {
+                    *phase = Phase::Stick;
+                }
+            }
+        }
+        next
+    }
+}
+
+impl Plant {
+    /// The linear flow of two masses within a flank of their link, `held` on the motor side or the load side.
+    fn two_masses_held(&self, flank: Flank, held: [bool; 2], step_s: f64) -> ZeroOrderHold<4, 2> {
+        let m = &self.mechanics;
+        let mobility = |side: usize| {
+            if held[side] {
+                0.0
+            } else {
+                self.inverse_inertia[side]
+            }
+        };
+        let [motor, load] = [mobility(0), mobility(1)];
+        let (stiffness, damping, _) = self.parts.link.spring(flank);
+        let viscous = self.friction_share.map(|share| share * m.viscous);
+        let rates = [
+            [0.0, -motor * stiffness, 0.0, load * stiffness],
+            [1.0, -motor * (damping + viscous[0]), 0.0, load * damping],
+            [
+                0.0,
+                motor * stiffness,
+                0.0,
+                -load * (stiffness + m.stiffness),
+            ],
+            [0.0, motor * damping, 1.0, -load * (damping + viscous[1])],
+        ];
+        let inputs = [[0.0, motor, 0.0, 0.0], [0.0, 0.0, 0.0, load]];
+        ZeroOrderHold::new(rates, inputs, step_s)
+    }
+}

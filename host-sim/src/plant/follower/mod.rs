@@ -1,0 +1,150 @@
+//! A plant that follows a course of torque, mostly in steps of one size: while dry friction keeps its direction and nothing
+//! strikes, all that is linear is stepped exactly, and the rest acts as it does halfway (the exponential midpoint rule:
+//! Hochbruck and Ostermann, Acta Numerica 19, 2010).
+
+mod bent;
+mod bristles;
+mod linked;
+mod side;
+mod sliding;
+
+use super::two_mass::FLOWS;
+use super::zero_order_hold::ZeroOrderHold;
+use super::{Course, Phase, Plant, Push, State, Touch};
+
+/// A plant, with its linear flows over the step that recurs.
+#[derive(Debug)]
+pub struct Follower<'a> {
+    plant: &'a Plant,
+    step_s: f64,
+    is_linear: bool,
+    /// Fastest rate of what is not linear, 1/s.
+    bent_rate: f64,
+    /// True if steps are short enough for that.
+    is_gentle: bool,
+    one_mass: Option<ZeroOrderHold<2, 1>>,
+    /// By flank and by what is held, each as it is first met.
+    two_masses: [Option<Box<ZeroOrderHold<4, 2>>>; FLOWS],
+}
+
+/// Product of the fastest rate of what is not linear and the step: the midpoint's frequency is off by a 24th of the square.
+const MIDPOINT_RATE_STEP: f64 = 0.1;
+/// Share by which a step may differ from the one that recurs, and from which on that makes a difference.
+const NEAR_USUAL: f64 = 0.3;
+const SAME: f64 = 1e-9;
+
+impl<'a> Follower<'a> {
+    /// Of steps that mostly take `step_s`.
+    pub fn new(plant: &'a Plant, step_s: f64) -> Self {
+        let m = &plant.mechanics;
+        let cogging = m.cogging.map_or(0.0, |cogging| cogging.stiffness());
+        let bent_rate = ((m.gravity.abs() + cogging) * plant.highest_mobility()).sqrt();
+        Self {
+            plant,
+            step_s,
+            is_linear: m.gravity == 0.0
+                && m.cogging.is_none()
+                && m.drag == 0.0
+                && (plant.plain || !plant.dry),
+            bent_rate,
+            is_gentle: bent_rate * step_s <= MIDPOINT_RATE_STEP,
+            one_mass: None,
+            two_masses: Default::default(),
+        }
+    }
+
+    /// Carries `state` through the steps of a course; where the position sensor is after each of them goes into `seen`.
+    pub fn follow(&mut self, state: &mut State, course: &Course, seen: &mut [f64]) {
+        let mut step = 0;
+        while step < course.steps() {
+            let next = self.coast(state, course, step, seen);
+            if next > step {
+                step = next;
+                continue;
+            }
+            for &(torque, piece_s) in course.pieces(step) {
+                self.plant.advance(state, torque, piece_s);
+            }
+            seen[step] = self.plant.seen(state).0;
+            step += 1;
+        }
+    }
+
+    /// Carries it on through steps of one flow, as far as that lasts; the step that is next then.
+    #[inline]
+    fn coast(
+        &mut self,
+        state: &mut State,
+        course: &Course,
+        from: usize,
+        seen: &mut [f64],
+    ) -> usize {
+        let plant = self.plant;
+        if plant.parts.has_link {
+            if plant.parts.has_bristles || !self.is_gentle {
+                return from;
+            }
+            return self.coast_linked(state, course, from, seen);
+        }
+        let mut next = from;
+        while next < course.steps() && plant.stays_at_rest(state, course.push(next).bounds_nm) {
+            state.time_s += course.push(next).lasts_s;
+            seen[next] = state.position;
+            next += 1;
+        }
+        if next > from {
+            return next;
+        }
+        if state.phase == Phase::Bristle {
+            self.bend(state, course, from, seen)
+        } else if self.is_gentle {
+            self.slide(state, course, from, seen)
+        } else {
+            from
+        }
+    }
+
+    /// Time at which the flow ends whatever happens, s; none if it may not begin.
+    #[inline]
+    fn until_s(&self, state: &mut State) -> Option<f64> {
+        let until_s = state.time_s + self.plant.until_barriers_change(state, f64::INFINITY);
+        (!state.touch.contains(&Touch::Pushing)).then_some(until_s)
+    }
+}
+
+/// True if a step takes about as long as most do.
+#[inline]
+fn is_usual(push: &Push, step_s: f64) -> bool {
+    (push.lasts_s - step_s).abs() <= NEAR_USUAL * step_s
+}
+
+/// A state after a step under forces that are held.
+#[inline(always)]
+fn after<const D: usize, const S: usize>(
+    flow: &ZeroOrderHold<D, S>,
+    push: &Push,
+    x: &[f64; D],
+    forces: &[f64; S],
+) -> [f64; D] {
+    let end = flow.whole.of(x, forces);
+    let late_s = push.lasts_s - flow.step_s;
+    if late_s.abs() <= SAME * flow.step_s {
+        end
+    } else {
+        flow.soon(&end, forces, late_s)
+    }
+}
+
+impl Plant {
+    /// True if static friction that falls with speed is too steep for a step.
+    #[inline]
+    fn is_steep(&self, state: &State, push: &Push) -> bool {
+        push.lasts_s > self.longest_on_slope(state, push.means_nm[0], 0.0)
+    }
+
+    /// 1/(kg m²), of the lighter side.
+    fn highest_mobility(&self) -> f64 {
+        let [motor, load] = self.inverse_inertia;
+        motor.max(load)
+    }
+}

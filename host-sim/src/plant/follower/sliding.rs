@@ -1,0 +1,89 @@
+//! One mass that slides.
+
+use super::super::zero_order_hold::ZeroOrderHold;
+use super::super::{Course, Plant, State};
+use super::bent::Bent;
+use super::side::Side;
+use super::{Follower, after, is_usual};
+
+impl Follower<'_> {
+    /// As far as it slides in one direction.
+    pub(super) fn slide(
+        &mut self,
+        state: &mut State,
+        course: &Course,
+        from: usize,
+        seen: &mut [f64],
+    ) -> usize {
+        let plant = self.plant;
+        let m = &plant.mechanics;
+        let side = Side::of(plant.dry, state.velocity, state.phase);
+        if side == Side::Held || !side.has(state.velocity) {
+            return from;
+        }
+        let Some(until_s) = self.until_s(state) else {
+            return from;
+        };
+        let direction = side.direction();
+        let step_s = self.step_s;
+        let inverse = plant.inverse_inertia[0];
+        let is_linear = self.is_linear;
+        let flow = &*self
+            .one_mass
+            .get_or_insert_with(|| plant.one_mass_held(step_s));
+        let constant_nm = m.offset_nm + m.stiffness * m.stiffness_zero
+            - plant.constant_friction_nm(0, direction).unwrap_or(0.0);
+        let bent = Bent::of(plant, 0, direction);
+        let mut x = [state.position, state.velocity];
+        // Near what acted over the step before, which is near enough for the way halfway.
+        let mut bent_nm = None;
+        let mut next = from;
+        while next < course.steps() {
+            let push = course.push(next);
+            if !is_usual(push, step_s) || state.time_s + push.lasts_s > until_s {
+                break;
+            }
+            if bent.varies && plant.is_steep(state, push) {
+                break;
+            }
+            let [mean_nm, early_nm] = push.means_nm;
+            let mut force = constant_nm + mean_nm;
+            if !is_linear {
+                let mut bent = |x: &[f64; 2], time_s: f64| {
+                    bent.motor(x[0], x[1], time_s, mean_nm)
+                        + bent.gravity(&mut state.pendulum, x[0])
+                };
+                let before_nm = bent_nm.unwrap_or_else(|| bent(&x, state.time_s));
+                let midway = flow.half.of(&x, &[force + before_nm]);
+                if !side.has(midway[1]) {
+                    break;
+                }
+                let acting_nm = bent(&midway, state.time_s + 0.5 * step_s);
+                bent_nm = Some(acting_nm);
+                force += acting_nm;
+            }
+            let mut end = after(flow, push, &x, &[force]);
+            // A torque that comes early moves it farther.
+            end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
+            if !side.has(end[1]) || plant.meets_barrier(state, end[0], end[1]) {
+                break;
+            }
+            x = end;
+            [state.position, state.velocity] = end;
+            state.time_s += push.lasts_s;
+            seen[next] = end[0];
+            next += 1;
+        }
+        next
+    }
+}
+
+impl Plant {
+    /// The linear flow of one mass.
+    fn one_mass_held(&self, step_s: f64) -> ZeroOrderHold<2, 1> {
+        let m = &self.mechanics;
+        let inverse = self.inverse_inertia[0];
+        let rates = [[0.0, -m.stiffness * inverse], [1.0, -m.viscous * inverse]];
+        ZeroOrderHold::new(rates, [[0.0, inverse]], step_s)
+    }
+}

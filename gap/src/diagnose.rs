@@ -176,7 +176,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let stand_in = StandIn::of(&problem, selection.fit(), kept);
     let verdict = if selection.rounds.is_empty() {
         let is_hidden = || selection.null_leaves_at_most(select::QUIET_GAP, &problem);
-        if selection.quiet || is_hidden() {
+        if selection.quiet || (!selection.plain && is_hidden()) {
             Verdict::NoGap
         } else {
             Verdict::Unexplained

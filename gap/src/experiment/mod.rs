@@ -223,6 +223,7 @@ mod tests {
         };
         let selection = Selection {
             quiet,
+            plain: false,
             given: false,
             null,
             perfect,

@@ -32,6 +32,9 @@ const QUIET_EXCESS: f64 = 0.12;
 const QUIET_ERRORS: f64 = 2.0;
 /// Robust cost by which a window may exceed the worst of a perfect model.
 const QUIET_WINDOW: f64 = 3.0;
+/// Robust excess per window, beyond as many standard errors, that a gap near its floor does not hide: a floor that a restart or
+/// two make is none for the others. With nothing wrong but a dry friction of another form it was 2.8 at most.
+const PLAIN_EXCESS: f64 = 4.0;
 /// Gap over floor up to which nothing that can be named is missing: near stick and slip a few restarts may decide either.
 pub(crate) const QUIET_GAP: f64 = 2.0;
 /// Gap over floor beyond which something is, be it in a restart or two: of 90 recordings with nothing wrong the largest was
@@ -77,6 +80,8 @@ pub(crate) struct Selection {
     /// True if the null leaves no more than it would if it were right, or no more of the gap than noise and restarts do: nothing is
     /// missing that could be seen.
     pub quiet: bool,
+    /// True if it leaves so much more in every window that something is, though the gap is near its floor.
+    pub plain: bool,
     /// True if the first round was given.
     pub given: bool,
     /// What the null would cost if it were right, as far as it can stand in for the device.
@@ -225,6 +230,7 @@ fn select_beyond(
     let perfect = Perfect::of(problem, &null);
     let mut selection = Selection {
         quiet: is_quiet(&null, &perfect) && problem.gap_over_floor(&null) <= LOUD_GAP,
+        plain: null.costs.mean() - perfect.level > PLAIN_EXCESS + QUIET_ERRORS * perfect.error,
         perfect: perfect.bounded(),
         null,
         given: false,
@@ -233,7 +239,7 @@ fn select_beyond(
     };
     // What two columns show is there, whatever the tolerances could make of it.
     let is_hidden = || !given.certain && selection.null_leaves_at_most(FLOOR_DOUBT, problem);
-    selection.quiet |= !given.is_gap || is_hidden();
+    selection.quiet |= !selection.plain && (!given.is_gap || is_hidden());
     if selection.quiet {
         return selection;
     }

@@ -76,10 +76,7 @@ impl Series {
             position: run.position.clone(),
             input_time: run.time.clone(),
             input: run.input.clone(),
-            largest_input: run
-                .input
-                .iter()
-                .fold(0.0, |largest, u| u.abs().max(largest)),
+            largest_input: largest(&run.input),
             told: Vec::new(),
             told_up_to: Vec::new(),
             span_s: 0.0,

@@ -164,7 +164,7 @@ impl Push {
 
     /// Of a torque that is held.
     #[inline]
-    pub(super) fn held(torque_nm: f64, lasts_s: f64) -> Self {
+    fn held(torque_nm: f64, lasts_s: f64) -> Self {
         Self {
             lasts_s,
             means_nm: [torque_nm; 2],

@@ -493,4 +493,34 @@ proptest! {
         let error = error_of_quick_behind(&paddle, lag_s);
         prop_assert!(error < 1e-3, "{error}");
     }
+
+    #[test]
+    fn quick_steps_follow_what_pushes(
+        away in 0.005..0.05f64,
+        side in prop_oneof![Just(1.0), Just(-1.0), Just(0.0)],
+        stiffness in 0.2..60.0f64,
+        damping_ratio in 0.05..0.5f64,
+        passing in prop_oneof![Just(None), Just(Some([0.03, 0.21]))],
+        linked in any::<bool>(),
+    ) {
+        let mut paddle = paddle();
+        let natural_rate = (stiffness / paddle.inertia).sqrt();
+        paddle.barriers[1] = Some(Barrier {
+            at: if side == 0.0 { away } else { side * away },
+            side,
+            stiffness,
+            damping: 2.0 * damping_ratio * natural_rate * paddle.inertia,
+            during_s: passing,
+        });
+        paddle.link = linked.then_some(Link {
+            load_share: 0.4,
+            stiffness: 20.0,
+            damping: 0.01,
+            play: 0.0,
+            load_friction: 0.5,
+            sensor_on_load: false,
+        });
+        let error = error_of_quick(&paddle);
+        prop_assert!(error < 2e-3, "{error}");
+    }
 }

@@ -1,6 +1,7 @@
 //! Sliding with nothing stiff in action, which most steps are: the midpoint rule, without a look for what may happen
 //! within.
 
+use super::pace::MIDPOINT_ON_SLOPE;
 use super::{Barrier, Plant, State, Torque, Touch};
 
 impl Plant {
@@ -26,7 +27,7 @@ impl Plant {
         let m = &self.mechanics;
         let [drive_nm, early_nm] = torque.means(dt_s);
         // On the falling slope of friction the midpoint misses too much.
-        if dt_s > self.longest_on_slope(state, drive_nm, 0.0) {
+        if dt_s > self.longest_on_slope(state, drive_nm, MIDPOINT_ON_SLOPE) {
             return false;
         }
         state.pendulum.follow(state.position - m.gravity_zero);

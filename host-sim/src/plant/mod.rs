@@ -43,6 +43,7 @@ pub use friction::{Drift, Friction};
 pub use link::Link;
 pub use presliding::Presliding;
 pub use spot::Spot;
+use stribeck::Slope;
 pub use stribeck::Stribeck;
 use torque::Push;
 pub use torque::Torque;
@@ -194,11 +195,12 @@ pub struct Plant {
     plain: bool,
     parts: Parts,
     passing_barriers: bool,
-    /// Whether what holds a joint at rest depends on position and drive alone.
+    /// Whether what holds a joint at rest depends on position and drive alone, barriers that come and go apart.
     rest_is_steady: bool,
     inverse_inertia: [f64; 2],
     link_modes: Modes,
     pace: Pace,
+    slope: Option<Slope>,
     longest_step_s: f64,
     longest_closed_step_s: f64,
     longest_glide_s: f64,
@@ -246,11 +248,14 @@ impl Plant {
             parts,
             passing_barriers,
             rest_is_steady: dry
-                && !passing_barriers
                 && mechanics.link.is_none()
                 && mechanics.presliding.is_none()
                 && mechanics.friction.drift.is_none(),
             inverse_inertia,
+            slope: (!mechanics.friction.stribeck.is_none()).then(|| {
+                let Friction { stribeck, .. } = &mechanics.friction;
+                stribeck.slope(mechanics.inertia, mechanics.friction.highest_nm())
+            }),
             link_modes: mechanics.link.as_ref().map(link_modes).unwrap_or_default(),
             pace,
             longest_step_s: pace.rate_step / (rate + of_link(Link::fastest_rate)),

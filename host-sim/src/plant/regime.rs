@@ -4,6 +4,7 @@ use super::event::{self, Flow};
 use super::link::Flank;
 use super::pendulum::Pendulum;
 use super::runge_kutta::rk4;
+use super::stribeck::Stride;
 use super::two_mass::TwoMass;
 use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
 
@@ -189,7 +190,8 @@ impl Plant {
     /// Carries `state` over `dt_s` under `torque`.
     #[inline]
     pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
-        if self.stays_at_rest(state, torque.bounds(dt_s)) || self.glides(state, &torque, dt_s) {
+        let rests = !self.passing_barriers && self.stays_at_rest(state, torque.bounds(dt_s));
+        if rests || self.glides(state, &torque, dt_s) {
             state.time_s += dt_s;
             return;
         }
@@ -428,21 +430,12 @@ impl Plant {
 
     /// The longest step that follows how friction falls with speed, s.
     #[inline]
-    pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, rate_step: f64) -> f64 {
-        let m = &self.mechanics;
-        let stribeck = &m.friction.stribeck;
-        if stribeck.is_none() {
+    pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, stride: Stride) -> f64 {
+        let Some(slope) = &self.slope else {
             return f64::INFINITY;
-        }
-        let level = m.friction.highest_nm();
+        };
         let pull = self.pull(state, drive_nm, self.through(state));
-        stribeck.longest_step(
-            m.inertia,
-            state.velocity.abs(),
-            pull.abs() + level * stribeck.ratio,
-            level,
-            rate_step,
-        )
+        slope.longest_step(state.velocity.abs(), pull, stride)
     }
 
     /// The longest step that the stiffest part in action allows, s.
@@ -461,7 +454,7 @@ impl Plant {
                 longest = longest.min(self.pace.rate_step / (natural + damped));
             }
         }
-        longest = longest.min(self.longest_on_slope(state, drive_nm, self.pace.rate_step));
+        longest = longest.min(self.longest_on_slope(state, drive_nm, self.pace.on_slope));
         if state.phase == Phase::Bristle {
             let level = m.friction.highest_nm();
             let holding = level * m.friction.stribeck.ratio;

@@ -20,9 +20,6 @@ pub struct Stribeck {
 const FLAT_FROM: f64 = 9.2;
 /// And from which nothing of it is left: exp(−36) is 2e-16.
 const GONE_FROM: f64 = 36.0;
-/// Share of the Stribeck velocity that a fourth-order step may gain: it then misses 1e-4 of the fall.
-const SLOPE_SHARE: f64 = 0.5;
-
 impl Stribeck {
     /// One level at rest and sliding.
     pub const NONE: Self = Self {
@@ -71,28 +68,51 @@ impl Stribeck {
         }
     }
 
-    /// The longest step of an inertia on the falling slope, s, with `push_nm` the most that accelerates it and a sliding
-    /// level of `level_nm`: neither long for the slope nor a leap over it.
-    #[inline]
-    pub(super) fn longest_step(
-        &self,
-        inertia: f64,
-        speed: f64,
-        push_nm: f64,
-        level_nm: f64,
-        share: f64,
-    ) -> f64 {
-        if self.is_none() {
-            return f64::INFINITY;
+    /// The slope on which an inertia slides, with a sliding level of `level_nm`.
+    pub(super) fn slope(&self, inertia: f64, level_nm: f64) -> Slope {
+        let steepest = (0.5 * self.exponent).max(1.0) * (self.ratio - 1.0).abs();
+        Slope {
+            velocity: self.velocity,
+            flat_from: self.root(FLAT_FROM) * self.velocity,
+            rate: steepest * level_nm / (inertia * self.velocity),
+            inertia,
+            level_nm: level_nm * self.ratio,
         }
-        let flat_from = self.root(FLAT_FROM) * self.velocity;
-        let leap = (speed - flat_from).max(SLOPE_SHARE * self.velocity);
-        let reaching = leap * inertia / push_nm;
-        if speed > flat_from {
+    }
+}
+
+/// How friction falls with the speed of an inertia.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slope {
+    /// Speed over which it falls, and beyond which it is flat, rad/s.
+    velocity: f64,
+    flat_from: f64,
+    /// At which the speed grows where it is steepest, 1/s.
+    rate: f64,
+    inertia: f64,
+    /// At most, N m.
+    level_nm: f64,
+}
+
+/// How far a step may go on a slope.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stride {
+    /// Product of the slope's rate and the step.
+    pub rate_step: f64,
+    /// Share of the Stribeck velocity that the speed may change by.
+    pub share: f64,
+}
+
+impl Slope {
+    /// The longest step, s, where `pull_nm` is all but dry friction: neither long for the slope nor a leap over it.
+    #[inline]
+    pub(super) fn longest_step(&self, speed: f64, pull_nm: f64, stride: Stride) -> f64 {
+        let leap = (speed - self.flat_from).max(stride.share * self.velocity);
+        let reaching = leap * self.inertia / (pull_nm.abs() + self.level_nm);
+        if speed > self.flat_from {
             return reaching;
         }
-        let steepest = (0.5 * self.exponent).max(1.0) * (self.ratio - 1.0).abs();
-        reaching.min(share * inertia * self.velocity / (steepest * level_nm))
+        reaching.min(stride.rate_step / self.rate)
     }
 }
 

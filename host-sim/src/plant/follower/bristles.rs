@@ -1,6 +1,6 @@
 //! One mass on bristles.
 
-use super::super::{Course, Phase, State};
+use super::super::{Course, Phase, State, Touch};
 use super::Follower;
 
 /// Angle of an oscillation on bristles that a step takes at most, and parts of a step at most.
@@ -19,9 +19,10 @@ impl Follower<'_> {
         let m = &plant.mechanics;
         let bristles = &plant.parts.bristles;
         let inertia = m.inertia;
-        let Some(until_s) = self.until_s(state) else {
+        let until_s = self.until_s(state);
+        if state.touch.contains(&Touch::Pushing) {
             return from;
-        };
+        }
         let holding = m.friction.highest_nm() * m.friction.stribeck.ratio;
         let rate = bristles.natural_rate(inertia, holding) + self.bent_rate;
         let mut next = from;

@@ -5,6 +5,7 @@ use super::super::two_mass::flow_index;
 use super::super::zero_order_hold::ZeroOrderHold;
 use super::super::{Course, Phase, Plant, Push, State};
 use super::bent::Bent;
+use super::ground::Ground;
 use super::side::Side;
 use super::{Follower, after, is_usual};
 
@@ -33,7 +34,8 @@ impl Follower<'_> {
         if !have(&x) {
             return from;
         }
-        let Some(until_s) = self.until_s(state) else {
+        let until_s = self.until_s(state);
+        let Some(ground) = self.ground(state) else {
             return from;
         };
         let step_s = self.step_s;
@@ -41,8 +43,8 @@ impl Follower<'_> {
         let flank = link.flank(x[0] - x[2], x[1] - x[3]);
         let held = sides.map(|side| side == Side::Held);
         let is_linear = self.is_linear;
-        let flow = &*self.two_masses[flow_index(flank, held)]
-            .get_or_insert_with(|| Box::new(plant.two_masses_held(flank, held, step_s)));
+        let flow = &*self.flows(&ground).two_masses[flow_index(flank, held)]
+            .get_or_insert_with(|| Box::new(plant.two_masses_held(flank, held, &ground, step_s)));
         let (stiffness, damping, relaxed) = link.spring(flank);
         let directions = sides.map(Side::direction);
         let constant_friction = |side: usize| {
@@ -51,7 +53,7 @@ impl Follower<'_> {
         };
         let constant_nm = [
             m.offset_nm + stiffness * relaxed - constant_friction(0),
-            m.stiffness * m.stiffness_zero - stiffness * relaxed - constant_friction(1),
+            ground.constant_nm - stiffness * relaxed - constant_friction(1),
         ];
         let bent = [0, 1].map(|side| Bent::of(plant, side, directions[side]));
         let varies = bent.iter().any(|bent| bent.varies);
@@ -74,7 +76,7 @@ impl Follower<'_> {
                 pull.abs() <= plant.holding(state, pull, drive_nm)
             };
             let load_sticks = || {
-                let pull = constant_nm[1] + bent_nm[1] + through_nm - m.stiffness * x[2];
+                let pull = constant_nm[1] + bent_nm[1] + through_nm - ground.stiffness * x[2];
                 pull.abs() <= plant.load_holding(state, pull, push.means_nm[0])
             };
             (!held[0] || push.bounds_nm.into_iter().all(motor_sticks))
@@ -165,8 +167,13 @@ impl Follower<'_> {
 
 impl Plant {
     /// The linear flow of two masses within a flank of their link, `held` on the motor side or the load side.
-    fn two_masses_held(&self, flank: Flank, held: [bool; 2], step_s: f64) -> ZeroOrderHold<4, 2> {
-        let m = &self.mechanics;
+    fn two_masses_held(
+        &self,
+        flank: Flank,
+        held: [bool; 2],
+        ground: &Ground,
+        step_s: f64,
+    ) -> ZeroOrderHold<4, 2> {
         let mobility = |side: usize| {
             if held[side] {
                 0.0
@@ -176,7 +183,9 @@ impl Plant {
         };
         let [motor, load] = [mobility(0), mobility(1)];
         let (stiffness, damping, _) = self.parts.link.spring(flank);
-        let viscous = self.friction_share.map(|share| share * m.viscous);
+        let viscous = self
+            .friction_share
+            .map(|share| share * self.mechanics.viscous);
         let rates = [
             [0.0, -motor * stiffness, 0.0, load * stiffness],
             [1.0, -motor * (damping + viscous[0]), 0.0, load * damping],
@@ -184,9 +193,14 @@ impl Plant {
                 0.0,
                 motor * stiffness,
                 0.0,
-                -load * (stiffness + m.stiffness),
+                -load * (stiffness + ground.stiffness),
             ],
-            [0.0, motor * damping, 1.0, -load * (damping + viscous[1])],
+            [
+                0.0,
+                motor * damping,
+                1.0,
+                -load * (damping + viscous[1] + ground.damping),
+            ],
         ];
         let inputs = [[0.0, motor, 0.0, 0.0], [0.0, 0.0, 0.0, load]];
         ZeroOrderHold::new(rates, inputs, step_s)

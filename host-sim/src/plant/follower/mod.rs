@@ -4,13 +4,16 @@
 
 mod bent;
 mod bristles;
+mod ground;
 mod linked;
 mod side;
 mod sliding;
 
+use super::pace::MIDPOINT_ON_SLOPE;
 use super::two_mass::FLOWS;
 use super::zero_order_hold::ZeroOrderHold;
-use super::{Course, Phase, Plant, Push, State, Touch};
+use super::{Course, Phase, Plant, Push, Rest, State};
+use ground::Ground;
 
 /// A plant, with its linear flows over the step that recurs.
 #[derive(Debug)]
@@ -22,13 +25,23 @@ pub struct Follower<'a> {
     bent_rate: f64,
     /// True if steps are short enough for that.
     is_gentle: bool,
+    free: Flows,
+    /// While a barrier pushes, on the ground that it pushes from.
+    pushed: Option<(Ground, Flows)>,
+}
+
+/// Flows on one ground, each as it is first met.
+#[derive(Debug, Default)]
+struct Flows {
     one_mass: Option<ZeroOrderHold<2, 1>>,
-    /// By flank and by what is held, each as it is first met.
+    /// By flank and by what is held.
     two_masses: [Option<Box<ZeroOrderHold<4, 2>>>; FLOWS],
 }
 
 /// Product of the fastest rate of what is not linear and the step: the midpoint's frequency is off by a 24th of the square.
 const MIDPOINT_RATE_STEP: f64 = 0.1;
+/// Product of the rate on a barrier and the step: whoever leaves it does not come back within one.
+const PUSHED_RATE_STEP: f64 = 1.0;
 /// Share by which a step may differ from the one that recurs, and from which on that makes a difference.
 const NEAR_USUAL: f64 = 0.3;
 const SAME: f64 = 1e-9;
@@ -48,8 +61,8 @@ impl<'a> Follower<'a> {
                 && (plant.plain || !plant.dry),
             bent_rate,
             is_gentle: bent_rate * step_s <= MIDPOINT_RATE_STEP,
-            one_mass: None,
-            two_masses: Default::default(),
+            free: Flows::default(),
+            pushed: None,
         }
     }
 
@@ -87,7 +100,11 @@ impl<'a> Follower<'a> {
             return self.coast_linked(state, course, from, seen);
         }
         let mut next = from;
-        while next < course.steps() && plant.stays_at_rest(state, course.push(next).bounds_nm) {
+        let rests_until_s = self.rests_until_s(state);
+        while next < course.steps()
+            && state.time_s + course.push(next).lasts_s <= rests_until_s
+            && plant.stays_at_rest(state, course.push(next).bounds_nm)
+        {
             state.time_s += course.push(next).lasts_s;
             seen[next] = state.position;
             next += 1;
@@ -104,11 +121,48 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// Time at which the flow ends whatever happens, s; none if it may not begin.
+    /// Time up to which what pulls at rest stays as it is, s.
     #[inline]
-    fn until_s(&self, state: &mut State) -> Option<f64> {
-        let until_s = state.time_s + self.plant.until_barriers_change(state, f64::INFINITY);
-        (!state.touch.contains(&Touch::Pushing)).then_some(until_s)
+    fn rests_until_s(&self, state: &mut State) -> f64 {
+        if !self.plant.passing_barriers {
+            return f64::INFINITY;
+        }
+        state.rest = Rest::UNKNOWN;
+        self.until_s(state)
+    }
+
+    /// Time at which the flow ends whatever happens, s.
+    #[inline]
+    fn until_s(&self, state: &mut State) -> f64 {
+        state.time_s + self.plant.until_barriers_change(state, f64::INFINITY)
+    }
+
+    /// The ground that the load side is on, if steps are short enough for it.
+    #[inline]
+    fn ground(&self, state: &State) -> Option<Ground> {
+        let ground = Ground::of(self.plant, state);
+        let is_soft =
+            || ground.rate(self.plant.inverse_inertia[1]) * self.step_s <= PUSHED_RATE_STEP;
+        (!ground.pushes || is_soft()).then_some(ground)
+    }
+
+    /// The flows on it.
+    #[inline]
+    fn flows(&mut self, ground: &Ground) -> &mut Flows {
+        if !ground.pushes {
+            return &mut self.free;
+        }
+        if self
+            .pushed
+            .as_ref()
+            .is_none_or(|(known, _)| known != ground)
+        {
+            self.pushed = None;
+        }
+        let (_, flows) = self
+            .pushed
+            .get_or_insert_with(|| (*ground, Flows::default()));
+        flows
     }
 }
 
@@ -139,7 +193,7 @@ impl Plant {
     /// True if static friction that falls with speed is too steep for a step.
     #[inline]
     fn is_steep(&self, state: &State, push: &Push) -> bool {
-        push.lasts_s > self.longest_on_slope(state, push.means_nm[0], 0.0)
+        push.lasts_s > self.longest_on_slope(state, push.means_nm[0], MIDPOINT_ON_SLOPE)
     }
 
     /// 1/(kg m²), of the lighter side.

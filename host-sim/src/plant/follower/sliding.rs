@@ -3,6 +3,7 @@
 use super::super::zero_order_hold::ZeroOrderHold;
 use super::super::{Course, Plant, State};
 use super::bent::Bent;
+use super::ground::Ground;
 use super::side::Side;
 use super::{Follower, after, is_usual};
 
@@ -16,12 +17,12 @@ impl Follower<'_> {
         seen: &mut [f64],
     ) -> usize {
         let plant = self.plant;
-        let m = &plant.mechanics;
         let side = Side::of(plant.dry, state.velocity, state.phase);
         if side == Side::Held || !side.has(state.velocity) {
             return from;
         }
-        let Some(until_s) = self.until_s(state) else {
+        let until_s = self.until_s(state);
+        let Some(ground) = self.ground(state) else {
             return from;
         };
         let direction = side.direction();
@@ -29,9 +30,10 @@ impl Follower<'_> {
         let inverse = plant.inverse_inertia[0];
         let is_linear = self.is_linear;
         let flow = &*self
+            .flows(&ground)
             .one_mass
-            .get_or_insert_with(|| plant.one_mass_held(step_s));
-        let constant_nm = m.offset_nm + m.stiffness * m.stiffness_zero
+            .get_or_insert_with(|| plant.one_mass_held(&ground, step_s));
+        let constant_nm = plant.mechanics.offset_nm + ground.constant_nm
             - plant.constant_friction_nm(0, direction).unwrap_or(0.0);
         let bent = Bent::of(plant, 0, direction);
         let mut x = [state.position, state.velocity];
@@ -80,10 +82,13 @@ impl Follower<'_> {
 
 impl Plant {
     /// The linear flow of one mass.
-    fn one_mass_held(&self, step_s: f64) -> ZeroOrderHold<2, 1> {
-        let m = &self.mechanics;
+    fn one_mass_held(&self, ground: &Ground, step_s: f64) -> ZeroOrderHold<2, 1> {
         let inverse = self.inverse_inertia[0];
-        let rates = [[0.0, -m.stiffness * inverse], [1.0, -m.viscous * inverse]];
+        let damping = self.mechanics.viscous + ground.damping;
+        let rates = [
+            [0.0, -ground.stiffness * inverse],
+            [1.0, -damping * inverse],
+        ];
         ZeroOrderHold::new(rates, [[0.0, inverse]], step_s)
     }
 }

@@ -1,0 +1,45 @@
+//! What pulls on the load side from outside in proportion to where it is and how fast: the spring, and barriers that push.
+
+use super::super::{Barrier, Plant, State, Touch};
+
+/// `T = constant − stiffness · x − damping · v`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ground {
+    /// N m.
+    pub(super) constant_nm: f64,
+    /// N m/rad.
+    pub(super) stiffness: f64,
+    /// N m s/rad.
+    pub(super) damping: f64,
+    /// True if a barrier pushes.
+    pub(super) pushes: bool,
+}
+
+impl Ground {
+    pub(super) fn of(plant: &Plant, state: &State) -> Self {
+        let m = &plant.mechanics;
+        let spring = Self {
+            constant_nm: m.stiffness * m.stiffness_zero,
+            stiffness: m.stiffness,
+            damping: 0.0,
+            pushes: false,
+        };
+        let barriers = plant.parts.barriers.iter().zip(&state.touch);
+        let pushing = barriers.filter(|(_, touch)| **touch == Touch::Pushing);
+        pushing.fold(spring, |ground, (barrier, _)| ground.and(barrier))
+    }
+
+    fn and(self, barrier: &Barrier) -> Self {
+        Self {
+            constant_nm: self.constant_nm + barrier.stiffness * barrier.at,
+            stiffness: self.stiffness + barrier.stiffness,
+            damping: self.damping + barrier.damping,
+            pushes: true,
+        }
+    }
+
+    /// Rate of an inertia on it, 1/s.
+    pub(super) fn rate(&self, inverse_inertia: f64) -> f64 {
+        (self.stiffness.abs() * inverse_inertia).sqrt() + self.damping * inverse_inertia
+    }
+}

@@ -95,11 +95,8 @@ const LEAST_SHRINK_OF_REST: f64 = 0.5;
 /// in which a hidden state is wrong may be most of the gap.
 const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 
-/// Coarse samples that rival models are fitted to: more would not tell them apart better, only later.
-const MOST_SAMPLES: usize = 60_000;
-
 fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
-    series::thinned(series::coarse(recording, horizon_s), MOST_SAMPLES)
+    series::thinned(series::coarse(recording, horizon_s), series::MOST_SAMPLES)
 }
 
 /// Diagnoses a recording.

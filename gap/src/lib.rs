@@ -20,6 +20,7 @@
 //!
 //! `examples/linear_axis.rs` makes a recording in memory and tries an effect by hand.
 
+mod averaging;
 mod bounds;
 mod candidate;
 mod comparison;

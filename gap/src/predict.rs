@@ -100,6 +100,11 @@ impl Predictor {
             fading: Decay::default(),
         };
         let mut follower = Follower::new(&self.plant, series.step_s());
+        let low_passes = [
+            self.device.sensing.lag_s > 0.0,
+            self.sensor.cutoff_hz.is_some(),
+        ];
+        let low_passes = low_passes.into_iter().filter(|there| *there).count();
         let told = Told::new(&self.device.drive, series);
         let taken = self.taken(series, wanted);
         for (index, window) in series.windows.iter().enumerate() {
@@ -118,6 +123,7 @@ impl Predictor {
                 self.restart(&mut running, series, window, shift, follows);
                 let seen = &mut predicted[samples.clone()];
                 follower.follow(&mut running.state, &course.steps, seen);
+                series.averaging.show(samples.start, seen, low_passes);
             });
             running.read_s = restart_s;
             for i in samples {

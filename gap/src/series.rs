@@ -1,5 +1,6 @@
 //! A run cut into prediction windows, each with its restart.
 
+use crate::averaging::Averaging;
 use crate::noise;
 use crate::restart::Restart;
 use crate::told::Courses;
@@ -56,12 +57,17 @@ pub struct Series {
     pub session_offset_s: f64,
     /// In the order of time, without gaps between them.
     pub windows: Vec<Window>,
+    /// What the samples show of a motion.
+    pub(crate) averaging: Averaging,
     /// What drives make of the inputs.
     pub(crate) courses: Courses,
 }
 
-/// Period to about which samples are put together, s.
+/// Period that suffices for whatever moves, s, and the longest to about which samples are put together in long windows.
 pub(crate) const FINE_PERIOD_S: f64 = 1e-3;
+const LONGEST_PERIOD_S: f64 = 2e-3;
+/// Samples of a window that suffice.
+const WINDOW_SAMPLES: f64 = 100.0;
 
 impl Series {
     /// All samples of `run`, restarted every `horizon_s`.
@@ -84,6 +90,7 @@ impl Series {
             correlation,
             session_offset_s,
             windows,
+            averaging: Averaging::default(),
             courses: Courses::default(),
         }
     }
@@ -152,6 +159,7 @@ impl Series {
             position: self.position[rows.clone()].to_vec(),
             input_time: self.input_time[rows.clone()].to_vec(),
             input: self.input[rows.clone()].to_vec(),
+            averaging: self.averaging.part(rows.clone()),
             largest_input: self.largest_input,
             told: self.told[told.clone()].to_vec(),
             told_up_to: self.told_up_to[..]
@@ -168,11 +176,10 @@ impl Series {
         }
     }
 
-    /// Puts samples together to about [`FINE_PERIOD_S`], input and position averaged; the restarts stay
-    /// as they are. What moves faster than that carries no torque that a device of inertia shows.
-    fn coarsened(self) -> Self {
+    /// Puts samples together to about `period_s`, input and position averaged; the restarts stay as they are. What moves faster than that carries no torque that a device of inertia shows.
+    fn coarsened(self, period_s: f64) -> Self {
         let period = self.period_s;
-        let group = (FINE_PERIOD_S / period).round() as usize;
+        let group = (period_s / period).round() as usize;
         if group < 2 {
             return self;
         }
@@ -186,6 +193,7 @@ impl Series {
             span_s: group as f64 * period,
             correlation: self.correlation.powi(group as i32),
             windows: Vec::new(),
+            averaging: Averaging::default(),
             courses: Courses::default(),
             ..self
         };
@@ -193,15 +201,20 @@ impl Series {
         let mut firsts = Vec::new();
         for window in &self.windows {
             let start = coarse.time.len();
+            let mut spreads_s2 = Vec::new();
             for first in window.samples.clone().step_by(group) {
                 let rows = first..(first + group).min(window.samples.end);
-                let mean =
-                    |column: &[f64]| column[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
-                coarse.time.push(mean(&self.time));
-                coarse.position.push(mean(&self.position));
+                let at_s = mean(&self.time[rows.clone()]);
+                let apart = self.time[rows.clone()].iter().map(|t| (t - at_s).powi(2));
+                spreads_s2.push(apart.sum::<f64>() / rows.len() as f64);
+                coarse.time.push(at_s);
+                coarse.position.push(mean(&self.position[rows]));
                 coarse.input_time.push(self.time[first]);
                 firsts.push(first);
             }
+            coarse
+                .averaging
+                .add_window(&coarse.time[start..], &spreads_s2);
             coarse.windows.push(Window {
                 samples: start..coarse.time.len(),
                 noise: averaged * window.noise,
@@ -230,6 +243,10 @@ impl Series {
         }
         coarse
     }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Largest magnitude.
@@ -291,18 +308,31 @@ pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
         .collect()
 }
 
-/// All runs at about a millisecond, restarted every `horizon_s`.
+/// All runs at a millisecond or, where windows are long, at two, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
+    let period_s = (recording.horizon / WINDOW_SAMPLES).clamp(FINE_PERIOD_S, LONGEST_PERIOD_S);
+    at_about(recording, horizon_s, period_s)
+}
+
+/// All runs at about a millisecond, restarted every `horizon_s`.
+pub fn fine(recording: &Recording, horizon_s: f64) -> Vec<Series> {
+    at_about(recording, horizon_s, FINE_PERIOD_S)
+}
+
+fn at_about(recording: &Recording, horizon_s: f64, period_s: f64) -> Vec<Series> {
     let offsets = session_offsets(recording);
     // One run at a time, so that a long session is never held twice at full rate.
     (0..recording.runs.len())
-        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened())
+        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened(period_s))
         .collect()
 }
 
 /// Windows that stay together where a long recording is thinned, so that what is carried from window to
 /// window can settle.
 const BLOCK: usize = 8;
+
+/// Samples that tell rival models apart: more would not do so better, only later.
+pub(crate) const MOST_SAMPLES: usize = 60_000;
 
 /// Blocks of windows spread evenly over `series`, of about `most` samples in all; everything if that is
 /// no more.

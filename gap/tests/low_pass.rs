@@ -3,6 +3,8 @@
 mod made;
 
 use gap::diagnosis::Verdict;
+use gap::predict::Predictor;
+use gap::series::Series;
 use gap::{Options, diagnose};
 use host_sim::device::Device;
 use host_sim::sensors::Noise;
@@ -68,19 +70,36 @@ fn a_perfect_model_is_at_the_floor_wherever_the_noise_comes_in() {
     }
 }
 
+/// How far the prediction of samples that are put together, so many at a time, lies beside the mean of that of each, at most.
+fn beside_means(recording: &Recording, together: &[Series], group: usize) -> f64 {
+    let predictor = Predictor::new(Device::nominal(&paddle()), recording);
+    let whole = &gap::series::full(recording, recording.horizon)[0];
+    assert_eq!(whole.time.len() / together[0].time.len(), group);
+    let all = predictor.predict(whole);
+    let means = all.chunks(group);
+    let means = means.map(|all| all.iter().sum::<f64>() / all.len() as f64);
+    let pairs = means.zip(predictor.predict(&together[0]));
+    pairs.fold(0.0, |most, (mean, p)| (p - mean).abs().max(most))
+}
+
 #[test]
 fn samples_that_are_put_together_are_predicted_as_they_are() {
     let recording = low_passed(paddle(), false, 3);
-    let predictor = gap::predict::Predictor::new(Device::nominal(&paddle()), &recording);
-    let whole = &gap::series::full(&recording, 0.3)[0];
-    let coarse = &gap::series::coarse(&recording, 0.3)[0];
-    let all = predictor.predict(whole);
-    let group = whole.time.len() / coarse.time.len();
-    assert_eq!(group, 2);
-    for (means, p) in all.chunks(group).zip(predictor.predict(coarse)) {
-        let mean = means.iter().sum::<f64>() / means.len() as f64;
-        assert!((p - mean).abs() < 0.2 * NOISE, "{p} {mean}");
-    }
+    let fine = gap::series::fine(&recording, recording.horizon);
+    assert!(beside_means(&recording, &fine, 2) < 0.2 * NOISE);
+}
+
+#[test]
+fn a_low_pass_takes_nothing_from_samples_that_are_farther_apart() {
+    let beside_means = |recording: &Recording| {
+        let coarse = gap::series::coarse(recording, recording.horizon);
+        beside_means(recording, &coarse, 4)
+    };
+    let passed = beside_means(&low_passed(paddle(), false, 3));
+    let seen = beside_means(&recording(&paddle(), paddle(), NOISE, 0.0, 3));
+    // A break-away is known to the time between inputs.
+    assert!(seen < 0.4 * NOISE, "{seen}");
+    assert!(passed < 1.05 * seen, "{passed} {seen}");
 }
 
 #[test]

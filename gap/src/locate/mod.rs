@@ -11,10 +11,12 @@ use crate::diagnosis::{AFTER_REST, Region};
 use crate::fit::Fit;
 use crate::predict::Predictor;
 use crate::problem::Problem;
+use crate::series::{MOST_SAMPLES, Series, fine, thinned};
 use bins::Stretch;
 use evidence::{Evidence, LEAST_SURPLUS, span};
 use host_sim::effects::Channel;
 use innovation::innovations;
+use recording::Recording;
 
 /// A share of the gap that is most of it: its place is told first.
 const MOST: f64 = 0.5;
@@ -71,9 +73,11 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
         .hypothesis
         .device(&recording.model, &problem.nudges, &null.x);
     let predictor = Predictor::new(device, recording);
+    // A kink is seen in short windows only, of samples that are close.
+    let series = &thinned(fine(recording, recording.horizon), MOST_SAMPLES);
     let all = innovations(
         &predictor,
-        &problem.series,
+        series,
         recording.horizon,
         recording.restart_half_width,
     );
@@ -83,7 +87,6 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     if excess <= LEAST_EXCESS * (excess + samples) {
         return Vec::new();
     }
-    let series = &problem.series;
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
     let mut axes = evidence::Axes::new(&all, series).ranked(&predictions, recording.horizon);
     axes.truncate(AXES);
@@ -94,12 +97,16 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let first = axes.iter().map(|e| (e, e.stretch));
     first
         .chain(second)
-        .map(|(e, stretch)| region(problem, e, stretch))
+        .map(|(e, stretch)| region(recording, series, e, stretch))
         .collect()
 }
 
-fn region(problem: &Problem<'_>, evidence: &Evidence, stretch: Stretch) -> Region {
-    let recording = problem.recording;
+fn region(
+    recording: &Recording,
+    series: &[Series],
+    evidence: &Evidence,
+    stretch: Stretch,
+) -> Region {
     let mut region = Region {
         axis: evidence.axis,
         from: Some(stretch.from - evidence.reach),
@@ -118,7 +125,7 @@ fn region(problem: &Problem<'_>, evidence: &Evidence, stretch: Stretch) -> Regio
             (region.from, region.to) = (None, None);
         }
         "time" => {
-            let inside = problem.series.iter().find(|s| {
+            let inside = series.iter().find(|s| {
                 let (from, to) = span(s);
                 stretch.from >= from && stretch.to <= to
             });

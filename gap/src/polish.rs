@@ -48,19 +48,19 @@ impl Problem<'_> {
         best
     }
 
-    /// The best of the fits to all windows that begin far to both sides of one along each coordinate of its effects: where what
-    /// sticks or strikes is chaotic, neither slopes nor what a start costs say which of them leads on.
-    pub(crate) fn begun_afar(&self, fit: &Fit, iterations: usize) -> Option<Fit> {
-        let fitted = |starts: Vec<Vec<f64>>, iterations| {
+    /// The best of the fits to all windows that begin, on a part of them, far to both sides of one along each coordinate of its
+    /// effects: where what sticks or strikes is chaotic, neither slopes nor what a start costs say which of them leads on.
+    pub(crate) fn begun_afar(&self, fit: &Fit, part: Part<'_>, iterations: usize) -> Option<Fit> {
+        let fitted = |starts: Vec<Vec<f64>>, part, iterations| {
             let fits = starts.into_par_iter();
-            let fits = fits.map(|x| self.fit(&fit.hypothesis, x, Part::All, iterations));
+            let fits = fits.map(|x| self.fit(&fit.hypothesis, x, part, iterations));
             let mut fits: Vec<Fit> = fits.collect();
             fits.sort_by(|a, b| a.costs.level().total_cmp(&b.costs.level()));
             fits
         };
-        let near = fitted(self.beside(fit, &FAR), FAR_ITERATIONS).into_iter();
+        let near = fitted(self.beside(fit, &FAR), part, FAR_ITERATIONS).into_iter();
         let near = near.take(FAR_KEPT).map(|fit| fit.x).collect();
-        fitted(near, iterations).into_iter().next()
+        fitted(near, Part::All, iterations).into_iter().next()
     }
 
     /// The nominal model fitted from where one of its own numbers lies far from what is stated, if that leaves less: friction that
@@ -133,7 +133,7 @@ mod tests {
         let near = problem.fit(&hypothesis, vec![0.0], Part::All, 8);
         let near = problem.polished(&near, 15);
         assert!(play(&near) > 1.5 * PLAY, "{}", play(&near));
-        let far = problem.begun_afar(&near, 8).unwrap();
+        let far = problem.begun_afar(&near, Part::All, 8).unwrap();
         assert!((play(&far) / PLAY - 1.0).abs() < 0.05, "{}", play(&far));
     }
 }

@@ -3,12 +3,15 @@
 use super::Evidence;
 use super::regression::moments;
 use super::start::{linear, log, term};
+use super::waves::Waves;
 use crate::hypothesis::Term;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 
 /// Wave numbers tried.
 const GRID: usize = 600;
+/// Moments that are looked at for that.
+const MOST_MOMENTS: usize = 6000;
 /// Wave numbers from which a fit starts.
 const PEAKS: usize = 3;
 
@@ -41,21 +44,21 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     // Resolution is 2π over the span; on many turns whole numbers a turn are enough.
     let step = ((highest - lowest) / GRID as f64).max(0.25 * lowest);
     let count = ((highest - lowest) / step) as usize + 1;
-    let stride = (samples.len() / 6000).max(1);
-    let power = |n: f64| {
-        let (mut a, mut b) = (0.0, 0.0);
-        let mut count = 0.0;
-        for (x, _, m) in samples.iter().step_by(stride) {
-            let (sin, cos) = (n * x).sin_cos();
-            a += m * sin;
-            b += m * cos;
-            count += 1.0;
-        }
-        (2.0 * a / count, 2.0 * b / count)
-    };
+    let stride = (samples.len() / MOST_MOMENTS).max(1);
+    samples = samples.into_iter().step_by(stride).collect();
+    let positions: Vec<f64> = samples.iter().map(|s| s.0).collect();
+    let mut waves = Waves::of(&positions, lowest, step);
     let grid: Vec<(f64, (f64, f64))> = (0..count)
-        .map(|i| lowest + step * i as f64)
-        .map(|n| (n, power(n)))
+        .map(|i| {
+            let (mut a, mut b) = (0.0, 0.0);
+            for ((_, _, m), [sin, cos]) in samples.iter().zip(waves.now()) {
+                a += m * sin;
+                b += m * cos;
+            }
+            waves.go_on();
+            let mean = 2.0 / samples.len() as f64;
+            (lowest + step * i as f64, (mean * a, mean * b))
+        })
         .collect();
     let strength = |i: usize| grid[i].1.0.hypot(grid[i].1.1);
     let mut peaks: Vec<usize> = (0..grid.len())

@@ -13,6 +13,7 @@ mod sensing;
 mod start;
 mod stops;
 mod transmission;
+mod waves;
 
 #[cfg(test)]
 pub(crate) use start::term;
@@ -23,6 +24,7 @@ use crate::motion::{Motion, Scales};
 use crate::series::Series;
 use host_sim::device::Device;
 use host_sim::effects::{Channel, KINDS, Kind};
+use rayon::prelude::*;
 use recording::Model;
 
 /// What starting values are made from.
@@ -49,7 +51,7 @@ pub(crate) struct Candidate {
 
 /// Every effect that the recording could show, in the order of the vocabulary.
 pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
-    let all = KINDS.iter().map(|&kind| Candidate {
+    let all = KINDS.par_iter().map(|&kind| Candidate {
         kind,
         starts: starts(kind, evidence),
     });

@@ -3,6 +3,7 @@
 use super::Evidence;
 use super::regression::{Moment, moments};
 use super::start::{linear, term};
+use super::waves::Waves;
 use crate::hypothesis::{Coordinate, Term};
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
@@ -39,14 +40,19 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let moments: Vec<Moment> = moments(e).collect();
     let stride = (moments.len() / MOST_MOMENTS).max(1);
+    let some: Vec<&Moment> = moments.iter().step_by(stride).collect();
+    let positions: Vec<f64> = some.iter().map(|m| m.position).collect();
     let turn = TAU / s.span();
     let highest = s.finest_wave_number().min(MOST_TURNS * turn);
-    let count = (highest / (TURNS_APART * turn)) as usize;
+    let apart = TURNS_APART * turn;
+    let count = (highest / apart) as usize;
+    let mut waves = Waves::of(&positions, apart, apart);
     let tried: Vec<(f64, [f64; 3])> = (1..=count)
-        .map(|k| TURNS_APART * turn * k as f64)
-        .map(|n| {
-            let some = moments.iter().step_by(stride);
-            let (explained, [sine, cosine]) = explained(some, n, e.device.mechanics.inertia);
+        .map(|k| {
+            let n = apart * k as f64;
+            let waved = some.iter().copied().zip(waves.now());
+            let (explained, [sine, cosine]) = explained(waved, n, e.device.mechanics.inertia);
+            waves.go_on();
             (explained, [n, sine, cosine])
         })
         .collect();
@@ -63,7 +69,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let most = MOST_SLOPE / n;
             let part = (most / amplitude).min(1.0);
             let scale = (part * amplitude).max(0.1 * most);
-            let waves = linear(4, n, TURNS_APART * turn);
+            let waves = linear(4, n, apart);
             start(kind, e, [part * sine, part * cosine], scale, waves)
         })
         .collect()
@@ -71,14 +77,13 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 
 /// How much of the missing torque, squared, a sine and a cosine in the reading explain, and their amplitudes.
 fn explained<'a>(
-    moments: impl Iterator<Item = &'a Moment>,
+    moments: impl Iterator<Item = (&'a Moment, &'a [f64; 2])>,
     wave_number: f64,
     inertia: f64,
 ) -> (f64, [f64; 2]) {
     let mut normal = Matrix2::zeros();
     let mut right = Vector2::zeros();
-    for m in moments {
-        let (sin, cos) = (wave_number * m.position).sin_cos();
+    for (m, [sin, cos]) in moments {
         let bend = wave_number * m.acceleration;
         let turn = (wave_number * m.velocity).powi(2);
         let row = inertia * Vector2::new(bend * cos - turn * sin, -bend * sin - turn * cos);

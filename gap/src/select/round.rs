@@ -182,7 +182,10 @@ impl Search<'_> {
     /// A round with its winner begun anew from far around, if that leads to less.
     pub(crate) fn begun_afar(&self, round: &Round) -> Option<Round> {
         let Rival { name, fit: winner } = &round.rivals[0];
-        let fit = self.problem.begun_afar(winner, FITTING_ITERATIONS);
+        let chosen = self.screening_windows(&round.known);
+        let fit = self
+            .problem
+            .begun_afar(winner, Part::Chosen(&chosen), FITTING_ITERATIONS);
         let fit = fit.filter(|fit| round.leaves_more_than(fit))?;
         let mut rivals = round.rivals.clone();
         rivals[0] = Rival { name, fit };

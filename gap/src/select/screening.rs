@@ -1,10 +1,10 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
 use super::field::{Field, sorted};
-use super::level;
 use super::place::{bounces, is_local, is_scanned};
 use super::rival::Rival;
 use super::round::Search;
+use super::{QUIET_EXCESS, level};
 use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::Fit;
 use crate::hypothesis::Term;
@@ -26,6 +26,10 @@ pub(super) const MANY_ITERATIONS: usize = 6;
 const PROMISING: usize = 14;
 const PROMISING_BESIDE_MASSES: usize = 6;
 const SCREENING_ITERATIONS: usize = 4;
+/// Of those, but for some, the ones that gain this share of what the best one does by then: of 257 effects that were named on
+/// outside sets none that gained less came to the front.
+const LEAST_PROMISE: f64 = 0.2;
+const FEWEST_PROMISING: usize = 3;
 /// More for the best one before others are scanned.
 const LAST_ITERATIONS: usize = 10;
 /// Samples that suffice to tell the promising effects from the others, and fewest windows.
@@ -152,23 +156,32 @@ impl Search<'_> {
         } else {
             PROMISING
         };
+        let part = Part::Chosen(chosen);
         let begun = tried.par_iter().map(|c| (begun(c), c.kind.name));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
         begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
+        let there = self
+            .problem
+            .costs(&known.hypothesis, &known.x, part)
+            .level();
+        let best = begun.first().map_or(there, |(fits, _)| level(&fits[0]));
+        let in_reach = (there - LEAST_PROMISE * (there - best)).max(best + QUIET_EXCESS);
         begun
             .into_par_iter()
             .enumerate()
-            .filter_map(|(rank, (fits, name))| {
+            .filter_map(|(rank, (mut fits, name))| {
+                let first = level(&fits[0]);
+                let is_promising = rank < FEWEST_PROMISING || rank < promising && first <= in_reach;
+                fits.retain(|fit| level(fit) <= first.max(in_reach));
                 let iterations = match fits.len() {
-                    _ if rank >= promising || level(&fits[0]) > enough => 0,
+                    _ if !is_promising || first > enough => 0,
                     1 => SCREENING_ITERATIONS,
                     _ => MANY_ITERATIONS,
                 };
                 // What the model's own numbers took of the effect, they give back now.
-                let fits = fits.into_par_iter().map(|fit| {
-                    let part = Part::Chosen(chosen);
-                    self.problem.fit(&fit.hypothesis, fit.x, part, iterations)
-                });
+                let fits = fits
+                    .into_par_iter()
+                    .map(|fit| self.problem.fit(&fit.hypothesis, fit.x, part, iterations));
                 let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
                 Some(Rival { name, fit })
             })
@@ -183,7 +196,7 @@ impl Search<'_> {
         let device = known
             .hypothesis
             .device(&recording.model, &self.problem.nudges, &known.x);
-        let motions = series.iter();
+        let motions = series.par_iter();
         let motions = motions.map(|s| Motion::of(s, &device, recording.restart_half_width));
         let motions: Vec<Motion> = motions.collect();
         let mut tried = candidates(&Evidence {

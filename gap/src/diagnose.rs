@@ -140,10 +140,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     progress(Stage::Shrink);
     let mut left = left_by_each(&problem, &selection);
     let mut steps = closings(&problem, selection.fit(), &left);
-    let idle = (kept.max(1)..steps.len()).find(|&i| is_idle(&selection, i, &steps[i]));
-    if let Some(first) = idle {
-        selection.withdraw(first);
-        left.truncate(first + 1);
+    while let Some(idle) = (kept.max(1)..steps.len()).find(|&i| is_idle(&selection, i, &steps[i])) {
+        selection.withdraw_one(&problem, idle);
+        if idle < selection.rounds.len() {
+            left = left_by_each(&problem, &selection);
+        } else {
+            left.truncate(idle + 1);
+        }
         steps = closings(&problem, selection.fit(), &left);
     }
 

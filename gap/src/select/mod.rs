@@ -107,7 +107,7 @@ impl Selection {
     }
 
     /// True if one more effect may be found on top of those there are.
-    fn goes_on(&self) -> bool {
+    fn goes_on(&self, problem: &Problem<'_>) -> bool {
         let fit = self.fit();
         let hopeless = !self.given && self.is_hopeless(fit);
         let possible = self.last.is_none() && !hopeless;
@@ -115,7 +115,9 @@ impl Selection {
             && match self.rounds.len() {
                 // The second of two may be small beside the first.
                 1 => true,
-                2..MOST_EFFECTS => !self.leaves_little(fit),
+                2..MOST_EFFECTS => {
+                    !self.leaves_little(fit) || problem.gap_over_floor(fit) > LOUD_GAP
+                }
                 _ => false,
             }
     }
@@ -123,6 +125,21 @@ impl Selection {
     /// Takes back the effects from one on; the first of them found nothing more, then.
     pub(crate) fn withdraw(&mut self, from: usize) {
         self.last = self.rounds.drain(from..).next();
+    }
+
+    /// Takes back one effect; those after it are fitted anew without it.
+    pub(crate) fn withdraw_one(&mut self, problem: &Problem<'_>, place: usize) {
+        let mut later = self.rounds.split_off(place).into_iter();
+        self.last = later.next();
+        self.rounds.extend(later);
+        let mut known = match place.checked_sub(1) {
+            Some(before) => self.rounds[before].so_far.clone(),
+            None => self.null.clone(),
+        };
+        for round in &mut self.rounds[place..] {
+            *round = round.without(problem, place, known);
+            known = round.so_far.clone();
+        }
     }
 
     /// Share of the null's robust excess that a fit leaves; none where there is no excess but in a window or two.
@@ -294,7 +311,7 @@ fn select_beyond(
         return selection;
     }
     let mut is_revised = false;
-    while selection.goes_on() {
+    while selection.goes_on(problem) {
         let fit = selection.fit();
         let promised = if problem.is_at_floor(fit) {
             LEAST_PROMISED_AT_FLOOR

@@ -45,6 +45,22 @@ impl Round {
     pub(super) fn leaves_more_than(&self, fit: &Fit) -> bool {
         level(fit) < level(&self.rivals[0].fit)
     }
+
+    /// The same on top of what is `known` without one of the effects before it.
+    pub(super) fn without(&self, problem: &Problem<'_>, place: usize, known: Fit) -> Self {
+        let (hypothesis, x) = self.so_far.without(place);
+        let fit = problem.fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
+        Self {
+            known,
+            so_far: fit.clone(),
+            rivals: vec![Rival {
+                name: self.rivals[0].name,
+                fit,
+            }],
+            screened: Vec::new(),
+            ..*self
+        }
+    }
 }
 
 /// What all rounds share.

@@ -5,7 +5,7 @@ use crate::diagnosis::{Closing, Diagnosis, Estimate, Finding, Tried, Verdict};
 use crate::fit::Fit;
 use crate::floor::FLOOR_DOUBT;
 use crate::hypothesis::nudges;
-use crate::measure::measure;
+use crate::measure::{exceeds, measure};
 use crate::problem::{Part, Problem};
 use crate::select::{self, Given, Round, Selection};
 use crate::series;
@@ -121,11 +121,10 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let like = comparison.as_ref().and_then(Comparison::like);
     let like = like.filter(|like| !excluded.contains(&like.kind.name));
     let nominal = Device::nominal(&recording.model);
-    let (measured, _) = measure(recording, &nominal);
-    let before = measured.before;
+    // Where noise and restarts alone leave as much, there is hardly anything to name.
+    let (before, is_gap) = exceeds(recording, &nominal, FLOOR_DOUBT);
     let given = Given {
-        // Where noise and restarts alone leave as much, there is hardly anything to name.
-        is_gap: before > FLOOR_DOUBT * measured.floor,
+        is_gap,
         measured: like.map(Match::term),
         certain: comparison.as_ref().is_some_and(Comparison::is_certain),
         excluded,

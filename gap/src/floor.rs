@@ -9,22 +9,23 @@ use std::collections::HashMap;
 
 /// Windows that are looked at, or all there are: where noise decides between stick and slip, a few of them are most of the
 /// floor, and from so many it is known to some 20 %.
-const LOOKED_AT: usize = 400;
+pub(crate) const LOOKED_AT: usize = 400;
 /// Factor within which it is known then.
 pub(crate) const FLOOR_DOUBT: f64 = 1.2;
 
 /// Squares that noise and restarts alone would leave in each of some windows, given with their runs, if `predictor` were right:
 /// the mean over some draws of the noise, as near stick and slip, and where a restart falls on a kink of the motion, nothing is
-/// linear. The windows are those of series that were `cut` from the recording.
+/// linear, until about so many windows are `looked_at`. The windows are those of series that were `cut` from the recording.
 pub(crate) fn floor_squares<'a>(
     recording: &Recording,
     predictor: &Predictor,
     windows: impl Iterator<Item = (usize, &'a Window)>,
     cut: fn(&Recording, f64) -> Vec<Series>,
+    looked_at: usize,
 ) -> Vec<f64> {
     let both = Imagined::both(recording, predictor);
     let there: usize = both.iter().map(Imagined::telling).sum();
-    let draws = LOOKED_AT.div_ceil(there.max(1)).next_multiple_of(2) as u64;
+    let draws = looked_at.div_ceil(there.max(1)).next_multiple_of(2) as u64;
     let draws = both
         .iter()
         .flat_map(|one| (0..draws).map(move |draw| (one, draw)));

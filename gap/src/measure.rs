@@ -1,8 +1,8 @@
 //! The gap of one model on one recording, and the floor below which no model can bring it.
 
-use crate::floor::floor_squares;
+use crate::floor::{LOOKED_AT, floor_squares};
 use crate::predict::Predictor;
-use crate::series;
+use crate::series::{self, Window};
 use host_sim::device::Device;
 use recording::Recording;
 use serde::Serialize;
@@ -31,33 +31,73 @@ pub struct PredictedRun {
     pub predicted: Vec<f64>,
 }
 
+/// Gap over floor beyond which a glance at the floor is enough.
+const FAR_BEYOND: f64 = 3.0;
+/// Windows that are looked at for that: those of a draw to either side.
+const GLANCE: usize = 1;
+
 /// Measures the gap of `device` on `recording` as the recording format defines it.
 pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun>) {
-    let predictor = Predictor::new(device.clone(), recording);
-    let (mut squares, mut windows, mut runs) = (Vec::new(), Vec::new(), Vec::new());
-    for series in series::full(recording, recording.horizon) {
-        let predicted = predictor.predict(&series);
-        let left = |window| series.squares(window, &predicted);
-        squares.extend(series.windows.iter().map(left));
-        windows.extend(series.windows.into_iter().map(|w| (series.run, w)));
-        runs.push(PredictedRun {
-            file: recording.runs[series.run].file.clone(),
-            time: series.time,
-            measured: series.position,
-            predicted,
-        });
-    }
-    let samples: usize = windows.iter().map(|(_, w)| w.samples.len()).sum();
-    let before = rms(&squares, samples);
-    let windows = windows.iter().map(|(run, window)| (*run, window));
-    let floor = floor_squares(recording, &predictor, windows, series::full);
+    let left = Left::of(recording, device);
     let gap = Gap {
-        before,
+        before: left.rms,
         // A device that leaves less than an imagined one did was luckier with its restarts.
-        floor: rms(&floor, samples).min(before),
+        floor: left.floor(recording, LOOKED_AT).min(left.rms),
         unit: recording.units.position.clone(),
     };
-    (gap, runs)
+    (gap, left.runs)
+}
+
+/// What `device` leaves, in units of position, and whether that is more than `floors` times its floor.
+pub(crate) fn exceeds(recording: &Recording, device: &Device, floors: f64) -> (f64, bool) {
+    let left = Left::of(recording, device);
+    let beyond = |times: f64, looked_at| left.rms > times * left.floor(recording, looked_at);
+    let exceeds = beyond(floors.max(FAR_BEYOND), GLANCE) || beyond(floors, LOOKED_AT);
+    (left.rms, exceeds)
+}
+
+/// What a device leaves of a recording at full rate.
+struct Left {
+    predictor: Predictor,
+    runs: Vec<PredictedRun>,
+    /// With their runs.
+    windows: Vec<(usize, Window)>,
+    rms: f64,
+}
+
+impl Left {
+    fn of(recording: &Recording, device: &Device) -> Self {
+        let predictor = Predictor::new(device.clone(), recording);
+        let (mut squares, mut windows, mut runs) = (Vec::new(), Vec::new(), Vec::new());
+        for series in series::full(recording, recording.horizon) {
+            let predicted = predictor.predict(&series);
+            let left = |window| series.squares(window, &predicted);
+            squares.extend(series.windows.iter().map(left));
+            windows.extend(series.windows.into_iter().map(|w| (series.run, w)));
+            runs.push(PredictedRun {
+                file: recording.runs[series.run].file.clone(),
+                time: series.time,
+                measured: series.position,
+                predicted,
+            });
+        }
+        Self {
+            rms: rms(&squares, samples(&windows)),
+            predictor,
+            runs,
+            windows,
+        }
+    }
+
+    fn floor(&self, recording: &Recording, looked_at: usize) -> f64 {
+        let windows = self.windows.iter().map(|(run, window)| (*run, window));
+        let floor = floor_squares(recording, &self.predictor, windows, series::full, looked_at);
+        rms(&floor, samples(&self.windows))
+    }
+}
+
+fn samples(windows: &[(usize, Window)]) -> usize {
+    windows.iter().map(|(_, window)| window.samples.len()).sum()
 }
 
 fn rms(squares: &[f64], samples: usize) -> f64 {

@@ -2,7 +2,7 @@
 
 use crate::costs::Costs;
 use crate::fit::Fit;
-use crate::floor::floor_squares;
+use crate::floor::{LOOKED_AT, floor_squares};
 use crate::hypothesis::{Hypothesis, Nudge};
 use crate::predict::Predictor;
 use crate::series::{self, Series};
@@ -118,7 +118,13 @@ impl Problem<'_> {
         let predictor = self.predictor(&fit.hypothesis, &fit.x);
         let series = self.series.iter();
         let windows = series.flat_map(|s| s.windows.iter().map(move |w| (s.run, w)));
-        floor_squares(self.recording, &predictor, windows, series::coarse)
+        floor_squares(
+            self.recording,
+            &predictor,
+            windows,
+            series::coarse,
+            LOOKED_AT,
+        )
     }
 
     /// Root mean square of what a fit leaves, over that of what noise and restarts alone would.

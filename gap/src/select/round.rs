@@ -158,6 +158,21 @@ impl Search<'_> {
         }
     }
 
+    /// The rivals, what the best of them contains carried on to the end where it leaves little enough for that: with fewer
+    /// numbers it has fewer ways past a kink.
+    fn with_specials_polished(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
+        let Some((best, least)) = best_of(&rivals).map(|r| (r.name, level(&r.fit))) else {
+            return rivals;
+        };
+        let open = self.quiet()..=0.5 * (level(known) + least);
+        for rival in &mut rivals {
+            if contains(best, rival.name) && open.contains(&level(&rival.fit)) {
+                rival.fit = self.problem.polished(&rival.fit, POLISHING_ITERATIONS);
+            }
+        }
+        rivals
+    }
+
     /// The rivals in their order.
     fn ordered(&self, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
         let mut rivals = ranked(rivals, known, self.quiet())?;
@@ -217,6 +232,7 @@ impl Search<'_> {
     ) -> Option<Round> {
         (self.progress)(Stage::Judging);
         let best = best_of(&rivals)?.name;
+        let rivals = self.with_specials_polished(known, rivals);
         let mut rivals = self.ordered(known, rivals)?;
         let Rival { name, fit: winner } = &mut rivals[0];
         if bounces(name) {

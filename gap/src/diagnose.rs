@@ -132,7 +132,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let mut selection = select::select(&problem, &given, progress);
 
     let kept = usize::from(selection.given);
-    if selection.rounds.len() > kept && selection.leaves_most() {
+    if selection.rounds.len() > kept && selection.leaves_most(&problem) {
         selection.withdraw(kept);
     }
 

@@ -33,6 +33,7 @@ mod floor;
 mod ground;
 mod hypothesis;
 mod imagined;
+mod inputs;
 mod intersample;
 mod locate;
 #[cfg(test)]

@@ -42,7 +42,7 @@ impl Motion {
         for (i, noise) in (0..n).zip(noises) {
             let now = series.time[i];
             let from = series.input_time[i];
-            line.command_settled(from, series.settled_nm(&device.drive, i));
+            line.command_settled(from, device.drive.settled(series.input[i]));
             let dt = series.input_time.get(i + 1).map_or(0.0, |next| next - from);
             let (torque, _) = line.piece(from, dt);
             motion.drive_nm.push(torque.at(0.5 * dt));

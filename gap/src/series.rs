@@ -1,10 +1,10 @@
 //! A run cut into prediction windows, each with its restart.
 
 use crate::averaging::Averaging;
+use crate::inputs::Inputs;
 use crate::noise;
 use crate::restart::Restart;
 use crate::told::Courses;
-use host_sim::drive::Drive;
 use recording::{Recording, Run};
 use std::ops::Range;
 
@@ -19,13 +19,6 @@ pub struct Window {
     pub noise: f64,
     /// That of the samples that the restart is fitted to.
     pub restart_noise: f64,
-}
-
-/// One of the inputs that are put together, and its share of the time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Told {
-    input: f64,
-    share: f64,
 }
 
 /// A run as the prediction sees it.
@@ -44,9 +37,8 @@ pub struct Series {
     pub input: Vec<f64>,
     /// Largest magnitude of what was told.
     pub(crate) largest_input: f64,
-    /// What was told one after the other, where samples are put together; for each of them up to where.
-    pub(crate) told: Vec<Told>,
-    pub(crate) told_up_to: Vec<usize>,
+    /// What was told from sample to sample, where samples are put together.
+    pub(crate) told: Option<Inputs>,
     /// What each position is the mean over, s; 0 for an instant.
     pub span_s: f64,
     /// Median sampling period of the run's rows, s.
@@ -83,8 +75,7 @@ impl Series {
             input_time: run.time.clone(),
             input: run.input.clone(),
             largest_input: largest(&run.input),
-            told: Vec::new(),
-            told_up_to: Vec::new(),
+            told: None,
             span_s: 0.0,
             period_s,
             correlation,
@@ -112,27 +103,6 @@ impl Series {
         pairs.map(|(p, m)| (p - m).powi(2)).sum()
     }
 
-    /// Torque that a drive makes of input `i` once delay and lag have passed, N m: where samples are put together the
-    /// mean of what it makes of each, as a limit or a dead band of the mean would be something else.
-    #[inline]
-    pub(crate) fn settled_nm(&self, drive: &Drive, i: usize) -> f64 {
-        if drive.is_linear(self.largest_input) {
-            drive.ratio * self.input[i]
-        } else {
-            self.settled_of_each_nm(drive, i)
-        }
-    }
-
-    fn settled_of_each_nm(&self, drive: &Drive, i: usize) -> f64 {
-        let Some(&end) = self.told_up_to.get(i) else {
-            return drive.settled(self.input[i]);
-        };
-        let start = i.checked_sub(1).map_or(0, |before| self.told_up_to[before]);
-        let made = self.told[start..end].iter();
-        made.map(|told| told.share * drive.settled(told.input))
-            .sum()
-    }
-
     /// Some of its windows as a series of their own.
     fn block(&self, windows: Range<usize>) -> Self {
         let windows = &self.windows[windows];
@@ -143,11 +113,9 @@ impl Series {
             };
         };
         let rows = first.samples.start..last.samples.end;
-        let told_before = |row: usize| {
-            let before = row.checked_sub(1).and_then(|i| self.told_up_to.get(i));
-            before.copied().unwrap_or(0)
-        };
-        let told = told_before(rows.start)..told_before(rows.end);
+        let end_s = self.input_time.get(rows.end).copied();
+        let stretch_s = self.input_time[rows.start]..end_s.unwrap_or(f64::INFINITY);
+        let told = self.told.as_ref().map(|told| told.within(stretch_s));
         let windows = windows.iter().map(|window| Window {
             samples: window.samples.start - rows.start..window.samples.end - rows.start,
             ..window.clone()
@@ -161,13 +129,7 @@ impl Series {
             input: self.input[rows.clone()].to_vec(),
             averaging: self.averaging.part(rows.clone()),
             largest_input: self.largest_input,
-            told: self.told[told.clone()].to_vec(),
-            told_up_to: self.told_up_to[..]
-                .get(rows)
-                .unwrap_or_default()
-                .iter()
-                .map(|end| end - told.start)
-                .collect(),
+            told,
             span_s: self.span_s,
             period_s: self.period_s,
             correlation: self.correlation,
@@ -188,8 +150,7 @@ impl Series {
             position: Vec::new(),
             input_time: Vec::new(),
             input: Vec::new(),
-            told: Vec::new(),
-            told_up_to: Vec::new(),
+            told: None,
             span_s: group as f64 * period,
             correlation: self.correlation.powi(group as i32),
             windows: Vec::new(),
@@ -199,6 +160,7 @@ impl Series {
         };
         let averaged = noise::averaged(group, self.correlation);
         let mut firsts = Vec::new();
+        let mut instants_s = Vec::new();
         for window in &self.windows {
             let start = coarse.time.len();
             let mut spreads_s2 = Vec::new();
@@ -212,6 +174,11 @@ impl Series {
                 coarse.input_time.push(self.time[first]);
                 firsts.push(first);
             }
+            // From a restart to its first sample, and in halves from each to the next.
+            let times = &coarse.time[start..];
+            instants_s.push(self.time[window.samples.start]);
+            instants_s.extend(&times[..1]);
+            instants_s.extend(times.windows(2).flat_map(|t| [0.5 * (t[0] + t[1]), t[1]]));
             coarse
                 .averaging
                 .add_window(&coarse.time[start..], &spreads_s2);
@@ -229,18 +196,11 @@ impl Series {
         let ends = firsts.iter().skip(1).copied().chain([self.time.len()]);
         for (&first, end) in firsts.iter().zip(ends) {
             let all_s: f64 = (first..end).map(held_s).sum();
-            let told = (first..end).map(|row| Told {
-                input: self.input[row],
-                share: held_s(row) / all_s,
-            });
-            let before = coarse.told.len();
-            coarse.told.extend(told);
-            coarse.told_up_to.push(coarse.told.len());
-            let told = coarse.told[before..].iter();
-            coarse
-                .input
-                .push(told.map(|told| told.share * told.input).sum());
+            let told = (first..end).map(|row| held_s(row) * self.input[row]);
+            coarse.input.push(told.sum::<f64>() / all_s);
         }
+        instants_s.extend(self.time.last().map(|last_s| last_s + period));
+        coarse.told = Some(Inputs::between(&instants_s, &self.time, &self.input));
         coarse
     }
 }
@@ -385,6 +345,7 @@ mod tests {
     const PERIOD_S: f64 = 2.5e-4;
     const HORIZON_S: f64 = 0.1;
     const LIMIT: f64 = 1.0;
+    const HAIR_S: f64 = 1e-6;
 
     /// An input that changes its sign with each window and exceeds the limit right after.
     fn stepping() -> Recording {
@@ -412,11 +373,17 @@ mod tests {
         let recording = stepping();
         let series = &coarse(&recording, HORIZON_S)[0];
         assert!(series.time.len() < recording.runs[0].time.len() / 3);
-        for (k, window) in series.windows.iter().enumerate().take(2) {
-            let rows = window.samples.clone();
-            let ends = |i: usize| series.input_time[i + 1] - series.input_time[i];
-            let drive = Device::nominal(&recording.model).drive;
-            let impulse: f64 = rows.map(|i| series.settled_nm(&drive, i) * ends(i)).sum();
+        let told = series.told.as_ref().unwrap();
+        let drive = Device::nominal(&recording.model).drive;
+        for k in 0..2 {
+            let start_s = k as f64 * HORIZON_S;
+            let inside = |i: &usize| told.time[*i] > start_s - HAIR_S;
+            let before = |i: &usize| told.time[*i] < start_s + HORIZON_S - HAIR_S;
+            let rows = (0..told.time.len()).filter(inside).take_while(before);
+            let lasts_s = |i: usize| told.time[i + 1] - told.time[i];
+            let impulse: f64 = rows
+                .map(|i| told.settled_nm(&drive, false, i) * lasts_s(i))
+                .sum();
             let sign = if k == 0 { 1.0 } else { -1.0 };
             let acting = sign * LIMIT * (3.0 * PERIOD_S + 0.5 * (HORIZON_S - 3.0 * PERIOD_S));
             assert!((impulse - acting).abs() < 1e-9, "{impulse} {acting}");

@@ -117,7 +117,9 @@ impl<'a> Told<'a> {
 /// A drive that is told what a series says.
 struct Listener<'a> {
     drive: &'a Drive,
+    is_linear: bool,
     series: &'a Series,
+    times: &'a [f64],
     line: Line,
     now_s: f64,
     next: usize,
@@ -153,9 +155,12 @@ impl<'a> Listener<'a> {
         } else {
             Line::Instant(0.0)
         };
+        let told = series.told.as_ref();
         let mut told = Self {
             drive,
+            is_linear: drive.is_linear(series.largest_input),
             series,
+            times: told.map_or(&series.input_time, |told| &told.time),
             line,
             now_s: start_s,
             next: 0,
@@ -168,7 +173,12 @@ impl<'a> Listener<'a> {
     /// Tells the drive the next input.
     #[inline(always)]
     fn command(&mut self, at_s: f64) {
-        let settled_nm = self.series.settled_nm(self.drive, self.next);
+        let Self { drive, series, .. } = self;
+        let settled_nm = match &series.told {
+            Some(told) => told.settled_nm(drive, self.is_linear, self.next),
+            None if self.is_linear => drive.ratio * series.input[self.next],
+            None => drive.settled(series.input[self.next]),
+        };
         match &mut self.line {
             Line::Instant(acting_nm) => *acting_nm = settled_nm,
             Line::Lagging { target_nm, .. } => *target_nm = settled_nm,
@@ -180,7 +190,7 @@ impl<'a> Listener<'a> {
     /// When it is told the next input, s.
     #[inline(always)]
     fn heard_at_s(&self) -> f64 {
-        let next = self.series.input_time.get(self.next);
+        let next = self.times.get(self.next);
         next.copied().unwrap_or(f64::INFINITY)
     }
 
@@ -195,12 +205,11 @@ impl<'a> Listener<'a> {
     /// Lets it run on to `to_s` of the run with nothing to drive.
     fn skip_to(&mut self, to_s: f64) {
         // What it was told before the last that it still remembers makes no difference.
-        let inputs = &self.series.input_time;
         let forgotten_s = to_s - self.drive.memory_s();
-        let told = inputs.partition_point(|&at| at <= forgotten_s);
+        let told = self.times.partition_point(|&at| at <= forgotten_s);
         if let Some(last) = told.checked_sub(1).filter(|&i| i > self.next) {
             self.next = last;
-            self.now_s = inputs[last];
+            self.now_s = self.times[last];
         }
         self.run_to(to_s, |_, _, _| {});
         self.listen();

@@ -8,14 +8,14 @@ use crate::problem::{Part, Problem};
 use rayon::prelude::*;
 
 /// Moves of an instant that are tried, as shares of how long the hand is there, and how many are made at most.
-const MOVES: [f64; 8] = [0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
+const MOVES: [f64; 10] = [3.0, 1.6, 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
 const MOST_MOVES: usize = 12;
 /// Times that it is fitted and timed again at most.
 const MOST_ROUNDS: usize = 4;
 /// Standard deviations by which a stiffness is above none where it is sure.
 const SURE_ERRORS: f64 = 2.0;
 /// How far beyond its time windows count, over how long it is there.
-const AROUND: f64 = 1.5;
+const AROUND: f64 = 3.0;
 
 /// The best of the hands that push to either side or hold, from the last effect of a fit on.
 pub(super) fn found(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
@@ -23,17 +23,23 @@ pub(super) fn found(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit 
         return fit.clone();
     };
     let hands = [vec![hand.clone()], contact::otherwise(&hand)].concat();
-    let fits = hands.into_par_iter();
-    let fits = fits.map(|hand| timed_and_fitted(problem, fit, hand, iterations));
-    let mut best = fit.clone();
-    let mut next = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
-    // The longer it is found to be, the farther it is looked for.
+    let fits = hands.into_par_iter().map(|hand| {
+        let first = timed_and_fitted(problem, fit, hand, iterations);
+        carried_on(problem, first, iterations)
+    });
+    let best = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
+    let best = best.filter(|best| level(best) < level(fit));
+    best.unwrap_or_else(|| fit.clone())
+}
+
+/// The same hand timed and fitted again while that leads on: the longer it is found to be, the farther it is looked for.
+fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     for _ in 0..MOST_ROUNDS {
+        let hand = best.last_term();
+        let next = hand.map(|hand| timed_and_fitted(problem, &best, hand, iterations));
         let Some(better) = next.filter(|next| level(next) < level(&best)) else {
             break;
         };
-        let hand = better.last_term();
-        next = hand.map(|hand| timed_and_fitted(problem, &better, hand, iterations));
         best = better;
     }
     best

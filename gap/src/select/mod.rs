@@ -161,11 +161,12 @@ impl Selection {
         (level(fit) - own) / excess
     }
 
-    /// True if the effects leave what wrong names do, and do not spare the model's own numbers a move that is not likely.
-    pub(crate) fn leaves_most(&self) -> bool {
+    /// True if the effects leave what wrong names do, be it of the gap, and do not spare the model's own numbers a move that is
+    /// not likely.
+    pub(crate) fn leaves_most(&self, problem: &Problem<'_>) -> bool {
         let fit = self.fit();
         let spares = fit.is_likely() && !self.null.is_likely();
-        self.left(fit) > MOST_LEFT && !spares
+        self.left(fit) > MOST_LEFT && !spares && !problem.is_at_floor(fit)
     }
 
     /// True if the model's own numbers, moved no farther than is likely, leave no more than so many times what noise and

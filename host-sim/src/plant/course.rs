@@ -1,5 +1,6 @@
 //! The torque of a drive over time, cut into steps.
 
+use super::torque::Impulse;
 use super::{Push, Torque};
 
 /// Torque in steps that follow each other, each of some pieces.
@@ -8,7 +9,7 @@ pub struct Course {
     pieces: Vec<(Torque, f64)>,
     steps: Vec<Step>,
     /// Of the pieces since the last step.
-    open: Push,
+    open: Impulse,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +24,7 @@ impl Default for Course {
         Self {
             pieces: Vec::new(),
             steps: Vec::new(),
-            open: Push::NONE,
+            open: Impulse::NONE,
         }
     }
 }
@@ -47,10 +48,10 @@ impl Course {
     #[inline]
     pub fn close(&mut self) {
         self.steps.push(Step {
-            push: self.open,
+            push: self.open.push(),
             end: self.pieces.len(),
         });
-        self.open = Push::NONE;
+        self.open = Impulse::NONE;
     }
 
     /// How many steps there are.

@@ -155,13 +155,6 @@ pub(super) struct Push {
 }
 
 impl Push {
-    /// Of no time at all.
-    pub(super) const NONE: Self = Self {
-        lasts_s: 0.0,
-        means_nm: [0.0; 2],
-        bounds_nm: [0.0; 2],
-    };
-
     /// Of a torque that is held.
     #[inline]
     fn held(torque_nm: f64, lasts_s: f64) -> Self {
@@ -194,29 +187,58 @@ impl Push {
             bounds_nm: torque.bounds(lasts_s),
         }
     }
+}
 
-    /// With another one after it.
+/// Pieces of torque that follow each other, added up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Impulse {
+    lasts_s: f64,
+    /// Integral of the torque, N m s, and of that, N m s².
+    impulse_nms: f64,
+    way_nms2: f64,
+    bounds_nm: [f64; 2],
+}
+
+impl Impulse {
+    /// Of no time at all.
+    pub(super) const NONE: Self = Self {
+        lasts_s: 0.0,
+        impulse_nms: 0.0,
+        way_nms2: 0.0,
+        bounds_nm: [f64::INFINITY, f64::NEG_INFINITY],
+    };
+
+    /// With a piece after it.
     #[inline]
-    pub(super) fn then(&self, next: &Self) -> Self {
-        if self.lasts_s == 0.0 {
-            return *next;
-        }
-        let lasts_s = self.lasts_s + next.lasts_s;
-        let [before, after] = [self.lasts_s / lasts_s, next.lasts_s / lasts_s];
-        let [mean, early] = self.means_nm;
-        let [next_mean, next_early] = next.means_nm;
+    pub(super) fn then(&self, next: &Push) -> Self {
+        let [mean, early] = next.means_nm;
         // What acts before has all of the later time, too, to move what it has set in motion.
-        let way = before * (before * early + 2.0 * after * mean);
+        let way = self.impulse_nms * next.lasts_s + 0.5 * early * next.lasts_s * next.lasts_s;
         Self {
-            lasts_s,
-            means_nm: [
-                before * mean + after * next_mean,
-                way + after * after * next_early,
-            ],
+            lasts_s: self.lasts_s + next.lasts_s,
+            impulse_nms: self.impulse_nms + mean * next.lasts_s,
+            way_nms2: self.way_nms2 + way,
             bounds_nm: [
                 self.bounds_nm[0].min(next.bounds_nm[0]),
                 self.bounds_nm[1].max(next.bounds_nm[1]),
             ],
+        }
+    }
+
+    /// What the pieces come to; nothing of no time.
+    #[inline]
+    pub(super) fn push(&self) -> Push {
+        if self.lasts_s == 0.0 {
+            return Push::held(0.0, 0.0);
+        }
+        let per_s = self.lasts_s.recip();
+        Push {
+            lasts_s: self.lasts_s,
+            means_nm: [
+                self.impulse_nms * per_s,
+                2.0 * self.way_nms2 * per_s * per_s,
+            ],
+            bounds_nm: self.bounds_nm,
         }
     }
 }
@@ -252,8 +274,9 @@ mod tests {
     #[test]
     fn a_push_of_pieces_is_that_of_the_whole() {
         let torque = Torque::relaxing(0.3, -0.1, 2e-3);
-        let first = Push::NONE.then(&Push::of(&torque, 1e-3));
+        let first = Impulse::NONE.then(&Push::of(&torque, 1e-3));
         let parts = first.then(&Push::behind(&torque.after(1e-3), 2e-3, (-1f64).exp()));
+        let parts = parts.push();
         let whole = Push::of(&torque, 3e-3);
         let off = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
         assert!((whole.lasts_s - parts.lasts_s).abs() < 1e-15);

@@ -15,7 +15,7 @@ const LITTLE: f64 = 0.03;
 const LEADERS: usize = 3;
 /// Share of the winner's gain that each gains alone: the first that led to the right pair gained 0.79 of it or more in 93 of
 /// 94 on blind sets, and less than half in one.
-const LEAST_LEAD: f64 = 0.6;
+const LEAST_LEAD: f64 = 0.3;
 
 impl Search<'_> {
     /// The two effects that explain most together, if each earns its place beside the other: the first

@@ -138,7 +138,8 @@ impl Series {
         }
     }
 
-    /// Puts samples together to about `period_s`, input and position averaged; the restarts stay as they are. What moves faster than that carries no torque that a device of inertia shows.
+    /// Puts samples together to about `period_s`, input and position averaged; the restarts stay as they are. What moves faster
+    /// than that carries no torque that a device of inertia shows.
     fn coarsened(self, period_s: f64) -> Self {
         let period = self.period_s;
         let group = (period_s / period).round() as usize;

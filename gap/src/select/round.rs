@@ -142,16 +142,14 @@ impl Search<'_> {
     }
 
     /// True if the last effect of a fit acts at other times or places than its name says: a hand with which something is missing
-    /// and that never goes, or of which beside something else no stiffness can be told; or a stop that is hardly ever left.
+    /// and that never goes, or of which no stiffness can be told; or a stop that is hardly ever left.
     pub(super) fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
         };
         match last.kind.name {
             "contact" if level(fit) > self.quiet() => {
-                let is_beside = fit.hypothesis.terms.len() > 1;
-                is_beside && !hand::is_stiff(fit)
-                    || hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
+                !hand::is_stiff(fit) || hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
             }
             "end_stop" => push_at_most(&last, self.problem.positions()),
             _ => false,

@@ -191,12 +191,28 @@ fn filled(template: &str, finding: &Finding) -> Option<String> {
     while let Some((before, after)) = rest.split_once('{') {
         let (name, after) = after.split_once('}')?;
         text.push_str(before);
-        text.push_str(&shown(finding.parameters.get(name)?));
+        let estimate = finding.parameters.get(name)?;
+        text.push_str(&instant(name, estimate, finding).unwrap_or_else(|| shown(estimate)));
         rest = after;
     }
     text.push_str(rest);
     Some(text)
 }
+
+/// One end of a stretch of time, to a tenth of how long that lasts; `None` for another number.
+fn instant(name: &str, estimate: &Estimate, finding: &Finding) -> Option<String> {
+    let [from, to] = ["from", "to"].map(|end| finding.parameters.get(end));
+    let lasts = (to?.value - from?.value).abs();
+    if !matches!(name, "from" | "to") || !lasts.is_normal() {
+        return None;
+    }
+    let decimals = (1.0 - lasts.log10().floor()).clamp(0.0, MOST_DECIMALS);
+    let decimals = decimals as usize;
+    Some(format!("{:.decimals$} {}", estimate.value, estimate.unit))
+}
+
+/// Of an instant.
+const MOST_DECIMALS: f64 = 6.0;
 
 fn shown(estimate: &Estimate) -> String {
     show(estimate.value, &estimate.unit)
@@ -298,6 +314,22 @@ mod tests {
         assert_eq!(
             phrase(-1.0),
             "something outside that pushes back from 1.0 s to 2.5 s"
+        );
+    }
+
+    #[test]
+    fn when_a_hand_comes_and_goes_is_told_to_a_tenth_of_its_stay() {
+        let phrase = |from, to| {
+            let numbers = [("from", from, 1e-4, "s"), ("to", to, 1e-4, "s")];
+            phrase(&finding("contact", &numbers), &labels())
+        };
+        assert_eq!(
+            phrase(15.5562, 16.4785),
+            "something outside that pushes back from 15.56 s to 16.48 s"
+        );
+        assert_eq!(
+            phrase(3.0, 25.02),
+            "something outside that pushes back from 3 s to 25 s"
         );
     }
 

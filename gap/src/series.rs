@@ -55,11 +55,13 @@ pub struct Series {
     pub(crate) courses: Courses,
 }
 
-/// Period that suffices for whatever moves, s, and the longest to about which samples are put together in long windows.
+/// Period that suffices for whatever moves, s, and the longest to about which samples are put together in long windows of long
+/// recordings.
 pub(crate) const FINE_PERIOD_S: f64 = 1e-3;
 const LONGEST_PERIOD_S: f64 = 2e-3;
-/// Samples of a window that suffice.
+/// Samples of a window, and of a whole recording, that suffice for that.
 const WINDOW_SAMPLES: f64 = 100.0;
+const RECORDING_SAMPLES: f64 = 3000.0;
 
 impl Series {
     /// All samples of `run`, restarted every `horizon_s`.
@@ -269,9 +271,11 @@ pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
         .collect()
 }
 
-/// All runs at a millisecond or, where windows are long, at two, restarted every `horizon_s`.
+/// All runs at a millisecond or, where windows and recording are long, at two, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
-    let period_s = (recording.horizon / WINDOW_SAMPLES).clamp(FINE_PERIOD_S, LONGEST_PERIOD_S);
+    let all_s: f64 = recording.runs.iter().map(Run::duration_s).sum();
+    let enough_s = (recording.horizon / WINDOW_SAMPLES).min(all_s / RECORDING_SAMPLES);
+    let period_s = enough_s.clamp(FINE_PERIOD_S, LONGEST_PERIOD_S);
     at_about(recording, horizon_s, period_s)
 }
 

@@ -1,6 +1,6 @@
 //! What drives make of the recorded input.
 
-use crate::series::Series;
+use crate::series::{MOST_SAMPLES, Series};
 use host_sim::decay::Decay;
 use host_sim::drive::{Drive, DriveLine};
 use host_sim::plant::{Course, Torque};
@@ -25,9 +25,8 @@ pub(crate) struct Courses(Mutex<Vec<(Drive, Windows)>>);
 /// By window, each as it is first asked for.
 type Windows = Arc<[OnceLock<WindowCourse>]>;
 
-/// Drives that are remembered, and the longest series for which they are.
+/// Drives that are remembered, of series that are not longer than what models are fitted to.
 const MOST_DRIVES: usize = 4;
-const MOST_SAMPLES: usize = 60_000;
 
 impl Clone for Courses {
     /// Of what may be changed nothing is known.

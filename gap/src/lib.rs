@@ -20,41 +20,23 @@
 //!
 //! `examples/linear_axis.rs` makes a recording in memory and tries an effect by hand.
 
-mod averaging;
-mod bounds;
 mod candidate;
 mod comparison;
-mod costs;
 mod diagnose;
 pub mod diagnosis;
 mod experiment;
 mod fit;
 mod floor;
-mod ground;
-mod hypothesis;
-mod imagined;
-mod inputs;
-mod intersample;
 mod locate;
 #[cfg(test)]
 mod made;
 mod measure;
 pub mod model_file;
-mod motion;
-mod noise;
-mod perfect;
-mod polish;
 pub mod predict;
-mod problem;
-pub mod restart;
 mod select;
-pub mod series;
 mod shrink;
 mod stage;
-mod stand_in;
-mod strain;
-mod told;
-mod whitening;
+mod windows;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};
 pub use host_sim::device::Device;
@@ -63,3 +45,4 @@ pub use measure::{Gap, PredictedRun, measure};
 pub use model_file::ModelFile;
 pub use recording::{self, Model, Recording};
 pub use stage::Stage;
+pub use windows::{restart, series};

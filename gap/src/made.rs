@@ -1,9 +1,9 @@
 //! Recordings that tests are made with.
 
 use crate::candidate;
-use crate::hypothesis::{Coordinate, Term};
-use crate::problem::Problem;
-use crate::series;
+use crate::fit::hypothesis::{Coordinate, Term};
+use crate::fit::problem::Problem;
+use crate::windows::series;
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use host_sim::effects::{self, Effect};

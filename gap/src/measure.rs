@@ -2,7 +2,7 @@
 
 use crate::floor::{LOOKED_AT, floor_squares};
 use crate::predict::Predictor;
-use crate::series::{self, Window};
+use crate::windows::series::{self, Window};
 use host_sim::device::Device;
 use recording::Recording;
 use serde::Serialize;

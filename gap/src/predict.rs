@@ -1,7 +1,7 @@
 //! Windowed prediction: what a device would have done with the recorded input.
 
-use crate::series::{FINE_PERIOD_S, Series, Window};
-use crate::told::Told;
+use crate::windows::series::{FINE_PERIOD_S, Series, Window};
+use crate::windows::told::Told;
 use core::f64::consts::TAU;
 use host_sim::decay::Decay;
 use host_sim::device::Device;

@@ -4,8 +4,8 @@ use super::Evidence;
 use super::cogging;
 use super::regression::regress;
 use super::start::{geometric, guessed, linear, log, term, terms};
-use crate::hypothesis::Term;
-use crate::motion::quantile;
+use crate::fit::hypothesis::Term;
+use crate::windows::motion::quantile;
 use host_sim::effects::Kind;
 
 /// Widths of a gate over the input's root mean square, and how many of them.

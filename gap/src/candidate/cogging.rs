@@ -4,7 +4,7 @@ use super::Evidence;
 use super::regression::moments;
 use super::start::{linear, log, term};
 use super::waves::Waves;
-use crate::hypothesis::Term;
+use crate::fit::hypothesis::Term;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 

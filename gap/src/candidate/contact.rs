@@ -3,8 +3,8 @@
 use super::Evidence;
 use super::regression::{moments, regress_in};
 use super::start::{linear, log, term};
-use crate::hypothesis::Term;
-use crate::motion::{quantile, rms};
+use crate::fit::hypothesis::Term;
+use crate::windows::motion::{quantile, rms};
 use host_sim::effects::Kind;
 use std::ops::Range;
 

@@ -3,8 +3,8 @@
 use super::Evidence;
 use super::regression::{Moment, moments, regress, regress_in};
 use super::start::{guessed, linear, log, term, terms};
-use crate::hypothesis::Term;
-use crate::series::FINE_PERIOD_S;
+use crate::fit::hypothesis::Term;
+use crate::windows::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use host_sim::plant::Spot;

@@ -2,8 +2,8 @@
 
 use super::Evidence;
 use super::start::linear;
-use crate::hypothesis::Term;
-use crate::motion::quantile;
+use crate::fit::hypothesis::Term;
+use crate::windows::motion::quantile;
 use host_sim::effects::Kind;
 use recording::low_pass_gain;
 

@@ -4,7 +4,7 @@ use super::Evidence;
 use super::regression::regress;
 use super::start::{guessed, linear, log, terms};
 use super::{stops, transmission};
-use crate::hypothesis::Term;
+use crate::fit::hypothesis::Term;
 use host_sim::effects::Kind;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {

@@ -19,9 +19,9 @@ mod waves;
 pub(crate) use start::term;
 pub(crate) use stops::{one_sided, push_at_most, untouched};
 
-use crate::hypothesis::Term;
-use crate::motion::{Motion, Scales};
-use crate::series::Series;
+use crate::fit::hypothesis::Term;
+use crate::windows::motion::{Motion, Scales};
+use crate::windows::series::Series;
 use host_sim::device::Device;
 use host_sim::effects::{Channel, KINDS, Kind};
 use rayon::prelude::*;

@@ -2,8 +2,8 @@
 
 use super::Evidence;
 use super::start::{log, term};
-use crate::hypothesis::Term;
-use crate::motion::quantile;
+use crate::fit::hypothesis::Term;
+use crate::windows::motion::quantile;
 use host_sim::effects::Kind;
 
 /// Shares of the windows that begin no faster than what is counted in full.

@@ -4,7 +4,7 @@ use super::Evidence;
 use super::regression::{Moment, moments};
 use super::start::{linear, term};
 use super::waves::Waves;
-use crate::hypothesis::{Coordinate, Term};
+use crate::fit::hypothesis::{Coordinate, Term};
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use nalgebra::{Matrix2, Vector2};

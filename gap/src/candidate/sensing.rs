@@ -3,7 +3,7 @@
 use super::Evidence;
 use super::start::{count, geometric, linear, log, term, terms};
 use super::{actuation, jumps, overspeed, ripple};
-use crate::hypothesis::Term;
+use crate::fit::hypothesis::Term;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 

@@ -1,6 +1,6 @@
 //! A point from which an effect is fitted: which of its numbers are free there, and of what size.
 
-use crate::hypothesis::{Coordinate, Scale, Term};
+use crate::fit::hypothesis::{Coordinate, Scale, Term};
 use host_sim::effects::Kind;
 
 /// A number that may be zero or change its sign, and what is much of it.

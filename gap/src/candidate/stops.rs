@@ -3,8 +3,8 @@
 use super::Evidence;
 use super::contact::pushes;
 use super::start::{linear, log, term};
-use crate::hypothesis::Term;
-use crate::motion::quantile;
+use crate::fit::hypothesis::Term;
+use crate::windows::motion::quantile;
 use host_sim::effects::Kind;
 
 /// Shares of the samples that may lie beyond a stop: none where it is touched once.

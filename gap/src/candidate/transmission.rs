@@ -2,8 +2,8 @@
 
 use super::Evidence;
 use super::start::{count, geometric, linear, log, term};
-use crate::hypothesis::Term;
-use crate::series::FINE_PERIOD_S;
+use crate::fit::hypothesis::Term;
+use crate::windows::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 

@@ -1,7 +1,7 @@
 //! Two columns of one motion, sample by sample.
 
-use crate::restart::Restart;
-use crate::series::Series;
+use crate::windows::restart::Restart;
+use crate::windows::series::Series;
 use recording::{Recording, Run, low_pass_gain};
 use std::ops::Range;
 

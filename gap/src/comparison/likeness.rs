@@ -1,7 +1,7 @@
 //! The sensing effect that turns one column into the other.
 
 use super::columns::{Columns, Track};
-use crate::whitening::dot;
+use crate::fit::whitening::dot;
 use host_sim::device::Device;
 use host_sim::effects::{self, Kind};
 use host_sim::sensing::Reading;

@@ -8,11 +8,11 @@ mod columns;
 mod likeness;
 
 use crate::fit::Fit;
-use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
-use crate::perfect::mean_and_error;
-use crate::problem::{Part, Problem};
-use crate::series::Series;
+use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+use crate::fit::problem::{Part, Problem};
+use crate::floor::mean_and_error;
 use crate::shrink::shrink;
+use crate::windows::series::Series;
 use columns::Columns;
 use host_sim::effects::Kind;
 use likeness::{Likeness, disagreement, likenesses, mean_square, residuals};
@@ -332,7 +332,7 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
 mod tests {
     use super::*;
     use crate::made;
-    use crate::series;
+    use crate::windows::series;
     use host_sim::device::Device;
     use host_sim::effects::Effect;
     use host_sim::plant::Plant;

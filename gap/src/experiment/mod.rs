@@ -5,9 +5,9 @@ mod trial;
 
 use crate::diagnosis::NextExperiment;
 use crate::fit::Fit;
-use crate::motion::rms;
-use crate::problem::Problem;
+use crate::fit::problem::Problem;
 use crate::select::{Rival, Selection, ties};
+use crate::windows::motion::rms;
 use haptic_paddle::excitation::{Excitation, Shape};
 use host_sim::device::Device;
 use rayon::prelude::*;
@@ -143,10 +143,10 @@ fn settings(excitation: &Excitation) -> BTreeMap<&'static str, f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costs::Costs;
-    use crate::hypothesis::{Hypothesis, Term};
+    use crate::fit::costs::Costs;
+    use crate::fit::hypothesis::{Hypothesis, Term};
+    use crate::floor::{Perfect, WHITE};
     use crate::made;
-    use crate::perfect::{Perfect, WHITE};
     use crate::select::Round;
     use host_sim::effects::Effect;
     use recording::{Drive, Model, Recording, Run};

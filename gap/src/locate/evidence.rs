@@ -4,7 +4,7 @@ use super::bins::{Bins, Point, Stretch};
 use super::innovation::Innovation;
 use super::level::Level;
 use super::spectrum;
-use crate::series::{Series, median_period};
+use crate::windows::series::{Series, median_period};
 
 /// Bins of an axis.
 const BINS: usize = 40;

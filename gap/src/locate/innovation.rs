@@ -1,9 +1,9 @@
 //! What a short prediction misses: the gap where it arises, before it has grown over a horizon.
 
+use crate::fit::whitening::whitenings;
 use crate::predict::Predictor;
-use crate::restart::Restart;
-use crate::series::{Series, Window, median_period};
-use crate::whitening::whitenings;
+use crate::windows::restart::Restart;
+use crate::windows::series::{Series, Window, median_period};
 use rayon::prelude::*;
 
 /// One short prediction against the measurement, with the motion during it.

@@ -1,7 +1,7 @@
 //! What the model misses everywhere alike, and the rest, which some axis may explain.
 
 use super::innovation::Innovation;
-use crate::whitening::dot;
+use crate::fit::whitening::dot;
 
 /// The missing acceleration, by a robust measure, as a constant, a level along the motion and a rest.
 #[derive(Clone, Debug)]

@@ -9,9 +9,9 @@ mod spectrum;
 use crate::comparison::{Comparison, Outcome};
 use crate::diagnosis::{AFTER_REST, Region};
 use crate::fit::Fit;
+use crate::fit::problem::Problem;
 use crate::predict::Predictor;
-use crate::problem::Problem;
-use crate::series::{MOST_SAMPLES, Series, fine, thinned};
+use crate::windows::series::{MOST_SAMPLES, Series, fine, thinned};
 use bins::Stretch;
 use evidence::{Evidence, LEAST_SURPLUS, span};
 use host_sim::effects::Channel;
@@ -143,9 +143,9 @@ fn region(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::Hypothesis;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::problem::Part;
     use crate::made;
-    use crate::problem::Part;
 
     fn found(effects: &[&str]) -> Vec<Region> {
         let recording = made::recording(effects);

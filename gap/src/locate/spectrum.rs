@@ -1,7 +1,7 @@
 //! The gap over frequency: the acceleration that the predictions miss against that of the motion.
 
 use super::bins::Point;
-use crate::series::Series;
+use crate::windows::series::Series;
 use core::f64::consts::{PI, TAU};
 
 /// Frequencies looked at, equidistant on a logarithmic scale.

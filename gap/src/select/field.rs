@@ -3,9 +3,9 @@
 use super::level;
 use super::rival::extended;
 use crate::fit::Fit;
-use crate::ground::Ground;
-use crate::hypothesis::Term;
-use crate::problem::{Part, Problem};
+use crate::fit::ground::Ground;
+use crate::fit::hypothesis::Term;
+use crate::fit::problem::{Part, Problem};
 use rayon::prelude::*;
 use std::borrow::Cow;
 

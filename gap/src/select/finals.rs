@@ -6,7 +6,7 @@ use super::place::is_local;
 use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, SHORT_ITERATIONS, Search};
 use crate::fit::Fit;
-use crate::problem::Part;
+use crate::fit::problem::Part;
 use crate::stage::Stage;
 use rayon::prelude::*;
 

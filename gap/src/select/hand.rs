@@ -3,8 +3,8 @@
 use super::level;
 use crate::candidate::contact;
 use crate::fit::Fit;
-use crate::hypothesis::Term;
-use crate::problem::{Part, Problem};
+use crate::fit::hypothesis::Term;
+use crate::fit::problem::{Part, Problem};
 use rayon::prelude::*;
 
 /// Moves of an instant that are tried, as shares of how long the hand is there, and how many are made at most.
@@ -131,7 +131,7 @@ fn timed(mut hand: Term, longest_s: f64, squares: impl Fn(&Term) -> f64 + Sync) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
     use crate::made;
     use host_sim::effects::Effect;
 

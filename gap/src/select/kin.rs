@@ -2,7 +2,7 @@
 
 use super::ranking::is_special;
 use super::rival::Rival;
-use crate::hypothesis::Term;
+use crate::fit::hypothesis::Term;
 use recording::Model;
 
 const KIN: [&[&str]; 3] = [
@@ -77,9 +77,9 @@ fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costs::Costs;
     use crate::fit::Fit;
-    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::fit::costs::Costs;
+    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
     use crate::made;
 
     /// An effect that is begun at `values`, all of them free.

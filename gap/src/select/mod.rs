@@ -14,10 +14,10 @@ mod scan;
 mod screening;
 
 use crate::fit::Fit;
+use crate::fit::hypothesis::{Hypothesis, Term};
+use crate::fit::problem::{Part, Problem};
 use crate::floor::FLOOR_DOUBT;
-use crate::hypothesis::{Hypothesis, Term};
-use crate::perfect::Perfect;
-use crate::problem::{Part, Problem};
+use crate::floor::Perfect;
 use crate::stage::Stage;
 pub(crate) use hand::is_stiff;
 use place::bounces;
@@ -95,6 +95,11 @@ impl Selection {
     /// The fit with all effects.
     pub(crate) fn fit(&self) -> &Fit {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
+    }
+
+    /// Effects that were given: they are there whatever they close.
+    pub(crate) fn kept(&self) -> usize {
+        usize::from(self.given)
     }
 
     /// Takes an effect that has earned its place; one that has not is the last that was looked for.

@@ -7,7 +7,7 @@ use super::ranking::{enough, ranked};
 use super::rival::{Rival, turned};
 use super::round::{FITTING_ITERATIONS, Round, Search};
 use crate::fit::Fit;
-use crate::problem::Part;
+use crate::fit::problem::Part;
 
 /// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for.
 const LITTLE: f64 = 0.03;
@@ -199,9 +199,9 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use crate::floor::Perfect;
     use crate::made;
-    use crate::perfect::Perfect;
     use crate::select::Given;
 
     /// An effect of which the first number is free.

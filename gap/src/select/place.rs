@@ -1,10 +1,10 @@
 //! Whether an effect is more than luck.
 
 use super::{Rival, is_quiet};
-use crate::costs::Costs;
 use crate::fit::Fit;
-use crate::perfect::{Perfect, mean_and_error};
-use crate::problem::{Part, Problem};
+use crate::fit::costs::Costs;
+use crate::fit::problem::{Part, Problem};
+use crate::floor::{Perfect, mean_and_error};
 
 /// A gain on windows that the fit has not seen must be this many standard errors from zero. With some
 /// thirty rivals that is a chance of about 1 % for the luckiest of them.

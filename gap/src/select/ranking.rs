@@ -4,7 +4,7 @@ use super::level;
 use super::rival::Rival;
 use super::round::Round;
 use crate::fit::Fit;
-use crate::problem::PRIOR_WEIGHT;
+use crate::fit::problem::PRIOR_WEIGHT;
 
 /// Within this share of the gain, fewer parameters win.
 const PARSIMONY: f64 = 0.04;
@@ -113,8 +113,8 @@ pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costs::Costs;
-    use crate::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::fit::costs::Costs;
+    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
     use crate::made;
 
     const KNOWN: f64 = 2.0;

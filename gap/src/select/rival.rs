@@ -1,7 +1,7 @@
 //! A hypothesis with one more effect.
 
 use crate::fit::Fit;
-use crate::hypothesis::{Hypothesis, Term};
+use crate::fit::hypothesis::{Hypothesis, Term};
 
 /// A hypothesis that was tried in addition to what was known.
 #[derive(Clone, Debug)]
@@ -82,8 +82,8 @@ pub(super) fn turned(both: &Rival) -> Option<Rival> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costs::Costs;
-    use crate::hypothesis::{Coordinate, Scale};
+    use crate::fit::costs::Costs;
+    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
 
     /// A rival of one effect at a point off its start.

@@ -9,9 +9,9 @@ use super::rival::{Rival, extended};
 use super::{Given, QUIET_EXCESS, is_quiet, level};
 use crate::candidate::{one_sided, push_at_most, untouched};
 use crate::fit::Fit;
-use crate::hypothesis::{Hypothesis, Term};
-use crate::perfect::Perfect;
-use crate::problem::{Part, Problem};
+use crate::fit::hypothesis::{Hypothesis, Term};
+use crate::fit::problem::{Part, Problem};
+use crate::floor::Perfect;
 use crate::stage::Stage;
 
 /// Iterations for all finalists, for those that are near the best then, and more for the one that is named.

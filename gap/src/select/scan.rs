@@ -4,8 +4,8 @@ use super::evolution::evolved;
 use super::field::{Field, lowest};
 use super::screening::MANY_ITERATIONS;
 use crate::fit::Fit;
-use crate::hypothesis::Term;
-use crate::perfect::WHITE;
+use crate::fit::hypothesis::Term;
+use crate::floor::WHITE;
 use rayon::prelude::*;
 
 /// Lowest points of a scan, which is made once, that are fitted.

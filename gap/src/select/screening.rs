@@ -7,10 +7,10 @@ use super::round::Search;
 use super::{QUIET_EXCESS, level};
 use crate::candidate::{Candidate, Evidence, candidates};
 use crate::fit::Fit;
-use crate::hypothesis::Term;
-use crate::motion::{Motion, Scales};
-use crate::problem::{Part, Problem, turn};
+use crate::fit::hypothesis::Term;
+use crate::fit::problem::{Part, Problem, turn};
 use crate::stage::Stage;
+use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
 
 /// Starts of an effect that a fit begins from, those that promise most; more where there are many optima, of each variant.
@@ -275,7 +275,7 @@ fn samples(problem: &Problem<'_>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Scale};
+    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
 
     /// A dead band of a width that is fitted, and of a form that is not.

@@ -1,9 +1,9 @@
 //! What a perfect model would cost on a recording: of the same motion, with the same sensor.
 
+use super::imagined::Imagined;
 use crate::fit::Fit;
-use crate::imagined::Imagined;
-use crate::problem::{Part, Problem};
-use crate::series;
+use crate::fit::problem::{Part, Problem};
+use crate::windows::series;
 
 /// Robust cost of a window whose residual is white and of the known size: ln(1 + 1).
 pub(crate) const WHITE: f64 = core::f64::consts::LN_2;

@@ -1,8 +1,8 @@
 //! What noise, quantising and restarts alone leave of a model that is right.
 
-use crate::imagined::Imagined;
+use super::imagined::Imagined;
 use crate::predict::Predictor;
-use crate::series::{Series, Window};
+use crate::windows::series::{Series, Window};
 use rayon::prelude::*;
 use recording::Recording;
 use std::collections::HashMap;
@@ -95,9 +95,9 @@ fn left(
 
 #[cfg(test)]
 mod tests {
-    use crate::hypothesis::{Hypothesis, Term};
+    use crate::fit::hypothesis::{Hypothesis, Term};
+    use crate::fit::problem::Part;
     use crate::made;
-    use crate::problem::Part;
     use host_sim::effects::Effect;
 
     fn term(written: &str) -> Term {

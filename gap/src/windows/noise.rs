@@ -1,8 +1,8 @@
 //! Noise of the position sensor, from the data themselves.
 
-use crate::motion::quantile;
-use crate::restart::Restart;
-use crate::series::Window;
+use super::motion::quantile;
+use super::restart::Restart;
+use super::series::Window;
 use nalgebra::DMatrix;
 use recording::{Recording, Run, low_pass_gain};
 

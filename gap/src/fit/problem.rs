@@ -1,12 +1,11 @@
 //! The data that every fit shares, and what a hypothesis leaves of them.
 
-use crate::costs::Costs;
+use super::costs::Costs;
+use super::hypothesis::{Hypothesis, Nudge};
+use super::whitening::{Whitening, dot, whitenings};
 use crate::fit::Fit;
-use crate::floor::{LOOKED_AT, floor_squares};
-use crate::hypothesis::{Hypothesis, Nudge};
 use crate::predict::Predictor;
-use crate::series::{self, Series};
-use crate::whitening::{Whitening, dot, whitenings};
+use crate::windows::series::Series;
 use rayon::prelude::*;
 use recording::{Recording, Run};
 
@@ -111,27 +110,6 @@ impl Problem<'_> {
                 })
             })
             .collect()
-    }
-
-    /// Squares that noise and restarts alone would leave in each window with this fit.
-    pub(crate) fn floor_squares(&self, fit: &Fit) -> Vec<f64> {
-        let predictor = self.predictor(&fit.hypothesis, &fit.x);
-        let series = self.series.iter();
-        let windows = series.flat_map(|s| s.windows.iter().map(move |w| (s.run, w)));
-        floor_squares(
-            self.recording,
-            &predictor,
-            windows,
-            series::coarse,
-            LOOKED_AT,
-        )
-    }
-
-    /// Root mean square of what a fit leaves, over that of what noise and restarts alone would.
-    pub(crate) fn gap_over_floor(&self, fit: &Fit) -> f64 {
-        let squares: f64 = self.window_squares(fit, Part::All).iter().sum();
-        let floor: f64 = self.floor_squares(fit).iter().sum();
-        (squares / floor.max(f64::MIN_POSITIVE)).sqrt()
     }
 
     /// Running index of the first window of each series.

@@ -1,7 +1,7 @@
 //! What a loop may have told between the rows of a log that is slower than itself: the column has its means alone.
 
-use crate::series::{Series, largest};
-use crate::told::Courses;
+use super::series::{Series, largest};
+use super::told::Courses;
 use host_sim::sensors::Noise;
 use recording::{Pid, low_pass_gain};
 

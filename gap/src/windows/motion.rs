@@ -1,7 +1,7 @@
 //! What the measured motion was, and the torque that the nominal model misses in it.
 
-use crate::restart::Restart;
-use crate::series::Series;
+use super::restart::Restart;
+use super::series::Series;
 use core::f64::consts::{PI, SQRT_2, TAU};
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
@@ -139,7 +139,7 @@ impl Scales {
             input: rms(&inputs).max(f64::MIN_POSITIVE),
             torque,
             friction: levels[0].max(levels[1]).max(FRICTION_SHARE * torque),
-            period_s: crate::series::median_period(&series[0].time),
+            period_s: crate::windows::series::median_period(&series[0].time),
             duration_s: (to - from).max(horizon_s),
             horizon_s,
             noise,

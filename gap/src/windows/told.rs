@@ -1,6 +1,6 @@
 //! What drives make of the recorded input.
 
-use crate::series::{MOST_SAMPLES, Series};
+use super::series::{MOST_SAMPLES, Series};
 use host_sim::decay::Decay;
 use host_sim::drive::{Drive, DriveLine};
 use host_sim::plant::{Course, Torque};

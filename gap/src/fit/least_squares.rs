@@ -1,11 +1,11 @@
 //! Robust nonlinear least squares on whitened window residuals.
 
-use crate::costs::Costs;
-use crate::ground::Ground;
-use crate::hypothesis::{Hypothesis, Term};
+use super::costs::Costs;
+use super::ground::Ground;
+use super::hypothesis::{Hypothesis, Term};
+use super::problem::{PRIOR_WEIGHT, Part, Problem};
+use super::whitening::{Whitening, dot};
 use crate::predict::Predictor;
-use crate::problem::{PRIOR_WEIGHT, Part, Problem};
-use crate::whitening::{Whitening, dot};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -347,7 +347,7 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Scale};
+    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
 
     fn term(name: &str, free: &[(usize, f64, f64)]) -> Term {

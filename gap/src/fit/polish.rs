@@ -1,9 +1,9 @@
 //! Fits carried on where slopes lead no further: they say nothing across a kink, a step or a change of what sticks.
 
-use crate::costs::Costs;
+use super::costs::Costs;
+use super::hypothesis::Hypothesis;
+use super::problem::{Part, Problem};
 use crate::fit::{Fit, within};
-use crate::hypothesis::Hypothesis;
-use crate::problem::{Part, Problem};
 use rayon::prelude::*;
 
 /// Moves of one coordinate that are looked at, and how often.
@@ -112,7 +112,7 @@ impl Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Scale};
+    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
 
     const PLAY: f64 = 0.02;

@@ -1,9 +1,6 @@
-//! How far a fit moves the model's own numbers, and what is found because they would have to move too far without it.
+//! How far a fit moves the model's own numbers.
 
 use crate::fit::Fit;
-use crate::hypothesis::Nudge;
-use crate::select::Round;
-use std::fmt;
 
 /// Standard deviations of a chi-square within which the moves of the model's own numbers are likely.
 const LIKELY_ERRORS: f64 = 4.0;
@@ -12,7 +9,7 @@ const STRAINED: f64 = 3.3;
 
 impl Fit {
     /// How far the model's own numbers have moved, in standard deviations.
-    fn moves(&self) -> &[f64] {
+    pub(crate) fn moves(&self) -> &[f64] {
         &self.x[..self.x.len() - self.hypothesis.free()]
     }
 
@@ -30,54 +27,12 @@ impl Fit {
     }
 }
 
-/// An effect without which a number of the model would lie far from what is stated.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Strain {
-    effect: &'static str,
-    number: String,
-    /// How far it would lie, in its tolerances.
-    deviations: f64,
-}
-
-/// True if the effect of a round spares the model's own numbers what strained them without it.
-pub(crate) fn is_relieved(round: &Round) -> bool {
-    round.known.is_strained() && !round.so_far.is_strained()
-}
-
-impl Strain {
-    /// What the effect of a round relieves, if it does.
-    pub(crate) fn of(round: &Round, nudges: &[Nudge]) -> Option<Self> {
-        let moves = nudges.iter().zip(round.known.moves());
-        let (number, z) = moves.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-        is_relieved(round).then(|| Self {
-            effect: round.rivals[0].name,
-            number: number.name.clone(),
-            deviations: z.abs(),
-        })
-    }
-}
-
-impl fmt::Display for Strain {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            effect,
-            number,
-            deviations,
-        } = self;
-        write!(
-            f,
-            "{effect} closes little of the gap by itself: it is named because without it {number} of the model would have to lie \
-             {deviations:.1} of its tolerances from what is stated"
-        )
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::Hypothesis;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::problem::Part;
     use crate::made;
-    use crate::problem::Part;
 
     /// Whether numbers that have moved so far are likely, and whether they are strained.
     fn told(moves: &[f64]) -> [bool; 2] {

@@ -1,7 +1,7 @@
 //! Numbers that a fit left at the end of their reach: it may have stalled there, and their uncertainty counts for nothing.
 
+use super::hypothesis::Nudge;
 use crate::fit::Fit;
-use crate::hypothesis::Nudge;
 use std::fmt;
 
 /// Share of its reach within which a coordinate is at the end of it.
@@ -81,8 +81,8 @@ impl fmt::Display for Bound {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costs::Costs;
-    use crate::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use crate::fit::costs::Costs;
+    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
     use host_sim::effects;
 
     #[test]

@@ -1,9 +1,9 @@
 //! What fits of one more effect on top of a known one share, and what such an effect promises to first order.
 
+use super::hypothesis::Hypothesis;
+use super::problem::{PRIOR_WEIGHT, Part, Problem};
+use super::whitening::{Whitening, dot};
 use crate::fit::{DIFFERENCES, Fit, Slope, aside};
-use crate::hypothesis::Hypothesis;
-use crate::problem::{PRIOR_WEIGHT, Part, Problem};
-use crate::whitening::{Whitening, dot};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -171,7 +171,7 @@ impl Ground {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Coordinate, Scale, Term};
+    use crate::fit::hypothesis::{Coordinate, Scale, Term};
     use crate::made;
     use host_sim::effects;
 

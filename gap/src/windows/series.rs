@@ -1,10 +1,10 @@
 //! A run cut into prediction windows, each with its restart.
 
-use crate::averaging::Averaging;
-use crate::inputs::Inputs;
-use crate::noise;
-use crate::restart::Restart;
-use crate::told::Courses;
+use super::averaging::Averaging;
+use super::inputs::Inputs;
+use super::noise;
+use super::restart::Restart;
+use super::told::Courses;
 use recording::{Recording, Run};
 use std::ops::Range;
 

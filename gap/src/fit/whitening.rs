@@ -1,7 +1,7 @@
 //! Residuals of a window with the uncertainty of its restart taken out.
 
 use crate::predict::Predictor;
-use crate::series::{Series, Window};
+use crate::windows::series::{Series, Window};
 use nalgebra::{Matrix2, SymmetricEigen};
 
 /// Standard deviations of the restart are taken this much wider than white noise makes them: a cubic

@@ -1,7 +1,7 @@
 //! Effects that bend to what has no name: they close the gap, and would close that of another cause as well.
 
 use crate::fit::Fit;
-use crate::problem::Problem;
+use crate::fit::problem::Problem;
 use core::f64::consts::TAU;
 use std::fmt;
 
@@ -10,7 +10,7 @@ const LEAST_WAVES: f64 = 1.0;
 
 /// Why what was found may stand in for something else.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum StandIn {
+pub(super) enum StandIn {
     /// Less than a wave of a ripple was travelled: any force over position looks so.
     Wave { travelled: f64 },
     /// A soft transmission behind a drive that is late, or before a sensor that is: so is any drive with dynamics of its own.
@@ -19,7 +19,7 @@ pub(crate) enum StandIn {
 
 impl StandIn {
     /// The reason to doubt what was found beyond the first effects that are `certain`, if there is one.
-    pub(crate) fn of(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
+    pub(super) fn of(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
         let predictor = problem.predictor(&fit.hypothesis, &fit.x);
         let [low, high] = problem.extremes();
         let cogging = predictor.device().mechanics.cogging;
@@ -58,9 +58,9 @@ impl fmt::Display for StandIn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hypothesis::{Hypothesis, Term};
+    use crate::fit::hypothesis::{Hypothesis, Term};
+    use crate::fit::problem::Part;
     use crate::made;
-    use crate::problem::Part;
 
     /// Whether these terms, the first ones `certain`, may stand in for something else.
     fn is_doubted(terms: Vec<Term>, certain: usize) -> bool {

@@ -1,0 +1,56 @@
+//! The nominal model as a diagnosis corrects it.
+
+use crate::fit::Fit;
+use crate::fit::problem::Problem;
+use host_sim::device::Device;
+use host_sim::effects::Effect;
+
+/// The nominal model with its numbers moved and effects on top.
+#[derive(Clone, Debug)]
+pub struct CorrectedModel {
+    /// The numbers.
+    pub model: recording::Model,
+    /// The effects, with all their parameters, in the order in which they are installed.
+    pub effects: Vec<CorrectedEffect>,
+}
+
+/// An effect of a corrected model.
+#[derive(Clone, Debug)]
+pub struct CorrectedEffect {
+    /// Kind and numbers.
+    pub effect: host_sim::effects::Effect,
+    /// Side of the transmission on which the position sensor sits.
+    pub sensor_on_load: bool,
+}
+
+impl CorrectedModel {
+    /// The device that it describes.
+    pub fn device(&self) -> Device {
+        let mut device = Device::nominal(&self.model);
+        for corrected in &self.effects {
+            device.sensor_on_load = corrected.sensor_on_load;
+            corrected.effect.install(&mut device);
+        }
+        device
+    }
+}
+
+pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
+    let effects = fit
+        .hypothesis
+        .parts(&fit.x)
+        .map(|(term, own)| CorrectedEffect {
+            effect: Effect {
+                kind: term.kind,
+                values: term.at(own),
+            },
+            sensor_on_load: term.sensor_on_load,
+        });
+    let effects = effects.collect();
+    CorrectedModel {
+        model: fit
+            .hypothesis
+            .nudged(&problem.recording.model, &problem.nudges, &fit.x),
+        effects,
+    }
+}

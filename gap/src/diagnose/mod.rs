@@ -1,0 +1,149 @@
+//! The diagnosis: how large the gap is, where it lies, which effects cause it, how far it shrinks.
+
+mod corrected;
+mod findings;
+mod relief;
+mod stand_in;
+mod steps;
+mod verdict;
+
+use crate::comparison::{Comparison, Match};
+use crate::diagnosis::{Closing, Diagnosis, Verdict};
+use crate::fit::hypothesis::nudges;
+use crate::fit::problem::Problem;
+use crate::floor::FLOOR_DOUBT;
+use crate::measure::{exceeds, measure};
+use crate::select::{self, Given};
+use crate::stage::Stage;
+use crate::windows::series;
+use crate::{comparison, experiment, locate};
+use corrected::corrected;
+pub use corrected::{CorrectedEffect, CorrectedModel};
+use findings::{findings, tried};
+use host_sim::device::Device;
+use recording::Recording;
+use relief::Relief;
+use stand_in::StandIn;
+use std::time::Instant;
+use steps::closing_steps;
+use verdict::verdict;
+
+/// What to leave out, and whom to tell.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Names of effects that are not tried.
+    pub without: Vec<String>,
+    /// Called as each stage begins.
+    pub progress: fn(Stage),
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            without: Vec::new(),
+            progress: |_| {},
+        }
+    }
+}
+
+/// A diagnosis with the model that it arrived at.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What is said.
+    pub diagnosis: Diagnosis,
+    /// The corrected model.
+    pub model: CorrectedModel,
+}
+
+fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
+    series::thinned(series::coarse(recording, horizon_s), series::MOST_SAMPLES)
+}
+
+/// Diagnoses a recording.
+pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
+    let started = Instant::now();
+    let progress = options.progress;
+    progress(Stage::Windows);
+    let problem = |horizon_s, quarter| Problem {
+        recording,
+        series: few(recording, horizon_s),
+        nudges: nudges(recording),
+        quarter,
+    };
+    let quarter = problem(0.25 * recording.horizon, None);
+    let problem = problem(recording.horizon, Some(Box::new(quarter)));
+    let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
+    let without = options.without.iter().map(String::as_str);
+    let cleared = comparison.iter().flat_map(|c| c.excluded());
+    let no_pendulum = recording.units.is_length() && recording.model.gravity == 0.0;
+    let linear = no_pendulum.then_some("gravity");
+    let excluded: Vec<&str> = without.chain(cleared).chain(linear).collect();
+    let like = comparison.as_ref().and_then(Comparison::like);
+    let like = like.filter(|like| !excluded.contains(&like.kind.name));
+    let nominal = Device::nominal(&recording.model);
+    // Where noise and restarts alone leave as much, there is hardly anything to name.
+    let (before, is_gap) = exceeds(recording, &nominal, FLOOR_DOUBT);
+    let given = Given {
+        is_gap,
+        measured: like.map(Match::term),
+        certain: comparison.as_ref().is_some_and(Comparison::is_certain),
+        excluded,
+    };
+    let mut selection = select::select(&problem, &given, progress);
+
+    progress(Stage::Shrink);
+    let steps = closing_steps(&problem, &mut selection);
+    let model = corrected(&problem, selection.fit());
+    let (after, _) = measure(recording, &model.device());
+    let floor = after.floor.min(before);
+    let total = steps.last().map_or([0.0; 3], |step| step.total);
+    let closing = Closing {
+        before,
+        floor,
+        after: before - total[0] * (before - floor),
+        shrink: total[0],
+        shrink_interval: [total[1], total[2]],
+        unit: recording.units.position.clone(),
+    };
+
+    let stand_in = StandIn::of(&problem, selection.fit(), selection.kept());
+    let verdict = verdict(&problem, &selection, &closing, stand_in);
+    let effects = findings(&problem, &selection, &steps, comparison.as_ref(), verdict);
+    let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
+
+    progress(Stage::Where);
+    let regions = if verdict == Verdict::NoGap {
+        Vec::new()
+    } else {
+        locate::regions(&problem, &selection.null, comparison.as_ref())
+    };
+    progress(Stage::NextExperiment);
+    let next_experiment = experiment::separating(&problem, &selection);
+
+    let told = |line: &dyn ToString| line.to_string();
+    let oddities = recording.oddities.iter().map(|oddity| told(oddity));
+    let disagreement = comparison
+        .iter()
+        .filter_map(|c| c.line(&recording.units.position));
+    let bounds = selection.fit().at_bounds(&problem.nudges);
+    let bounds = bounds.iter().map(|bound| told(bound));
+    let doubt = stand_in.iter().map(|doubt| told(doubt));
+    let small = selection.rounds.iter().zip(&steps);
+    let small = small.filter(|(_, step)| step.is_small());
+    let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.nudges));
+    let reliefs = reliefs.map(|relief| told(&relief));
+    let warnings = oddities.chain(disagreement).chain(bounds);
+    let warnings = warnings.chain(doubt).chain(reliefs);
+    let diagnosis = Diagnosis {
+        format: 1,
+        verdict,
+        regions,
+        candidates: tried(&problem, &selection, &names),
+        gap: closing,
+        effects,
+        next_experiment,
+        warnings: warnings.collect(),
+        elapsed_s: started.elapsed().as_secs_f64(),
+    };
+    Outcome { diagnosis, model }
+}

@@ -1,0 +1,160 @@
+//! How far each effect in turn closes the gap, on windows that the fits have not seen.
+
+use super::relief::is_relieved;
+use crate::fit::Fit;
+use crate::fit::problem::{Part, Problem};
+use crate::floor::FLOOR_DOUBT;
+use crate::select::{self, Selection};
+use crate::shrink::{resampled, shrink};
+
+/// Share of the gap that a further effect must close, or of what those before it leave.
+const LEAST_SHRINK: f64 = 0.05;
+const LEAST_SHRINK_OF_REST: f64 = 0.5;
+/// Or this share of the robust excess, and surely something of the gap or nearly all that was left of the excess: a few windows
+/// in which a hidden state is wrong may be most of the gap.
+const LEAST_TYPICAL_SHRINK: f64 = 0.2;
+
+/// Shrink by one effect and by all up to it: value and 95 % interval; and of what those before it left.
+pub(super) struct Step {
+    pub own: [f64; 3],
+    of_rest: f64,
+    pub total: [f64; 3],
+    /// True if it leaves no more than a right model may.
+    is_at_floor: bool,
+    /// True if it surely leaves less than those before it.
+    is_sure: bool,
+}
+
+impl Step {
+    /// True if its effect hardly closes anything by itself.
+    pub(super) fn is_small(&self) -> bool {
+        self.own[0] < LEAST_SHRINK
+    }
+}
+
+/// The step of each effect that is left of a selection once those are taken back that close nothing.
+pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) -> Vec<Step> {
+    let kept = selection.kept();
+    if selection.rounds.len() > kept && selection.leaves_most(problem) {
+        selection.withdraw(kept);
+    }
+    let mut left = left_by_each(problem, selection);
+    let mut steps = steps(problem, selection.fit(), &left);
+    while let Some(idle) = (kept.max(1)..steps.len()).find(|&i| is_idle(selection, i, &steps[i])) {
+        selection.withdraw_one(problem, idle);
+        if idle < selection.rounds.len() {
+            left = left_by_each(problem, selection);
+        } else {
+            left.truncate(idle + 1);
+        }
+        steps = self::steps(problem, selection.fit(), &left);
+    }
+    if kept > 0 {
+        return steps;
+    }
+    if are_vain(&steps, selection.left(selection.fit())) {
+        steps.clear();
+        selection.withdraw(0);
+    }
+    steps
+}
+
+/// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
+/// have not seen.
+fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
+    let bare = Fit {
+        x: vec![0.0; problem.nudges.len()],
+        ..selection.null.clone()
+    };
+    let nominal = problem.window_squares(&bare, Part::All);
+    let left = selection.rounds.iter().map(|round| {
+        if round.rivals[0].is_event() {
+            problem.window_squares(&round.so_far, Part::All)
+        } else {
+            problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))
+        }
+    });
+    [nominal].into_iter().chain(left).collect()
+}
+
+/// The steps of the effects in their order, down to the floor of the `fit` with all of them.
+fn steps(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
+    if left.len() > 1 {
+        steps_to(&problem.floor_squares(fit), left)
+    } else {
+        Vec::new()
+    }
+}
+
+/// The same down to a floor.
+fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
+    let sum = |squares: &[f64]| squares.iter().sum::<f64>();
+    let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(floor);
+    let nominal = &left[0];
+    let steps = left.iter().zip(&left[1..]).map(|(before, after)| {
+        let of_rest = shrink(before, after, floor, before)[0];
+        Step {
+            own: shrink(before, after, floor, nominal),
+            of_rest: if is_at_floor(before) { 0.0 } else { of_rest },
+            total: shrink(nominal, after, floor, nominal),
+            is_at_floor: is_at_floor(after),
+            is_sure: resampled(before.len(), |sum| sum(before) - sum(after))[1] > 0.0,
+        }
+    });
+    steps.collect()
+}
+
+/// True if the effect `i`, which is not the first, does not close the gap by itself, however well it suits the robust cost.
+fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
+    if !step.is_small() {
+        return false;
+    }
+    let winner = &selection.rounds[i].rivals[0];
+    // What only drags for a while may stand in for a little of anything.
+    if winner.name == "contact" && !select::is_stiff(&winner.fit) {
+        return true;
+    }
+    let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
+    let is_real = step.is_sure || after <= select::MOST_LEFT_EXPLAINED;
+    let typical = before - after >= LEAST_TYPICAL_SHRINK && is_real;
+    // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
+    let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
+    let jumps = winner.name == "lost_counts" && winner.is_event();
+    let jumps = jumps && (step.is_at_floor || halves);
+    let finishes = step.of_rest >= LEAST_SHRINK_OF_REST;
+    let relieves = is_relieved(&selection.rounds[i]);
+    !finishes && !typical && !jumps && !relieves
+}
+
+/// True if effects that leave `left_open` of the excess leave the gap no smaller than it was, or may do so and leave most of
+/// the excess; or if several leave much of it and each of them may close nothing: of 415 such diagnoses two did, with no right
+/// name.
+fn are_vain(steps: &[Step], left_open: f64) -> bool {
+    let Some([value, low, _]) = steps.last().map(|step| step.total) else {
+        return false;
+    };
+    let closes_nothing = value <= 0.0 || low <= 0.0 && left_open > select::MOST_LEFT;
+    let none_is_sure = steps.len() > 1 && steps.iter().all(|step| step.own[1] <= 0.0);
+    closes_nothing || none_is_sure && left_open > select::MOST_LEFT_EXPLAINED
+}
+
+#[cfg(test)]
+mod tests {
+    use super::steps_to;
+
+    const FLOOR: [f64; 20] = [1.0; 20];
+
+    #[test]
+    fn shares_of_the_steps_make_up_the_whole_and_a_share_of_the_rest_is_none_at_the_floor() {
+        let left = [25.0, 9.0, 1.0, 0.9].map(|squares| vec![squares; FLOOR.len()]);
+        let steps = steps_to(&FLOOR, &left);
+        let own: Vec<f64> = steps.iter().map(|step| step.own[0]).collect();
+        assert_eq!(own, [0.5, 0.5, 0.0]);
+        assert_eq!(steps[2].total[0], 1.0);
+        assert_eq!(
+            steps.iter().map(|s| s.of_rest).collect::<Vec<_>>(),
+            [0.5, 1.0, 0.0]
+        );
+        assert!(steps[1].is_sure && steps[2].is_small());
+    }
+}

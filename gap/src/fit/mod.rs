@@ -1,0 +1,13 @@
+//! Rival models fitted to the windows of a recording.
+
+pub(crate) mod bounds;
+pub(crate) mod costs;
+pub(crate) mod ground;
+pub(crate) mod hypothesis;
+mod least_squares;
+mod polish;
+pub(crate) mod problem;
+mod strain;
+pub(crate) mod whitening;
+
+pub(crate) use least_squares::{DIFFERENCES, Fit, Slope, aside, within};

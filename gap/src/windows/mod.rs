@@ -1,0 +1,10 @@
+//! Recordings cut into windows of prediction, with the state that was measured where each begins.
+
+mod averaging;
+mod inputs;
+pub(crate) mod intersample;
+pub(crate) mod motion;
+pub(crate) mod noise;
+pub mod restart;
+pub mod series;
+pub(crate) mod told;

@@ -19,7 +19,8 @@ pub(super) struct Step {
     pub own: [f64; 3],
     of_rest: f64,
     pub total: [f64; 3],
-    /// True if it leaves no more than a right model may.
+    /// True if those before it leave no more than a right model may, and if it does.
+    was_at_floor: bool,
     is_at_floor: bool,
     /// True if it surely leaves less than those before it.
     is_sure: bool,
@@ -52,9 +53,12 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
     if kept > 0 {
         return steps;
     }
-    if are_vain(&steps, selection.left(selection.fit())) {
+    // What the model that explains it would leave as well is no gap.
+    let is_none = !selection.plain && steps.first().is_some_and(|step| step.was_at_floor);
+    if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
         selection.withdraw(0);
+        selection.quiet |= is_none;
     }
     steps
 }
@@ -93,10 +97,12 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
     let nominal = &left[0];
     let steps = left.iter().zip(&left[1..]).map(|(before, after)| {
         let of_rest = shrink(before, after, floor, before)[0];
+        let was_at_floor = is_at_floor(before);
         Step {
             own: shrink(before, after, floor, nominal),
-            of_rest: if is_at_floor(before) { 0.0 } else { of_rest },
+            of_rest: if was_at_floor { 0.0 } else { of_rest },
             total: shrink(nominal, after, floor, nominal),
+            was_at_floor,
             is_at_floor: is_at_floor(after),
             is_sure: resampled(before.len(), |sum| sum(before) - sum(after))[1] > 0.0,
         }
@@ -143,6 +149,20 @@ mod tests {
     use super::steps_to;
 
     const FLOOR: [f64; 20] = [1.0; 20];
+
+    #[test]
+    fn a_step_says_where_it_began_and_where_it_ends() {
+        let places = |left: [f64; 3]| {
+            let left = left.map(|squares| vec![squares; FLOOR.len()]);
+            let steps = steps_to(&FLOOR, &left);
+            steps
+                .iter()
+                .map(|s| (s.was_at_floor, s.is_at_floor))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(places([9.0, 4.0, 1.2]), [(false, false), (false, true)]);
+        assert_eq!(places([1.3, 1.0, 1.0]), [(true, true), (true, true)]);
+    }
 
     #[test]
     fn shares_of_the_steps_make_up_the_whole_and_a_share_of_the_rest_is_none_at_the_floor() {

@@ -4,6 +4,7 @@ use super::Evidence;
 use super::regression::{Moment, moments, regress, regress_in};
 use super::start::{guessed, linear, log, term, terms};
 use crate::fit::hypothesis::Term;
+use crate::windows::motion::quantile;
 use crate::windows::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
@@ -13,6 +14,12 @@ use host_sim::plant::Spot;
 const FALLS: [f64; 2] = [2.0, 1.0];
 /// Its rise over the sliding level, and its velocity over that of the motion.
 const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
+/// Velocities of what is read off rests, likewise, and how far its rise goes beyond what was held.
+const HELD_FALLS: [f64; 2] = [0.03, 0.15];
+const HELD_MARGIN: f64 = 1.05;
+/// Share of the rests that held no more, and of the friction that inertia may take there: at a reversal nothing rests.
+const HELD: f64 = 0.9;
+const RESTS: f64 = 0.1;
 /// Natural frequency of bristles, in rad a coarse sample.
 const RESOLVED_RATE: f64 = 2.0;
 /// How far they bend, over the span of the motion.
@@ -60,13 +67,15 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             )
         }
         "position_dependent_coulomb" if is_dry => position_dependent(kind, e),
-        "stribeck" if is_dry => RISES
-            .iter()
-            .flat_map(|(rise, v)| {
+        "stribeck" if is_dry => {
+            let held = HELD_FALLS.map(|v| (held_rise(e), v)).into_iter();
+            let held = held.filter_map(|(rise, v)| Some((rise?, v)));
+            let falls = RISES.into_iter().chain(held).flat_map(|(rise, v)| {
                 let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * s.velocity)];
                 FALLS.map(|exponent| term(kind, free.clone(), &[(2, exponent)]))
-            })
-            .collect(),
+            });
+            falls.collect()
+        }
         "viscous" => {
             let guess = regress(e, |m| [-m.velocity]);
             let guess = guess.map(|[b]| vec![guessed(0, (m.viscous + b).max(0.0), viscous_scale)]);
@@ -86,6 +95,20 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "friction_drift" if is_dry => drifts(kind, e),
         _ => Vec::new(),
     }
+}
+
+/// Rise of static friction over the sliding level without which what was seen at rest would have slid.
+fn held_rise(e: &Evidence<'_>) -> Option<f64> {
+    let m = &e.device.mechanics;
+    let level = m.friction.highest_nm();
+    let rests = e.motions.iter().flat_map(|motion| {
+        let all = motion.held_nm.iter().zip(&motion.acceleration);
+        all.filter(|(_, a)| m.inertia * a.abs() < RESTS * level)
+            .map(|(held, _)| held.abs())
+    });
+    let rests: Vec<f64> = rests.filter(|held| held.is_finite()).collect();
+    let rise = HELD_MARGIN * quantile(&rests, HELD) / level - 1.0;
+    (rise > 0.0).then_some(rise)
 }
 
 /// Friction of the first level while sliding, N m.
@@ -219,4 +242,48 @@ fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let settling = SETTLINGS.into_iter().filter_map(settling);
     let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s), log(1, 1.0)];
     terms(kind, guess, settling.chain([0.3, -0.3].map(steady)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use crate::windows::motion::{Motion, Scales};
+    use host_sim::device::Device;
+
+    /// What is said of static friction where so much was held, N m, while the joint was accelerated so.
+    fn told(held: &[(f64, f64)]) -> Option<f64> {
+        let recording = made::recording(&[]);
+        let series = &made::problem(&recording).series;
+        let device = Device::nominal(&recording.model);
+        let motion = |s| Motion::of(s, &device, recording.restart_half_width);
+        let mut motions: Vec<Motion> = series.iter().map(motion).collect();
+        for motion in &mut motions {
+            motion.held_nm.fill(f64::NAN);
+        }
+        for (i, (held_nm, acceleration)) in held.iter().enumerate() {
+            motions[0].held_nm[i] = *held_nm;
+            motions[0].acceleration[i] = *acceleration;
+        }
+        held_rise(&Evidence {
+            series,
+            motions: &motions,
+            scales: &Scales::of(series, &motions, &device, recording.horizon),
+            device: &device,
+            model: &recording.model,
+            cutoff_hz: None,
+            window_costs: &[],
+        })
+    }
+
+    #[test]
+    fn rests_tell_how_much_static_friction_there_is_at_least() {
+        let level = made::recording(&[]).model.coulomb;
+        assert_eq!(told(&[]), None);
+        assert_eq!(told(&[(0.9 * level, 0.0)]), None);
+        let rise = told(&[(1.6 * level, 0.0), (-1.6 * level, 0.0), (0.2 * level, 0.0)]).unwrap();
+        assert!((rise + 1.0 - 1.6 * HELD_MARGIN).abs() < 1e-9, "{rise}");
+        // Where it turns, more than friction holds.
+        assert_eq!(told(&[(0.9 * level, 0.0), (3.0 * level, 50.0)]), None);
+    }
 }

@@ -18,6 +18,8 @@ pub(crate) struct Motion {
     /// Torque on top of the device's that the motion needed, dry friction apart from sliding; NaN at
     /// rest, where any torque up to the friction level does.
     pub missing_nm: Vec<f64>,
+    /// Torque that dry friction had to hold, where the direction of sliding is not known; NaN elsewhere.
+    pub held_nm: Vec<f64>,
 }
 
 /// Speed below which the direction of sliding is not known, in standard deviations of the slope.
@@ -32,6 +34,7 @@ impl Motion {
             acceleration: Vec::with_capacity(n),
             drive_nm: Vec::with_capacity(n),
             missing_nm: Vec::with_capacity(n),
+            held_nm: Vec::with_capacity(n),
         };
         let mut line = DriveLine::at_rest(&device.drive);
         let m = &device.mechanics;
@@ -54,18 +57,22 @@ impl Motion {
             motion.velocity.push(v);
             motion.acceleration.push(a);
             let known = v.abs() > KNOWN_DIRECTION * noise * fit.covariance[1][1].sqrt();
-            motion.missing_nm.push(if known {
-                let level = m.friction.level(v);
-                m.inertia * a
-                    + (m.viscous + m.drag * v.abs()) * v
-                    + level.copysign(v)
-                    + m.gravity * (x - m.gravity_zero).sin()
-                    + m.stiffness * (x - m.stiffness_zero)
-                    - m.offset_nm
-                    - motion.drive_nm[i]
+            let without_friction_nm = m.inertia * a
+                + (m.viscous + m.drag * v.abs()) * v
+                + m.gravity * (x - m.gravity_zero).sin()
+                + m.stiffness * (x - m.stiffness_zero)
+                - m.offset_nm
+                - motion.drive_nm[i];
+            let [missing_nm, held_nm] = if known {
+                [
+                    without_friction_nm + m.friction.level(v).copysign(v),
+                    f64::NAN,
+                ]
             } else {
-                f64::NAN
-            });
+                [f64::NAN, -without_friction_nm]
+            };
+            motion.missing_nm.push(missing_nm);
+            motion.held_nm.push(held_nm);
         }
         motion
     }

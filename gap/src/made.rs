@@ -21,6 +21,7 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
         recording,
         series: series::coarse(recording, recording.horizon),
         nudges: Vec::new(),
+        modelling: 0.0,
         quarter: None,
     }
 }

@@ -302,6 +302,7 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
             recording,
             series,
             nudges: problem.nudges.clone(),
+            modelling: 0.0,
             quarter: None,
         };
         let x = vec![0.0; bare.dimensions(&problem.nudges)];

@@ -55,6 +55,9 @@ pub struct Outcome {
     pub model: CorrectedModel,
 }
 
+/// Share of the gap that a right effect in another formulation may leave: less is not worth a name.
+const MODELLING_SHARE: f64 = 0.01;
+
 fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
     series::thinned(series::coarse(recording, horizon_s), series::MOST_SAMPLES)
 }
@@ -64,10 +67,14 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
     let progress = options.progress;
     progress(Stage::Windows);
+    let nominal = Device::nominal(&recording.model);
+    // Where noise and restarts alone leave as much, there is hardly anything to name.
+    let (before, is_gap) = exceeds(recording, &nominal, FLOOR_DOUBT);
     let problem = |horizon_s, quarter| Problem {
         recording,
         series: few(recording, horizon_s),
         nudges: nudges(recording),
+        modelling: MODELLING_SHARE * before,
         quarter,
     };
     let quarter = problem(0.25 * recording.horizon, None);
@@ -80,9 +87,6 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let excluded: Vec<&str> = without.chain(cleared).chain(linear).collect();
     let like = comparison.as_ref().and_then(Comparison::like);
     let like = like.filter(|like| !excluded.contains(&like.kind.name));
-    let nominal = Device::nominal(&recording.model);
-    // Where noise and restarts alone leave as much, there is hardly anything to name.
-    let (before, is_gap) = exceeds(recording, &nominal, FLOOR_DOUBT);
     let given = Given {
         is_gap,
         measured: like.map(Match::term),

@@ -14,6 +14,8 @@ pub(crate) struct Problem<'a> {
     pub recording: &'a Recording,
     pub series: Vec<Series>,
     pub nudges: Vec<Nudge>,
+    /// By how much a model that is right may be off, rms in units of position.
+    pub modelling: f64,
     /// The same data restarted four times as often.
     pub quarter: Option<Box<Problem<'a>>>,
 }
@@ -151,9 +153,13 @@ impl Problem<'_> {
                 .zip(residual)
                 .map(|(m, r)| m - r)
                 .collect();
-            all.extend(whitenings(predictor, series, &predicted, |w| {
-                part.has(base + w)
-            }));
+            all.extend(whitenings(
+                predictor,
+                series,
+                &predicted,
+                self.modelling,
+                |w| part.has(base + w),
+            ));
         }
         all
     }
@@ -193,5 +199,31 @@ impl Problem<'_> {
         let residuals = self.residuals(&predictor, part);
         let whitenings = self.whitenings(&predictor, &residuals, part);
         Costs::new(&self.whitened(&residuals, &whitenings), self.prior(x))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::floor::WHITE;
+    use crate::made;
+
+    #[test]
+    fn what_a_model_may_be_off_by_costs_no_more_than_noise() {
+        let recording = made::recording(&["torque_offset:torque=0.001"]);
+        let bare = Hypothesis { terms: Vec::new() };
+        let exact = made::problem(&recording);
+        let fit = exact.fit(&bare, Vec::new(), Part::All, 0);
+        let gap = exact.plain_gap(&exact.series, &fit);
+        let level = |modelling| {
+            let problem = Problem {
+                modelling,
+                ..made::problem(&recording)
+            };
+            problem.costs(&bare, &[], Part::All).level()
+        };
+        assert!(level(0.0) > 2.0 * WHITE, "{}", level(0.0));
+        assert!(level(gap) < WHITE, "{}", level(gap));
+        assert!(level(0.1 * gap) > level(gap));
     }
 }

@@ -8,8 +8,8 @@ use nalgebra::{Matrix2, SymmetricEigen};
 /// does not follow what happens within it.
 const RESTART_INFLATION: f64 = 1.5;
 
-/// Turns the residual of one window into one of unit covariance: with restart sensitivity G, noise σ
-/// and residual r, `(I + G Gᵀ/σ²)^−½ r/σ`. Its square is the cost with the restart state marginalised.
+/// Turns the residual of one window into one of unit covariance: with restart sensitivity G, noise of the sensor and of what
+/// is modelled σ, and residual r, `(I + G Gᵀ/σ²)^−½ r/σ`. Its square is the cost with the restart state marginalised.
 #[derive(Clone, Debug)]
 pub(crate) struct Whitening {
     /// G/σ, one row a sample, its columns turned onto the axes on which `GᵀG` is diagonal.
@@ -20,12 +20,13 @@ pub(crate) struct Whitening {
 }
 
 impl Whitening {
-    fn new(window: &Window, sensitivity: &[[f64; 2]]) -> Self {
+    fn new(window: &Window, modelling: f64, sensitivity: &[[f64; 2]]) -> Self {
+        let noise = window.noise.hypot(modelling);
         let fit = &window.restart;
         let sd = [0, 1].map(|i| fit.covariance[i][i].sqrt());
         let correlation = (fit.covariance[0][1] / (sd[0] * sd[1])).clamp(-1.0, 1.0);
         let rest = (1.0 - correlation * correlation).sqrt();
-        let scale = RESTART_INFLATION / window.noise;
+        let scale = RESTART_INFLATION / noise;
         let mut rows: Vec<[f64; 2]> = sensitivity
             .iter()
             .map(|[a, b]| [scale * (a + correlation * b), scale * rest * b])
@@ -52,7 +53,7 @@ impl Whitening {
         Self {
             sensitivity: rows,
             factors,
-            noise: window.noise,
+            noise,
         }
     }
 
@@ -73,19 +74,21 @@ impl Whitening {
     }
 }
 
-/// The whitenings of all wanted windows of a series, for the restarts' effect in this predictor;
-/// `None` for the others.
+/// The whitenings of all wanted windows of a series, for the restarts' effect in this predictor and a model that may be off by
+/// `modelling`; `None` for the others.
 pub(crate) fn whitenings(
     predictor: &Predictor,
     series: &Series,
     predicted: &[f64],
+    modelling: f64,
     wanted: impl Fn(usize) -> bool + Copy + Sync,
 ) -> Vec<Option<Whitening>> {
     let sensitivity = restart_sensitivity(predictor, series, predicted, wanted);
     let windows = series.windows.iter().enumerate();
     windows
         .map(|(index, window)| {
-            wanted(index).then(|| Whitening::new(window, &sensitivity[window.samples.clone()]))
+            wanted(index)
+                .then(|| Whitening::new(window, modelling, &sensitivity[window.samples.clone()]))
         })
         .collect()
 }

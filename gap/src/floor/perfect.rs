@@ -32,6 +32,7 @@ impl Perfect {
                 series,
                 recording: &own,
                 nudges: problem.nudges.clone(),
+                modelling: problem.modelling,
                 quarter: None,
             };
             let costs = problem.costs(&fit.hypothesis, &fit.x, Part::All);

@@ -20,10 +20,12 @@ impl Problem<'_> {
         )
     }
 
-    /// Root mean square of what a fit leaves, over that of what noise and restarts alone would.
+    /// Root mean square of what a fit leaves, over that of what noise, restarts and what it may be off by would.
     pub(crate) fn gap_over_floor(&self, fit: &Fit) -> f64 {
         let squares: f64 = self.window_squares(fit, Part::All).iter().sum();
         let floor: f64 = self.floor_squares(fit).iter().sum();
-        (squares / floor.max(f64::MIN_POSITIVE)).sqrt()
+        let samples: usize = self.series.iter().map(|s| s.position.len()).sum();
+        let off = samples as f64 * self.modelling.powi(2);
+        (squares / (floor + off).max(f64::MIN_POSITIVE)).sqrt()
     }
 }

@@ -133,7 +133,7 @@ fn of_series(
             ..series.clone()
         };
         let predicted = predictor.predict(&short);
-        let whitenings = whitenings(predictor, &short, &predicted, |_| true);
+        let whitenings = whitenings(predictor, &short, &predicted, 0.0, |_| true);
         for (window, whitening) in short.windows.iter().zip(whitenings.iter().flatten()) {
             let rows = window.samples.clone();
             let mut residual: Vec<f64> = rows

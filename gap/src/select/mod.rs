@@ -33,8 +33,8 @@ const QUIET_ERRORS: f64 = 2.0;
 /// Robust cost by which a window may exceed the worst of a perfect model.
 const QUIET_WINDOW: f64 = 3.0;
 /// Robust excess per window, beyond as many standard errors, that a gap near its floor does not hide: a floor that a restart or
-/// two make is none for the others. With nothing wrong but a dry friction of another form it was 2.8 at most.
-const PLAIN_EXCESS: f64 = 4.0;
+/// two make is none for the others. Of 86 recordings with nothing wrong but a dry friction of another form it was 1.3 at most.
+const PLAIN_EXCESS: f64 = 2.0;
 /// Gap over floor up to which nothing that can be named is missing: near stick and slip a few restarts may decide either.
 pub(crate) const QUIET_GAP: f64 = 2.0;
 /// Gap over floor beyond which something is, be it in a restart or two: of 90 recordings with nothing wrong the largest was

@@ -18,7 +18,7 @@ const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4
 const HELD_FALLS: [f64; 2] = [0.03, 0.15];
 const HELD_MARGIN: f64 = 1.05;
 /// Share of the rests that held no more, and of the friction that inertia may take there: at a reversal nothing rests.
-const HELD: f64 = 0.9;
+const HELD: f64 = 0.98;
 const RESTS: f64 = 0.1;
 /// Natural frequency of bristles, in rad a coarse sample.
 const RESOLVED_RATE: f64 = 2.0;

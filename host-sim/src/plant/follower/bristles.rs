@@ -1,34 +1,29 @@
 //! One mass on bristles.
 
-use super::super::{Course, Phase, State, Touch};
+use super::super::{Phase, Touch};
 use super::Follower;
+use super::ride::Ride;
 
 /// Angle of an oscillation on bristles that a step takes at most, and parts of a step at most.
 const BRISTLE_ANGLE: f64 = 0.2;
 const MOST_PARTS: f64 = 6.0;
+
 impl Follower<'_> {
     /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest.
-    pub(super) fn bend(
-        &self,
-        state: &mut State,
-        course: &Course,
-        from: usize,
-        seen: &mut [f64],
-    ) -> usize {
+    pub(super) fn bend(&self, ride: &mut Ride<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
         let bristles = &plant.parts.bristles;
         let inertia = m.inertia;
-        let until_s = self.until_s(state);
-        if state.touch.contains(&Touch::Pushing) {
-            return from;
+        let until_s = self.until_s(ride.state);
+        if ride.state.touch.contains(&Touch::Pushing) {
+            return;
         }
         let holding = m.friction.highest_nm() * m.friction.stribeck.ratio;
         let rate = bristles.natural_rate(inertia, holding) + self.bent_rate;
-        let mut next = from;
-        while next < course.steps() && state.phase == Phase::Bristle {
-            let push = course.push(next);
-            if state.time_s + push.lasts_s > until_s {
+        while let Some(push) = ride.push() {
+            let state = &mut *ride.state;
+            if state.phase != Phase::Bristle || state.time_s + push.lasts_s > until_s {
                 break;
             }
             let [mean_nm, early_nm] = push.means_nm;
@@ -66,10 +61,7 @@ impl Follower<'_> {
             }
             [state.position, state.velocity, state.deflection] = [x, v, z];
             plant.slides_on(state, push.lasts_s);
-            state.time_s += push.lasts_s;
-            seen[next] = x;
-            next += 1;
+            ride.step(push, x);
         }
-        next
     }
 }

@@ -3,23 +3,19 @@
 use super::super::link::Flank;
 use super::super::two_mass::flow_index;
 use super::super::zero_order_hold::ZeroOrderHold;
-use super::super::{Course, Phase, Plant, Push, State};
+use super::super::{Phase, Plant, Push, State};
 use super::bent::Bent;
 use super::ground::Ground;
+use super::ride::Ride;
 use super::side::Side;
 use super::{Follower, after, is_usual};
 
 impl Follower<'_> {
     /// Within one flank, whichever of the masses are held.
-    pub(super) fn coast_linked(
-        &mut self,
-        state: &mut State,
-        course: &Course,
-        from: usize,
-        seen: &mut [f64],
-    ) -> usize {
+    pub(super) fn coast_linked(&mut self, ride: &mut Ride<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
+        let state = &*ride.state;
         let sides = [
             Side::of(plant.dry, state.velocity, state.phase),
             Side::of(plant.load_is_dry(), state.load_velocity, state.load_phase),
@@ -32,11 +28,11 @@ impl Follower<'_> {
             state.load_velocity,
         ];
         if !have(&x) {
-            return from;
+            return;
         }
-        let until_s = self.until_s(state);
-        let Some(ground) = self.ground(state) else {
-            return from;
+        let until_s = self.until_s(ride.state);
+        let Some(ground) = self.ground(ride.state) else {
+            return;
         };
         let step_s = self.step_s;
         let link = &plant.parts.link;
@@ -57,7 +53,7 @@ impl Follower<'_> {
         ];
         let bent = [0, 1].map(|side| Bent::of(plant, side, directions[side]));
         let varies = bent.iter().any(|bent| bent.varies);
-        let mut pendulum = state.pendulum;
+        let mut pendulum = ride.state.pendulum;
         let mut bent_nm = |x: &[f64; 4], time_s: f64, drive_nm: f64| {
             if is_linear {
                 return [0.0; 2];
@@ -85,9 +81,9 @@ impl Follower<'_> {
         let is_held = held[0] || held[1];
         // Near what acted over the step before, which is near enough for the way halfway.
         let mut before_nm = None;
-        let mut next = from;
-        while next < course.steps() {
-            let push = course.push(next);
+        let from = ride.next();
+        while let Some(push) = ride.push() {
+            let state = &mut *ride.state;
             if !is_usual(push, step_s) || state.time_s + push.lasts_s > until_s {
                 break;
             }
@@ -146,12 +142,12 @@ impl Follower<'_> {
                 state.load_position,
                 state.load_velocity,
             ] = end;
-            state.time_s += push.lasts_s;
-            seen[next] = if link.sensor_on_load { end[2] } else { end[0] };
-            next += 1;
+            ride.step(push, if link.sensor_on_load { end[2] } else { end[0] });
         }
+        let has_gone = ride.next() > from;
+        let state = &mut *ride.state;
         state.pendulum = pendulum;
-        if next > from {
+        if has_gone {
             for (phase, held) in [&mut state.phase, &mut state.load_phase]
                 .into_iter()
                 .zip(held)
@@ -161,7 +157,6 @@ impl Follower<'_> {
                 }
             }
         }
-        next
     }
 }
 

@@ -6,6 +6,7 @@ mod bent;
 mod bristles;
 mod ground;
 mod linked;
+mod ride;
 mod side;
 mod sliding;
 
@@ -14,6 +15,7 @@ use super::two_mass::FLOWS;
 use super::zero_order_hold::ZeroOrderHold;
 use super::{Course, Phase, Plant, Push, Rest, State};
 use ground::Ground;
+use ride::Ride;
 
 /// A plant, with its linear flows over the step that recurs.
 #[derive(Debug)]
@@ -68,56 +70,49 @@ impl<'a> Follower<'a> {
 
     /// Carries `state` through the steps of a course; where the position sensor is after each of them goes into `seen`.
     pub fn follow(&mut self, state: &mut State, course: &Course, seen: &mut [f64]) {
-        let mut step = 0;
-        while step < course.steps() {
-            let next = self.coast(state, course, step, seen);
-            if next > step {
-                step = next;
-                continue;
+        let mut ride = Ride::new(state, course, seen);
+        while !ride.is_over() {
+            let from = ride.next();
+            self.coast(&mut ride);
+            if ride.next() == from {
+                ride.by_pieces(self.plant);
             }
-            for &(torque, piece_s) in course.pieces(step) {
-                self.plant.advance(state, torque, piece_s);
-            }
-            seen[step] = self.plant.seen(state).0;
-            step += 1;
         }
     }
 
-    /// Carries it on through steps of one flow, as far as that lasts; the step that is next then.
+    /// Carries it on through steps of one flow, as far as that lasts.
     #[inline]
-    fn coast(
-        &mut self,
-        state: &mut State,
-        course: &Course,
-        from: usize,
-        seen: &mut [f64],
-    ) -> usize {
+    fn coast(&mut self, ride: &mut Ride<'_>) {
         let plant = self.plant;
         if plant.parts.has_link {
-            if plant.parts.has_bristles || !self.is_gentle {
-                return from;
+            if !plant.parts.has_bristles && self.is_gentle {
+                self.coast_linked(ride);
             }
-            return self.coast_linked(state, course, from, seen);
+            return;
         }
-        let mut next = from;
-        let rests_until_s = self.rests_until_s(state);
-        while next < course.steps()
-            && state.time_s + course.push(next).lasts_s <= rests_until_s
-            && plant.stays_at_rest(state, course.push(next).bounds_nm)
-        {
-            state.time_s += course.push(next).lasts_s;
-            seen[next] = state.position;
-            next += 1;
+        let from = ride.next();
+        self.rest(ride);
+        if ride.next() > from {
+            return;
         }
-        if next > from {
-            return next;
-        }
-        if state.phase == Phase::Bristle {
-            self.bend(state, course, from, seen)
+        if ride.state.phase == Phase::Bristle {
+            self.bend(ride);
         } else if self.is_gentle {
-            self.slide(state, course, from, seen)
-        } else {
-            from
+            self.slide(ride);
+        }
+    }
+
+    /// As far as it stays at rest.
+    #[inline]
+    fn rest(&self, ride: &mut Ride<'_>) {
+        let until_s = self.rests_until_s(ride.state);
+        while let Some(push) = ride.push() {
+            let stays = ride.state.time_s + push.lasts_s <= until_s
+                && self.plant.stays_at_rest(ride.state, push.bounds_nm);
+            if !stays {
+                break;
+            }
+            ride.step(push, ride.state.position);
         }
     }
 

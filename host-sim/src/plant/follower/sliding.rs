@@ -1,29 +1,26 @@
 //! One mass that slides.
 
+use super::super::Plant;
 use super::super::zero_order_hold::ZeroOrderHold;
-use super::super::{Course, Plant, State};
 use super::bent::Bent;
 use super::ground::Ground;
+use super::ride::Ride;
 use super::side::Side;
 use super::{Follower, after, is_usual};
 
 impl Follower<'_> {
     /// As far as it slides in one direction.
-    pub(super) fn slide(
-        &mut self,
-        state: &mut State,
-        course: &Course,
-        from: usize,
-        seen: &mut [f64],
-    ) -> usize {
+    pub(super) fn slide(&mut self, ride: &mut Ride<'_>) {
         let plant = self.plant;
+        let state = &*ride.state;
         let side = Side::of(plant.dry, state.velocity, state.phase);
         if side == Side::Held || !side.has(state.velocity) {
-            return from;
+            return;
         }
-        let until_s = self.until_s(state);
+        let until_s = self.until_s(ride.state);
+        let state = &*ride.state;
         let Some(ground) = self.ground(state) else {
-            return from;
+            return;
         };
         let direction = side.direction();
         let step_s = self.step_s;
@@ -39,9 +36,8 @@ impl Follower<'_> {
         let mut x = [state.position, state.velocity];
         // Near what acted over the step before, which is near enough for the way halfway.
         let mut bent_nm = None;
-        let mut next = from;
-        while next < course.steps() {
-            let push = course.push(next);
+        while let Some(push) = ride.push() {
+            let state = &mut *ride.state;
             if !is_usual(push, step_s) || state.time_s + push.lasts_s > until_s {
                 break;
             }
@@ -72,11 +68,8 @@ impl Follower<'_> {
             }
             x = end;
             [state.position, state.velocity] = end;
-            state.time_s += push.lasts_s;
-            seen[next] = end[0];
-            next += 1;
+            ride.step(push, end[0]);
         }
-        next
     }
 }
 

@@ -1,0 +1,56 @@
+//! A state on its way through a course.
+
+use super::super::{Course, Plant, Push, State};
+
+/// A state that is carried through the steps of a course, and what is seen of it after each of them.
+pub(super) struct Ride<'a> {
+    pub(super) state: &'a mut State,
+    course: &'a Course,
+    next: usize,
+    seen: &'a mut [f64],
+}
+
+impl<'a> Ride<'a> {
+    pub(super) fn new(state: &'a mut State, course: &'a Course, seen: &'a mut [f64]) -> Self {
+        Self {
+            state,
+            course,
+            next: 0,
+            seen,
+        }
+    }
+
+    /// The step that is next.
+    #[inline]
+    pub(super) fn next(&self) -> usize {
+        self.next
+    }
+
+    #[inline]
+    pub(super) fn is_over(&self) -> bool {
+        self.next >= self.course.steps()
+    }
+
+    /// What the next step comes to, if there is one.
+    #[inline]
+    pub(super) fn push(&self) -> Option<&'a Push> {
+        (!self.is_over()).then(|| self.course.push(self.next))
+    }
+
+    /// Takes the next step, at whose end the sensor is at a position.
+    #[inline]
+    pub(super) fn step(&mut self, push: &Push, seen: f64) {
+        self.state.time_s += push.lasts_s;
+        self.seen[self.next] = seen;
+        self.next += 1;
+    }
+
+    /// Takes it piece by piece, whatever may happen on the way.
+    pub(super) fn by_pieces(&mut self, plant: &Plant) {
+        for &(torque, piece_s) in self.course.pieces(self.next) {
+            plant.advance(self.state, torque, piece_s);
+        }
+        self.seen[self.next] = plant.seen(self.state).0;
+        self.next += 1;
+    }
+}

@@ -78,7 +78,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         quarter,
     };
     let quarter = problem(0.25 * recording.horizon, None);
-    let problem = problem(recording.horizon, Some(Box::new(quarter)));
+    let mut problem = problem(recording.horizon, Some(Box::new(quarter)));
     let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
     let without = options.without.iter().map(String::as_str);
     let cleared = comparison.iter().flat_map(|c| c.excluded());
@@ -94,6 +94,10 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         excluded,
     };
     let mut selection = select::select(&problem, &given, progress);
+    let exact = problem.exact();
+    if let Some(refined) = selection.refined(&exact, &given, progress) {
+        (problem, selection) = (exact, refined);
+    }
 
     progress(Stage::Shrink);
     let steps = closing_steps(&problem, &mut selection);

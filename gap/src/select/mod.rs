@@ -8,6 +8,7 @@ mod kin;
 mod pair;
 mod place;
 mod ranking;
+mod refined;
 mod rival;
 mod round;
 mod scan;

@@ -1,0 +1,113 @@
+//! A second effect that shows only where a right model may be off by nothing.
+
+use super::rival::Rival;
+use super::round::{FITTING_ITERATIONS, Round, Search};
+use super::{Given, LEAST_PROMISED_AT_FLOOR, Selection};
+use crate::fit::Fit;
+use crate::fit::problem::{Part, Problem};
+use crate::floor::Perfect;
+use crate::stage::Stage;
+use rayon::prelude::*;
+
+impl Selection {
+    /// The same of an `exact` problem, with the second effect that closes most of what the only one leaves there; none if
+    /// that leaves little, or if no other does.
+    pub(crate) fn refined(
+        &self,
+        exact: &Problem<'_>,
+        given: &Given<'_>,
+        progress: fn(Stage),
+    ) -> Option<Self> {
+        let [only] = &self.rounds[..] else {
+            return None;
+        };
+        if self.given || self.last.is_some() {
+            return None;
+        }
+        let anew = |fit: &Fit| {
+            let Fit { hypothesis, x, .. } = fit;
+            exact.fit(hypothesis, x.clone(), Part::All, FITTING_ITERATIONS)
+        };
+        let null = anew(&self.null);
+        let so_far = anew(&only.so_far);
+        let perfect = Perfect::of(exact, &null).bounded();
+        let alone = Self {
+            null,
+            perfect,
+            rounds: Vec::new(),
+            ..self.clone()
+        };
+        if alone.suffices(exact, &so_far) {
+            return None;
+        }
+        let search = Search {
+            problem: exact,
+            given,
+            progress,
+            perfect,
+        };
+        let second = search.round(&so_far, &only.screened, LEAST_PROMISED_AT_FLOOR)?;
+        if !second.earned {
+            return None;
+        }
+        let rivals = only.rivals.par_iter().map(|rival| Rival {
+            name: rival.name,
+            fit: anew(&rival.fit),
+        });
+        let first = Round {
+            known: alone.null.clone(),
+            rivals: rivals.collect(),
+            so_far,
+            ..only.clone()
+        };
+        Some(Self {
+            rounds: vec![first, second],
+            ..alone
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::made;
+    use crate::select::select;
+
+    /// Names that are found where a model may be off by a share of the gap, and then where it may not.
+    fn found(effects: &[&str]) -> [Vec<&'static str>; 2] {
+        let recording = made::recording(effects);
+        let mut problem = made::problem(&recording);
+        let bare = Hypothesis { terms: Vec::new() };
+        let nominal = problem.fit(&bare, Vec::new(), Part::All, 0);
+        problem.modelling = 0.2 * problem.plain_gap(&problem.series, &nominal);
+        let given = Given {
+            is_gap: true,
+            excluded: Vec::new(),
+            measured: None,
+            certain: false,
+        };
+        let coarse = select(&problem, &given, |_| {});
+        let refined = coarse.refined(&problem.exact(), &given, |_| {});
+        let names = |selection: &Selection| {
+            let rounds = selection.rounds.iter();
+            rounds.map(|round| round.rivals[0].name).collect()
+        };
+        let refined = refined.as_ref().map_or(Vec::new(), names);
+        [names(&coarse), refined]
+    }
+
+    #[test]
+    fn a_second_effect_within_what_a_model_may_be_off_by_is_found_at_last() {
+        let [coarse, refined] = found(&["coulomb:level=0.008", "delay:time=1e-3"]);
+        assert_eq!(coarse, ["coulomb"]);
+        assert_eq!(refined, ["coulomb", "delay"]);
+    }
+
+    #[test]
+    fn where_one_effect_is_all_no_second_is_found() {
+        let [coarse, refined] = found(&["coulomb:level=0.008"]);
+        assert_eq!(coarse, ["coulomb"]);
+        assert!(refined.is_empty(), "{refined:?}");
+    }
+}

@@ -78,7 +78,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         quarter,
     };
     let quarter = problem(0.25 * recording.horizon, None);
-    let mut problem = problem(recording.horizon, Some(Box::new(quarter)));
+    let problem = problem(recording.horizon, Some(Box::new(quarter)));
     let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
     let without = options.without.iter().map(String::as_str);
     let cleared = comparison.iter().flat_map(|c| c.excluded());
@@ -95,12 +95,20 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     };
     let mut selection = select::select(&problem, &given, progress);
     let exact = problem.exact();
-    if let Some(refined) = selection.refined(&exact, &given, progress) {
-        (problem, selection) = (exact, refined);
-    }
+    let refined = selection.refined(&exact, &given, progress);
 
     progress(Stage::Shrink);
-    let steps = closing_steps(&problem, &mut selection);
+    let refined = refined.and_then(|mut refined| {
+        let steps = closing_steps(&exact, &mut refined);
+        (refined.rounds.len() > selection.rounds.len()).then_some((refined, steps))
+    });
+    let (problem, selection, steps) = match refined {
+        Some((refined, steps)) => (exact, refined, steps),
+        None => {
+            let steps = closing_steps(&problem, &mut selection);
+            (problem, selection, steps)
+        }
+    };
     let model = corrected(&problem, selection.fit());
     let (after, _) = measure(recording, &model.device());
     let floor = after.floor.min(before);

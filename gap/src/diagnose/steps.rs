@@ -53,8 +53,10 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
     if kept > 0 {
         return steps;
     }
-    // What the model that explains it would leave as well is no gap.
-    let is_none = !selection.plain && steps.first().is_some_and(|step| step.was_at_floor);
+    // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
+    let is_none = !selection.plain
+        && steps.first().is_some_and(|step| step.was_at_floor)
+        && selection.null_leaves_at_most(select::LOUD_GAP, problem);
     if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
         selection.withdraw(0);

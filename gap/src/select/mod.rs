@@ -40,7 +40,7 @@ const PLAIN_EXCESS: f64 = 2.0;
 pub(crate) const QUIET_GAP: f64 = 2.0;
 /// Gap over floor beyond which something is, be it in a restart or two: of 90 recordings with nothing wrong the largest was
 /// 1.8.
-const LOUD_GAP: f64 = 3.0;
+pub(crate) const LOUD_GAP: f64 = 3.0;
 const NULL_ITERATIONS: usize = 10;
 /// Effects that are found at most.
 const MOST_EFFECTS: usize = 3;

@@ -68,8 +68,8 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "position_dependent_coulomb" if is_dry => position_dependent(kind, e),
         "stribeck" if is_dry => {
-            let held = HELD_FALLS.map(|v| (held_rise(e), v)).into_iter();
-            let held = held.filter_map(|(rise, v)| Some((rise?, v)));
+            let held = held_rise(e).into_iter();
+            let held = held.flat_map(|rise| HELD_FALLS.map(|v| (rise, v)));
             let falls = RISES.into_iter().chain(held).flat_map(|(rise, v)| {
                 let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * s.velocity)];
                 FALLS.map(|exponent| term(kind, free.clone(), &[(2, exponent)]))

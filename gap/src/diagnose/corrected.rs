@@ -18,7 +18,7 @@ pub struct CorrectedModel {
 #[derive(Clone, Debug)]
 pub struct CorrectedEffect {
     /// Kind and numbers.
-    pub effect: host_sim::effects::Effect,
+    pub effect: Effect,
     /// Side of the transmission on which the position sensor sits.
     pub sensor_on_load: bool,
 }
@@ -35,6 +35,7 @@ impl CorrectedModel {
     }
 }
 
+/// The nominal model as a fit corrects it.
 pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
     let effects = fit
         .hypothesis

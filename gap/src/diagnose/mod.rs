@@ -94,21 +94,17 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         excluded,
     };
     let mut selection = select::select(&problem, &given, progress);
-    let exact = problem.exact();
-    let refined = selection.refined(&exact, &given, progress);
+    let refined = selection.refined(&problem, &given, progress);
 
     progress(Stage::Shrink);
-    let refined = refined.and_then(|mut refined| {
+    let refined = refined.and_then(|(exact, mut refined)| {
         let steps = closing_steps(&exact, &mut refined);
-        (refined.rounds.len() > selection.rounds.len()).then_some((refined, steps))
+        (refined.rounds.len() > selection.rounds.len()).then_some((exact, refined, steps))
     });
-    let (problem, selection, steps) = match refined {
-        Some((refined, steps)) => (exact, refined, steps),
-        None => {
-            let steps = closing_steps(&problem, &mut selection);
-            (problem, selection, steps)
-        }
-    };
+    let (problem, selection, steps) = refined.unwrap_or_else(|| {
+        let steps = closing_steps(&problem, &mut selection);
+        (problem, selection, steps)
+    });
     let model = corrected(&problem, selection.fit());
     let (after, _) = measure(recording, &model.device());
     let floor = after.floor.min(before);
@@ -136,18 +132,17 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     progress(Stage::NextExperiment);
     let next_experiment = experiment::separating(&problem, &selection);
 
-    let told = |line: &dyn ToString| line.to_string();
-    let oddities = recording.oddities.iter().map(|oddity| told(oddity));
+    let oddities = recording.oddities.iter().map(ToString::to_string);
     let disagreement = comparison
         .iter()
         .filter_map(|c| c.line(&recording.units.position));
     let bounds = selection.fit().at_bounds(&problem.nudges);
-    let bounds = bounds.iter().map(|bound| told(bound));
-    let doubt = stand_in.iter().map(|doubt| told(doubt));
+    let bounds = bounds.iter().map(ToString::to_string);
+    let doubt = stand_in.iter().map(ToString::to_string);
     let small = selection.rounds.iter().zip(&steps);
     let small = small.filter(|(_, step)| step.is_small());
     let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.nudges));
-    let reliefs = reliefs.map(|relief| told(&relief));
+    let reliefs = reliefs.map(|relief| relief.to_string());
     let warnings = oddities.chain(disagreement).chain(bounds);
     let warnings = warnings.chain(doubt).chain(reliefs);
     let diagnosis = Diagnosis {

@@ -1,7 +1,7 @@
 //! Numbers that a fit left at the end of their reach: it may have stalled there, and their uncertainty counts for nothing.
 
+use super::Fit;
 use super::hypothesis::Nudge;
-use crate::fit::Fit;
 use std::fmt;
 
 /// Share of its reach within which a coordinate is at the end of it.

@@ -3,7 +3,7 @@
 use super::hypothesis::Hypothesis;
 use super::problem::{PRIOR_WEIGHT, Part, Problem};
 use super::whitening::{Whitening, dot};
-use crate::fit::{DIFFERENCES, Fit, Slope, aside};
+use super::{DIFFERENCES, Fit, Slope, aside};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 

@@ -3,7 +3,7 @@
 use super::costs::Costs;
 use super::hypothesis::Hypothesis;
 use super::problem::{Part, Problem};
-use crate::fit::{Fit, within};
+use super::{Fit, within};
 use rayon::prelude::*;
 
 /// Moves of one coordinate that are looked at, and how often.

@@ -1,9 +1,9 @@
 //! The data that every fit shares, and what a hypothesis leaves of them.
 
+use super::Fit;
 use super::costs::Costs;
 use super::hypothesis::{Hypothesis, Nudge};
 use super::whitening::{Whitening, dot, whitenings};
-use crate::fit::Fit;
 use crate::predict::Predictor;
 use crate::windows::series::Series;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! How far a fit moves the model's own numbers.
 
-use crate::fit::Fit;
+use super::Fit;
 
 /// Standard deviations of a chi-square within which the moves of the model's own numbers are likely.
 const LIKELY_ERRORS: f64 = 4.0;

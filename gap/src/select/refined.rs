@@ -10,41 +10,44 @@ use crate::stage::Stage;
 use rayon::prelude::*;
 
 impl Selection {
-    /// The same of an `exact` problem, with the second effect that closes most of what the only one leaves there; none if
-    /// that leaves little, or if no other does.
-    pub(crate) fn refined(
+    /// The problem for a model that is off by nothing, and the same selection there with the second effect that closes most of
+    /// what the only one leaves; none if that leaves little, or if no other does.
+    pub(crate) fn refined<'a>(
         &self,
-        exact: &Problem<'_>,
+        problem: &Problem<'a>,
         given: &Given<'_>,
         progress: fn(Stage),
-    ) -> Option<Self> {
+    ) -> Option<(Problem<'a>, Self)> {
         let [only] = &self.rounds[..] else {
             return None;
         };
         if self.given || self.last.is_some() {
             return None;
         }
+        let exact = problem.exact();
         let anew = |fit: &Fit| {
             let Fit { hypothesis, x, .. } = fit;
             exact.fit(hypothesis, x.clone(), Part::All, FITTING_ITERATIONS)
         };
         let null = anew(&self.null);
-        let so_far = anew(&only.so_far);
-        let perfect = Perfect::of(exact, &null).bounded();
-        let alone = Self {
+        let mut refined = Self {
+            perfect: Perfect::of(&exact, &null).bounded(),
             null,
-            perfect,
+            quiet: self.quiet,
+            plain: self.plain,
+            given: false,
             rounds: Vec::new(),
-            ..self.clone()
+            last: None,
         };
-        if alone.suffices(exact, &so_far) {
+        let so_far = anew(&only.so_far);
+        if refined.suffices(&exact, &so_far) {
             return None;
         }
         let search = Search {
-            problem: exact,
+            problem: &exact,
             given,
             progress,
-            perfect,
+            perfect: refined.perfect,
         };
         let second = search.round(&so_far, &only.screened, LEAST_PROMISED_AT_FLOOR)?;
         if !second.earned {
@@ -55,15 +58,15 @@ impl Selection {
             fit: anew(&rival.fit),
         });
         let first = Round {
-            known: alone.null.clone(),
+            known: refined.null.clone(),
             rivals: rivals.collect(),
+            screened: only.screened.clone(),
+            significance: only.significance,
+            earned: only.earned,
             so_far,
-            ..only.clone()
         };
-        Some(Self {
-            rounds: vec![first, second],
-            ..alone
-        })
+        refined.rounds = vec![first, second];
+        Some((exact, refined))
     }
 }
 
@@ -88,12 +91,12 @@ mod tests {
             certain: false,
         };
         let coarse = select(&problem, &given, |_| {});
-        let refined = coarse.refined(&problem.exact(), &given, |_| {});
+        let refined = coarse.refined(&problem, &given, |_| {});
         let names = |selection: &Selection| {
             let rounds = selection.rounds.iter();
             rounds.map(|round| round.rivals[0].name).collect()
         };
-        let refined = refined.as_ref().map_or(Vec::new(), names);
+        let refined = refined.map_or(Vec::new(), |(_, refined)| names(&refined));
         [names(&coarse), refined]
     }
 

@@ -23,7 +23,8 @@ pub type Shift = [f64; 2];
 /// Rate of what samples that are put together still follow, rad/s.
 const FASTEST_RATE: f64 = 0.25 * TAU / FINE_PERIOD_S;
 
-/// Distance from its restart, in spans of what was measured, at which a model has run away.
+/// Distance from its restart at which a model has run away, over the span of what was measured and how far the largest torque
+/// would take a free device: what sticks throughout spans nothing.
 const FARTHEST: f64 = 100.0;
 
 fn span(values: &[f64]) -> f64 {
@@ -88,7 +89,7 @@ impl Predictor {
         let Some(first) = series.windows.first() else {
             return predicted;
         };
-        let farthest = FARTHEST * span(&series.position);
+        let span = span(&series.position);
         let start_s = first.restart.time_s;
         let x = self.device.sensing.inverse(first.restart.value);
         let mut running = Running {
@@ -126,6 +127,8 @@ impl Predictor {
                 series.averaging.show(samples.start, seen, low_passes);
             });
             running.read_s = restart_s;
+            let window_s = series.time[samples.end - 1] - restart_s;
+            let farthest = FARTHEST * (span + self.free_travel(series, window_s));
             for i in samples {
                 predicted[i] = self.read(&mut running, series, predicted[i], series.time[i]);
                 let strayed = (predicted[i] - window.restart.value).abs();
@@ -155,6 +158,15 @@ impl Predictor {
         running.shown = window.restart.value;
         running.filtered = window.restart.value;
         running.read_s = end_s;
+    }
+
+    /// How far the largest torque takes a free device within a time.
+    fn free_travel(&self, series: &Series, within_s: f64) -> f64 {
+        let Device {
+            drive, mechanics, ..
+        } = &self.device;
+        let torque_nm = drive.settled(series.largest_input).abs() + mechanics.gravity.abs();
+        0.5 * torque_nm / mechanics.inertia * within_s.powi(2)
     }
 
     /// True if anything but the drive is carried from window to window.

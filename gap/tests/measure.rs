@@ -62,6 +62,20 @@ fn a_wrong_model_is_above_it_and_the_predictions_say_where() {
 }
 
 #[test]
+fn a_model_that_moves_where_the_device_sticks_throughout_has_not_run_away() {
+    const HOLDING_NM: f64 = 0.06;
+    let stuck = Model {
+        coulomb: HOLDING_NM,
+        ..paddle()
+    };
+    let recording = recording(&stuck, paddle(), 0.0, 2.09e-4, 1);
+    let (gap, _) = gap::measure(&recording, &Device::nominal(&paddle()));
+    assert!(gap.before > 10.0 * gap.floor, "{gap:?}");
+    let (gap, _) = gap::measure(&recording, &Device::nominal(&stuck));
+    assert_eq!(gap.before, 0.0);
+}
+
+#[test]
 fn a_thinned_recording_is_predicted_as_the_whole_one() {
     let recording = recording(&paddle(), paddle(), 1e-4, 0.0, 7);
     let whole = gap::series::coarse(&recording, 0.05);

@@ -76,7 +76,8 @@ impl Problem<'_> {
         self.fit_from_lowest(&fit.hypothesis, starts.collect(), below, iterations)
     }
 
-    /// A fit to all windows from the one of some starts that leaves least, if start and fit leave less than `below`.
+    /// The best fit to all windows from those of some starts that leave least, if start and fit leave less than `below`: the very
+    /// lowest may lead to where another stick and slip holds it.
     pub(crate) fn fit_from_lowest(
         &self,
         hypothesis: &Hypothesis,
@@ -86,9 +87,12 @@ impl Problem<'_> {
     ) -> Option<Fit> {
         let level = |x: &[f64]| self.costs(hypothesis, x, Part::All).level();
         let levels = starts.into_par_iter().map(|x| (level(&x), x));
-        let lowest = levels.min_by(|a, b| a.0.total_cmp(&b.0));
-        let (_, x) = lowest.filter(|(level, _)| *level < below)?;
-        let fit = self.fit(hypothesis, x, Part::All, iterations);
+        let mut lowest: Vec<_> = levels.filter(|(level, _)| *level < below).collect();
+        lowest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        lowest.truncate(FAR_KEPT);
+        let fits = lowest.into_par_iter();
+        let fits = fits.map(|(_, x)| self.fit(hypothesis, x, Part::All, iterations));
+        let fit = fits.min_by(|a, b| a.costs.level().total_cmp(&b.costs.level()))?;
         (fit.costs.level() < below).then_some(fit)
     }
 

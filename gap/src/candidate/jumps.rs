@@ -14,7 +14,9 @@ const UPPER_QUARTILE: f64 = 1.15;
 /// Steps this share of the largest beside them are as large.
 const TIED: f64 = 0.8;
 /// More jumps than this are noise of another kind, or motion, but for those this many times larger than the next.
-const MOST_JUMPS: usize = 12;
+const MOST_JUMPS: usize = 40;
+/// Of more than this the heights alone are fitted.
+const MOST_TIMED: usize = 12;
 const OUTSTANDING: f64 = 3.0;
 
 /// The jumps found, as one term with time and height of each; none if there are none.
@@ -118,10 +120,11 @@ fn term(kind: &'static Kind, jumps: &[Found], part: f64) -> Term {
         .iter()
         .map(|&(before, after, height)| (before, after, height / part));
     let mut free = Vec::new();
+    let is_timed = jumps.len() <= MOST_TIMED;
     for (index, (before, after, height)) in jumps.clone().enumerate() {
         let place = kind.event_place(index);
         // Within a sample that is a mean the instant shows in the height of that sample.
-        if after > before {
+        if is_timed && after > before {
             free.push(linear(
                 place,
                 0.5 * (before + after),
@@ -142,14 +145,28 @@ fn term(kind: &'static Kind, jumps: &[Found], part: f64) -> Term {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use host_sim::effects;
+
+    #[test]
+    fn of_many_jumps_the_heights_alone_are_fitted() {
+        let fitted = |count: usize| {
+            let jumps = (0..count).map(|k| (k as f64, k as f64 + 1e-3, 0.1));
+            let jumps: Vec<Found> = jumps.collect();
+            term(effects::kind("lost_counts").unwrap(), &jumps, 1.0)
+                .free
+                .len()
+        };
+        assert_eq!(fitted(MOST_TIMED), 2 * MOST_TIMED);
+        assert_eq!(fitted(MOST_JUMPS), MOST_JUMPS);
+    }
 
     #[test]
     fn jumps_are_what_stands_out_from_the_motions_own_steps() {
         let steps = |count: u32, height: f64| (0..count).map(move |k| (f64::from(k), 0.5, height));
-        let motion: Vec<Found> = steps(30, 0.04).collect();
+        let motion: Vec<Found> = steps(MOST_JUMPS as u32 + 1, 0.04).collect();
         let with = |jumps: &[Found]| outstanding([jumps, &motion].concat());
         assert_eq!(with(&[]), []);
-        let two = [(31.0, 0.5, -0.7), (32.0, 0.5, 0.6)];
+        let two = [(61.0, 0.5, -0.7), (62.0, 0.5, 0.6)];
         assert_eq!(with(&two), two);
         let few: Vec<Found> = steps(5, 0.04).chain(two).collect();
         assert_eq!(outstanding(few.clone()), few);

@@ -1,9 +1,10 @@
 //! What drives make of the recorded input.
 
-use super::series::{MOST_SAMPLES, Series};
+use super::series::{MOST_SAMPLES, Series, Window};
 use host_sim::decay::Decay;
 use host_sim::drive::{Drive, DriveLine};
 use host_sim::plant::{Course, Torque};
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -20,10 +21,13 @@ pub(crate) struct WindowCourse {
 
 /// The courses that a series has under the drives that were asked for last: most of what is tried leaves the drive as it is.
 #[derive(Debug, Default)]
-pub(crate) struct Courses(Mutex<Vec<(Drive, Windows)>>);
+pub(crate) struct Courses(Mutex<Vec<(Drive, Stretches)>>);
 
-/// By window, each as it is first asked for.
-type Windows = Arc<[OnceLock<WindowCourse>]>;
+/// Of some windows that follow each other.
+type Stretch = Box<[WindowCourse]>;
+
+/// Each as it is first asked for.
+type Stretches = Arc<[OnceLock<Stretch>]>;
 
 /// Drives that are remembered, of series that are not longer than what models are fitted to.
 const MOST_DRIVES: usize = 4;
@@ -36,18 +40,15 @@ impl Clone for Courses {
 }
 
 impl Courses {
-    fn under(&self, drive: &Drive, windows: usize) -> Windows {
+    fn under(&self, drive: &Drive, stretches: usize) -> Stretches {
         // What a thread that has panicked leaves is whole.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let known = kept
             .iter()
-            .position(|(d, w)| d == drive && w.len() == windows);
+            .position(|(d, s)| d == drive && s.len() == stretches);
         let entry = match known {
             Some(place) => kept.remove(place),
-            None => (
-                drive.clone(),
-                (0..windows).map(|_| OnceLock::new()).collect(),
-            ),
+            None => (drive.clone(), none(stretches)),
         };
         let found = entry.1.clone();
         kept.push(entry);
@@ -58,21 +59,34 @@ impl Courses {
     }
 }
 
+fn none(stretches: usize) -> Stretches {
+    (0..stretches).map(|_| OnceLock::new()).collect()
+}
+
 /// The courses of a series under one drive.
 pub(crate) struct Told<'a> {
     drive: &'a Drive,
     series: &'a Series,
-    kept: Option<Windows>,
+    /// Windows of a stretch: what a drive remembers is gone through once for all of them.
+    stretch: usize,
+    kept: Option<Stretches>,
+    /// The stretch that was looked at last, where none is kept.
+    last: RefCell<Option<(usize, Stretch)>>,
 }
 
 impl<'a> Told<'a> {
     pub(crate) fn new(drive: &'a Drive, series: &'a Series) -> Self {
+        let windows = series.windows.len();
+        let stretch = (drive.memory_s() / window_s(series)).ceil();
+        let stretch = (stretch as usize).clamp(1, windows.max(1));
         let keeps = series.time.len() <= MOST_SAMPLES;
-        let kept = keeps.then(|| series.courses.under(drive, series.windows.len()));
+        let stretches = windows.div_ceil(stretch);
         Self {
             drive,
             series,
-            kept,
+            stretch,
+            kept: keeps.then(|| series.courses.under(drive, stretches)),
+            last: RefCell::new(None),
         }
     }
 
@@ -83,33 +97,47 @@ impl<'a> Told<'a> {
         let fits = |course: &&WindowCourse| {
             course.restart_s == window.restart.time_s && course.samples == window.samples
         };
-        let kept = self.kept.as_ref().map(|kept| &kept[index]);
-        let kept = kept.map(|kept| kept.get_or_init(|| self.course(index)));
-        match kept.filter(fits) {
-            Some(course) => look(course),
-            None => look(&self.course(index)),
+        let place = index / self.stretch;
+        let within = index % self.stretch;
+        if let Some(kept) = &self.kept {
+            let stretch = kept[place].get_or_init(|| self.courses(place));
+            if let Some(course) = stretch.get(within).filter(fits) {
+                return look(course);
+            }
         }
+        let mut last = self.last.borrow_mut();
+        let (_, stretch) = match last.take().filter(|(at, _)| *at == place) {
+            Some(same) => last.insert(same),
+            None => last.insert((place, self.courses(place))),
+        };
+        look(&stretch[within])
     }
 
-    fn course(&self, index: usize) -> WindowCourse {
+    /// Those of a stretch.
+    fn courses(&self, place: usize) -> Stretch {
         let Self { drive, series, .. } = self;
-        let window = &series.windows[index];
-        let restart_s = window.restart.time_s;
+        let first = place * self.stretch;
+        let end = series.windows.len().min(first + self.stretch);
         let start_s = series.windows[0].restart.time_s;
         let mut listener = Listener::from(start_s, drive, series);
-        let before = index.checked_sub(1).map(|before| &series.windows[before]);
+        let before = first.checked_sub(1).map(|before| &series.windows[before]);
         let left_s = before.map_or(start_s, |before| series.time[before.samples.end - 1]);
         listener.skip_to(left_s);
-        let mut lead = Course::default();
-        listener.step_through(&[restart_s], &mut lead);
-        let mut steps = Course::default();
-        listener.step_through(&series.time[window.samples.clone()], &mut steps);
-        WindowCourse {
-            restart_s,
-            samples: window.samples.clone(),
-            lead,
-            steps,
-        }
+        let windows = series.windows[first..end].iter();
+        windows.map(|window| listener.course(window)).collect()
+    }
+}
+
+/// From a restart to the next, s.
+fn window_s(series: &Series) -> f64 {
+    let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
+        return f64::INFINITY;
+    };
+    let all_s = last.restart.time_s - first.restart.time_s;
+    if all_s > 0.0 {
+        all_s / (series.windows.len() - 1) as f64
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -212,6 +240,21 @@ impl<'a> Listener<'a> {
         }
         self.run_to(to_s, |_, _, _| {});
         self.listen();
+    }
+
+    /// The course in a window, from the last sample before it on.
+    fn course(&mut self, window: &Window) -> WindowCourse {
+        let restart_s = window.restart.time_s;
+        let samples = window.samples.clone();
+        let [mut lead, mut steps] = [Course::default(), Course::default()];
+        self.step_through(&[restart_s], &mut lead);
+        self.step_through(&self.series.time[samples.clone()], &mut steps);
+        WindowCourse {
+            restart_s,
+            samples,
+            lead,
+            steps,
+        }
     }
 
     /// Adds the steps to some instants of the run to a course.

@@ -56,39 +56,6 @@ impl Presliding {
         }
     }
 
-    /// Deflection after a `way` to one side: the bristles know no time. In closed form, for all that is left.
-    #[inline]
-    pub(super) fn bent(&self, deflection: f64, way: f64) -> f64 {
-        let side = 1f64.copysign(way);
-        let mut bent = side * deflection / self.distance;
-        let mut left = way.abs() / self.distance;
-        if self.elastic > 0.0 {
-            let freely = (self.elastic - bent).clamp(0.0, left);
-            bent += freely;
-            left -= freely;
-        }
-        let yields = 1.0 - self.elastic;
-        let before = ((1.0 - bent) / yields).max(0.0);
-        let after = if self.exponent == 1.0 {
-            before * (-left / yields).exp()
-        } else {
-            let power = 1.0 - self.exponent;
-            let after = before.powf(power) - power * left / yields;
-            after.max(0.0).powf(power.recip())
-        };
-        side * self.distance * (1.0 - yields * after)
-    }
-
-    /// Deflection per way at a deflection, on a way to the side of `velocity`.
-    #[inline]
-    pub(super) fn bends(&self, velocity: f64, deflection: f64) -> f64 {
-        if velocity == 0.0 {
-            1.0
-        } else {
-            self.rate(velocity, deflection) / velocity
-        }
-    }
-
     /// Natural rate of an inertia on bristles of this sliding level, 1/s.
     #[inline]
     pub(super) fn natural_rate(&self, inertia: f64, level_nm: f64) -> f64 {
@@ -107,13 +74,101 @@ impl Presliding {
     /// True where the deflection has settled and would relax faster than a step of `step_s` follows.
     #[inline]
     pub(super) fn has_slid(&self, velocity: f64, deflection: f64, step_s: f64) -> bool {
-        deflection * velocity.signum() > SLID * self.distance
-            && velocity.abs() * step_s > (1.0 - self.elastic) * self.distance
+        self.may_slide(velocity, step_s) && deflection * velocity.signum() > SLID * self.distance
+    }
+
+    /// True where, had the deflection settled, it would.
+    #[inline]
+    pub(super) fn may_slide(&self, velocity: f64, step_s: f64) -> bool {
+        velocity.abs() * step_s > (1.0 - self.elastic) * self.distance
     }
 
     /// Fastest rate of an inertia on bristles of this sliding level, 1/s.
     pub(super) fn fastest_rate(&self, inertia: f64, level_nm: f64) -> f64 {
         self.natural_rate(inertia, level_nm) + self.damping / inertia
+    }
+}
+
+/// Bristles as they are bent on and on.
+#[derive(Clone, Copy)]
+pub(super) struct Bending<'a> {
+    bristles: &'a Presliding,
+    deflection: f64,
+    last: Option<Way>,
+}
+
+/// Where a way to one side has led.
+#[derive(Clone, Copy)]
+struct Way {
+    side: f64,
+    /// Share that is left of the yielding part, and its power of 1 − n, from which the next way goes on.
+    left: f64,
+    power: f64,
+}
+
+impl<'a> Bending<'a> {
+    pub(super) fn from(bristles: &'a Presliding, deflection: f64) -> Self {
+        Self {
+            bristles,
+            deflection,
+            last: None,
+        }
+    }
+
+    #[inline]
+    pub(super) fn deflection(&self) -> f64 {
+        self.deflection
+    }
+
+    /// Bends them on by a `way` to one side: they know no time. In closed form, for all that is left.
+    #[inline]
+    pub(super) fn go(&mut self, way: f64) {
+        if way == 0.0 {
+            return;
+        }
+        let &Presliding {
+            distance,
+            exponent,
+            elastic,
+            ..
+        } = self.bristles;
+        let side = 1f64.copysign(way);
+        let mut bent = side * self.deflection / distance;
+        let mut on = way.abs() / distance;
+        let mut last = self.last.filter(|last| last.side == side);
+        if elastic > 0.0 {
+            let freely = (elastic - bent).clamp(0.0, on);
+            if freely > 0.0 {
+                last = None;
+            }
+            bent += freely;
+            on -= freely;
+        }
+        let yields = 1.0 - elastic;
+        let before = ((1.0 - bent) / yields).max(0.0);
+        let left = if exponent == 1.0 {
+            before * (-on / yields).exp()
+        } else {
+            let rest = 1.0 - exponent;
+            let power = last.map_or_else(|| before.powf(rest), |last| last.power);
+            let power = (power - rest * on / yields).max(0.0);
+            let left = power.powf(rest.recip());
+            self.last = Some(Way { side, left, power });
+            left
+        };
+        self.deflection = side * distance * (1.0 - yields * left);
+    }
+
+    /// Deflection per way on a way to the side of `velocity`.
+    #[inline]
+    pub(super) fn bends(&self, velocity: f64) -> f64 {
+        match self.last {
+            Some(last) if last.side * velocity > 0.0 && last.left >= LAST => {
+                (last.left / last.power).min(1.0)
+            }
+            _ if velocity == 0.0 => 1.0,
+            _ => self.bristles.rate(velocity, self.deflection) / velocity,
+        }
     }
 }
 
@@ -152,15 +207,19 @@ mod tests {
                 elastic,
             };
             // There, back past the middle, and there again.
-            let mut z = [0.0; 2];
-            for way in [0.008, -0.013, 0.02] {
-                z[0] = bristles.bent(z[0], way);
+            let mut bending = Bending::from(&bristles, 0.0);
+            let mut z = 0.0;
+            for way in [0.008, -0.013, 0.011, 0.009] {
+                bending.go(way);
                 let steps = 100_000;
                 let dt = way.abs() / f64::from(steps);
                 for _ in 0..steps {
-                    z[1] += dt * bristles.rate(way.signum(), z[1]);
+                    z += dt * bristles.rate(way.signum(), z);
                 }
-                assert!((z[0] - z[1]).abs() < 2e-5, "{exponent} {elastic}: {z:?}");
+                let bent = bending.deflection();
+                let bends = bristles.rate(way, bent) / way;
+                assert!((bending.bends(way) - bends).abs() < 1e-9, "{exponent}");
+                assert!((bent - z).abs() < 2e-5, "{exponent} {elastic}: {bent}, {z}");
             }
         }
     }

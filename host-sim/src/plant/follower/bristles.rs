@@ -1,5 +1,6 @@
 //! One mass on bristles.
 
+use super::super::presliding::Bending;
 use super::super::{Phase, Touch};
 use super::Follower;
 use super::ride::Ride;
@@ -9,7 +10,8 @@ const BRISTLE_ANGLE: f64 = 0.2;
 const MOST_PARTS: f64 = 6.0;
 
 impl Follower<'_> {
-    /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest.
+    /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest, by which they are
+    /// bent with the first half of the next step.
     pub(super) fn bend(&self, ride: &mut Ride<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
@@ -21,6 +23,8 @@ impl Follower<'_> {
         }
         let holding = m.friction.highest_nm() * m.friction.stribeck.ratio;
         let rate = bristles.natural_rate(inertia, holding) + self.bent_rate;
+        let mut bending = Bending::from(bristles, ride.state.deflection);
+        let mut due = 0.0;
         while let Some(push) = ride.push() {
             let state = &mut *ride.state;
             if state.phase != Phase::Bristle || state.time_s + push.lasts_s > until_s {
@@ -32,10 +36,13 @@ impl Follower<'_> {
                 .clamp(1.0, MOST_PARTS);
             let part_s = push.lasts_s / parts;
             let half_s = 0.5 * part_s;
-            let (mut x, mut v, mut z) = (state.position, state.velocity, state.deflection);
+            let (mut x, mut v) = (state.position, state.velocity);
+            let (mut bent, mut way_due) = (bending, due);
             for part in 0..parts as usize {
                 let way = half_s * v;
-                (x, z) = (x + way, bristles.bent(z, way));
+                x += way;
+                bent.go(way_due + way);
+                let z = bent.deflection();
                 state.pendulum.follow(x - m.gravity_zero);
                 let level = m.friction.sliding(
                     1f64.copysign(z),
@@ -47,21 +54,28 @@ impl Follower<'_> {
                 let torque = plant.motor_side(mean_nm, x)
                     + plant.load_side(&state.pendulum, &state.touch, x, v)
                     - level * z / bristles.distance;
-                let damping =
-                    m.viscous + m.drag * v.abs() + bristles.damping * bristles.bends(v, z);
+                let damping = m.viscous + m.drag * v.abs() + bristles.damping * bent.bends(v);
                 let slowed = half_s * damping / inertia;
                 v = ((1.0 - slowed) * v + part_s * torque / inertia) / (1.0 + slowed);
-                let way = half_s * v;
-                (x, z) = (x + way, bristles.bent(z, way));
+                way_due = half_s * v;
+                x += way_due;
             }
             // A torque that comes early moves it farther.
             x += 0.5 * push.lasts_s * push.lasts_s * (early_nm - mean_nm) / inertia;
             if plant.meets_barrier(state, x, v) {
                 break;
             }
-            [state.position, state.velocity, state.deflection] = [x, v, z];
-            plant.slides_on(state, push.lasts_s);
+            [state.position, state.velocity] = [x, v];
+            (bending, due) = (bent, way_due);
+            if bristles.may_slide(v, push.lasts_s) {
+                bending.go(due);
+                due = 0.0;
+                state.deflection = bending.deflection();
+                plant.slides_on(state, push.lasts_s);
+            }
             ride.step(push, x);
         }
+        bending.go(due);
+        ride.state.deflection = bending.deflection();
     }
 }

@@ -137,7 +137,7 @@ impl<'a> Bending<'a> {
         let mut on = way.abs() / distance;
         let mut last = self.last.filter(|last| last.side == side);
         if elastic > 0.0 {
-            let freely = (elastic - bent).clamp(0.0, on);
+            let freely = (elastic - bent).max(0.0).min(on);
             if freely > 0.0 {
                 last = None;
             }
@@ -221,6 +221,20 @@ mod tests {
                 assert!((bending.bends(way) - bends).abs() < 1e-9, "{exponent}");
                 assert!((bent - z).abs() < 2e-5, "{exponent} {elastic}: {bent}, {z}");
             }
+        }
+    }
+
+    #[test]
+    fn a_model_that_runs_away_does_not_break_them() {
+        let bristles = Presliding {
+            distance: 0.01,
+            damping: 0.0,
+            exponent: 0.4,
+            elastic: 0.3,
+        };
+        let mut bending = Bending::from(&bristles, 0.0);
+        for way in [f64::INFINITY, f64::NAN, 0.01] {
+            bending.go(way);
         }
     }
 

@@ -210,15 +210,10 @@ impl Predictor {
             // Where a play or a bristle stands, or a counter, is known once the device has been followed for a while.
             return MOST_LEAD;
         }
-        let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
-            return 0;
-        };
-        let all_s = last.restart.time_s - first.restart.time_s;
-        let window_s = all_s / (series.windows.len() - 1).max(1) as f64;
         let rings_s = mechanics
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
-        let windows = (SETTLED * rings_s.max(sensing.lag_s) / window_s).ceil();
+        let windows = (SETTLED * rings_s.max(sensing.lag_s) / series.window_s()).ceil();
         (windows as usize).clamp(1, MOST_LEAD)
     }
 

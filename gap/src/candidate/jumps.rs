@@ -15,9 +15,9 @@ const UPPER_QUARTILE: f64 = 1.15;
 const TIED: f64 = 0.8;
 /// More jumps than this are noise of another kind, or motion, but for those this many times larger than the next.
 const MOST_JUMPS: usize = 40;
+const OUTSTANDING: f64 = 3.0;
 /// Of more than this the heights alone are fitted.
 const MOST_TIMED: usize = 12;
-const OUTSTANDING: f64 = 3.0;
 
 /// The jumps found, as one term with time and height of each; none if there are none.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {

@@ -98,6 +98,18 @@ impl Series {
         self.span_s.max(self.period_s)
     }
 
+    /// From a restart to the next, mostly, s; infinite if there is one restart only.
+    pub(crate) fn window_s(&self) -> f64 {
+        let [Some(first), Some(last)] = [self.windows.first(), self.windows.last()] else {
+            return f64::INFINITY;
+        };
+        let steps = self.windows.len() - 1;
+        if steps == 0 {
+            return f64::INFINITY;
+        }
+        (last.restart.time_s - first.restart.time_s) / steps as f64
+    }
+
     /// Sum of the squares that are left of a window where this is `predicted` of the series.
     pub(crate) fn squares(&self, window: &Window, predicted: &[f64]) -> f64 {
         let rows = window.samples.clone();

@@ -48,7 +48,10 @@ impl Courses {
             .position(|(d, s)| d == drive && s.len() == stretches);
         let entry = match known {
             Some(place) => kept.remove(place),
-            None => (drive.clone(), none(stretches)),
+            None => (
+                drive.clone(),
+                (0..stretches).map(|_| OnceLock::new()).collect(),
+            ),
         };
         let found = entry.1.clone();
         kept.push(entry);
@@ -59,10 +62,6 @@ impl Courses {
     }
 }
 
-fn none(stretches: usize) -> Stretches {
-    (0..stretches).map(|_| OnceLock::new()).collect()
-}
-
 /// The courses of a series under one drive.
 pub(crate) struct Told<'a> {
     drive: &'a Drive,
@@ -70,14 +69,14 @@ pub(crate) struct Told<'a> {
     /// Windows of a stretch: what a drive remembers is gone through once for all of them.
     stretch: usize,
     kept: Option<Stretches>,
-    /// The stretch that was looked at last, where none is kept.
+    /// The stretch that was looked at last, where none is kept that fits.
     last: RefCell<Option<(usize, Stretch)>>,
 }
 
 impl<'a> Told<'a> {
     pub(crate) fn new(drive: &'a Drive, series: &'a Series) -> Self {
         let windows = series.windows.len();
-        let stretch = (drive.memory_s() / window_s(series)).ceil();
+        let stretch = (drive.memory_s() / series.window_s()).ceil();
         let stretch = (stretch as usize).clamp(1, windows.max(1));
         let keeps = series.time.len() <= MOST_SAMPLES;
         let stretches = windows.div_ceil(stretch);
@@ -125,19 +124,6 @@ impl<'a> Told<'a> {
         listener.skip_to(left_s);
         let windows = series.windows[first..end].iter();
         windows.map(|window| listener.course(window)).collect()
-    }
-}
-
-/// From a restart to the next, s.
-fn window_s(series: &Series) -> f64 {
-    let [Some(first), Some(last)] = [series.windows.first(), series.windows.last()] else {
-        return f64::INFINITY;
-    };
-    let all_s = last.restart.time_s - first.restart.time_s;
-    if all_s > 0.0 {
-        all_s / (series.windows.len() - 1) as f64
-    } else {
-        f64::INFINITY
     }
 }
 

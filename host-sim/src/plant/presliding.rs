@@ -164,7 +164,12 @@ impl<'a> Bending<'a> {
     pub(super) fn bends(&self, velocity: f64) -> f64 {
         match self.last {
             Some(last) if last.side * velocity > 0.0 && last.left >= LAST => {
-                (last.left / last.power).min(1.0)
+                let most = if self.bristles.elastic > 0.0 {
+                    1.0
+                } else {
+                    f64::INFINITY
+                };
+                (last.left / last.power).min(most)
             }
             _ if velocity == 0.0 => 1.0,
             _ => self.bristles.rate(velocity, self.deflection) / velocity,
@@ -209,7 +214,7 @@ mod tests {
             // There, back past the middle, and there again.
             let mut bending = Bending::from(&bristles, 0.0);
             let mut z = 0.0;
-            for way in [0.008, -0.013, 0.011, 0.009] {
+            for way in [0.008, -0.013, 0.002, 0.009, 0.009] {
                 bending.go(way);
                 let steps = 100_000;
                 let dt = way.abs() / f64::from(steps);

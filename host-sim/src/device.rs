@@ -29,12 +29,10 @@ impl Device {
     pub fn nominal(model: &Model) -> Self {
         let mut device = Self {
             drive: Drive {
-                ratio: model.ratio,
                 limit: model.input_limit.unwrap_or(f64::INFINITY),
-                deadband: 0.0,
-                deadband_jump: 0.0,
                 delay_s: model.delay,
                 lag_s: model.lag,
+                ..Drive::ideal(model.ratio)
             },
             mechanics: Mechanics {
                 viscous: model.viscous,

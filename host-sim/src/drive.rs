@@ -3,13 +3,53 @@
 use crate::plant::Torque;
 use std::collections::VecDeque;
 
-/// Limit, dead band, delay, first-order lag and gain, in this order.
+/// Where larger inputs cease to act in proportion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Saturation {
+    /// |input| that acts at most.
+    pub limit: f64,
+    /// Share of the limit, from 0 to 1, on either side of it over which a parabola leads from all of the input to the limit.
+    pub knee: f64,
+}
+
+impl Saturation {
+    /// All of any input acts.
+    pub const NONE: Self = Self {
+        limit: f64::INFINITY,
+        knee: 0.0,
+    };
+
+    /// Magnitude up to which all of it acts.
+    #[inline]
+    fn proportional(self) -> f64 {
+        (1.0 - self.knee) * self.limit
+    }
+
+    /// What acts of a magnitude.
+    #[inline]
+    fn of(self, magnitude: f64) -> f64 {
+        let bent = magnitude - self.proportional();
+        let reach = 2.0 * self.knee * self.limit;
+        // Without a limit nothing is bent, and the reach of its knee is no number.
+        if bent <= 0.0 || self.limit.is_infinite() {
+            magnitude
+        } else if bent >= reach {
+            self.limit
+        } else {
+            magnitude - bent * bent / (2.0 * reach)
+        }
+    }
+}
+
+/// Limit, saturation, dead band, delay, first-order lag and gain, in this order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Joint torque per unit of input.
     pub ratio: f64,
     /// |input| is clipped here; infinite for none.
     pub limit: f64,
+    /// Then this much of it acts.
+    pub saturation: Saturation,
     /// |input| up to which nothing happens.
     pub deadband: f64,
     /// Share of the dead band by which the input jumps at its edge: from 0, the torque starts from zero,
@@ -27,6 +67,7 @@ impl Drive {
         Self {
             ratio,
             limit: f64::INFINITY,
+            saturation: Saturation::NONE,
             deadband: 0.0,
             deadband_jump: 0.0,
             delay_s: 0.0,
@@ -37,7 +78,7 @@ impl Drive {
     /// True if inputs up to this magnitude come to a torque in proportion.
     #[inline]
     pub fn is_linear(&self, largest: f64) -> bool {
-        self.deadband == 0.0 && largest <= self.limit
+        self.deadband == 0.0 && largest <= self.limit.min(self.saturation.proportional())
     }
 
     /// Time after which an input that another has followed makes no difference that rounding shows, s.
@@ -49,7 +90,7 @@ impl Drive {
     /// Magnitude of what it takes of an input.
     #[inline]
     pub fn taken(&self, input: f64) -> f64 {
-        input.abs().min(self.limit)
+        self.saturation.of(input.abs().min(self.limit))
     }
 
     /// Joint torque once delay and lag have passed, N m.
@@ -204,6 +245,32 @@ mod tests {
         };
         assert_eq!(jumping.settled(-0.1), 0.0);
         assert!((jumping.settled(-0.3) + 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_knee_leads_smoothly_from_all_of_the_input_to_the_limit() {
+        let soft = Saturation {
+            limit: 2.0,
+            knee: 0.5,
+        };
+        let hard = Saturation { knee: 0.0, ..soft };
+        for (input, bent, clipped) in [
+            (0.9, 0.9, 0.9),
+            (1.0, 1.0, 1.0),
+            (2.0, 1.75, 2.0),
+            (3.0, 2.0, 2.0),
+            (9.0, 2.0, 2.0),
+        ] {
+            assert_eq!([soft.of(input), hard.of(input)], [bent, clipped]);
+        }
+        let slope = |at: f64| (soft.of(at + 1e-6) - soft.of(at - 1e-6)) / 2e-6;
+        assert!((slope(1.0) - 1.0).abs() < 1e-6 && slope(3.0).abs() < 1e-6);
+        assert_eq!(Saturation::NONE.of(1e9), 1e9);
+        let drive = Drive {
+            saturation: soft,
+            ..Drive::ideal(1.0)
+        };
+        assert!(drive.is_linear(1.0) && !drive.is_linear(1.1));
     }
 
     #[test]

@@ -111,6 +111,15 @@ impl Hidden {
         }
     }
 
+    /// Of a saturation: share of its limit over which it rounds off.
+    fn knee(&self) -> f64 {
+        if self.variant < 4 {
+            0.0
+        } else {
+            self.between(0, 0.1, 0.9)
+        }
+    }
+
     /// Which of two forms the effect takes.
     fn first_form(&self) -> bool {
         self.variant.is_multiple_of(2)
@@ -158,7 +167,7 @@ impl Hidden {
             }
             "saturation" => {
                 actuator.limit = scale.input * (1.0 - s);
-                actuator.knee = if self.variant < 4 { 0.0 } else { 0.2 };
+                actuator.knee = self.knee();
             }
             "lag" => actuator.lag_s += s / (TAU * hz),
             "delay" => actuator.delay_s += s / (TAU * hz),
@@ -451,8 +460,8 @@ impl Hidden {
                 vec![Place::on("input", -reach * u, reach * u), axis("actuation")]
             }
             "saturation" => vec![
-                Place::on("input", (1.0 - s) * u, 100.0 * u),
-                Place::on("input", -100.0 * u, -(1.0 - s) * u),
+                Place::on("input", (1.0 - s) * (1.0 - self.knee()) * u, 100.0 * u),
+                Place::on("input", -100.0 * u, -(1.0 - s) * (1.0 - self.knee()) * u),
                 axis("actuation"),
             ],
             "lag" | "delay" => [&driven[..], &accelerating, &[phase, axis("actuation")]].concat(),

@@ -11,6 +11,8 @@ use host_sim::effects::Kind;
 /// Widths of a gate over the input's root mean square, and how many of them.
 const GATES: [f64; 2] = [0.03, 1.5];
 const GATE_STARTS: usize = 40;
+/// Knee from which that of a clipping that sets in little by little is looked for.
+const KNEE: f64 = 0.5;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -36,8 +38,10 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let inputs: Vec<f64> = inputs.map(|u| e.device.drive.taken(*u)).collect();
             // Where it would clip the largest, a few, many.
             let limits = [1.0, 0.99, 0.95, 0.8, 0.5].map(|share| quantile(&inputs, share));
-            let limited = |limit: f64| vec![log(0, 0.9 * limit.max(0.1 * s.input))];
-            terms(kind, None, limits.map(limited))
+            let limits = limits.map(|limit| log(0, 0.9 * limit.max(0.1 * s.input)));
+            let clipped = limits.map(|limit| term(kind, vec![limit], &[(1, 0.0)]));
+            let rounded = limits.map(|limit| term(kind, vec![limit, log(1, KNEE)], &[]));
+            clipped.into_iter().chain(rounded).collect()
         }
         "lag" | "delay" => late(kind, e),
         "cogging" => cogging::starts(kind, e),

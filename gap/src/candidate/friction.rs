@@ -10,8 +10,9 @@ use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use host_sim::plant::Spot;
 
-/// How suddenly a static friction may fall with speed.
+/// How suddenly a static friction may fall with speed, and the place of that among its parameters.
 const FALLS: [f64; 2] = [2.0, 1.0];
+const EXPONENT: usize = 2;
 /// Its rise over the sliding level, and its velocity over that of the motion.
 const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
 /// Velocities of what is read off rests, likewise, and how far its rise goes beyond what was held.
@@ -72,7 +73,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let held = held.flat_map(|rise| HELD_FALLS.map(|v| (rise, v)));
             let falls = RISES.into_iter().chain(held).flat_map(|(rise, v)| {
                 let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * s.velocity)];
-                FALLS.map(|exponent| term(kind, free.clone(), &[(2, exponent)]))
+                FALLS.map(|exponent| term(kind, free.clone(), &[(EXPONENT, exponent)]))
             });
             falls.collect()
         }
@@ -95,6 +96,16 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "friction_drift" if is_dry => drifts(kind, e),
         _ => Vec::new(),
     }
+}
+
+/// Static friction that falls as suddenly as suits it, where it was given how.
+pub(crate) fn loosened(stribeck: &Term) -> Option<Term> {
+    let is_given = stribeck.free.iter().all(|c| c.parameter != EXPONENT);
+    (stribeck.kind.name == "stribeck" && is_given).then(|| {
+        let mut loosened = stribeck.clone();
+        loosened.free.push(log(EXPONENT, stribeck.values[EXPONENT]));
+        loosened
+    })
 }
 
 /// Rise of static friction over the sliding level without which what was seen at rest would have slid.

@@ -15,6 +15,7 @@ mod stops;
 mod transmission;
 mod waves;
 
+pub(crate) use friction::loosened;
 #[cfg(test)]
 pub(crate) use start::term;
 pub(crate) use stops::{one_sided, push_at_most, untouched};

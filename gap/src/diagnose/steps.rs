@@ -130,7 +130,8 @@ fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
     let jumps = winner.name == "lost_counts" && winner.is_event();
     let jumps = jumps && (step.is_at_floor || halves);
     let finishes = step.of_rest >= LEAST_SHRINK_OF_REST;
-    let relieves = is_relieved(&selection.rounds[i]);
+    // A number that lies well is not worth a gap that is larger.
+    let relieves = step.own[0] > -LEAST_SHRINK && is_relieved(&selection.rounds[i]);
     !finishes && !typical && !jumps && !relieves
 }
 

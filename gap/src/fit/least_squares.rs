@@ -30,6 +30,22 @@ impl Fit {
         Some(term.moved(own))
     }
 
+    /// Its effects with more of the last one free, and the coordinates with as many more.
+    pub(crate) fn loosened(
+        &self,
+        more: impl Fn(&Term) -> Option<Term>,
+    ) -> Option<(Hypothesis, Vec<f64>)> {
+        let mut hypothesis = self.hypothesis.clone();
+        let last = hypothesis.terms.last_mut()?;
+        *last = more(last)?;
+        let mut x = self.x.clone();
+        x.resize(
+            self.x.len() - self.hypothesis.free() + hypothesis.free(),
+            0.0,
+        );
+        Some((hypothesis, x))
+    }
+
     /// Its effects without one of them, and the coordinates without its own.
     pub(crate) fn without(&self, place: usize) -> (Hypothesis, Vec<f64>) {
         let parts = self.hypothesis.parts(&self.x).enumerate();

@@ -7,7 +7,7 @@ use super::place::{bounces, earns_its_place};
 use super::ranking::{contains, enough, ranked, strains_more};
 use super::rival::{Rival, extended};
 use super::{Given, QUIET_EXCESS, is_quiet, level};
-use crate::candidate::{one_sided, push_at_most, untouched};
+use crate::candidate::{loosened, one_sided, push_at_most, untouched};
 use crate::fit::Fit;
 use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
@@ -136,6 +136,20 @@ impl Search<'_> {
         fits.min_by(|a, b| level(a).total_cmp(&level(b)))
     }
 
+    /// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
+    /// is worth.
+    fn loosened(&self, known: &Fit, given: &Fit) -> Option<Fit> {
+        let (hypothesis, x) = given.loosened(loosened)?;
+        if self.problem.is_at_floor(given) {
+            return None;
+        }
+        let fit = self
+            .problem
+            .fit(&hypothesis, x, Part::All, POLISHING_ITERATIONS);
+        (level(given) > enough(known, &fit))
+            .then(|| self.problem.polished(&fit, POLISHING_ITERATIONS))
+    }
+
     /// Level up to which nothing is missing.
     pub(super) fn quiet(&self) -> f64 {
         self.perfect.level + QUIET_EXCESS
@@ -245,6 +259,9 @@ impl Search<'_> {
             return self.judged(known, screened, rivals);
         }
         *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
+        if let Some(loosened) = self.loosened(known, winner) {
+            *winner = loosened;
+        }
         if *name == "end_stop"
             && let Some(single) = self.one_stop(known, winner)
         {

@@ -121,8 +121,13 @@ impl Predictor {
                     follower.follow(&mut running.state, &course.lead, &mut seen);
                     self.read(&mut running, series, seen[0], restart_s);
                 }
-                self.restart(&mut running, series, window, shift, follows);
+                let x = self.restart(&mut running, series, window, shift, follows);
                 let seen = &mut predicted[samples.clone()];
+                // What is not known to be anywhere cannot be followed.
+                if self.device.sensing.is_flat(x) {
+                    seen.fill(x);
+                    return;
+                }
                 follower.follow(&mut running.state, &course.steps, seen);
                 series.averaging.show(samples.start, seen, low_passes);
             });
@@ -223,8 +228,8 @@ impl Predictor {
         series.period_s * (1.0 - a) / a
     }
 
-    /// Puts the device where the sensor shows it; what the sensor does not show goes on as it was if this follows the
-    /// last window.
+    /// Puts the device where the sensor shows it, and says where that is; what the sensor does not show goes on as it was if this
+    /// follows the last window.
     fn restart(
         &self,
         running: &mut Running,
@@ -232,7 +237,7 @@ impl Predictor {
         window: &Window,
         shift: Shift,
         follows: bool,
-    ) {
+    ) -> f64 {
         let fit = &window.restart;
         let sd = |i: usize| window.restart.covariance[i][i].sqrt() * window.restart_noise;
         let value = fit.value + shift[0] * sd(0);
@@ -270,6 +275,7 @@ impl Predictor {
         };
         running.reading = Reading::resumed(behind, lagged, lost);
         running.state = self.plant.restart(&running.state, session_s, x, v);
+        x
     }
 
     /// How far the sensor lags, and how fast that grows.
@@ -313,5 +319,32 @@ impl Predictor {
         let bent = running.filtered - (running.shown - behind);
         let left = || 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
         y - behind + bent * running.fading.over(dt_s, || left().ln() / series.period_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use crate::windows::series;
+
+    #[test]
+    fn where_the_sensor_shows_nothing_of_the_position_nothing_is_followed() {
+        let recording = made::recording(&[]);
+        let series = &series::coarse(&recording, recording.horizon)[0];
+        let far = series.windows.iter().map(|w| w.restart.value.abs());
+        let far = far.fold(0.0, f64::max);
+        let mut device = Device::nominal(&recording.model);
+        // It turns back at the farthest reading.
+        let flat = 1.5 * far;
+        device.sensing.cubic = -1.0 / (3.0 * flat * flat);
+        let predicted = Predictor::new(device, &recording).predict(series);
+        let stays = |window: &Window| {
+            let mut seen = predicted[window.samples.clone()].windows(2);
+            seen.all(|pair| pair[0] == pair[1])
+        };
+        for window in &series.windows {
+            assert_eq!(stays(window), window.restart.value.abs() > 0.996 * far);
+        }
     }
 }

@@ -122,16 +122,19 @@ impl Sensing {
             return x;
         }
         for _ in 0..INVERSE_ITERATIONS {
-            let slope = self.slope(x);
-            let flattest = FLATTEST * self.gain.abs();
-            x -= (self.curve(x) - y)
-                / if slope.abs() < flattest {
-                    flattest
-                } else {
-                    slope
-                };
+            let slope = if self.is_flat(x) {
+                FLATTEST * self.gain.abs()
+            } else {
+                self.slope(x)
+            };
+            x -= (self.curve(x) - y) / slope;
         }
         x
+    }
+
+    /// True where a reading says next to nothing of the position.
+    pub fn is_flat(&self, x: f64) -> bool {
+        self.slope(x).abs() < FLATTEST * self.gain.abs()
     }
 
     /// Sum of the jumps up to `time_s`.

@@ -1,5 +1,6 @@
 //! Which effects earn their place.
 
+mod beside;
 mod evolution;
 mod field;
 mod finals;
@@ -109,6 +110,15 @@ impl Selection {
         } else {
             self.last = Some(round);
         }
+    }
+
+    /// The same with some rounds more.
+    fn with(&self, rounds: Vec<Round>) -> Self {
+        let mut more = self.clone();
+        for round in rounds {
+            more.add(round);
+        }
+        more
     }
 
     /// True if one more effect may be found on top of those there are.
@@ -305,46 +315,22 @@ fn select_beyond(
     let saved = level(&selection.null) - level(&first.so_far);
     let promising =
         selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE || saved > LEAST_SAVED_ALONE;
-    let pair =
-        (promising && !settled).then(|| search.pair(&first, |both| !selection.is_hopeless(both)));
-    let pair = pair.flatten();
+    let pair = || search.pair(&first, |both| !selection.is_hopeless(both));
+    let rounds = (promising && !settled).then(pair).flatten();
     // One of the two may do what both do.
-    let is_alone = pair.as_ref().is_some_and(|rounds| rounds.len() == 1);
-    for round in pair.unwrap_or_else(|| vec![first]) {
-        selection.add(round);
+    let is_alone = rounds.as_ref().is_some_and(|rounds| rounds.len() == 1);
+    let found = selection.with(rounds.unwrap_or_else(|| vec![first.clone()]));
+    if is_alone && found.suffices(problem, found.fit()) {
+        return found;
     }
-    if is_alone && selection.suffices(problem, selection.fit()) {
-        return selection;
+    let found = search.extended(found, &hints);
+    if !settled || selection.given || problem.gap_over_floor(found.fit()) <= QUIET_GAP {
+        return found;
     }
-    let mut is_revised = false;
-    while selection.goes_on(problem) {
-        let fit = selection.fit();
-        let promised = if problem.is_at_floor(fit) {
-            LEAST_PROMISED_AT_FLOOR
-        } else {
-            LEAST_PROMISED
-        };
-        let Some(round) = search.round(fit, &hints, promised) else {
-            break;
-        };
-        // Two that were found together have each been looked at without the other.
-        let is_second = round.earned && selection.rounds.len() == 1;
-        selection.add(round);
-        if let [first, second] = &selection.rounds[..]
-            && is_second
-            && !selection.given
-            && let Some(rounds) = search.revised(first, second)
-        {
-            selection.rounds = rounds;
-        }
-        if let [_, second, third] = &selection.rounds[..]
-            && !is_revised
-            && let Some(instead) = search.without_second(second, third)
-        {
-            selection.rounds.truncate(1);
-            selection.rounds.push(instead);
-            is_revised = true;
-        }
-    }
-    selection
+    // What leaves little of the excess may still stand in for two that leave less of the gap.
+    let Some(pair) = pair().map(|rounds| selection.with(rounds)) else {
+        return found;
+    };
+    let [left, left_by_pair] = [&found, &pair].map(|s| problem.gap_over_floor(s.fit()));
+    if left_by_pair < left { pair } else { found }
 }

@@ -9,7 +9,8 @@ use super::round::{FITTING_ITERATIONS, Round, Search};
 use crate::fit::Fit;
 use crate::fit::problem::Part;
 
-/// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for.
+/// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for, if they
+/// leave no more than the floor of the gap.
 const LITTLE: f64 = 0.03;
 /// Effects, each the first of a pair, on top of which a second one is looked for.
 const LEADERS: usize = 3;
@@ -47,7 +48,8 @@ impl Search<'_> {
             if looked.is_empty() {
                 hints.extend(screened.iter().filter(|r| bounces(r.name)).cloned());
             }
-            let enough = screened.iter().any(|rival| level(&rival.fit) <= most);
+            let enough = |fit: &Fit| level(fit) <= most && self.problem.is_at_floor(fit);
+            let enough = screened.iter().any(|rival| enough(&rival.fit));
             looked.push((leader, screened));
             if enough {
                 break;

@@ -31,6 +31,7 @@ pub(super) fn verdict(
         select::MOST_LEFT_EXPLAINED
     };
     let is_explained = closing.is_closed()
+        && closing.after <= select::LOUD_GAP * closing.floor
         && selection.missing(problem, selection.fit()) <= most_missing
         && doubt.is_none();
     if is_explained {

@@ -20,6 +20,22 @@ fn a_lower_limit_is_found_where_most_inputs_are_beyond_the_nominal_one() {
 }
 
 #[test]
+fn a_limit_that_sets_in_little_by_little_is_one() {
+    const LIMIT: f64 = 3.5e-3;
+    let mut recording = recording(&paddle(), paddle(), 5e-5, 0.0, 3);
+    // What acted is told as an actuator would have been that lets its hyperbolic tangent act.
+    for told in &mut recording.runs[0].input {
+        *told = LIMIT * (*told / LIMIT).atanh();
+    }
+    let found = diagnose(&recording, &Options::default()).diagnosis;
+    let saturation = &found.effects[0];
+    assert_eq!(saturation.name, "saturation");
+    assert!(saturation.shrink > 0.9, "{}", saturation.shrink);
+    let knee = saturation.parameters["knee"].value;
+    assert!((0.6..1.0).contains(&knee), "{knee}");
+}
+
+#[test]
 fn a_wide_dead_band_is_not_taken_for_less_torque() {
     let mut device = Device::nominal(&paddle());
     let deadband: Effect = "deadband:width=1.2e-3,jump=0".parse().unwrap();

@@ -289,3 +289,49 @@ impl Search<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::hypothesis::{Coordinate, Scale};
+    use crate::made;
+
+    /// How suddenly static friction falls once that is freed, where it was given to fall with an exponent of 1.
+    fn freed(exponent: f64) -> Option<f64> {
+        let recording = made::recording(&[&format!(
+            "stribeck:static_ratio=2.5,velocity=1.0,exponent={exponent}"
+        )]);
+        let problem = made::problem(&recording);
+        let bare = Hypothesis { terms: Vec::new() };
+        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+        let given = Given {
+            is_gap: true,
+            excluded: Vec::new(),
+            measured: None,
+            certain: false,
+        };
+        let search = Search {
+            problem: &problem,
+            given: &given,
+            progress: |_| {},
+            perfect: Perfect::of(&problem, &null).bounded(),
+        };
+        let free = [(0, 2.0), (1, 0.5)].map(|(parameter, start)| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Log,
+        });
+        let mut stribeck = made::term("stribeck", &free);
+        stribeck.values[2] = 1.0;
+        let fit = search.given(&null, &stribeck).so_far;
+        let freed = search.loosened(&null, &fit)?;
+        Some(freed.last_term()?.values[2])
+    }
+
+    #[test]
+    fn how_suddenly_static_friction_falls_is_freed_where_it_was_given_wrongly() {
+        assert_eq!(freed(1.0), None);
+        let exponent = freed(2.0).unwrap();
+        assert!((exponent - 2.0).abs() < 0.2, "{exponent}");
+    }
+}

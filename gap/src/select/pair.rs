@@ -201,10 +201,9 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
-    use crate::floor::Perfect;
+    use crate::fit::hypothesis::{Coordinate, Scale, Term};
     use crate::made;
-    use crate::select::Given;
+    use crate::select::round;
 
     /// An effect of which the first number is free.
     fn term(name: &str, start: f64) -> Term {
@@ -223,27 +222,14 @@ mod tests {
         told: impl Fn(&Search<'_>, &[Round]) -> Option<T>,
     ) -> Option<T> {
         let recording = made::recording(hidden);
-        let problem = made::problem(&recording);
-        let bare = Hypothesis { terms: Vec::new() };
-        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-        let given = Given {
-            is_gap: true,
-            excluded: Vec::new(),
-            measured: None,
-            certain: false,
-        };
-        let search = Search {
-            problem: &problem,
-            given: &given,
-            progress: |_| {},
-            perfect: Perfect::of(&problem, &null).bounded(),
-        };
-        let mut rounds: Vec<Round> = Vec::new();
-        for term in terms {
-            let known = rounds.last().map_or(&null, |round| &round.so_far);
-            rounds.push(search.given(known, term));
-        }
-        told(&search, &rounds)
+        round::on(&recording, |search, null| {
+            let mut rounds: Vec<Round> = Vec::new();
+            for term in terms {
+                let known = rounds.last().map_or(null, |round| &round.so_far);
+                rounds.push(search.given(known, term));
+            }
+            told(search, &rounds)
+        })
     }
 
     const DEAD: &str = "deadband:width=2e-4,jump=0";

@@ -290,6 +290,30 @@ impl Search<'_> {
     }
 }
 
+/// What a search for one more effect on top of a bare nominal model comes to.
+#[cfg(test)]
+pub(super) fn on<T>(
+    recording: &recording::Recording,
+    look: impl FnOnce(&Search<'_>, &Fit) -> T,
+) -> T {
+    let problem = crate::made::problem(recording);
+    let bare = Hypothesis { terms: Vec::new() };
+    let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+    let given = Given {
+        is_gap: true,
+        excluded: Vec::new(),
+        measured: None,
+        certain: false,
+    };
+    let search = Search {
+        problem: &problem,
+        given: &given,
+        progress: |_| {},
+        perfect: Perfect::of(&problem, &null).bounded(),
+    };
+    look(&search, &null)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -298,24 +322,7 @@ mod tests {
 
     /// How suddenly static friction falls once that is freed, where it was given to fall with an exponent of 1.
     fn freed(exponent: f64) -> Option<f64> {
-        let recording = made::recording(&[&format!(
-            "stribeck:static_ratio=2.5,velocity=1.0,exponent={exponent}"
-        )]);
-        let problem = made::problem(&recording);
-        let bare = Hypothesis { terms: Vec::new() };
-        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-        let given = Given {
-            is_gap: true,
-            excluded: Vec::new(),
-            measured: None,
-            certain: false,
-        };
-        let search = Search {
-            problem: &problem,
-            given: &given,
-            progress: |_| {},
-            perfect: Perfect::of(&problem, &null).bounded(),
-        };
+        let hidden = format!("stribeck:static_ratio=2.5,velocity=1.0,exponent={exponent}");
         let free = [(0, 2.0), (1, 0.5)].map(|(parameter, start)| Coordinate {
             parameter,
             start,
@@ -323,9 +330,11 @@ mod tests {
         });
         let mut stribeck = made::term("stribeck", &free);
         stribeck.values[2] = 1.0;
-        let fit = search.given(&null, &stribeck).so_far;
-        let freed = search.loosened(&null, &fit)?;
-        Some(freed.last_term()?.values[2])
+        on(&made::recording(&[&hidden]), |search, null| {
+            let given = search.given(null, &stribeck).so_far;
+            let freed = search.loosened(null, &given)?;
+            Some(freed.last_term()?.values[2])
+        })
     }
 
     #[test]

@@ -153,7 +153,8 @@ impl<'a> Bending<'a> {
             let power = last.map_or_else(|| before.powf(rest), |last| last.power);
             let power = (power - rest * on / yields).max(0.0);
             let left = power.powf(rest.recip());
-            self.last = Some(Way { side, left, power });
+            // In the elastic part nothing has yielded.
+            self.last = (on > 0.0).then_some(Way { side, left, power });
             left
         };
         self.deflection = side * distance * (1.0 - yields * left);
@@ -163,14 +164,7 @@ impl<'a> Bending<'a> {
     #[inline]
     pub(super) fn bends(&self, velocity: f64) -> f64 {
         match self.last {
-            Some(last) if last.side * velocity > 0.0 && last.left >= LAST => {
-                let most = if self.bristles.elastic > 0.0 {
-                    1.0
-                } else {
-                    f64::INFINITY
-                };
-                (last.left / last.power).min(most)
-            }
+            Some(last) if last.side * velocity > 0.0 && last.left >= LAST => last.left / last.power,
             _ if velocity == 0.0 => 1.0,
             _ => self.bristles.rate(velocity, self.deflection) / velocity,
         }

@@ -122,19 +122,26 @@ impl Sensing {
             return x;
         }
         for _ in 0..INVERSE_ITERATIONS {
-            let slope = if self.is_flat(x) {
-                FLATTEST * self.gain.abs()
-            } else {
-                self.slope(x)
-            };
-            x -= (self.curve(x) - y) / slope;
+            let slope = self.slope(x);
+            let flattest = self.flattest();
+            x -= (self.curve(x) - y)
+                / if slope.abs() < flattest {
+                    flattest
+                } else {
+                    slope
+                };
         }
         x
     }
 
     /// True where a reading says next to nothing of the position.
     pub fn is_flat(&self, x: f64) -> bool {
-        self.slope(x).abs() < FLATTEST * self.gain.abs()
+        self.slope(x).abs() < self.flattest()
+    }
+
+    /// Slope below which the curve is taken as flat.
+    fn flattest(&self) -> f64 {
+        FLATTEST * self.gain.abs()
     }
 
     /// Sum of the jumps up to `time_s`.

@@ -324,13 +324,20 @@ fn select_beyond(
         return found;
     }
     let found = search.extended(found, &hints);
-    if !settled || selection.given || problem.gap_over_floor(found.fit()) <= QUIET_GAP {
+    if !settled || selection.given {
+        return found;
+    }
+    let left = problem.gap_over_floor(found.fit());
+    if left <= QUIET_GAP {
         return found;
     }
     // What leaves little of the excess may still stand in for two that leave less of the gap.
     let Some(pair) = pair().map(|rounds| selection.with(rounds)) else {
         return found;
     };
-    let [left, left_by_pair] = [&found, &pair].map(|s| problem.gap_over_floor(s.fit()));
-    if left_by_pair < left { pair } else { found }
+    if problem.gap_over_floor(pair.fit()) < left {
+        pair
+    } else {
+        found
+    }
 }

@@ -459,11 +459,14 @@ impl Hidden {
                 let reach = if self.first_form() { 100.0 } else { 1.5 * s };
                 vec![Place::on("input", -reach * u, reach * u), axis("actuation")]
             }
-            "saturation" => vec![
-                Place::on("input", (1.0 - s) * (1.0 - self.knee()) * u, 100.0 * u),
-                Place::on("input", -100.0 * u, -(1.0 - s) * (1.0 - self.knee()) * u),
-                axis("actuation"),
-            ],
+            "saturation" => {
+                let linear = (1.0 - s) * (1.0 - self.knee()) * u;
+                vec![
+                    Place::on("input", linear, 100.0 * u),
+                    Place::on("input", -100.0 * u, -linear),
+                    axis("actuation"),
+                ]
+            }
             "lag" | "delay" => [&driven[..], &accelerating, &[phase, axis("actuation")]].concat(),
             "cogging" => vec![everywhere, axis("actuation")],
             "coulomb" => [&fast[..], &[near_rest, axis("friction")]].concat(),

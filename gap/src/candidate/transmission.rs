@@ -28,6 +28,8 @@ const RESONANCE_STARTS: usize = 90;
 const HIGHEST_RESONANCE: f64 = 0.2;
 /// Its relative damping.
 const TWIST_DAMPING: f64 = 0.05;
+/// The side on which most of the friction is decides how it rings while one side sticks: shares beyond the twist.
+const TWIST_FRICTIONS: [f64; 2] = [0.2, 0.8];
 /// Where nothing is known of them.
 const HALF: f64 = 0.5;
 
@@ -63,14 +65,25 @@ pub(super) fn plays(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 pub(super) fn springs(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let inertia = e.device.mechanics.inertia;
+    let rubs = rubs(e);
     let highest = HIGHEST_RESONANCE / s.period_s.max(FINE_PERIOD_S);
     let [low, high] = RESONANCES.map(|ratio| (ratio * s.motion_hz()).min(highest));
     two_masses([low, high], RESONANCE_STARTS, |hertz| {
         let stiffness = (TAU * hertz).powi(2) * inertia * HALF * (1.0 - HALF);
         let damping = 2.0 * TWIST_DAMPING * (stiffness * inertia).sqrt();
-        let mut free = vec![log(0, stiffness), log(1, damping), linear(2, HALF, 0.15)];
-        free.extend(rubs(e).then(|| linear(3, HALF, 0.3)));
-        vec![term(kind, free, &[])]
+        let start = |friction: Option<&f64>| {
+            let mut free = vec![log(0, stiffness), log(1, damping), linear(2, HALF, 0.15)];
+            free.extend(friction.map(|&share| linear(3, share, 0.3)));
+            term(kind, free, &[])
+        };
+        if rubs {
+            TWIST_FRICTIONS
+                .iter()
+                .map(|share| start(Some(share)))
+                .collect()
+        } else {
+            vec![start(None)]
+        }
     })
 }
 

@@ -251,16 +251,23 @@ fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-/// Windows in blocks from everywhere, with as many samples as screening takes: what is carried from window to window
-/// settles in the first of a block.
+/// Windows in blocks, with as many samples as screening takes: half of them from where runs begin, as nothing is carried
+/// there yet, half from everywhere, where what is carried settles in the first of a block.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     let windows = problem.window_count();
     // As long for windows that are a quarter as long.
     let quarters = if problem.quarter.is_some() { 1 } else { 4 };
     let [fewest, most] = BLOCK_WINDOWS.map(|windows| windows * quarters);
     let length = (BLOCK_SAMPLES * windows / samples(problem).max(1)).clamp(fewest, most);
-    let share = screening_share(problem, FEWEST_BLOCKS * length as f64);
-    (0..windows).map(|w| turn(w / length) < share).collect()
+    let half = 0.5 * screening_share(problem, FEWEST_BLOCKS * length as f64);
+    let begins = problem.series.iter().flat_map(|series| {
+        let count = series.windows.len();
+        (0..count).map(move |w| (w as f64) < half * count as f64)
+    });
+    let chosen = begins.enumerate();
+    chosen
+        .map(|(w, begins)| begins || turn(w / length) < half)
+        .collect()
 }
 
 /// Share of the windows on which effects are screened, `fewest` of them at least.
@@ -277,6 +284,7 @@ mod tests {
     use super::*;
     use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use recording::Recording;
 
     /// A dead band of a width that is fitted, and of a form that is not.
     fn deadband(width: f64, jump: f64) -> Term {
@@ -288,6 +296,25 @@ mod tests {
         let mut deadband = made::term("deadband", &[free]);
         deadband.values[1] = jump;
         deadband
+    }
+
+    #[test]
+    fn blocks_begin_with_every_run_and_lie_elsewhere_too() {
+        let recording = Recording {
+            horizon: 0.1,
+            ..made::recording(&[])
+        };
+        let problem = made::problem(&recording);
+        let chosen = blocks(&problem);
+        let mut rest = &chosen[..];
+        let later = problem.series.iter().filter(|series| {
+            let (of_run, others) = rest.split_at(series.windows.len());
+            rest = others;
+            let begins = of_run.iter().take_while(|chosen| **chosen).count();
+            assert!(begins > 0);
+            of_run[begins..].contains(&true)
+        });
+        assert!(later.count() > 0);
     }
 
     #[test]

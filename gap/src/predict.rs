@@ -35,8 +35,8 @@ fn span(values: &[f64]) -> f64 {
     (high - low).max(f64::MIN_POSITIVE)
 }
 
-/// Time constants after which a ringing has died away, to a twentieth.
-const SETTLED: f64 = 3.0;
+/// Time constants after which what is carried over has died away, to a thousandth: gaps of as many floors are met.
+const SETTLED: f64 = 7.0;
 /// Windows that lead up to a wanted one at most, and how many are gone through for each that is wanted.
 const MOST_LEAD: usize = 8;
 const MOST_TAKEN: f64 = 2.5;
@@ -219,7 +219,9 @@ impl Predictor {
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
         let windows = (SETTLED * rings_s.max(sensing.lag_s) / series.window_s()).ceil();
-        (windows as usize).clamp(1, MOST_LEAD)
+        // How fast the sensor lags more and more is known a window after the speed is.
+        let speed = usize::from(sensing.lag_s > 0.0);
+        (windows as usize + speed).clamp(1, MOST_LEAD)
     }
 
     /// How far the column's own low-pass is behind a ramp, s.
@@ -327,6 +329,31 @@ mod tests {
     use super::*;
     use crate::made;
     use crate::windows::series;
+
+    #[test]
+    fn what_is_carried_into_a_window_settles_in_those_before_it() {
+        let recording = made::recording(&[]);
+        let series = &series::coarse(&recording, recording.horizon)[0];
+        let device = |lag_s| {
+            let mut device = Device::nominal(&recording.model);
+            device.sensing.lag_s = lag_s;
+            Predictor::new(device, &recording)
+        };
+        let lagging = device(series.window_s() / 20.0);
+        let wanted = |window: usize| window % 6 >= 3;
+        let some = lagging.predict_shifted(series, [0.0, 0.0], wanted);
+        let farthest = |other: &[f64]| {
+            let windows = series.windows.iter().enumerate();
+            let samples = windows.filter(|(w, _)| wanted(*w));
+            let samples = samples.flat_map(|(_, window)| window.samples.clone());
+            samples
+                .map(|i| (some[i] - other[i]).abs())
+                .fold(0.0, f64::max)
+        };
+        let lag = farthest(&device(0.0).predict(series));
+        let unsettled = farthest(&lagging.predict(series));
+        assert!(unsettled < 0.02 * lag, "{unsettled} {lag}");
+    }
 
     #[test]
     fn where_the_sensor_shows_nothing_of_the_position_nothing_is_followed() {

@@ -10,15 +10,14 @@ use recording::Model;
 /// So long that a dozen windows weigh no more than the tolerances.
 const HORIZON_S: f64 = 0.5;
 
-/// Three numbers with tolerances, and a paddle whose damping lies so many of its deviations from the nominal one.
-fn diagnosed(deviations: f64, seed: u64) -> Diagnosis {
-    const TOLERANCE: f64 = 0.1;
+/// Three numbers with tolerances, and a paddle with so many times the nominal damping.
+fn diagnosed(damping: f64, tolerance: f64, seed: u64) -> Diagnosis {
     let model = Model {
-        viscous: paddle().viscous * (1.0 + TOLERANCE * deviations),
+        viscous: paddle().viscous * damping,
         ..paddle()
     };
     let mut recording = recording(&model, paddle(), 1e-4, 0.0, seed);
-    for (name, tolerance) in [("inertia", 0.01), ("coulomb", 0.01), ("viscous", TOLERANCE)] {
+    for (name, tolerance) in [("inertia", 0.01), ("coulomb", 0.01), ("viscous", tolerance)] {
         recording.tolerance.set(name, tolerance);
     }
     recording.horizon = HORIZON_S;
@@ -28,14 +27,22 @@ fn diagnosed(deviations: f64, seed: u64) -> Diagnosis {
 #[test]
 fn a_number_within_three_of_its_deviations_is_no_finding() {
     for seed in 0..4 {
-        let found = diagnosed(2.8, seed);
+        let found = diagnosed(1.28, 0.1, seed);
         assert_eq!(found.verdict, Verdict::NoGap, "{seed}: {:?}", found.effects);
     }
 }
 
 #[test]
+fn a_nominal_number_within_its_tolerance_of_the_true_one_is_no_finding() {
+    let (tolerance, deviations) = (0.25, -2.0);
+    let damping = 1.0 / (1.0 + tolerance * deviations);
+    let found = diagnosed(damping, tolerance, 1);
+    assert_eq!(found.verdict, Verdict::NoGap, "{:?}", found.effects);
+}
+
+#[test]
 fn a_number_far_from_it_is_one() {
-    let found = diagnosed(40.0, 1);
+    let found = diagnosed(5.0, 0.1, 1);
     assert_eq!(found.verdict, Verdict::Explained);
     assert_eq!(found.effects[0].name, "viscous");
 }

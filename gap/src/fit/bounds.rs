@@ -106,7 +106,7 @@ mod tests {
         let nudge = |name: &str| Nudge {
             name: name.to_owned(),
             value: 1.0,
-            std: 0.02,
+            relative: 0.02,
         };
         let nudges = [nudge("inertia"), nudge("viscous")];
         let at = |x: [f64; 4]| {

@@ -175,7 +175,23 @@ impl Term {
 pub(crate) struct Nudge {
     pub name: String,
     pub value: f64,
-    pub std: f64,
+    /// Standard deviation over the value.
+    pub relative: f64,
+}
+
+impl Nudge {
+    /// The number so many deviations from what is stated. Those are by factors above and by shares below, as it is not stated
+    /// whether they are relative to the nominal number or to the true one; none turns a sign.
+    fn at(&self, deviations: f64) -> f64 {
+        const LEAST: f64 = 0.01;
+        let by = self.relative * deviations;
+        self.value
+            * if by > 0.0 {
+                by.exp()
+            } else {
+                (1.0 + by).max(LEAST)
+            }
+    }
 }
 
 /// The stated tolerances that leave room: of numbers that are there and not zero.
@@ -184,11 +200,10 @@ pub(crate) fn nudges(recording: &Recording) -> Vec<Nudge> {
     stated
         .filter_map(|(name, relative)| {
             let value = recording.model.get(name)?;
-            let std = relative * value.abs();
-            (std > 0.0).then(|| Nudge {
+            (relative * value.abs() > 0.0).then(|| Nudge {
                 name: name.to_owned(),
                 value,
-                std,
+                relative,
             })
         })
         .collect()
@@ -231,14 +246,7 @@ impl Hypothesis {
         // A gain is one of what is stated, as another inertia is another than that: the two would be the same.
         let is_gain = |nudge: &Nudge| nudge.name == "ratio" && self.has("torque_gain");
         for (nudge, z) in nudges.iter().zip(x).filter(|(nudge, _)| !is_gain(nudge)) {
-            let value = nudge.value + nudge.std * z;
-            // A tolerance never turns a sign.
-            let value = if value * nudge.value > 0.0 {
-                value
-            } else {
-                0.01 * nudge.value
-            };
-            let _ = model.set(&nudge.name, value);
+            let _ = model.set(&nudge.name, nudge.at(*z));
         }
         model
     }

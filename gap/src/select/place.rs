@@ -86,6 +86,11 @@ pub(super) fn is_scanned(name: &str) -> bool {
     matches!(name, "backlash" | "compliance")
 }
 
+/// True for effects that a fit to few windows must be begun with to see what they are worth: all hangs on what is carried over.
+pub(super) fn bends(name: &str) -> bool {
+    name == "presliding"
+}
+
 /// True for effects whose impacts leave no slope to follow.
 pub(super) fn bounces(name: &str) -> bool {
     name == "backlash"

@@ -1,7 +1,7 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
 use super::field::{Field, sorted};
-use super::place::{bounces, is_local, is_scanned};
+use super::place::{bends, bounces, is_local, is_scanned};
 use super::rival::Rival;
 use super::round::Search;
 use super::{QUIET_EXCESS, level};
@@ -85,8 +85,13 @@ impl Search<'_> {
                 sorted(fits.collect())
             } else {
                 // A form that promises more from afar may still lead to less.
+                let kept = if bends(candidate.kind.name) {
+                    candidate.starts.len()
+                } else {
+                    BEGUN
+                };
                 let variants = variants(&candidate.starts).into_iter();
-                let starts: Vec<Term> = variants.flat_map(|v| field.promising(&v, BEGUN)).collect();
+                let starts: Vec<Term> = variants.flat_map(|v| field.promising(&v, kept)).collect();
                 field.begun(&starts, STARTS_KEPT)
             }
         });

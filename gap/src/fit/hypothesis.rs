@@ -150,6 +150,29 @@ impl Term {
         shared.then_some(alike)
     }
 
+    /// What it comes to without what it has more than an effect of a special `kind`, if it has all that this one has.
+    pub(crate) fn reduced(&self, kind: &'static Kind) -> Option<Self> {
+        let own = |special: &Parameter| {
+            let mut parameters = self.kind.parameters.iter();
+            parameters.position(|p| (p.name, p.quantity) == (special.name, special.quantity))
+        };
+        let places: Option<Vec<usize>> = kind.parameters.iter().map(own).collect();
+        let places = places?;
+        let free = places.iter().enumerate().filter_map(|(parameter, own)| {
+            let coordinate = self.free.iter().find(|c| c.parameter == *own)?;
+            Some(Coordinate {
+                parameter,
+                ..*coordinate
+            })
+        });
+        Some(Self {
+            kind,
+            values: places.iter().map(|&own| self.values[own]).collect(),
+            free: free.collect(),
+            sensor_on_load: self.sensor_on_load,
+        })
+    }
+
     /// This start and its neighbours along every coordinate that is linear.
     pub(crate) fn around(&self) -> Vec<Self> {
         let mut all = vec![self.clone()];

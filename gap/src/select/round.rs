@@ -13,6 +13,7 @@ use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
 use crate::floor::Perfect;
 use crate::stage::Stage;
+use host_sim::effects;
 
 /// Iterations for all finalists, for those that are near the best then, and more for the one that is named.
 pub(super) const SHORT_ITERATIONS: usize = 3;
@@ -170,6 +171,25 @@ impl Search<'_> {
         }
     }
 
+    /// True if the last effect of a fit does no more than a special case of it that is not to be named.
+    fn is_excluded(&self, known: &Fit, fit: &Fit) -> bool {
+        let Some(last) = fit.last_term() else {
+            return false;
+        };
+        let excluded = self.given.excluded.iter();
+        let special = excluded.filter(|special| contains(last.kind.name, special));
+        let mut special = special.filter_map(|special| last.reduced(effects::kind(special)?));
+        special.any(|special| {
+            let (mut hypothesis, mut x) = fit.without(fit.hypothesis.terms.len() - 1);
+            x.resize(x.len() + special.free.len(), 0.0);
+            hypothesis.terms.push(special);
+            let reduced = self
+                .problem
+                .fit(&hypothesis, x, Part::All, POLISHING_ITERATIONS);
+            level(&reduced) <= enough(known, fit)
+        })
+    }
+
     /// The rivals, what the best of them contains carried on to the end where it leaves little enough for that: with fewer
     /// numbers it has fewer ways past a kink.
     fn with_specials_polished(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
@@ -254,7 +274,7 @@ impl Search<'_> {
         if *name == "contact" {
             *winner = hand::found(self.problem, winner, FITTING_ITERATIONS);
         }
-        if self.is_misnamed(winner) {
+        if self.is_misnamed(winner) || self.is_excluded(known, winner) {
             rivals.remove(0);
             return self.judged(known, screened, rivals);
         }
@@ -335,6 +355,39 @@ mod tests {
             let freed = search.loosened(null, &given)?;
             Some(freed.last_term()?.values[2])
         })
+    }
+
+    /// Whether play is taken for a twist that is not to be named.
+    fn is_twist(hidden: &str) -> bool {
+        let log = |parameter, start| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Log,
+        };
+        let backlash = made::term("backlash", &[log(0, 0.01), log(2, 2.0), log(3, 0.005)]);
+        let recording = made::recording(&[hidden]);
+        on(&recording, |search, null| {
+            let found = search.given(null, &backlash).so_far;
+            let given = Given {
+                is_gap: true,
+                excluded: vec!["compliance"],
+                measured: None,
+                certain: false,
+            };
+            let search = Search {
+                given: &given,
+                problem: search.problem,
+                progress: search.progress,
+                perfect: search.perfect,
+            };
+            search.is_excluded(null, &found)
+        })
+    }
+
+    #[test]
+    fn play_that_is_no_more_than_a_twist_is_none() {
+        assert!(is_twist("compliance:stiffness=2.0,damping=0.005"));
+        assert!(!is_twist("backlash:play=0.02"));
     }
 
     #[test]

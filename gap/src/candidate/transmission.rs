@@ -66,24 +66,18 @@ pub(super) fn springs(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let inertia = e.device.mechanics.inertia;
     let rubs = rubs(e);
+    let frictions = if rubs { &TWIST_FRICTIONS[..] } else { &[HALF] };
     let highest = HIGHEST_RESONANCE / s.period_s.max(FINE_PERIOD_S);
     let [low, high] = RESONANCES.map(|ratio| (ratio * s.motion_hz()).min(highest));
     two_masses([low, high], RESONANCE_STARTS, |hertz| {
         let stiffness = (TAU * hertz).powi(2) * inertia * HALF * (1.0 - HALF);
         let damping = 2.0 * TWIST_DAMPING * (stiffness * inertia).sqrt();
-        let start = |friction: Option<&f64>| {
+        let start = |&friction: &f64| {
             let mut free = vec![log(0, stiffness), log(1, damping), linear(2, HALF, 0.15)];
-            free.extend(friction.map(|&share| linear(3, share, 0.3)));
+            free.extend(rubs.then(|| linear(3, friction, 0.3)));
             term(kind, free, &[])
         };
-        if rubs {
-            TWIST_FRICTIONS
-                .iter()
-                .map(|share| start(Some(share)))
-                .collect()
-        } else {
-            vec![start(None)]
-        }
+        frictions.iter().map(start).collect()
     })
 }
 

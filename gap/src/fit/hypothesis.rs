@@ -208,12 +208,8 @@ impl Nudge {
     fn at(&self, deviations: f64) -> f64 {
         const LEAST: f64 = 0.01;
         let by = self.relative * deviations;
-        self.value
-            * if by > 0.0 {
-                by.exp()
-            } else {
-                (1.0 + by).max(LEAST)
-            }
+        let times = if by > 0.0 { by.exp() } else { 1.0 + by };
+        self.value * times.max(LEAST)
     }
 }
 

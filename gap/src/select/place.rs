@@ -86,7 +86,7 @@ pub(super) fn is_scanned(name: &str) -> bool {
     matches!(name, "backlash" | "compliance")
 }
 
-/// True for effects that a fit to few windows must be begun with to see what they are worth: all hangs on what is carried over.
+/// True for effects whose starts promise nothing to first order: all hangs on what is carried over.
 pub(super) fn bends(name: &str) -> bool {
     name == "presliding"
 }

@@ -269,10 +269,9 @@ fn blocks(problem: &Problem<'_>) -> Vec<bool> {
         let count = series.windows.len();
         (0..count).map(move |w| (w as f64) < half * count as f64)
     });
-    let chosen = begins.enumerate();
-    chosen
-        .map(|(w, begins)| begins || turn(w / length) < half)
-        .collect()
+    let begins = begins.enumerate();
+    let chosen = begins.map(|(w, begins)| begins || turn(w / length) < half);
+    chosen.collect()
 }
 
 /// Share of the windows on which effects are screened, `fewest` of them at least.

@@ -200,7 +200,8 @@ pub struct Plant {
     inverse_inertia: [f64; 2],
     link_modes: Modes,
     pace: Pace,
-    slope: Option<Slope>,
+    /// Of friction on motor side and load side.
+    slopes: Option<[Slope; 2]>,
     longest_step_s: f64,
     longest_closed_step_s: f64,
     longest_glide_s: f64,
@@ -234,16 +235,22 @@ impl Plant {
             ],
             None => [1.0 / mechanics.inertia; 2],
         };
+        let friction_share = match &mechanics.link {
+            Some(link) if mechanics.presliding.is_none() => {
+                [1.0 - link.load_friction, link.load_friction]
+            }
+            _ => [1.0, 0.0],
+        };
+        let Friction { stribeck, .. } = &mechanics.friction;
+        let slope = |side: usize| {
+            let level_nm = friction_share[side] * mechanics.friction.highest_nm();
+            stribeck.slope(inverse_inertia[side].recip(), level_nm)
+        };
         let link_modes = |link: &Link| Modes::of(link, inverse_inertia);
         let closed_link_step_s = CLOSED_LINK_STEP / of_link(Link::natural_rate);
         Self {
             dry,
-            friction_share: match &mechanics.link {
-                Some(link) if mechanics.presliding.is_none() => {
-                    [1.0 - link.load_friction, link.load_friction]
-                }
-                _ => [1.0, 0.0],
-            },
+            friction_share,
             plain: mechanics.friction.is_plain(),
             parts,
             passing_barriers,
@@ -252,10 +259,7 @@ impl Plant {
                 && mechanics.presliding.is_none()
                 && mechanics.friction.drift.is_none(),
             inverse_inertia,
-            slope: (!mechanics.friction.stribeck.is_none()).then(|| {
-                let Friction { stribeck, .. } = &mechanics.friction;
-                stribeck.slope(mechanics.inertia, mechanics.friction.highest_nm())
-            }),
+            slopes: (!stribeck.is_none()).then(|| [0, 1].map(slope)),
             link_modes: mechanics.link.as_ref().map(link_modes).unwrap_or_default(),
             pace,
             longest_step_s: pace.rate_step / (rate + of_link(Link::fastest_rate)),

@@ -431,11 +431,17 @@ impl Plant {
     /// The longest step that follows how friction falls with speed, s.
     #[inline]
     pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, stride: Stride) -> f64 {
-        let Some(slope) = &self.slope else {
+        let Some([motor, load]) = &self.slopes else {
             return f64::INFINITY;
         };
-        let pull = self.pull(state, drive_nm, self.through(state));
-        slope.longest_step(state.velocity.abs(), pull, stride)
+        let through = self.through(state);
+        let pull = self.pull(state, drive_nm, through);
+        let of_motor = motor.longest_step(state.velocity.abs(), pull, stride);
+        if !self.load_is_dry() || state.load_phase == Phase::Stick {
+            return of_motor;
+        }
+        let pull = self.load_pull(state, through);
+        of_motor.min(load.longest_step(state.load_velocity.abs(), pull, stride))
     }
 
     /// The longest step that the stiffest part in action allows, s.

@@ -171,6 +171,28 @@ impl Bins {
             .unwrap_or(none)
     }
 
+    /// The best stretch of those that end where the axis does.
+    pub(super) fn best_to_end(&self) -> Stretch {
+        let sums = self.sums();
+        let end = self.edge(sums.len());
+        let none = Stretch {
+            from: end,
+            to: end,
+            share_of_gap: 0.0,
+            share_of_weight: 0.0,
+        };
+        let grown = sums.into_iter().enumerate().rev();
+        let grown = grown.scan(none, |s, (i, sum)| {
+            s.from = self.edge(i);
+            s.share_of_weight += sum[0];
+            s.share_of_gap += sum[1];
+            Some(*s)
+        });
+        grown
+            .max_by(|a, b| a.surplus().total_cmp(&b.surplus()))
+            .unwrap_or(none)
+    }
+
     /// What each of `count` things would have of the gap if the place alone decided, by index.
     pub(super) fn expected(&self, count: usize) -> Vec<f64> {
         let mut expected = vec![0.0; count];

@@ -106,6 +106,7 @@ impl<'a> Axes<'a> {
     pub(super) fn ranked(&self, predictions: &[Vec<f64>], horizon_s: f64) -> Vec<Evidence> {
         let of_motion = OF_MOTION.map(|(axis, place, reach)| match axis {
             "velocity" => self.velocity(place, reach),
+            "input" => self.input(place, reach),
             _ => self.plain(axis, place, reach),
         });
         let others = [
@@ -212,6 +213,32 @@ impl<'a> Axes<'a> {
         })
     }
 
+    /// Input; an event that comes with large ones of either sign belongs to it, too.
+    fn input(&self, at: Place, reach: Place) -> Option<Evidence> {
+        let now = self.plain("input", at, reach)?;
+        let size = self.bins(|i| i.input_peak.abs(), |i| i.excess, BINS)?;
+        let large = size.best_to_end();
+        let surplus = self.best(at)?.surplus();
+        if !self.event || large.surplus() <= surplus.max(EVENT_SURPLUS) {
+            return Some(now);
+        }
+        let bins = self.bins(|i| i.input_peak, |i| i.excess, BINS)?;
+        let whole = bins.whole();
+        let below = bins.stretch(whole.from, -large.from);
+        let above = bins.stretch(large.from, whole.to);
+        Some(Evidence {
+            strength: now.strength + large.surplus() - surplus,
+            stretch: if below.share_of_gap > above.share_of_gap {
+                below
+            } else {
+                above
+            },
+            bins,
+            reach: 0.0,
+            ..now
+        })
+    }
+
     /// Time, on the clock of the session, the best stretch cut to one run if the runs' own times overlap.
     fn time(&self) -> Option<Evidence> {
         let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
@@ -286,4 +313,34 @@ impl<'a> Axes<'a> {
 pub(super) fn span(series: &Series) -> (f64, f64) {
     let last = series.time.len().saturating_sub(1);
     (series.session(0), series.session(last))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kicks_of_either_sign_are_beyond_a_size_of_input() {
+        let innovation = |i: usize| {
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            let kicks = i % 25 < 2;
+            Innovation {
+                window: i,
+                session_s: i as f64,
+                input_peak: sign * if kicks { 9.0 } else { 1.0 },
+                input: sign,
+                samples: 1.0,
+                excess: if kicks { 50.0 } else { 0.1 },
+                ..Innovation::default()
+            }
+        };
+        let all: Vec<Innovation> = (0..400).map(innovation).collect();
+        let axes = Axes {
+            event: true,
+            ..Axes::new(&all, &[])
+        };
+        let input = axes.input(|i| i.input, |_| 0.0).unwrap();
+        assert!(input.stretch.from.abs() > 1.0 && input.stretch.to.abs() > 1.0);
+        assert!(input.strength > EVENT_SURPLUS, "{}", input.strength);
+    }
 }

@@ -25,6 +25,8 @@ pub(super) struct Innovation {
     pub acceleration: f64,
     /// Mean.
     pub input: f64,
+    /// Farthest from zero.
+    pub input_peak: f64,
     /// Mean of its second half less that of its first.
     pub input_change: f64,
     /// How far the position goes to either side of its middle.
@@ -170,6 +172,7 @@ fn of_series(
                 slowest: velocity,
                 acceleration,
                 input: mean(&series.input),
+                input_peak: peak(&series.input[rows.clone()]),
                 input_change: part(half..rows.end) - part(rows.start..half),
                 position_reach: reach(&series.position[rows.clone()]),
                 velocity_reach: 0.5 * length_s * acceleration.abs(),
@@ -194,6 +197,12 @@ fn of_series(
         innovation.slowest = slowest;
     }
     all
+}
+
+/// What is farthest from zero.
+fn peak(column: &[f64]) -> f64 {
+    let farther = |a: f64, b: &f64| if b.abs() > a.abs() { *b } else { a };
+    column.iter().fold(0.0, farther)
 }
 
 /// Half the way from the lowest to the highest.

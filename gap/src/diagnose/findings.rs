@@ -100,7 +100,7 @@ fn confidence(round: &Round, perfect: f64) -> f64 {
     let left = ((winner.fit.costs.level() - perfect)
         / (known.costs.level() - perfect).max(f64::MIN_POSITIVE))
     .clamp(0.0, 1.0);
-    let sure = (round.significance / SURE).min(1.0);
+    let sure = (round.place.significance / SURE).min(1.0);
     (0.55 + 0.8 * sure * margin.sqrt() * (1.0 - 0.6 * left)).clamp(0.3, 0.99)
 }
 

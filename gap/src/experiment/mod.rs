@@ -147,7 +147,7 @@ mod tests {
     use crate::fit::hypothesis::{Hypothesis, Term};
     use crate::floor::{Perfect, WHITE};
     use crate::made;
-    use crate::select::Round;
+    use crate::select::{Place, Round};
     use host_sim::effects::Effect;
     use recording::{Drive, Model, Recording, Run};
 
@@ -207,8 +207,7 @@ mod tests {
             so_far: rivals[0].fit.clone(),
             rivals,
             screened: Vec::new(),
-            significance: 9.0,
-            earned: true,
+            place: Place::GIVEN,
         }
     }
 

@@ -322,7 +322,7 @@ mod tests {
     #[test]
     fn kicks_of_either_sign_are_beyond_a_size_of_input() {
         let innovation = |i: usize| {
-            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
             let kicks = i % 25 < 2;
             Innovation {
                 window: i,

@@ -20,7 +20,7 @@ impl Search<'_> {
                 break;
             };
             // Two that were found together have each been looked at without the other.
-            let is_second = round.earned && selection.rounds.len() == 1;
+            let is_second = round.place.earned && selection.rounds.len() == 1;
             selection.add(round);
             if let [first, second] = &selection.rounds[..]
                 && is_second

@@ -21,6 +21,8 @@ use crate::fit::problem::{Part, Problem};
 use crate::floor::{FLOOR_DOUBT, Perfect};
 use crate::stage::Stage;
 pub(crate) use hand::is_stiff;
+#[cfg(test)]
+pub(crate) use place::Place;
 use place::bounces;
 pub(crate) use ranking::{others, ties};
 pub(crate) use rival::Rival;
@@ -105,7 +107,7 @@ impl Selection {
 
     /// Takes an effect that has earned its place; one that has not is the last that was looked for.
     fn add(&mut self, round: Round) {
-        if round.earned {
+        if round.place.earned {
             self.rounds.push(round);
         } else {
             self.last = Some(round);
@@ -303,7 +305,7 @@ fn select_beyond(
         suffices = selection.suffices(problem, &anew.so_far);
         first = anew;
     }
-    if first.earned && suffices {
+    if first.place.earned && suffices {
         selection.add(first);
         return selection;
     }
@@ -311,7 +313,7 @@ fn select_beyond(
     // Where the gap is at its floor, what else there may be stands beside the first, not in its place.
     let leaves_little =
         selection.leaves_little(&first.so_far) || problem.is_at_floor(&first.so_far);
-    let settled = selection.given || first.earned && leaves_little;
+    let settled = selection.given || first.place.earned && leaves_little;
     let saved = level(&selection.null) - level(&first.so_far);
     let promising =
         selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE || saved > LEAST_SAVED_ALONE;

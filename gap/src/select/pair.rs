@@ -96,13 +96,13 @@ impl Search<'_> {
         let turned = turned(both)?;
         let (second_alone, screened) = self.beside(&turned, null, looked, hints);
         let mut beside_second = self.round_of(&second_alone, screened, Some(turned))?;
-        if !beside_second.earned {
+        if !beside_second.place.earned {
             return self.alone(first, second_alone);
         }
         let both = self::turned(&beside_second.rivals[0])?;
         let (first_alone, screened) = self.beside(&both, null, looked, hints);
         let beside_first = self.round_of(&first_alone, screened, Some(both))?;
-        if !beside_first.earned {
+        if !beside_first.place.earned {
             return self.alone(first, first_alone);
         }
         beside_second.so_far = first_alone;
@@ -117,8 +117,7 @@ impl Search<'_> {
         if !first.leaves_more_than(&alone) {
             return None;
         }
-        let (_, earned) = earns_its_place(self.problem, &self.perfect, &alone, &both);
-        if earned {
+        if earns_its_place(self.problem, &self.perfect, &alone, &both).earned {
             return None;
         }
         self.alone(first, alone)?.pop()
@@ -138,7 +137,7 @@ impl Search<'_> {
         let mut rivals = second.rivals.clone();
         join(&mut rivals, Rival { name, fit });
         let round = self.judged(&second.known, second.screened.clone(), rivals)?;
-        round.earned.then_some(round)
+        round.place.earned.then_some(round)
     }
 
     /// The round of an effect that a search from beside another has led to, if it is the best one alone.
@@ -150,7 +149,7 @@ impl Search<'_> {
         let mut rivals = first.rivals.clone();
         join(&mut rivals, Rival { name, fit });
         let round = self.judged(&first.known, first.screened.clone(), rivals)?;
-        round.earned.then(|| vec![round])
+        round.place.earned.then(|| vec![round])
     }
 
     /// The first of two effects alone on top of `null`, and what screening finds beside it, unless that was `looked` at.

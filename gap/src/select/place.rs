@@ -17,14 +17,33 @@ const LEAST_SHARE: f64 = 0.1;
 /// Least gain per window in robust cost: below, it is not seen beside the uncertainty of the noise.
 const LEAST_GAIN: f64 = 0.015;
 
-/// Whether `winner` is better than what was known on windows that neither fit has seen: its gain there
-/// over the gain's standard error, and the verdict.
+/// Whether an effect is more than luck, and by which windows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    /// Gain on windows that the fit has not seen over its standard error.
+    pub significance: f64,
+    /// True if the effect is better than what was known.
+    pub earned: bool,
+    /// True if it is so in a few windows only, which cannot be held out.
+    pub by_few: bool,
+}
+
+impl Place {
+    /// Of what is known to be there.
+    pub(crate) const GIVEN: Self = Self {
+        significance: f64::INFINITY,
+        earned: true,
+        by_few: false,
+    };
+}
+
+/// Whether `winner` is better than what was known on windows that neither fit has seen, or where it shows in few.
 pub(super) fn earns_its_place(
     problem: &Problem<'_>,
     perfect: &Perfect,
     known: &Fit,
     winner: &Rival,
-) -> (f64, bool) {
+) -> Place {
     let windows = 0..problem.window_count();
     let unseen = [held_out(problem, known), held_out(problem, &winner.fit)];
     let gains = windows.clone().map(|w| unseen[0].log(w) - unseen[1].log(w));
@@ -49,8 +68,12 @@ pub(super) fn earns_its_place(
     let is_missing = known.is_strained() || !is_quiet(known, perfect);
     let by_unseen = by_unseen && !winner.is_event() && is_missing;
     let is_local = winner.is_event() || winner.name == "end_stop";
-    let earned = by_unseen || (is_local && stands_out(&seen, perfect));
-    (significance, earned)
+    let by_few = !by_unseen && is_local && stands_out(&seen, perfect);
+    Place {
+        significance,
+        earned: by_unseen || by_few,
+        by_few,
+    }
 }
 
 /// True if what shows in few windows, which cannot be held out, gains more there than searching many

@@ -50,7 +50,7 @@ impl Selection {
             perfect: refined.perfect,
         };
         let second = search.round(&so_far, &only.screened, LEAST_PROMISED_AT_FLOOR)?;
-        if !second.earned {
+        if !second.place.earned {
             return None;
         }
         let rivals = only.rivals.par_iter().map(|rival| Rival {
@@ -61,8 +61,7 @@ impl Selection {
             known: refined.null.clone(),
             rivals: rivals.collect(),
             screened: only.screened.clone(),
-            significance: only.significance,
-            earned: only.earned,
+            place: only.place,
             so_far,
         };
         refined.rounds = vec![first, second];

@@ -3,7 +3,7 @@
 use super::evolution::evolved;
 use super::finals::{best_of, join_all};
 use super::hand;
-use super::place::{bounces, earns_its_place};
+use super::place::{Place, bounces, earns_its_place};
 use super::ranking::{contains, enough, ranked, strains_more};
 use super::rival::{Rival, extended};
 use super::{Given, QUIET_EXCESS, is_quiet, level};
@@ -33,10 +33,8 @@ pub(crate) struct Round {
     pub rivals: Vec<Rival>,
     /// Every effect as screening left it.
     pub screened: Vec<Rival>,
-    /// Gain over its standard error.
-    pub significance: f64,
-    /// True if the winner is better than what was known on data that neither has seen.
-    pub earned: bool,
+    /// Whether the winner is better than what was known.
+    pub place: Place,
     /// The model with the effects up to this one.
     pub so_far: Fit,
 }
@@ -102,8 +100,7 @@ impl Search<'_> {
                 fit,
             }],
             screened: Vec::new(),
-            significance: f64::INFINITY,
-            earned: true,
+            place: Place::GIVEN,
         }
     }
 
@@ -297,15 +294,13 @@ impl Search<'_> {
         if *name != first {
             *winner = self.problem.polished(winner, POLISHING_ITERATIONS);
         }
-        let (significance, earned) =
-            earns_its_place(self.problem, &self.perfect, known, &rivals[0]);
+        let place = earns_its_place(self.problem, &self.perfect, known, &rivals[0]);
         Some(Round {
             known: known.clone(),
             so_far: rivals[0].fit.clone(),
             rivals,
             screened,
-            significance,
-            earned,
+            place,
         })
     }
 }

@@ -3,8 +3,9 @@
 use super::Evidence;
 use super::regression::{moments, regress_in};
 use super::start::{linear, log, term};
-use crate::fit::hypothesis::Term;
+use crate::fit::hypothesis::{Coordinate, Term};
 use crate::windows::motion::{quantile, rms};
+use crate::windows::series::Series;
 use host_sim::effects::Kind;
 use std::ops::Range;
 
@@ -17,11 +18,19 @@ pub(crate) const LONGEST_SHARE: f64 = 0.5;
 
 /// What pushes back or holds: against motion up, down, and both.
 const HAND: [f64; 3] = [1.0, -1.0, 0.0];
-/// Places among its numbers of the side, of the stiffness, and of when it comes and goes.
-const SIDE: usize = 1;
-pub(crate) const STIFFNESS: usize = 2;
-const INSTANTS: [usize; 2] = [4, 5];
+/// Places among its numbers of the stiffness and of the damping.
+pub(crate) const STIFFNESS: usize = 0;
+const DAMPING: usize = 1;
+/// And after that of a stay those of the side, of the position, and of when it comes and goes.
+const SIDE: usize = 0;
+const POSITION: usize = 1;
+const INSTANTS: [usize; 2] = [2, 3];
+/// Scales of where it is and of the instants at which it comes and goes, over the span of the motion and the time meanwhile.
+const PLACE_SCALE: f64 = 0.1;
+const TIME_SCALE: f64 = 0.1;
 
+/// Least span of the positions meanwhile, over that of all.
+const LEAST_SPAN: f64 = 0.02;
 /// Least damping of a start, over what is usual.
 const LEAST_DAMPING: f64 = 0.1;
 
@@ -42,41 +51,83 @@ pub(super) struct Push {
 /// As contacts of that time.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let contacts = pushes(e, &HAND).into_iter().map(|push| {
-        let time_scale = 0.1 * (push.to_s - push.from_s);
-        let free = vec![
-            linear(0, push.position, 0.1 * push.span),
-            log(STIFFNESS, push.stiffness),
-            log(3, push.damping),
-            linear(INSTANTS[0], push.from_s, time_scale),
-            linear(INSTANTS[1], push.to_s, time_scale),
-        ];
-        term(kind, free, &[(SIDE, push.side)])
+        let mut free = vec![log(STIFFNESS, push.stiffness), log(DAMPING, push.damping)];
+        free.extend(push.stay(kind.event_place(0)));
+        let side = kind.event_place(0) + SIDE;
+        term(kind, free, &[(side, push.side)])
     });
     contacts.collect()
 }
 
-/// The same hand as it would push back or hold otherwise.
+/// The same hand as it would push back or hold otherwise in its last stay.
 pub(crate) fn otherwise(hand: &Term) -> Vec<Term> {
-    let others = HAND.into_iter().filter(|side| *side != hand.values[SIDE]);
-    others.map(|side| with(hand, SIDE, side)).collect()
+    let side = last_stay(hand) + SIDE;
+    let others = HAND.into_iter().filter(|other| *other != hand.values[side]);
+    others.map(|other| with(hand, side, other)).collect()
 }
 
-/// When a hand comes and goes, s of the session.
+/// Place of the last stay among the numbers of a hand.
+fn last_stay(hand: &Term) -> usize {
+    let places = (0..).map(|stay| hand.kind.event_place(stay));
+    let there = places.take_while(|place| *place < hand.values.len());
+    there.last().unwrap_or(0)
+}
+
+/// When a hand comes and goes in its last stay, s of the session.
 pub(crate) fn instants(hand: &Term) -> [f64; 2] {
-    INSTANTS.map(|instant| hand.values[instant])
+    let stay = last_stay(hand);
+    INSTANTS.map(|instant| hand.values[stay + instant])
 }
 
-/// The same hand that comes (0) or goes (1) at another instant.
+/// The same hand that comes (0) to its last stay, or goes (1), at another instant.
 pub(crate) fn moved(hand: &Term, which: usize, by_s: f64) -> Term {
-    with(hand, INSTANTS[which], hand.values[INSTANTS[which]] + by_s)
+    let instant = last_stay(hand) + INSTANTS[which];
+    with(hand, instant, hand.values[instant] + by_s)
 }
 
-/// The same hand from before the first sample until after the last, with no instants to fit.
+/// The first stay of a hand from before the first sample until after the last, with no instants to fit.
 pub(crate) fn lasting(hand: &Term) -> Term {
-    let mut hand = with(hand, INSTANTS[0], f64::NEG_INFINITY);
-    hand = with(&hand, INSTANTS[1], f64::INFINITY);
-    hand.free.retain(|c| !INSTANTS.contains(&c.parameter));
+    let [from, to] = INSTANTS.map(|instant| hand.kind.event_place(0) + instant);
+    let mut hand = with(hand, from, f64::NEG_INFINITY);
+    hand = with(&hand, to, f64::INFINITY);
+    hand.free.retain(|c| c.parameter < from);
+    hand.values.truncate(hand.kind.parameters.len());
     hand
+}
+
+/// The same hand that comes once more, where it stood, when most is missing by the costs of the windows of some series and when
+/// it is worst; none if it has come as often as it may.
+pub(crate) fn returns(hand: &Term, series: &[Series], window_costs: &[f64]) -> Vec<Term> {
+    let stays = (0..).take_while(|stay| hand.kind.event_place(*stay) < hand.values.len());
+    if stays.count() >= hand.kind.most_events() {
+        return Vec::new();
+    }
+    let counts: Vec<usize> = series.iter().map(|s| s.windows.len()).collect();
+    let again = stretches(&counts, window_costs).into_iter();
+    let again = again.map(|(index, windows)| {
+        let series = &series[index];
+        let span = quantile(&series.position, 1.0) - quantile(&series.position, 0.0);
+        let [first, last] = [windows.start, windows.end - 1].map(|w| &series.windows[w].samples);
+        let rows = first.start..last.end;
+        let positions = &series.position[rows.clone()];
+        let [low, middle, high] = [0.0, 0.5, 1.0].map(|share| quantile(positions, share));
+        let push = Push {
+            position: middle,
+            side: hand.values[last_stay(hand) + SIDE],
+            stiffness: hand.values[STIFFNESS],
+            damping: hand.values[DAMPING],
+            from_s: series.session(rows.start),
+            to_s: series.session(rows.end - 1),
+            span: (high - low).max(LEAST_SPAN * span),
+        };
+        let mut hand = hand.clone();
+        let place = hand.values.len();
+        hand.free.extend(push.stay(place));
+        hand.values
+            .extend([push.side, push.position, push.from_s, push.to_s]);
+        hand
+    });
+    again.collect()
 }
 
 fn with(hand: &Term, parameter: usize, value: f64) -> Term {
@@ -135,7 +186,8 @@ fn pushes_during(
     ];
     let positions: Vec<f64> = rows.clone().map(|i| motion.position[i]).collect();
     let strength = rms(&known).max(0.2 * e.scales.torque);
-    let span = (quantile(&positions, 1.0) - quantile(&positions, 0.0)).max(0.02 * e.scales.span());
+    let span =
+        (quantile(&positions, 1.0) - quantile(&positions, 0.0)).max(LEAST_SPAN * e.scales.span());
     let stiffness = 3.0 * strength / span;
     let mut all = Vec::new();
     for &side in sides {
@@ -159,6 +211,16 @@ fn pushes_during(
 }
 
 impl Push {
+    /// What is free of a stay at some place.
+    fn stay(&self, place: usize) -> [Coordinate; 3] {
+        let time_scale = TIME_SCALE * (self.to_s - self.from_s);
+        [
+            linear(place + POSITION, self.position, PLACE_SCALE * self.span),
+            linear(place + INSTANTS[0], self.from_s, time_scale),
+            linear(place + INSTANTS[1], self.to_s, time_scale),
+        ]
+    }
+
     /// The same where the torque that is missing meanwhile, `least_nm` to its side, says that it is.
     fn regressed(self, e: &Evidence<'_>, least_nm: f64) -> Option<Self> {
         let pushed = moments(e).filter(|m| {

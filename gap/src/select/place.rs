@@ -79,7 +79,7 @@ pub(super) fn earns_its_place(
 /// True if what shows in few windows, which cannot be held out, gains more there than searching many
 /// places could by luck, and takes nothing from the others. Luck includes the worst window of a perfect
 /// model.
-fn stands_out(gains: &[f64], perfect: &Perfect) -> bool {
+pub(super) fn stands_out(gains: &[f64], perfect: &Perfect) -> bool {
     gains.iter().sum::<f64>() > EVENT_GAIN + perfect.worst && harmless(gains)
 }
 

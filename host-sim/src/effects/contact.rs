@@ -2,7 +2,13 @@
 
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 use crate::device::CONTACT;
-use crate::plant::Barrier;
+use crate::plant::{BARRIERS, Barrier};
+use core::ops::Range;
+
+/// Places of what is said of each time that it comes: from which side, where, from when and until when.
+pub(super) const STAY: Range<usize> = 2..6;
+/// Times that it may come.
+pub(super) const MOST_STAYS: usize = BARRIERS - CONTACT;
 
 /// `T = −max(0, K d + D d') while it is there`.
 pub const KIND: Kind = Kind {
@@ -11,22 +17,6 @@ pub const KIND: Kind = Kind {
     about: "Something outside pushes back for a while, or holds",
     equation: "T = −max(0, K d + D d') while it is there; −K d − D d' if it holds",
     parameters: &[
-        Parameter {
-            name: "position",
-            quantity: Quantity::Position,
-            range: ANY,
-            default: 0.1,
-            typical: [-0.6, 0.6],
-            about: "where it begins, or holds",
-        },
-        Parameter {
-            name: "side",
-            quantity: Quantity::Ratio,
-            range: ANY,
-            default: 1.0,
-            typical: [-1.0, 1.0],
-            about: "+1 against positive motion, -1 against negative, 0 holds against both",
-        },
         Parameter {
             name: "stiffness",
             quantity: Quantity::Stiffness,
@@ -42,6 +32,22 @@ pub const KIND: Kind = Kind {
             default: 0.01,
             typical: [0.0, 0.1],
             about: "of what pushes",
+        },
+        Parameter {
+            name: "side",
+            quantity: Quantity::Ratio,
+            range: ANY,
+            default: 1.0,
+            typical: [-1.0, 1.0],
+            about: "+1 against positive motion, -1 against negative, 0 holds against both",
+        },
+        Parameter {
+            name: "position",
+            quantity: Quantity::Position,
+            range: ANY,
+            default: 0.1,
+            typical: [-0.6, 0.6],
+            about: "where it begins, or holds",
         },
         Parameter {
             name: "from",
@@ -61,12 +67,20 @@ pub const KIND: Kind = Kind {
         },
     ],
     install: |device, p| {
-        device.mechanics.barriers[CONTACT] = Some(Barrier {
-            at: p[0],
-            side: if p[1] == 0.0 { 0.0 } else { p[1].signum() },
-            stiffness: p[2],
-            damping: p[3],
-            during_s: Some([p[4], p[5]]),
-        });
+        let [stiffness, damping] = [p[0], p[1]];
+        let stays = p[STAY.start..].chunks_exact(STAY.len());
+        for (barrier, stay) in device.mechanics.barriers[CONTACT..].iter_mut().zip(stays) {
+            *barrier = Some(Barrier {
+                at: stay[1],
+                side: if stay[0] == 0.0 {
+                    0.0
+                } else {
+                    stay[0].signum()
+                },
+                stiffness,
+                damping,
+                during_s: Some([stay[2], stay[3]]),
+            });
+        }
     },
 };

@@ -1,8 +1,11 @@
 //! The sensor loses counts: all at once, or more the faster it turns.
 
-use super::{ANY, Channel, EVENT, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 use crate::sensing::{Jump, Overspeed};
+use core::ops::Range;
 
+/// Places of what is said of each jump: when, and how high.
+pub(super) const JUMP: Range<usize> = 0..2;
 /// Places of the share that is lost at speed, and of the speed.
 pub(super) const SHARE_LOST: usize = 2;
 const FROM_SPEED: usize = 3;
@@ -49,8 +52,8 @@ pub const KIND: Kind = Kind {
     ],
     install: |device, p| {
         let (once, again) = p.split_at(KIND.parameters.len());
-        let events = [&once[..EVENT], again].concat();
-        let jumps = events.chunks_exact(EVENT).map(|event| Jump {
+        let events = [&once[JUMP], again].concat();
+        let jumps = events.chunks_exact(JUMP.len()).map(|event| Jump {
             at_s: event[0],
             height: event[1],
         });

@@ -31,6 +31,7 @@ mod torque_offset;
 mod viscous;
 
 use crate::device::Device;
+use core::ops::Range;
 
 /// Part of a device that an effect sits in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -148,8 +149,8 @@ pub struct Kind {
     pub about: &'static str,
     /// Its equation.
     pub equation: &'static str,
-    /// Its numbers, in the order in which `install` takes them; values beyond them repeat the first two, an instant and what
-    /// happens then.
+    /// Its numbers, in the order in which `install` takes them; values beyond them repeat some of them, where something
+    /// happens more than once.
     pub parameters: &'static [Parameter],
     /// Puts it into a device, with numbers in their ranges.
     install: fn(&mut Device, &[f64]),
@@ -168,9 +169,10 @@ impl Kind {
 
     /// The parameter of the value at `place`; there are more values than parameters where something happens more than once.
     pub fn parameter(&self, place: usize) -> &'static Parameter {
-        let once = self.parameters.len();
-        let beyond = place.checked_sub(once);
-        &self.parameters[beyond.map_or(place, |beyond| beyond % EVENT.min(once))]
+        let Range { start, end } = self.repeated();
+        let again = |beyond: usize| start + beyond % (end - start).max(1);
+        let beyond = place.checked_sub(self.parameters.len());
+        &self.parameters[beyond.map_or(place, again)]
     }
 
     /// Name of the value at `place` of an effect of this kind that has `count` of them; what happens more than once is
@@ -179,10 +181,45 @@ impl Kind {
         let once = self.parameters.len();
         let name = self.parameter(place).name;
         match place.checked_sub(once) {
-            Some(beyond) => format!("{name}_{}", beyond / EVENT + 2),
-            None if count > once && place < EVENT => format!("{name}_1"),
+            Some(beyond) => format!("{name}_{}", beyond / self.repeated().len().max(1) + 2),
+            None if count > once && self.repeated().contains(&place) => format!("{name}_1"),
             None => name.to_owned(),
         }
+    }
+
+    /// Places of what is said of each time that it happens; none if it always does.
+    fn repeated(&self) -> Range<usize> {
+        match self.name {
+            "contact" => contact::STAY,
+            "lost_counts" => lost_counts::JUMP,
+            _ => 0..0,
+        }
+    }
+
+    /// How often something may happen.
+    pub fn most_events(&self) -> usize {
+        match self.name {
+            "contact" => contact::MOST_STAYS,
+            "lost_counts" => usize::MAX,
+            _ => 1,
+        }
+    }
+
+    /// Names of the values where nothing happens more often than those that are `wanted` say, or happens once where no number of
+    /// times makes sense of them.
+    fn value_names(&self, wanted: &[&str]) -> Vec<String> {
+        let names = |count: usize| -> Vec<String> {
+            let places = 0..count;
+            places.map(|place| self.value_name(place, count)).collect()
+        };
+        let has_all = |names: &Vec<String>| {
+            let mut wanted = wanted.iter();
+            wanted.all(|wanted| names.iter().any(|name| name == wanted))
+        };
+        let most = wanted.len().min(self.most_events());
+        let mut more = (1..=most).map(|events| names(self.event_place(events)));
+        let enough = more.find(has_all);
+        enough.unwrap_or_else(|| names(self.parameters.len()))
     }
 
     /// True if with these values it acts at moments of one session alone.
@@ -197,25 +234,22 @@ impl Kind {
     /// Place of the first value of the event `index`.
     pub fn event_place(&self, index: usize) -> usize {
         match index.checked_sub(1) {
-            Some(before) => self.parameters.len() + EVENT * before,
-            None => 0,
+            Some(before) => self.parameters.len() + self.repeated().len() * before,
+            None => self.repeated().start,
         }
     }
 
-    /// The values of an effect that does nothing but happen at these instants, each with what happens then.
-    pub fn events(&self, events: &[[f64; EVENT]]) -> Vec<f64> {
+    /// The values of an effect that does nothing but happen so, each time with these values.
+    pub fn events<const N: usize>(&self, events: &[[f64; N]]) -> Vec<f64> {
         let count = self.event_place(events.len().max(1));
         let mut values: Vec<f64> = (0..count).map(|i| self.parameter(i).default).collect();
         for (index, event) in events.iter().enumerate() {
             let place = self.event_place(index);
-            values[place..place + EVENT].copy_from_slice(event);
+            values[place..place + N].copy_from_slice(event);
         }
         values
     }
 }
-
-/// Values of an event: when, and what.
-const EVENT: usize = 2;
 
 /// Ranges of parameters.
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -328,28 +362,29 @@ pub enum EffectError {
 impl core::str::FromStr for Effect {
     type Err = EffectError;
 
-    /// Reads `name` or `name:parameter=value,parameter=value`; what is left out takes its default.
+    /// Reads `name` or `name:parameter=value,parameter=value`; what is left out takes its default. What happens more than once
+    /// is numbered: `contact:from_1=2,to_1=3,from_2=6,to_2=7`.
     fn from_str(text: &str) -> Result<Self, EffectError> {
         let (name, settings) = text.split_once(':').unwrap_or((text, ""));
         let kind = kind(name).ok_or_else(|| EffectError::Kind(name.into()))?;
-        let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
-        for setting in settings.split(',').filter(|s| !s.is_empty()) {
-            let (name, value) = setting
-                .split_once('=')
-                .ok_or_else(|| EffectError::Value(setting.into()))?;
-            let at = kind
-                .parameters
+        let settings = settings.split(',').filter(|s| !s.is_empty());
+        let settings = settings.map(|setting| {
+            let pair = setting.split_once('=');
+            pair.ok_or_else(|| EffectError::Value(setting.into()))
+        });
+        let settings: Vec<(&str, &str)> = settings.collect::<Result<_, _>>()?;
+        let wanted: Vec<&str> = settings.iter().map(|(name, _)| *name).collect();
+        let names = kind.value_names(&wanted);
+        let places = 0..names.len();
+        let mut values: Vec<f64> = places.map(|i| kind.parameter(i).default).collect();
+        for (name, value) in settings {
+            let at = names
                 .iter()
-                .position(|p| p.name == name)
+                .position(|known| known == name)
                 .ok_or_else(|| EffectError::Parameter {
                     kind: kind.name,
                     name: name.into(),
-                    known: kind
-                        .parameters
-                        .iter()
-                        .map(|p| p.name)
-                        .collect::<Vec<_>>()
-                        .join(", "),
+                    known: names.join(", "),
                 })?;
             values[at] = value
                 .parse()
@@ -358,5 +393,23 @@ impl core::str::FromStr for Effect {
                 .ok_or_else(|| EffectError::Value(value.into()))?;
         }
         Ok(Self { kind, values })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_happens_more_than_once_is_numbered() {
+        let values = |text: &str| text.parse::<Effect>().map(|effect| effect.values);
+        let twice = values("contact:side_1=0,from_1=1,to_1=2,position_2=3,from_2=5,to_2=6");
+        let twice = twice.unwrap();
+        assert_eq!(&twice[2..6], [0.0, 0.1, 1.0, 2.0]);
+        assert_eq!(&twice[6..], [1.0, 3.0, 5.0, 6.0]);
+        let jumps = values("lost_counts:time_1=1,jump_1=0.1,jump_2=0.2,time_2=3").unwrap();
+        assert_eq!(jumps, [1.0, 0.1, 0.0, 0.0, 3.0, 0.2]);
+        assert!(values("coulomb:level_2=1").is_err());
+        assert!(values("contact:from_5=1").is_err());
     }
 }

@@ -48,8 +48,8 @@ pub use stribeck::Stribeck;
 use torque::Push;
 pub use torque::Torque;
 
-/// Most barriers that a plant can have: two stops and something outside.
-pub const BARRIERS: usize = 3;
+/// Most barriers that a plant can have: two stops, and something outside four times.
+pub const BARRIERS: usize = 6;
 
 /// Everything that acts on the joint. Angles in rad (or the recording's unit of position).
 #[derive(Clone, Debug, PartialEq)]

@@ -159,6 +159,10 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
                 false => format!("dry friction of {} in place of {nominal}", shown(level)),
             }
         }
+        "contact" if !finding.parameters.contains_key("from") => {
+            let stays = finding.parameters.keys().filter(|n| n.starts_with("from"));
+            format!("something outside that comes {} times", stays.count())
+        }
         "contact"
             if finding
                 .parameters
@@ -314,6 +318,15 @@ mod tests {
         assert_eq!(
             phrase(-1.0),
             "something outside that pushes back from 1.0 s to 2.5 s"
+        );
+    }
+
+    #[test]
+    fn a_hand_that_comes_back_is_counted() {
+        let numbers = ["from_1", "to_1", "from_2", "to_2"].map(|name| (name, 1.0, 0.1, "s"));
+        assert_eq!(
+            phrase(&finding("contact", &numbers), &labels()),
+            "something outside that comes 2 times"
         );
     }
 

@@ -150,47 +150,16 @@ impl Bins {
 
     /// The best stretch of those that begin where the axis does.
     pub(super) fn best_from_start(&self) -> Stretch {
-        let none = Stretch {
-            from: self.edge(0),
-            to: self.edge(0),
-            share_of_gap: 0.0,
-            share_of_weight: 0.0,
-        };
-        let grown = self
-            .sums()
-            .into_iter()
-            .enumerate()
-            .scan(none, |s, (i, sum)| {
-                s.to = self.edge(i + 1);
-                s.share_of_weight += sum[0];
-                s.share_of_gap += sum[1];
-                Some(*s)
-            });
-        grown
-            .max_by(|a, b| a.surplus().total_cmp(&b.surplus()))
-            .unwrap_or(none)
+        let bins = self.sums().into_iter().enumerate();
+        best_grown(self.edge(0), bins.map(|(i, sum)| (self.edge(i + 1), sum)))
     }
 
     /// The best stretch of those that end where the axis does.
     pub(super) fn best_to_end(&self) -> Stretch {
         let sums = self.sums();
         let end = self.edge(sums.len());
-        let none = Stretch {
-            from: end,
-            to: end,
-            share_of_gap: 0.0,
-            share_of_weight: 0.0,
-        };
-        let grown = sums.into_iter().enumerate().rev();
-        let grown = grown.scan(none, |s, (i, sum)| {
-            s.from = self.edge(i);
-            s.share_of_weight += sum[0];
-            s.share_of_gap += sum[1];
-            Some(*s)
-        });
-        grown
-            .max_by(|a, b| a.surplus().total_cmp(&b.surplus()))
-            .unwrap_or(none)
+        let bins = sums.into_iter().enumerate().rev();
+        best_grown(end, bins.map(|(i, sum)| (self.edge(i), sum)))
     }
 
     /// What each of `count` things would have of the gap if the place alone decided, by index.
@@ -256,6 +225,27 @@ impl Bins {
         let at = |share: f64| shares[((RESAMPLINGS - 1) as f64 * share).round() as usize];
         [at(0.025), at(0.975)]
     }
+}
+
+/// The stretch with the largest surplus of those that grow from a place, step by step to an edge that is farther, by the shares
+/// of weight and gap in between.
+fn best_grown(place: f64, steps: impl Iterator<Item = (f64, [f64; 2])>) -> Stretch {
+    let none = Stretch {
+        from: place,
+        to: place,
+        share_of_gap: 0.0,
+        share_of_weight: 0.0,
+    };
+    let grown = steps.scan(none, |stretch, (edge, [weight, gap])| {
+        stretch.from = stretch.from.min(edge);
+        stretch.to = stretch.to.max(edge);
+        stretch.share_of_weight += weight;
+        stretch.share_of_gap += gap;
+        Some(*stretch)
+    });
+    grown
+        .max_by(|a, b| a.surplus().total_cmp(&b.surplus()))
+        .unwrap_or(none)
 }
 
 /// Sum of each value times the mean of those in other windows.

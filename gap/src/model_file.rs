@@ -219,12 +219,8 @@ fn named(effect: &Effect) -> BTreeMap<String, f64> {
 
 fn effect(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Effect, ModelFileError> {
     let kind = effects::kind(name).ok_or_else(|| EffectError::Kind(name.to_owned()))?;
-    let events =
-        (0..=kind.most_events()).find(|&events| kind.event_place(events) >= parameters.len());
-    let count = kind.event_place(events.unwrap_or(1).max(1));
-    let names: Vec<_> = (0..count)
-        .map(|place| kind.value_name(place, count))
-        .collect();
+    let wanted: Vec<&str> = parameters.keys().map(String::as_str).collect();
+    let names = kind.value_names(&wanted);
     if let Some(unknown) = parameters.keys().find(|name| !names.contains(name)) {
         let known: Vec<_> = kind.parameters.iter().map(|p| p.name).collect();
         return Err(EffectError::Parameter {

@@ -66,11 +66,15 @@ pub(crate) fn otherwise(hand: &Term) -> Vec<Term> {
     others.map(|other| with(hand, side, other)).collect()
 }
 
+/// How often a hand comes.
+fn stays(hand: &Term) -> usize {
+    let stays = (0..).take_while(|stay| hand.kind.event_place(*stay) < hand.values.len());
+    stays.count()
+}
+
 /// Place of the last stay among the numbers of a hand.
 fn last_stay(hand: &Term) -> usize {
-    let places = (0..).map(|stay| hand.kind.event_place(stay));
-    let there = places.take_while(|place| *place < hand.values.len());
-    there.last().unwrap_or(0)
+    hand.kind.event_place(stays(hand) - 1)
 }
 
 /// When a hand comes and goes in its last stay, s of the session.
@@ -98,36 +102,35 @@ pub(crate) fn lasting(hand: &Term) -> Term {
 /// The same hand that comes once more, where it stood, when most is missing by the costs of the windows of some series and when
 /// it is worst; none if it has come as often as it may.
 pub(crate) fn returns(hand: &Term, series: &[Series], window_costs: &[f64]) -> Vec<Term> {
-    let stays = (0..).take_while(|stay| hand.kind.event_place(*stay) < hand.values.len());
-    if stays.count() >= hand.kind.most_events() {
+    if stays(hand) >= hand.kind.most_events() {
         return Vec::new();
     }
     let counts: Vec<usize> = series.iter().map(|s| s.windows.len()).collect();
     let again = stretches(&counts, window_costs).into_iter();
-    let again = again.map(|(index, windows)| {
-        let series = &series[index];
-        let span = quantile(&series.position, 1.0) - quantile(&series.position, 0.0);
-        let [first, last] = [windows.start, windows.end - 1].map(|w| &series.windows[w].samples);
-        let rows = first.start..last.end;
-        let positions = &series.position[rows.clone()];
-        let [low, middle, high] = [0.0, 0.5, 1.0].map(|share| quantile(positions, share));
-        let push = Push {
-            position: middle,
-            side: hand.values[last_stay(hand) + SIDE],
-            stiffness: hand.values[STIFFNESS],
-            damping: hand.values[DAMPING],
-            from_s: series.session(rows.start),
-            to_s: series.session(rows.end - 1),
-            span: (high - low).max(LEAST_SPAN * span),
-        };
-        let mut hand = hand.clone();
-        let place = hand.values.len();
-        hand.free.extend(push.stay(place));
-        hand.values
-            .extend([push.side, push.position, push.from_s, push.to_s]);
-        hand
-    });
+    let again = again.map(|(index, windows)| returning(hand, &series[index], windows));
     again.collect()
+}
+
+/// The same hand that comes once more, where it stood, for some windows of a series.
+fn returning(hand: &Term, series: &Series, windows: Range<usize>) -> Term {
+    let span = |positions: &[f64]| quantile(positions, 1.0) - quantile(positions, 0.0);
+    let [first, last] = [windows.start, windows.end - 1].map(|w| &series.windows[w].samples);
+    let rows = first.start..last.end;
+    let positions = &series.position[rows.clone()];
+    let push = Push {
+        position: quantile(positions, 0.5),
+        side: hand.values[last_stay(hand) + SIDE],
+        stiffness: hand.values[STIFFNESS],
+        damping: hand.values[DAMPING],
+        from_s: series.session(rows.start),
+        to_s: series.session(rows.end - 1),
+        span: span(positions).max(LEAST_SPAN * span(&series.position)),
+    };
+    let mut hand = hand.clone();
+    hand.free.extend(push.stay(hand.values.len()));
+    let stay = [push.side, push.position, push.from_s, push.to_s];
+    hand.values.extend(stay);
+    hand
 }
 
 fn with(hand: &Term, parameter: usize, value: f64) -> Term {

@@ -74,7 +74,7 @@ fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
     };
     let nominal = problem.window_squares(&bare, Part::All);
     let left = selection.rounds.iter().map(|round| {
-        if round.place.by_few || round.rivals[0].is_event() {
+        if round.place.by_few {
             problem.window_squares(&round.so_far, Part::All)
         } else {
             problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))

@@ -207,7 +207,7 @@ mod tests {
             so_far: rivals[0].fit.clone(),
             rivals,
             screened: Vec::new(),
-            place: Place::GIVEN,
+            place: Place::given(false),
         }
     }
 

@@ -33,6 +33,12 @@ impl Costs {
         self.per_sample[window].ln_1p()
     }
 
+    /// By how much less each window costs here than there.
+    pub(crate) fn gains(&self, there: &Self) -> Vec<f64> {
+        let windows = 0..self.per_sample.len();
+        windows.map(|w| there.log(w) - self.log(w)).collect()
+    }
+
     fn taken(&self) -> impl Iterator<Item = f64> {
         self.per_sample.iter().copied().filter(|c| !c.is_nan())
     }

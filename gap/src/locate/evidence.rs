@@ -216,10 +216,13 @@ impl<'a> Axes<'a> {
     /// Input; an event that comes with large ones of either sign belongs to it, too.
     fn input(&self, at: Place, reach: Place) -> Option<Evidence> {
         let now = self.plain("input", at, reach)?;
+        if !self.event {
+            return Some(now);
+        }
         let size = self.bins(|i| i.input_peak.abs(), |i| i.excess, BINS)?;
         let large = size.best_to_end();
         let surplus = self.best(at)?.surplus();
-        if !self.event || large.surplus() <= surplus.max(EVENT_SURPLUS) {
+        if large.surplus() <= surplus.max(EVENT_SURPLUS) {
             return Some(now);
         }
         let bins = self.bins(|i| i.input_peak, |i| i.excess, BINS)?;

@@ -24,9 +24,7 @@ const AROUND: f64 = 3.0;
 pub(super) fn found(problem: &Problem<'_>, perfect: &Perfect, fit: &Fit, iterations: usize) -> Fit {
     let mut best = once(problem, fit, iterations);
     while let Some(more) = again(problem, &best, iterations) {
-        let windows = 0..problem.window_count();
-        let gains = windows.map(|w| best.costs.log(w) - more.costs.log(w));
-        if !stands_out(&gains.collect::<Vec<_>>(), perfect) {
+        if !stands_out(&more.costs.gains(&best.costs), perfect) {
             break;
         }
         best = more;

@@ -29,12 +29,14 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// Of what is known to be there.
-    pub(crate) const GIVEN: Self = Self {
-        significance: f64::INFINITY,
-        earned: true,
-        by_few: false,
-    };
+    /// Of what is known to be there, in few windows or not.
+    pub(crate) fn given(by_few: bool) -> Self {
+        Self {
+            significance: f64::INFINITY,
+            earned: true,
+            by_few,
+        }
+    }
 }
 
 /// Whether `winner` is better than what was known on windows that neither fit has seen, or where it shows in few.
@@ -44,10 +46,8 @@ pub(super) fn earns_its_place(
     known: &Fit,
     winner: &Rival,
 ) -> Place {
-    let windows = 0..problem.window_count();
     let unseen = [held_out(problem, known), held_out(problem, &winner.fit)];
-    let gains = windows.clone().map(|w| unseen[0].log(w) - unseen[1].log(w));
-    let gains: Vec<f64> = gains.collect();
+    let gains = unseen[1].gains(&unseen[0]);
     let (mean, error) = mean_and_error(&gains);
     // What the model's own numbers need no longer make up for is a gain without an error.
     let gain = mean + (unseen[0].prior - unseen[1].prior) / gains.len() as f64;
@@ -61,9 +61,7 @@ pub(super) fn earns_its_place(
     let by_unseen = (harmless(&gains) || significance > least)
         && gain > LEAST_GAIN.max(LEAST_SHARE * excess)
         && no_worse_at_a_quarter(problem, known, &winner.fit);
-    let seen: Vec<f64> = windows
-        .map(|w| known.costs.log(w) - winner.fit.costs.log(w))
-        .collect();
+    let seen = winner.fit.costs.gains(&known.costs);
     // Where nothing seems to be missing, only what shows in a window or two is.
     let is_missing = known.is_strained() || !is_quiet(known, perfect);
     let by_unseen = by_unseen && !winner.is_event() && is_missing;

@@ -100,7 +100,7 @@ impl Search<'_> {
                 fit,
             }],
             screened: Vec::new(),
-            place: Place::GIVEN,
+            place: Place::given(term.is_event()),
         }
     }
 

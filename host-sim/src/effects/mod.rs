@@ -205,21 +205,15 @@ impl Kind {
         }
     }
 
-    /// Names of the values where nothing happens more often than those that are `wanted` say, or happens once where no number of
-    /// times makes sense of them.
-    fn value_names(&self, wanted: &[&str]) -> Vec<String> {
-        let names = |count: usize| -> Vec<String> {
-            let places = 0..count;
-            places.map(|place| self.value_name(place, count)).collect()
-        };
-        let has_all = |names: &Vec<String>| {
-            let mut wanted = wanted.iter();
-            wanted.all(|wanted| names.iter().any(|name| name == wanted))
-        };
-        let most = wanted.len().min(self.most_events());
-        let mut more = (1..=most).map(|events| names(self.event_place(events)));
-        let enough = more.find(has_all);
-        enough.unwrap_or_else(|| names(self.parameters.len()))
+    /// Names of the values of an effect that happens as often as the numbers of those that are `wanted` say, which may be others.
+    pub fn value_names(&self, wanted: &[&str]) -> Vec<String> {
+        let number = |name: &&str| name.rsplit_once('_')?.1.parse().ok();
+        let told = wanted.iter().filter_map(number).max().unwrap_or(1);
+        // Of each time something must be said, so that no number is taken for more than there can be.
+        let most = self.most_events().min(wanted.len()).max(1);
+        let count = self.event_place(told.clamp(1, most));
+        let places = 0..count;
+        places.map(|place| self.value_name(place, count)).collect()
     }
 
     /// True if with these values it acts at moments of one session alone.
@@ -411,5 +405,6 @@ mod tests {
         assert_eq!(jumps, [1.0, 0.1, 0.0, 0.0, 3.0, 0.2]);
         assert!(values("coulomb:level_2=1").is_err());
         assert!(values("contact:from_5=1").is_err());
+        assert!(values("contact:from_1=2,to_1=3").is_err());
     }
 }

@@ -141,6 +141,10 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
         return name.to_owned();
     };
     let fitted = |parameter: &str| finding.parameters.get(parameter).filter(|e| e.std > 0.0);
+    let times = |name: &str| {
+        let names = finding.parameters.keys();
+        names.filter(|n| n.starts_with(name)).count()
+    };
     match name {
         "end_stop" => {
             // A stop that was not fitted is out of reach.
@@ -160,8 +164,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             }
         }
         "contact" if !finding.parameters.contains_key("from") => {
-            let stays = finding.parameters.keys().filter(|n| n.starts_with("from"));
-            format!("something outside that comes {} times", stays.count())
+            format!("something outside that comes {} times", times("from"))
         }
         "contact"
             if finding
@@ -181,8 +184,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             filled(falls, finding).unwrap_or_else(|| (*noun).to_owned())
         }
         "lost_counts" if !finding.parameters.contains_key("jump") => {
-            let jumps = finding.parameters.keys().filter(|n| n.starts_with("jump"));
-            format!("a sensor that jumps {} times", jumps.count())
+            format!("a sensor that jumps {} times", times("jump"))
         }
         _ => filled(template, finding).unwrap_or_else(|| (*noun).to_owned()),
     }

@@ -53,8 +53,8 @@ const HOPELESS: f64 = 0.75;
 /// Share of the excess that may be left where nothing else of its size is missing: as much as a further effect must close
 /// to earn its place. Several wrong names together may bring the gap of a foreign cause near the floor, not this.
 pub(crate) const MOST_LEFT_EXPLAINED: f64 = 0.1;
-/// Share of the excess that the better of two effects closes by itself at least, or robust cost per window that it saves, as
-/// for 18 % of the gap in each: far above the floor a share is more than one of two may close.
+/// Share of the excess that the better of two effects closes by itself at least, or robust cost that it saves, as for 18 % of
+/// the gap, in each window or of the whole: far above the floor a share is more than one of two may close.
 const LEAST_GAIN_ALONE: f64 = 0.1;
 const LEAST_SAVED_ALONE: f64 = 0.4;
 /// Share of the excess that a further effect must close in screening to be fitted to all windows: as much as it must then, and
@@ -315,6 +315,9 @@ fn select_beyond(
         selection.leaves_little(&first.so_far) || problem.is_at_floor(&first.so_far);
     let settled = selection.given || first.place.earned && leaves_little;
     let saved = level(&selection.null) - level(&first.so_far);
+    // Of a gap that is in few windows most of them know nothing.
+    let log_gap = |fit| 2.0 * problem.gap_over_floor(fit).ln();
+    let saved = saved.max(log_gap(&selection.null) - log_gap(&first.so_far));
     let promising =
         selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE || saved > LEAST_SAVED_ALONE;
     let pair = || search.pair(&first, |both| !selection.is_hopeless(both));

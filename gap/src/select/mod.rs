@@ -314,14 +314,17 @@ fn select_beyond(
     let leaves_little =
         selection.leaves_little(&first.so_far) || problem.is_at_floor(&first.so_far);
     let settled = selection.given || first.place.earned && leaves_little;
-    let saved = level(&selection.null) - level(&first.so_far);
-    // Of a gap that is in few windows most of them know nothing.
-    let log_gap = |fit| 2.0 * problem.gap_over_floor(fit).ln();
-    let saved = saved.max(log_gap(&selection.null) - log_gap(&first.so_far));
-    let promising =
-        selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE || saved > LEAST_SAVED_ALONE;
+    let saves = |cost: &dyn Fn(&Fit) -> f64| {
+        cost(&selection.null) - cost(&first.so_far) > LEAST_SAVED_ALONE
+    };
+    let promises = || {
+        selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE
+            || saves(&level)
+            // Of a gap that is in few windows most of them know nothing.
+            || saves(&|fit| 2.0 * problem.gap_over_floor(fit).ln())
+    };
     let pair = || search.pair(&first, |both| !selection.is_hopeless(both));
-    let rounds = (promising && !settled).then(pair).flatten();
+    let rounds = (!settled && promises()).then(pair).flatten();
     // One of the two may do what both do.
     let is_alone = rounds.as_ref().is_some_and(|rounds| rounds.len() == 1);
     let found = selection.with(rounds.unwrap_or_else(|| vec![first.clone()]));

@@ -83,6 +83,13 @@ pub(crate) fn instants(hand: &Term) -> [f64; 2] {
     INSTANTS.map(|instant| hand.values[stay + instant])
 }
 
+/// The times between the instants of the last stay of two hands, where those differ, s of the session.
+pub(crate) fn moves(hand: &Term, moved: &Term) -> Vec<[f64; 2]> {
+    let pairs = instants(hand).into_iter().zip(instants(moved));
+    let between = pairs.map(|(a, b)| [a.min(b), a.max(b)]);
+    between.filter(|[from_s, to_s]| from_s < to_s).collect()
+}
+
 /// The same hand that comes (0) to its last stay, or goes (1), at another instant.
 pub(crate) fn moved(hand: &Term, which: usize, by_s: f64) -> Term {
     let instant = last_stay(hand) + INSTANTS[which];

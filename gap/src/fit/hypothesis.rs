@@ -290,6 +290,18 @@ impl Hypothesis {
         (Self { terms }, there)
     }
 
+    /// When the effect that a coordinate belongs to acts at the coordinates `x`, s of the session; none if at all times.
+    pub(crate) fn meanwhile(&self, x: &[f64], coordinate: usize) -> Option<Vec<[f64; 2]>> {
+        let mut beyond = coordinate.checked_sub(x.len() - self.free())?;
+        let mut parts = self.parts(x);
+        let (term, own) = parts.find(|(_, own)| {
+            let is_own = beyond < own.len();
+            beyond = beyond.saturating_sub(own.len());
+            is_own
+        })?;
+        term.kind.meanwhile(&term.at(own))
+    }
+
     pub(crate) fn device(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Device {
         let mut device = Device::nominal(&self.nudged(model, nudges, x));
         for (term, own) in self.parts(x) {

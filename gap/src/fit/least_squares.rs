@@ -109,10 +109,32 @@ impl Problem<'_> {
     ) -> Slope {
         let mut moved = x.to_vec();
         moved[i] += difference;
+        // What acts for a while changes nothing else.
+        let touched = hypothesis.meanwhile(&moved, i).map(|mut times_s| {
+            times_s.extend(hypothesis.meanwhile(x, i).into_iter().flatten());
+            let within = self.during(&times_s).into_iter().enumerate();
+            within
+                .map(|(w, is_within)| is_within && part.has(w))
+                .collect()
+        });
+        let touched: Option<Vec<bool>> = touched;
+        let part = touched.as_deref().map_or(part, Part::Chosen);
         let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
-        for (slope, base) in slope.iter_mut().zip(base) {
-            for (s, r) in slope.iter_mut().zip(base) {
-                *s = (*s - r) / difference;
+        for (((slope, base), series), first) in slope
+            .iter_mut()
+            .zip(base)
+            .zip(&self.series)
+            .zip(self.bases())
+        {
+            for (w, window) in series.windows.iter().enumerate() {
+                let samples = window.samples.clone();
+                if part.has(first + w) {
+                    for (s, r) in slope[samples.clone()].iter_mut().zip(&base[samples]) {
+                        *s = (*s - r) / difference;
+                    }
+                } else {
+                    slope[samples].fill(0.0);
+                }
             }
         }
         slope
@@ -416,5 +438,26 @@ mod tests {
             vec![viscous(-2e-3), spring],
         );
         assert!((found[0] - 4e-3).abs() < 1e-4, "{found:?}");
+    }
+
+    #[test]
+    fn what_acts_for_a_while_is_looked_at_meanwhile_and_changes_nothing_else() {
+        let recording = made::recording(&[]);
+        let problem = made::problem(&recording);
+        let mut hand = term("contact", &[(0, 0.3, 0.1), (5, 3.0, 0.5)]);
+        (hand.values[2], hand.values[3], hand.values[4]) = (0.0, 0.0, 2.5);
+        let hypothesis = Hypothesis { terms: vec![hand] };
+        let left = |x: &[f64]| {
+            let predictor = problem.predictor(&hypothesis, x);
+            problem.residuals(&predictor, Part::All).concat()
+        };
+        let here = problem.residuals(&problem.predictor(&hypothesis, &[0.0; 2]), Part::All);
+        for (i, moved) in [[1.0, 0.0], [0.0, 1.0]].iter().enumerate() {
+            let slope = problem.slope(&hypothesis, &[0.0; 2], &here, i, 1.0, Part::All);
+            let there = left(moved).into_iter().zip(here.concat());
+            let expected: Vec<f64> = there.map(|(there, here)| there - here).collect();
+            assert_eq!(slope.concat(), expected);
+            assert!(expected.iter().any(|change| *change != 0.0));
+        }
     }
 }

@@ -128,8 +128,25 @@ impl Problem<'_> {
             .collect()
     }
 
+    /// The windows within some times of the session, and those that follow on them.
+    pub(crate) fn during(&self, times_s: &[[f64; 2]]) -> Vec<bool> {
+        let windows = self.series.iter().flat_map(|series| {
+            let mut is_before = false;
+            series.windows.iter().map(move |window| {
+                let samples = &window.samples;
+                let first_s = window.restart.time_s + series.session_offset_s;
+                let last_s = series.session(samples.end - 1);
+                let mut times = times_s.iter();
+                let is_within = times.any(|[from_s, to_s]| *from_s <= last_s && first_s <= *to_s);
+                let follows = core::mem::replace(&mut is_before, is_within);
+                is_within || follows
+            })
+        });
+        windows.collect()
+    }
+
     /// Running index of the first window of each series.
-    fn bases(&self) -> Vec<usize> {
+    pub(super) fn bases(&self) -> Vec<usize> {
         let counts = self.series.iter().scan(0, |next, s| {
             let base = *next;
             *next += s.windows.len();

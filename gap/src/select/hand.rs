@@ -14,17 +14,27 @@ const MOVES: [f64; 10] = [3.0, 1.6, 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005]
 const MOST_MOVES: usize = 12;
 /// Times that it is fitted and timed again at most.
 const MOST_ROUNDS: usize = 4;
+/// Hands that are carried on, of those that explain most at first.
+const CARRIED_ON: usize = 2;
 /// Standard deviations by which a stiffness is above none where it is sure.
 const SURE_ERRORS: f64 = 2.0;
-/// How far beyond its time windows count, over how long it is there.
-const AROUND: f64 = 3.0;
 
-/// The best of the hands that push to either side or hold, from the last effect of a fit on, as often as it comes: once more as
-/// long as that gains what no luck does.
-pub(super) fn found(problem: &Problem<'_>, perfect: &Perfect, fit: &Fit, iterations: usize) -> Fit {
+/// The best of the hands that push to either side or hold, from the last effect of a fit on, as often as it comes: where it gains
+/// on what was `known` what no luck does, once more as long as that does so.
+pub(super) fn found(
+    problem: &Problem<'_>,
+    perfect: &Perfect,
+    known: &Fit,
+    fit: &Fit,
+    iterations: usize,
+) -> Fit {
+    let stands_out = |fit: &Fit, on: &Fit| stands_out(&fit.costs.gains(&on.costs), perfect);
     let mut best = once(problem, fit, iterations);
+    if !stands_out(&best, known) {
+        return best;
+    }
     while let Some(more) = again(problem, &best, iterations) {
-        if !stands_out(&more.costs.gains(&best.costs), perfect) {
+        if !stands_out(&more, &best) {
             break;
         }
         best = more;
@@ -36,29 +46,31 @@ pub(super) fn found(problem: &Problem<'_>, perfect: &Perfect, fit: &Fit, iterati
 fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let windows = 0..problem.window_count();
     let costs: Vec<f64> = windows.map(|w| fit.costs.log(w)).collect();
-    let returns = contact::returns(&fit.last_term()?, &problem.series, &costs).into_iter();
-    let returns = returns.flat_map(|hand| [vec![hand.clone()], contact::otherwise(&hand)].concat());
-    let returns: Vec<Term> = returns.collect();
-    let fits = returns.into_par_iter().map(|hand| {
-        let first = timed_and_fitted(problem, fit, hand, iterations);
-        carried_on(problem, first, iterations)
-    });
-    fits.min_by(|a, b| level(a).total_cmp(&level(b)))
+    let returns = contact::returns(&fit.last_term()?, &problem.series, &costs);
+    best_hand(problem, fit, returns, iterations)
 }
 
 /// The best of the hands that push to either side or hold, from the last effect of a fit on.
 fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
-    let Some(hand) = fit.last_term() else {
-        return fit.clone();
-    };
-    let hands = [vec![hand.clone()], contact::otherwise(&hand)].concat();
-    let fits = hands.into_par_iter().map(|hand| {
-        let first = timed_and_fitted(problem, fit, hand, iterations);
-        carried_on(problem, first, iterations)
-    });
-    let best = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
+    let hand = fit.last_term().into_iter().collect();
+    let best = best_hand(problem, fit, hand, iterations);
     let best = best.filter(|best| level(best) < level(fit));
     best.unwrap_or_else(|| fit.clone())
+}
+
+/// The best of some hands and of those that push otherwise, each in the place of the last effect of a fit.
+fn best_hand(problem: &Problem<'_>, fit: &Fit, hands: Vec<Term>, iterations: usize) -> Option<Fit> {
+    let lowest = |a: &Fit, b: &Fit| level(a).total_cmp(&level(b));
+    let otherwise = hands.iter().flat_map(contact::otherwise);
+    let all: Vec<Term> = hands.iter().cloned().chain(otherwise).collect();
+    let begun = all.into_par_iter();
+    let begun = begun.map(|hand| timed_and_fitted(problem, fit, hand, iterations));
+    let mut begun: Vec<Fit> = begun.collect();
+    begun.sort_by(lowest);
+    begun.truncate(CARRIED_ON);
+    let fits = begun.into_par_iter();
+    let fits = fits.map(|first| carried_on(problem, first, iterations));
+    fits.min_by(lowest)
 }
 
 /// The same hand timed and fitted again while that leads on: the longer it is found to be, the farther it is looked for.
@@ -84,14 +96,19 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
         hypothesis.terms.push(hand.clone());
         hypothesis
     };
-    let windows = around(problem, &hand);
-    let squares = |hand: &Term| -> f64 {
-        let predictor = problem.predictor(&with(hand), &x);
-        let squares = problem.squares(&predictor, Part::Chosen(&windows));
-        squares.iter().filter(|sum| !sum.is_nan()).sum()
+    // Moving an instant changes what lies between.
+    let gain = |hand: &Term, moved: &Term| {
+        let between = contact::moves(hand, moved);
+        let windows = problem.during(&between);
+        let [here, there] = [hand, moved].map(|hand| -> f64 {
+            let predictor = problem.predictor(&with(hand), &x);
+            let squares = problem.squares(&predictor, Part::Chosen(&windows));
+            squares.iter().filter(|sum| !sum.is_nan()).sum()
+        });
+        here - there
     };
     let longest_s = contact::LONGEST_SHARE * problem.duration_s();
-    let hypothesis = with(&timed(hand, longest_s, squares));
+    let hypothesis = with(&timed(hand, longest_s, gain));
     problem.fit(&hypothesis, x.clone(), Part::All, iterations)
 }
 
@@ -119,39 +136,23 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     level(&lasting) < level(fit)
 }
 
-/// True for the windows around the time of a hand.
-fn around(problem: &Problem<'_>, hand: &Term) -> Vec<bool> {
-    let [from_s, to_s] = contact::instants(hand);
-    let beyond_s = AROUND * (to_s - from_s).abs();
-    let windows = problem.series.iter().flat_map(|series| {
-        series.windows.iter().map(|window| {
-            let [first, end] = [window.samples.start, window.samples.end];
-            [series.session(first), series.session(end - 1)]
-        })
-    });
-    windows
-        .map(|[first_s, last_s]| last_s >= from_s - beyond_s && first_s <= to_s + beyond_s)
-        .collect()
-}
-
-/// A hand, there for `longest_s` at most, with both its last instants where moving either leaves no smaller sum of squares: the
+/// A hand, there for `longest_s` at most, with both its last instants where moving either gains nothing, by the sum of squares: the
 /// robust cost of a window is flat until that end of the hand is nearly right.
-fn timed(mut hand: Term, longest_s: f64, squares: impl Fn(&Term) -> f64 + Sync) -> Term {
+fn timed(mut hand: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = contact::instants(&hand);
     let passes = |hand: &Term| {
         let [from_s, to_s] = contact::instants(hand);
         to_s - from_s <= longest_s
     };
-    let mut least = squares(&hand);
     for _ in 0..MOST_MOVES {
         let moves = MOVES.into_iter().flat_map(|by| [by, -by]);
         let moves: Vec<(usize, f64)> = moves.flat_map(|by| [(0, by), (1, by)]).collect();
         let moved = moves.into_par_iter().map(|(which, by)| {
             let moved = contact::moved(&hand, which, by * (to_s - from_s).abs());
-            passes(&moved).then(|| (squares(&moved), moved))
+            passes(&moved).then(|| (gain(&hand, &moved), moved))
         });
-        match moved.flatten().min_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((sum, better)) if sum < least => (least, hand) = (sum, better),
+        match moved.flatten().max_by(|a, b| a.0.total_cmp(&b.0)) {
+            Some((gain, better)) if gain > 0.0 => hand = better,
             _ => break,
         }
     }
@@ -229,7 +230,10 @@ mod tests {
         let x = vec![0.0; hypothesis.free()];
         let first = problem.fit(&hypothesis, x, Part::All, 8);
         let perfect = Perfect::of(&problem, &first);
-        let found = found(&problem, &perfect, &first, 8).last_term().unwrap();
+        let bare = Hypothesis { terms: Vec::new() };
+        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+        let found = found(&problem, &perfect, &null, &first, 8);
+        let found = found.last_term().unwrap();
         let mut again: Vec<&[f64]> = found.values[2..].chunks(4).collect();
         again.sort_by(|a, b| b[2].total_cmp(&a[2]));
         let [last, middle, first] = again[..] else {

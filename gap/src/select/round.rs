@@ -269,7 +269,13 @@ impl Search<'_> {
             (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
         }
         if *name == "contact" {
-            *winner = hand::found(self.problem, &self.perfect, winner, FITTING_ITERATIONS);
+            *winner = hand::found(
+                self.problem,
+                &self.perfect,
+                known,
+                winner,
+                FITTING_ITERATIONS,
+            );
         }
         if self.is_misnamed(winner) || self.is_excluded(known, winner) {
             rivals.remove(0);

@@ -10,6 +10,15 @@ pub(super) const STAY: Range<usize> = 2..6;
 /// Times that it may come.
 pub(super) const MOST_STAYS: usize = BARRIERS - CONTACT;
 
+/// When it is there, s of the session.
+pub(super) fn meanwhile(values: &[f64]) -> Vec<[f64; 2]> {
+    stays(values).map(|stay| [stay[2], stay[3]]).collect()
+}
+
+fn stays(values: &[f64]) -> impl Iterator<Item = &[f64]> {
+    values[STAY.start..].chunks_exact(STAY.len())
+}
+
 /// `T = −max(0, K d + D d') while it is there`.
 pub const KIND: Kind = Kind {
     name: "contact",
@@ -68,8 +77,8 @@ pub const KIND: Kind = Kind {
     ],
     install: |device, p| {
         let [stiffness, damping] = [p[0], p[1]];
-        let stays = p[STAY.start..].chunks_exact(STAY.len());
-        for (barrier, stay) in device.mechanics.barriers[CONTACT..].iter_mut().zip(stays) {
+        let barriers = device.mechanics.barriers[CONTACT..].iter_mut();
+        for (barrier, stay) in barriers.zip(stays(p)) {
             *barrier = Some(Barrier {
                 at: stay[1],
                 side: if stay[0] == 0.0 {

@@ -225,6 +225,11 @@ impl Kind {
         }
     }
 
+    /// When it acts with these values, s of the session; none if at all times.
+    pub fn meanwhile(&self, values: &[f64]) -> Option<Vec<[f64; 2]>> {
+        (self.name == "contact").then(|| contact::meanwhile(values))
+    }
+
     /// Place of the first value of the event `index`.
     pub fn event_place(&self, index: usize) -> usize {
         match index.checked_sub(1) {

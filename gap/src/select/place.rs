@@ -132,7 +132,25 @@ fn held_out(problem: &Problem<'_>, fit: &Fit) -> Costs {
 /// must not be worse.
 fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool {
     problem.quarter.as_ref().is_none_or(|quarter| {
-        let cost = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All).level();
-        cost(fit) <= cost(known)
+        let costs = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All);
+        !is_surely_worse(&costs(fit).gains(&costs(known)))
     })
+}
+
+/// True if luck does not lose so much.
+fn is_surely_worse(gains: &[f64]) -> bool {
+    let (mean, error) = mean_and_error(gains);
+    mean < -LARGE_SIGNIFICANCE * error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_loses_a_little_now_and_gains_a_little_then_is_not_surely_worse() {
+        let luck = [-0.5, 0.3, -0.2, 0.2, -0.3, 0.1, -0.4, 0.4];
+        assert!(!is_surely_worse(&luck));
+        assert!(is_surely_worse(&luck.map(|gain| gain - 0.4)));
+    }
 }

@@ -326,8 +326,9 @@ fn select_beyond(
     let pair = || search.pair(&first, |both| !selection.is_hopeless(both));
     let rounds = (!settled && promises()).then(pair).flatten();
     // One of the two may do what both do.
-    let is_alone = rounds.as_ref().is_some_and(|rounds| rounds.len() == 1);
+    let is_pair = rounds.is_some();
     let found = selection.with(rounds.unwrap_or_else(|| vec![first.clone()]));
+    let is_alone = is_pair && found.rounds.len() == 1;
     if is_alone && found.suffices(problem, found.fit()) {
         return found;
     }

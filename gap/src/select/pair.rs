@@ -78,13 +78,14 @@ impl Search<'_> {
             return None;
         }
         let looked = [(&first.rivals[0], second.screened.clone())];
-        let rounds = self.each_anew(first, both, &looked, &first.screened)?;
+        let mut rounds = self.each_anew(first, both, &looked, &first.screened)?;
+        rounds.retain(|round| round.place.earned);
         let leaves_less = second.leaves_more_than(&rounds.last()?.so_far);
         leaves_less.then_some(rounds)
     }
 
-    /// The rounds of two effects of which each in turn is looked for anew beside the other, or the round of one of them if the
-    /// other then earns no place.
+    /// The rounds of two effects of which each in turn is looked for anew beside the other. If one of them then earns no place, the
+    /// round of the other, with that one if it was looked for on top of just this.
     fn each_anew(
         &self,
         first: &Round,
@@ -97,13 +98,13 @@ impl Search<'_> {
         let (second_alone, screened) = self.beside(&turned, null, looked, hints);
         let mut beside_second = self.round_of(&second_alone, screened, Some(turned))?;
         if !beside_second.place.earned {
-            return self.alone(first, second_alone);
+            return self.alone_beside(first, second_alone, beside_second);
         }
         let both = self::turned(&beside_second.rivals[0])?;
         let (first_alone, screened) = self.beside(&both, null, looked, hints);
         let beside_first = self.round_of(&first_alone, screened, Some(both))?;
         if !beside_first.place.earned {
-            return self.alone(first, first_alone);
+            return self.alone_beside(first, first_alone, beside_first);
         }
         beside_second.so_far = first_alone;
         Some(vec![beside_second, beside_first])
@@ -120,7 +121,7 @@ impl Search<'_> {
         if earns_its_place(self.problem, &self.perfect, &alone, &both).earned {
             return None;
         }
-        self.alone(first, alone)?.pop()
+        self.alone(first, alone)
     }
 
     /// The third of three effects in the place of the second, which had stood in for it.
@@ -140,8 +141,17 @@ impl Search<'_> {
         round.place.earned.then_some(round)
     }
 
+    /// The round of an effect alone, and of what earned no place beside it.
+    fn alone_beside(&self, first: &Round, fit: Fit, beside: Round) -> Option<Vec<Round>> {
+        let names = |fit: &Fit| fit.hypothesis.terms.first().map(|term| term.kind.name);
+        let alone = self.alone(first, fit)?;
+        let is_same = names(&alone.so_far) == names(&beside.known);
+        let beside = Some(beside).filter(|_| is_same);
+        Some(core::iter::once(alone).chain(beside).collect())
+    }
+
     /// The round of an effect that a search from beside another has led to, if it is the best one alone.
-    fn alone(&self, first: &Round, fit: Fit) -> Option<Vec<Round>> {
+    fn alone(&self, first: &Round, fit: Fit) -> Option<Round> {
         let name = fit.hypothesis.terms.first()?.kind.name;
         if !first.leaves_more_than(&fit) {
             return None;
@@ -149,7 +159,7 @@ impl Search<'_> {
         let mut rivals = first.rivals.clone();
         join(&mut rivals, Rival { name, fit });
         let round = self.judged(&first.known, first.screened.clone(), rivals)?;
-        round.place.earned.then(|| vec![round])
+        round.place.earned.then_some(round)
     }
 
     /// The first of two effects alone on top of `null`, and what screening finds beside it, unless that was `looked` at.

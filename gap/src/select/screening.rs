@@ -74,6 +74,7 @@ impl Search<'_> {
             |c: &Candidate| bounces(c.kind.name) || is_scanned(c.kind.name) && c.starts.len() > 1;
         let tried = self.tried(field.known, hints);
         let (scans, few): (Vec<_>, Vec<_>) = tried.into_iter().partition(is_scan);
+        let has_two_masses = self.has_two_masses(known);
         let mut rivals = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
             // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
             if is_local(candidate.kind.name) {
@@ -84,8 +85,8 @@ impl Search<'_> {
                 });
                 sorted(fits.collect())
             } else {
-                // A form that promises more from afar may still lead to less.
-                let kept = if bends(candidate.kind.name) {
+                // A form that promises more from afar may still lead to less; beside two masses trying all takes too long.
+                let kept = if bends(candidate.kind.name) && !has_two_masses {
                     candidate.starts.len()
                 } else {
                     BEGUN

@@ -114,7 +114,7 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
 
 /// True if the hand that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
 /// what the others leave.
-pub(crate) fn is_stiff(fit: &Fit) -> bool {
+pub(super) fn is_stiff(fit: &Fit) -> bool {
     let [at, within] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
     let (Some((hand, x)), Some((_, std))) = (at, within) else {
         return false;

@@ -20,7 +20,6 @@ use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
 use crate::floor::{FLOOR_DOUBT, Perfect};
 use crate::stage::Stage;
-pub(crate) use hand::is_stiff;
 #[cfg(test)]
 pub(crate) use place::Place;
 use place::bounces;

@@ -1,8 +1,8 @@
 //! Which of the fitted rivals comes first, and which of them this recording cannot tell from it.
 
-use super::level;
 use super::rival::Rival;
 use super::round::Round;
+use super::{QUIET_EXCESS, level};
 use crate::fit::Fit;
 use crate::fit::problem::PRIOR_WEIGHT;
 
@@ -28,13 +28,15 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let first = &rivals.first()?.fit;
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
+    // Where neither leaves more than a right model would, less is no merit.
+    let leaves_nothing = |fit: &Fit| level(fit) <= quiet - QUIET_EXCESS;
     // What needs fewer numbers because it bends those of the model saves none.
     let bends = |fit: &Fit| likely && !fit.is_likely();
     let is_luck = |rival: &Rival| {
         let prior = (PRIOR_SHARE - 1.0) * (rival.fit.costs.prior - first.costs.prior);
         let windows = first.costs.per_sample.len();
         let saved = (level(&rival.fit) - best) * windows as f64 + prior;
-        best > quiet || saved <= worth(rival, &rivals[0])
+        best > quiet || leaves_nothing(&rival.fit) || saved <= worth(rival, &rivals[0])
     };
     let is_as_good = |i: usize, limit: f64| {
         let rival = &rivals[i];
@@ -164,6 +166,14 @@ mod tests {
         // Where more is missing than either explains, luck is not all that is left.
         assert_eq!(first(1.2 * price, less), "torque_gain");
         assert_eq!(first(1.2 * PARSIMONY * (KNOWN - BEST), less), "spring");
+    }
+
+    #[test]
+    fn where_neither_leaves_more_than_a_right_model_fewer_parameters_win() {
+        let price = price(200) / 200.0;
+        let perfect = BEST + 2.0 * price;
+        assert_eq!(first(1.5 * price, perfect + QUIET_EXCESS), "torque_gain");
+        assert_eq!(first(2.5 * price, perfect + QUIET_EXCESS), "spring");
     }
 
     #[test]

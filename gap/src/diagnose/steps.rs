@@ -60,14 +60,37 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
     }
     // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
     let is_none = !selection.plain
-        && steps.first().is_some_and(|step| step.was_at_floor)
-        && selection.null_leaves_at_most(select::LOUD_GAP, problem);
+        && selection.null_leaves_at_most(select::LOUD_GAP, problem)
+        && steps
+            .first()
+            .is_some_and(|step| step.was_at_floor || are_spared(problem, selection, &left));
     if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
         selection.withdraw(0);
         selection.quiet |= is_none;
     }
     steps
+}
+
+/// True if the effects hardly close more than the model's own numbers do, moved within their tolerances.
+fn are_spared(problem: &Problem<'_>, selection: &Selection, left: &[Vec<f64>]) -> bool {
+    let [nominal, .., after] = left else {
+        return false;
+    };
+    let moved = problem.unseen(&selection.null, |fit, half| {
+        problem.window_squares(fit, half)
+    });
+    hardly_closes(
+        &problem.floor_squares(selection.fit()),
+        nominal,
+        &moved,
+        after,
+    )
+}
+
+/// True if what is left `after` is hardly less than `before`, down to a floor, of what the nominal model leaves.
+fn hardly_closes(floor: &[f64], nominal: &[f64], before: &[f64], after: &[f64]) -> bool {
+    shrink(before, after, floor, nominal)[0] < LEAST_SHRINK
 }
 
 /// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
@@ -154,7 +177,7 @@ fn are_vain(steps: &[Step], left_open: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::steps_to;
+    use super::{hardly_closes, steps_to};
 
     const FLOOR: [f64; 20] = [1.0; 20];
 
@@ -170,6 +193,14 @@ mod tests {
         };
         assert_eq!(places([9.0, 4.0, 1.2]), [(false, false), (false, true)]);
         assert_eq!(places([1.3, 1.0, 1.0]), [(true, true), (true, true)]);
+    }
+
+    #[test]
+    fn what_tolerances_close_as_well_is_hardly_closed_by_an_effect() {
+        let [nominal, moved] = [100.0, 5.0].map(|squares| [squares; FLOOR.len()]);
+        let hardly = |after| hardly_closes(&FLOOR, &nominal, &moved, &[after; FLOOR.len()]);
+        assert!(hardly(4.5) && hardly(6.0));
+        assert!(!hardly(1.0));
     }
 
     #[test]

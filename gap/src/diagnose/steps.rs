@@ -14,9 +14,9 @@ const LEAST_SHRINK_OF_REST: f64 = 0.5;
 /// in which a hidden state is wrong may be most of the gap.
 const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 
-/// Share of the gap that a hand must close: it is found in few windows, which cannot be held out, and bends to whatever they miss.
-/// Of 31 hands on five blind and outside sets none of the eight that closed less was there, and those that were closed a third
-/// at least.
+/// Share of the gap that a hand must close, unless it leaves nothing of it: it is found in few windows, which cannot be held out,
+/// and bends to whatever they miss. Of 31 hands on five blind and outside sets none of the eight that closed less was there, and
+/// those that were closed a third at least.
 const LEAST_HAND_SHRINK: f64 = 0.25;
 
 /// Shrink by one effect and by all up to it: value and 95 % interval; and of what those before it left.
@@ -144,7 +144,7 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
 /// is a hand.
 fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
     let winner = &selection.rounds[i].rivals[0];
-    if winner.name == "contact" && step.own[0] < LEAST_HAND_SHRINK {
+    if winner.name == "contact" && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
         return true;
     }
     if i == 0 || !step.is_small() {

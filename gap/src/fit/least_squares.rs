@@ -97,6 +97,21 @@ impl Problem<'_> {
         pairs.map(|(a, b)| if a.is_nan() { b } else { a }).collect()
     }
 
+    /// The windows of a part in which the effect that coordinate `i` belongs to acts at either of two points: it changes nothing else.
+    /// None if it always acts.
+    fn touched(
+        &self,
+        hypothesis: &Hypothesis,
+        points: [&[f64]; 2],
+        i: usize,
+        part: Part<'_>,
+    ) -> Option<Vec<bool>> {
+        let [here, there] = points.map(|x| hypothesis.meanwhile(x, i));
+        let meanwhile = self.during(&[here?, there?].concat());
+        let windows = meanwhile.into_iter().enumerate();
+        Some(windows.map(|(w, acts)| acts && part.has(w)).collect())
+    }
+
     /// Change of the residuals from those at `x`, which are `base`, by coordinate `i`.
     pub(crate) fn slope(
         &self,
@@ -109,15 +124,7 @@ impl Problem<'_> {
     ) -> Slope {
         let mut moved = x.to_vec();
         moved[i] += difference;
-        // What acts for a while changes nothing else.
-        let touched = hypothesis.meanwhile(&moved, i).map(|mut times_s| {
-            times_s.extend(hypothesis.meanwhile(x, i).into_iter().flatten());
-            let within = self.during(&times_s).into_iter().enumerate();
-            within
-                .map(|(w, is_within)| is_within && part.has(w))
-                .collect()
-        });
-        let touched: Option<Vec<bool>> = touched;
+        let touched = self.touched(hypothesis, [x, &moved], i, part);
         let part = touched.as_deref().map_or(part, Part::Chosen);
         let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
         for (((slope, base), series), first) in slope

@@ -292,12 +292,12 @@ impl Hypothesis {
 
     /// When the effect that a coordinate belongs to acts at the coordinates `x`, s of the session; none if at all times.
     pub(crate) fn meanwhile(&self, x: &[f64], coordinate: usize) -> Option<Vec<[f64; 2]>> {
-        let mut beyond = coordinate.checked_sub(x.len() - self.free())?;
+        let place = coordinate.checked_sub(x.len() - self.free())?;
+        let mut end = 0;
         let mut parts = self.parts(x);
         let (term, own) = parts.find(|(_, own)| {
-            let is_own = beyond < own.len();
-            beyond = beyond.saturating_sub(own.len());
-            is_own
+            end += own.len();
+            place < end
         })?;
         term.kind.meanwhile(&term.at(own))
     }

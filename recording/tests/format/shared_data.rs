@@ -27,7 +27,7 @@ fn shared() -> Option<Vec<PathBuf>> {
     let shared = std::env::var_os("PADDLE_SHARED").map_or(beside, PathBuf::from);
     if !shared.is_dir() {
         println!(
-            "skipped: no recordings at {}; PADDLE_SHARED names another place",
+            "skipped: shared_data: no recordings at {}; PADDLE_SHARED names another place",
             shared.display()
         );
         return None;

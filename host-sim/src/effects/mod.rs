@@ -398,6 +398,18 @@ impl core::str::FromStr for Effect {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use recording::Model;
+
+    #[test]
+    fn static_friction_below_the_sliding_level_is_none() {
+        let ratio = |written: &str| {
+            let mut device = Device::nominal(&Model::new(1e-3));
+            written.parse::<Effect>().unwrap().install(&mut device);
+            device.mechanics.friction.stribeck.ratio
+        };
+        assert_eq!(ratio("stribeck:static_ratio=0.9"), 1.0);
+        assert_eq!(ratio("stribeck:static_ratio=1.1"), 1.1);
+    }
 
     #[test]
     fn what_happens_more_than_once_is_numbered() {

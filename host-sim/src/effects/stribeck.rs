@@ -1,10 +1,13 @@
 //! Static friction above the sliding level.
 
-use super::{Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
+use super::{Channel, Kind, POSITIVE, Parameter, Quantity};
 use crate::plant::Stribeck;
 
 /// Below, the level would fall infinitely fast at rest; above, all at once.
 const EXPONENTS: [f64; 2] = [1.0, 4.0];
+
+/// What rises with speed is no static friction, and would stand in for other drag.
+const ABOVE: [f64; 2] = [1.0, f64::INFINITY];
 
 /// `F = F_c [1 + (r − 1) e^−|v/v_s|ⁿ] sign(v)`.
 pub const KIND: Kind = Kind {
@@ -16,7 +19,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "static_ratio",
             quantity: Quantity::Ratio,
-            range: NOT_NEGATIVE,
+            range: ABOVE,
             default: 1.4,
             typical: [1.05, 2.5],
             about: "static over sliding level",

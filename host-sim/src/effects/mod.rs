@@ -356,6 +356,20 @@ pub enum EffectError {
     /// Not a finite number.
     #[error("'{0}' is no number; write an effect as name:parameter=value,parameter=value")]
     Value(String),
+    /// A number that has no meaning there.
+    #[error("{kind} cannot have {name} = {value}; write one from {low} to {high}")]
+    Range {
+        /// The kind.
+        kind: &'static str,
+        /// Of the parameter, as written.
+        name: String,
+        /// As written.
+        value: f64,
+        /// Lowest value that has a meaning.
+        low: f64,
+        /// Highest one.
+        high: f64,
+    },
 }
 
 impl core::str::FromStr for Effect {
@@ -385,11 +399,22 @@ impl core::str::FromStr for Effect {
                     name: name.into(),
                     known: names.join(", "),
                 })?;
-            values[at] = value
+            let value = value
                 .parse()
                 .ok()
                 .filter(|v: &f64| v.is_finite())
                 .ok_or_else(|| EffectError::Value(value.into()))?;
+            let [low, high] = kind.parameter(at).range;
+            if !(low..=high).contains(&value) {
+                return Err(EffectError::Range {
+                    kind: kind.name,
+                    name: name.into(),
+                    value,
+                    low,
+                    high,
+                });
+            }
+            values[at] = value;
         }
         Ok(Self { kind, values })
     }
@@ -402,13 +427,18 @@ mod tests {
 
     #[test]
     fn static_friction_below_the_sliding_level_is_none() {
-        let ratio = |written: &str| {
-            let mut device = Device::nominal(&Model::new(1e-3));
-            written.parse::<Effect>().unwrap().install(&mut device);
-            device.mechanics.friction.stribeck.ratio
-        };
-        assert_eq!(ratio("stribeck:static_ratio=0.9"), 1.0);
-        assert_eq!(ratio("stribeck:static_ratio=1.1"), 1.1);
+        let written = "stribeck:static_ratio=0.9".parse::<Effect>();
+        let refused = written.unwrap_err().to_string();
+        assert_eq!(
+            refused,
+            "stribeck cannot have static_ratio = 0.9; write one from 1 to inf"
+        );
+        assert!("stribeck:static_ratio=1".parse::<Effect>().is_ok());
+        let mut device = Device::nominal(&Model::new(1e-3));
+        kind("stribeck")
+            .unwrap()
+            .install(&mut device, &[0.9, 0.1, 2.0]);
+        assert!(device.mechanics.friction.stribeck.is_none());
     }
 
     #[test]

@@ -4,12 +4,12 @@ use super::{ANY, Channel, Kind, LEVEL, POSITIVE, Parameter, Quantity, WAVE_NUMBE
 use crate::plant::Spot;
 use crate::ripple::Ripple;
 
-/// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h e^−((x − c)/w)²) sign(v)`.
+/// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−(x − c)²/w²)) sign(v)`.
 pub const KIND: Kind = Kind {
     name: "position_dependent_coulomb",
     channel: Channel::Friction,
     about: "Dry friction that depends on the position",
-    equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h e^−((x − c)/w)²) sign(v)",
+    equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−(x − c)²/w²)) sign(v)",
     parameters: &[
         Parameter {
             name: "slope",

@@ -1,6 +1,6 @@
 //! A place at which something rubs.
 
-/// `h e^−((x − c)/w)²`.
+/// `h exp(−(x − c)²/w²)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// h: relative to the level around it, negative where less rubs.

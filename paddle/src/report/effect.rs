@@ -224,18 +224,28 @@ fn shown(estimate: &Estimate) -> String {
     show(estimate.value, &estimate.unit)
 }
 
-/// The parameters that say something: not those that were held where they do nothing or where they are by default.
-pub fn telling(finding: &Finding) -> impl Iterator<Item = (&String, &Estimate)> {
-    let kind = effects::kind(finding.name);
-    let default = move |name: &str| {
-        let parameters = kind.map_or(&[][..], |kind| kind.parameters);
-        let parameter = parameters.iter().find(|p| p.name == name);
-        parameter.map_or(0.0, |p| p.default)
-    };
-    finding.parameters.iter().filter(move |(name, estimate)| {
+/// The parameters that say something, in the order of the vocabulary, and the rest: those that were held where they do
+/// nothing or where they are by default.
+pub fn parameters(finding: &Finding) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
+    let known = effects::kind(finding.name).map_or(&[][..], |kind| kind.parameters);
+    let place = |name: &str| known.iter().position(|p| p.name == name);
+    let mut all: Vec<_> = finding.parameters.iter().collect();
+    // What happens more than once has its number behind the name.
+    all.sort_by_key(|(name, _)| match place(name) {
+        Some(place) => (0, place),
+        None => {
+            let (base, count) = name.rsplit_once('_').unwrap_or((name, ""));
+            (count.parse().unwrap_or(0), place(base).unwrap_or(0))
+        }
+    });
+    let default = |name: &str| place(name).map_or(0.0, |place| known[place].default);
+    all.into_iter().partition(|(name, estimate)| {
         estimate.std > 0.0 || (estimate.value != 0.0 && estimate.value != default(name))
     })
 }
+
+/// A parameter's name, and what it was found to be.
+pub type Named<'a> = (&'a String, &'a Estimate);
 
 /// What the parameter `name` of the effect `effect` means.
 pub fn parameter(effect: &str, name: &str) -> &'static str {
@@ -358,8 +368,47 @@ mod tests {
             ("slope", -0.5, 0.0, "1/rad"),
         ];
         let finding = finding("position_dependent_coulomb", &numbers);
-        let told: Vec<&str> = telling(&finding).map(|(name, _)| name.as_str()).collect();
-        assert_eq!(told, ["level", "slope", "spot"]);
+        let names = |all: Vec<Named>| {
+            all.iter()
+                .map(|(name, _)| (*name).clone())
+                .collect::<Vec<_>>()
+        };
+        let (told, held) = parameters(&finding);
+        assert_eq!(names(told), ["slope", "level", "spot"]);
+        assert_eq!(names(held), ["ripple_sine", "spot_width"]);
+    }
+
+    #[test]
+    fn numbers_come_in_the_order_of_the_vocabulary_and_one_stay_after_the_other() {
+        let numbers = [
+            "damping",
+            "from_1",
+            "from_2",
+            "position_1",
+            "position_2",
+            "stiffness",
+            "to_1",
+            "to_2",
+        ];
+        let finding = finding("contact", &numbers.map(|name| (name, 2.5, 0.1, "s")));
+        let told: Vec<_> = parameters(&finding)
+            .0
+            .iter()
+            .map(|(name, _)| *name)
+            .collect();
+        assert_eq!(
+            told,
+            [
+                "stiffness",
+                "damping",
+                "position_1",
+                "from_1",
+                "to_1",
+                "position_2",
+                "from_2",
+                "to_2"
+            ]
+        );
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
 use crate::plot::PlotError;
 use gap::Outcome;
-use gap::diagnosis::{Diagnosis, Finding};
+use gap::diagnosis::{Diagnosis, Estimate, Finding};
 use recording::{Model, Recording};
 
 const STYLE: &str = include_str!("page.css");
@@ -119,8 +119,12 @@ fn finding(finding: &Finding) -> String {
             escaped(&rivals.join(", "))
         ),
     };
-    let rows = finding.parameters.iter().map(|(name, estimate)| {
+    let shown = |estimate: &Estimate| {
         let display = Display::of(&estimate.unit, estimate.value);
+        escaped(&display.show_with_std(estimate.value, estimate.std))
+    };
+    let (told, silent) = effect::parameters(finding);
+    let rows = told.into_iter().map(|(name, estimate)| {
         let held = match estimate.std > 0.0 {
             true => "",
             false => " <small>held</small>",
@@ -129,12 +133,19 @@ fn finding(finding: &Finding) -> String {
             "<tr><td><code>{}</code><br><small>{}</small></td><td>{}{held}</td></tr>\n",
             escaped(name),
             escaped(effect::parameter(finding.name, name)),
-            escaped(&display.show_with_std(estimate.value, estimate.std))
+            shown(estimate)
         )
     });
+    let silent = silent.into_iter();
+    let silent = silent.map(|(name, estimate)| format!("{} {}", escaped(name), shown(estimate)));
+    let silent: Vec<_> = silent.collect();
+    let silent = match silent.is_empty() {
+        true => String::new(),
+        false => format!("<p class=\"note\">Held: {}.</p>\n", silent.join(", ")),
+    };
     format!(
         "<article>\n<h3><code>{}</code> <small>{}, {} sure</small></h3>\n<p>{}. <span class=\"equation\">{}</span></p>\n\
-         {tied}{}</article>\n",
+         {tied}{}{silent}</article>\n",
         escaped(finding.name),
         escaped(finding.channel),
         percent(finding.confidence),

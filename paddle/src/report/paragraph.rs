@@ -63,20 +63,21 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
         sentences.push(format!(
             "{all} {how}: the gap falls from {before} to {after} (floor {floor}) on data the fit has not seen."
         ));
+        sentences.extend(ruled_out(diagnosis));
         if is_partial {
             sentences.push(
                 "Something more may be left that no further effect of the library explains.".into(),
             );
         }
-        if diagnosis
-            .effects
-            .iter()
-            .any(|e| e.basis == "sensor_comparison")
-        {
-            sentences.push("The two position sensors disagree by just that.".into());
-        }
+        let effects = diagnosis.effects.iter();
+        let compared = effects.filter(|effect| effect.basis == "sensor_comparison");
+        sentences.extend(compared.map(|effect| {
+            format!(
+                "The two position sensors disagree just as {} makes them.",
+                noun(effect.name)
+            )
+        }));
     }
-    sentences.extend(ruled_out(diagnosis));
     sentences.extend(open_ends(diagnosis));
     sentences.join(" ")
 }
@@ -113,7 +114,7 @@ fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
         .take(RULED_OUT)
         .map(|tried| noun(tried.name))
         .collect();
-    if names.is_empty() || diagnosis.effects.is_empty() {
+    if names.is_empty() {
         return None;
     }
     let verb = if names.len() > 1 { "do" } else { "does" };

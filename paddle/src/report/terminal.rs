@@ -1,6 +1,6 @@
 //! A diagnosis for a terminal.
 
-use super::effect::telling;
+use super::effect;
 use super::paragraph::{experiment, headline, paragraph};
 use super::quantity::{Display, hundredths, percent};
 use super::region::{self, Labels};
@@ -27,8 +27,8 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
                 "effect", "sure", "shrink (95 %)"
             ),
         );
-        for effect in &diagnosis.effects {
-            row(&mut text, effect);
+        for finding in &diagnosis.effects {
+            row(&mut text, finding);
         }
     }
     if !diagnosis.regions.is_empty() {
@@ -73,9 +73,10 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
     text
 }
 
-fn row(text: &mut String, effect: &Finding) {
-    let [low, high] = effect.shrink_interval.map(hundredths);
-    let mut parameters = telling(effect).map(|(name, estimate)| {
+fn row(text: &mut String, finding: &Finding) {
+    let [low, high] = finding.shrink_interval.map(hundredths);
+    let (told, _) = effect::parameters(finding);
+    let mut parameters = told.into_iter().map(|(name, estimate)| {
         let shown = Display::of(&estimate.unit, estimate.value);
         format!(
             "{name} {}",
@@ -86,17 +87,17 @@ fn row(text: &mut String, effect: &Finding) {
         text,
         format_args!(
             "{:<28}{:>6}   {:<24}{}",
-            effect.name,
-            percent(effect.confidence),
-            format!("{} ({low} to {high})", hundredths(effect.shrink)),
+            finding.name,
+            percent(finding.confidence),
+            format!("{} ({low} to {high})", hundredths(finding.shrink)),
             parameters.next().unwrap_or_default()
         ),
     );
     for parameter in parameters {
         line(text, format_args!("{:<61}{parameter}", ""));
     }
-    if !effect.not_separable_from.is_empty() {
-        let rivals = effect.not_separable_from.join(", ");
+    if !finding.not_separable_from.is_empty() {
+        let rivals = finding.not_separable_from.join(", ");
         line(
             text,
             format_args!("  or {rivals}: not told apart by this recording"),

@@ -211,9 +211,9 @@ impl FromStr for ModelFile {
 
 fn named(effect: &Effect) -> BTreeMap<String, f64> {
     let count = effect.values.len();
-    let values = effect.values.iter().enumerate();
+    let values = effect.kind.held(&effect.values).into_iter().enumerate();
     values
-        .map(|(place, value)| (effect.kind.value_name(place, count), *value))
+        .map(|(place, value)| (effect.kind.value_name(place, count), value))
         .collect()
 }
 
@@ -230,13 +230,9 @@ fn effect(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Effect, Mode
         }
         .into());
     }
-    let values = names.into_iter().map(|name| match parameters.get(&name) {
-        Some(value) if value.is_finite() => Ok(*value),
-        Some(&value) => Err(ModelFileError::Number {
-            name: format!("{}.{name}", kind.name),
-            value,
-            mend: "finite",
-        }),
+    let values = names.into_iter().enumerate();
+    let values = values.map(|(place, name)| match parameters.get(&name) {
+        Some(value) => Ok(kind.checked(place, &name, *value)?),
         None => Err(ModelFileError::Missing {
             effect: kind.name,
             parameter: name,

@@ -108,6 +108,10 @@ fn a_spoilt_file_is_refused_with_the_mend() {
         refusal("static_ratio", "ratio"),
         ModelFileError::Effect(_)
     ));
+    for value in ["0.9", "nan"] {
+        let beyond = refusal("static_ratio = ", &format!("static_ratio = {value} #"));
+        assert!(beyond.to_string().ends_with("write 1 or more"), "{beyond}");
+    }
     assert!(matches!(
         refusal("velocity =", "#"),
         ModelFileError::Missing { .. }

@@ -159,12 +159,40 @@ pub struct Kind {
 impl Kind {
     /// Puts it into a device. Numbers beyond their range are taken at its end.
     pub fn install(&self, device: &mut Device, values: &[f64]) {
-        let held = values.iter().enumerate();
-        let held = held.map(|(place, value)| {
+        (self.install)(device, &self.held(values));
+    }
+
+    /// The numbers, those beyond their range at its end.
+    pub fn held(&self, values: &[f64]) -> Vec<f64> {
+        let values = values.iter().enumerate();
+        let held = values.map(|(place, value)| {
             let [low, high] = self.parameter(place).range;
             value.max(low).min(high)
         });
-        (self.install)(device, &held.collect::<Vec<_>>());
+        held.collect()
+    }
+
+    /// A number written as `name` for the value at `place`.
+    ///
+    /// # Errors
+    /// [`EffectError::Range`] if it has no meaning there.
+    pub fn checked(&self, place: usize, name: &str, value: f64) -> Result<f64, EffectError> {
+        let [low, high] = self.parameter(place).range;
+        if value.is_finite() && (low..=high).contains(&value) {
+            return Ok(value);
+        }
+        let mend = match [low, high] {
+            [f64::MIN_POSITIVE, f64::INFINITY] => "a number above 0".to_owned(),
+            [f64::NEG_INFINITY, f64::INFINITY] => "a finite number".to_owned(),
+            [low, f64::INFINITY] => format!("{low} or more"),
+            [low, high] => format!("one from {low} to {high}"),
+        };
+        Err(EffectError::Range {
+            kind: self.name,
+            name: name.to_owned(),
+            value,
+            mend,
+        })
     }
 
     /// The parameter of the value at `place`; there are more values than parameters where something happens more than once.
@@ -357,7 +385,7 @@ pub enum EffectError {
     #[error("'{0}' is no number; write an effect as name:parameter=value,parameter=value")]
     Value(String),
     /// A number that has no meaning there.
-    #[error("{kind} cannot have {name} = {value}; write one from {low} to {high}")]
+    #[error("{kind} cannot have {name} = {value}; write {mend}")]
     Range {
         /// The kind.
         kind: &'static str,
@@ -365,10 +393,8 @@ pub enum EffectError {
         name: String,
         /// As written.
         value: f64,
-        /// Lowest value that has a meaning.
-        low: f64,
-        /// Highest one.
-        high: f64,
+        /// What has a meaning.
+        mend: String,
     },
 }
 
@@ -401,20 +427,8 @@ impl core::str::FromStr for Effect {
                 })?;
             let value = value
                 .parse()
-                .ok()
-                .filter(|v: &f64| v.is_finite())
-                .ok_or_else(|| EffectError::Value(value.into()))?;
-            let [low, high] = kind.parameter(at).range;
-            if !(low..=high).contains(&value) {
-                return Err(EffectError::Range {
-                    kind: kind.name,
-                    name: name.into(),
-                    value,
-                    low,
-                    high,
-                });
-            }
-            values[at] = value;
+                .map_err(|_| EffectError::Value(value.into()))?;
+            values[at] = kind.checked(at, name, value)?;
         }
         Ok(Self { kind, values })
     }
@@ -431,7 +445,7 @@ mod tests {
         let refused = written.unwrap_err().to_string();
         assert_eq!(
             refused,
-            "stribeck cannot have static_ratio = 0.9; write one from 1 to inf"
+            "stribeck cannot have static_ratio = 0.9; write 1 or more"
         );
         assert!("stribeck:static_ratio=1".parse::<Effect>().is_ok());
         let mut device = Device::nominal(&Model::new(1e-3));

@@ -59,6 +59,13 @@ fn text(kind: &Kind) -> String {
             parameter.about
         );
     }
+    if kind.most_events() > 1 {
+        let count = kind.event_place(2);
+        let names = (0..count).map(|place| (place, kind.value_name(place, count)));
+        let numbered = names.filter(|(place, name)| *name != kind.parameter(*place).name);
+        let names: Vec<_> = numbered.map(|(_, name)| name).collect();
+        let _ = writeln!(text, "    more than once: {}, …", names.join(", "));
+    }
     let first = kind.parameters.first();
     let setting = first.map_or(String::new(), |p| format!(":{}={}", p.name, p.default));
     let _ = writeln!(text, "  paddle sim step --with {}{setting}", kind.name);

@@ -2,6 +2,7 @@
 
 use crate::answer::Answer;
 use crate::failure::Failure;
+use blind::score::Summary;
 use blind::{Check, Mixture};
 use clap::Args;
 use serde_json::json;
@@ -12,6 +13,7 @@ use std::time::Duration;
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap blind --cases 200 --seed 1
+  paddle gap blind --cases 100 --seed 2,3,4
   paddle gap blind --cases 20 --seed 7 --effect stribeck --withhold stribeck
   paddle gap blind --cases 40 --seed 3 --generate-only --out recordings
 
@@ -23,16 +25,16 @@ pub struct Arguments {
     /// How many cases.
     #[arg(long, default_value_t = 40)]
     cases: u64,
-    /// Seed of the set; a case depends on it and its number alone.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    /// Seed of the set; a case depends on it and its number alone. Several seeds make several sets, scored as one.
+    #[arg(long, value_delimiter = ',', default_value = "1")]
+    seed: Vec<u64>,
     /// Hide this effect alone in every case.
     #[arg(long, value_name = "NAME")]
     effect: Option<String>,
     /// Take this effect out of the diagnosis's library.
     #[arg(long, value_name = "NAME")]
     withhold: Option<String>,
-    /// Folder for the cases; paddle-out/blind-SEED if left out.
+    /// Folder for the cases, with one for each seed in it if there are several; paddle-out/blind-SEED if left out.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// How many cases at once.
@@ -51,36 +53,52 @@ pub struct Arguments {
 /// # Errors
 /// [`Failure`] if a case cannot be made or kept.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let folder = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| format!("paddle-out/blind-{}", arguments.seed).into());
-    let check = Check {
-        program: std::env::current_exe().map_err(Failure::read("this program"))?,
-        folder,
-        cases: arguments.cases,
-        seed: arguments.seed,
-        mixture: Mixture {
-            only: arguments.effect.clone(),
-        },
-        withheld: arguments.withhold.clone(),
-        jobs: arguments.jobs,
-        patience: Duration::from_secs(arguments.patience),
-    };
-    let kept = format!("everything in {}\n", check.folder.display());
-    let set = json!({ "seed": check.seed, "cases": check.cases, "folder": check.folder });
+    let mut outcomes = Vec::new();
+    let mut sets = Vec::new();
+    let mut kept = String::new();
+    for &seed in &arguments.seed {
+        let check = arguments.check(seed)?;
+        match arguments.generate_only {
+            true => check.generate()?,
+            false => outcomes.extend(check.run(|outcome| eprintln!("{outcome}"))?.outcomes),
+        }
+        kept += &format!("seed {seed}: everything in {}\n", check.folder.display());
+        sets.push(json!({ "seed": seed, "cases": check.cases, "folder": check.folder }));
+    }
     if arguments.generate_only {
-        check.generate()?;
         return Ok(Answer {
             text: kept,
-            json: set,
+            json: json!({ "sets": sets }),
             ..Answer::default()
         });
     }
-    let summary = check.run(|outcome| eprintln!("{outcome}"))?;
+    let summary = Summary::of(outcomes);
     Ok(Answer {
-        text: format!("seed {}\n{summary}{kept}", check.seed),
-        json: json!({ "set": set, "summary": summary }),
+        text: format!("{summary}{kept}"),
+        json: json!({ "sets": sets, "summary": summary }),
         ..Answer::default()
     })
+}
+
+impl Arguments {
+    /// The check of the set `seed`.
+    fn check(&self, seed: u64) -> Result<Check, Failure> {
+        let folder = match (&self.out, self.seed.len()) {
+            (Some(out), 1) => out.clone(),
+            (Some(out), _) => out.join(seed.to_string()),
+            (None, _) => format!("paddle-out/blind-{seed}").into(),
+        };
+        Ok(Check {
+            program: std::env::current_exe().map_err(Failure::read("this program"))?,
+            folder,
+            cases: self.cases,
+            seed,
+            mixture: Mixture {
+                only: self.effect.clone(),
+            },
+            withheld: self.withhold.clone(),
+            jobs: self.jobs,
+            patience: Duration::from_secs(self.patience),
+        })
+    }
 }

@@ -363,7 +363,7 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
                 .map(|secret| bench.describe(secret, &scale))
                 .collect(),
             reference: measured.reference,
-            fresh: shows && !has(&BOUND_TO_A_MOMENT),
+            fresh_floor: (shows && !has(&BOUND_TO_A_MOMENT)).then_some(fresh.reference.after),
         },
     })
 }

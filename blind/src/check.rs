@@ -141,7 +141,11 @@ impl Check {
         let took_s = begun.elapsed().as_secs_f64();
         unseal(&case, &folder)?;
         let fresh = match &diagnosis {
-            Some(found) if case.truth.fresh && !found.effects.is_empty() && model.exists() => {
+            Some(found)
+                if case.truth.fresh_floor.is_some()
+                    && !found.effects.is_empty()
+                    && model.exists() =>
+            {
                 self.measure_fresh(&folder.join(FRESH), &model)?
             }
             _ => None,
@@ -224,7 +228,6 @@ impl Check {
             .map(|(nominal, corrected)| FreshGaps {
                 nominal: nominal.before,
                 corrected: corrected.before,
-                floor: nominal.floor,
             }))
     }
 

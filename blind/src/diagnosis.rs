@@ -33,8 +33,6 @@ impl Verdict {
 pub struct Gap {
     /// Of the nominal model.
     pub before: f64,
-    /// What sensor noise and restarts alone leave.
-    pub floor: f64,
     /// Of the corrected model.
     #[serde(default)]
     pub after: Option<f64>,

@@ -119,6 +119,7 @@ pub struct Truth {
     pub effects: Vec<Effect>,
     /// What the truth itself reaches.
     pub reference: Reference,
-    /// Whether the fresh recording shows what is hidden well enough to judge a claim on it.
-    pub fresh: bool,
+    /// Gap of the true model on the fresh recording, with its hidden states known, in units of position; `None` where that
+    /// recording does not show what is hidden well enough to judge a claim on it.
+    pub fresh_floor: Option<f64>,
 }

@@ -25,7 +25,7 @@ fn truth(kind: Kind, names: &[&str]) -> Truth {
             hidden_alone: 1.0,
             tolerances_alone: 0.0,
         },
-        fresh: true,
+        fresh_floor: Some(0.2),
     }
 }
 
@@ -149,10 +149,10 @@ fn a_claim_is_held_against_the_fresh_recording() {
     let said = says("explained", &[("lag", 0.9, &[])]);
     let fresh = FreshGaps {
         nominal: 2.0,
-        corrected: 0.5,
-        floor: 0.0,
+        corrected: 0.65,
     };
     let outcome = judge(&truth, Some(&said), Some(fresh), None);
+    // From 2 to 0.65 of the way to the 0.2 that the truth leaves.
     assert!((outcome.claim_error.unwrap() - (0.9 - 0.75)).abs() < 1e-12);
     // The true model gets from 1 to 0.1, the diagnosis to 0.19.
     assert!((outcome.relative_shrink.unwrap() - 0.9).abs() < 1e-12);

@@ -17,14 +17,12 @@ pub struct FreshGaps {
     pub nominal: f64,
     /// Of the corrected model.
     pub corrected: f64,
-    /// What sensor noise and restarts alone leave.
-    pub floor: f64,
 }
 
 impl FreshGaps {
-    /// How far the corrected model closes the fresh gap; `None` if there is none to close.
-    fn shrink(self) -> Option<f64> {
-        let open = self.nominal - self.floor;
+    /// How far the corrected model closes the fresh gap to the `floor` that the truth leaves; `None` if there is none to close.
+    fn shrink(self, floor: f64) -> Option<f64> {
+        let open = self.nominal - floor;
         (open > 0.0).then(|| (self.nominal - self.corrected) / open)
     }
 }
@@ -165,7 +163,8 @@ pub fn judge(
     }
     if matches!(kind, Kind::Single | Kind::Pair) {
         let claimed = diagnosis.gap.shrink;
-        let kept = fresh.filter(|_| truth.fresh).and_then(FreshGaps::shrink);
+        let kept = fresh.zip(truth.fresh_floor);
+        let kept = kept.and_then(|(gaps, floor)| gaps.shrink(floor));
         outcome.claim_error = claimed.zip(kept).map(|(claimed, kept)| claimed - kept);
         let reachable = diagnosis.gap.before - truth.reference.after;
         let after = diagnosis.gap.after.unwrap_or(diagnosis.gap.before);

@@ -1,6 +1,6 @@
 //! Windowed prediction: what a device would have done with the recorded input.
 
-use crate::windows::series::{FINE_PERIOD_S, Series, Window};
+use crate::windows::series::{FINE_PERIOD_S, Series, Window, session_start};
 use crate::windows::told::Told;
 use core::f64::consts::TAU;
 use host_sim::decay::Decay;
@@ -59,6 +59,9 @@ impl Predictor {
         // Harder links are the same to the samples, at many times the steps.
         let link = mechanics.link;
         mechanics.link = link.map(|link| link.bounded(mechanics.inertia, FASTEST_RATE));
+        if let Some(drift) = &mut mechanics.friction.drift {
+            drift.start_s = session_start(recording);
+        }
         Self {
             plant: Plant::quick(device.mechanics.clone()),
             device,

@@ -44,6 +44,21 @@ fn what_a_sensor_hides_is_carried_over_the_restarts() {
 }
 
 #[test]
+fn friction_drifts_from_the_first_sample_of_the_session_on() {
+    const LATER_S: f64 = 64.0;
+    let mut device = Device::nominal(&paddle());
+    let drift = "friction_drift:rate=0.4,settling=3";
+    drift.parse::<Effect>().unwrap().install(&mut device);
+    let mut recording = recorded(&device, paddle(), 1e-4, 0.0, 3);
+    let (blind, _) = gap::measure(&recording, &Device::nominal(&paddle()));
+    for time in recording.runs.iter_mut().flat_map(|run| &mut run.time) {
+        *time += LATER_S;
+    }
+    let (gap, _) = gap::measure(&recording, &device);
+    assert!(gap.before < 0.1 * blind.before, "{gap:?}, {blind:?}");
+}
+
+#[test]
 fn a_wrong_model_is_above_it_and_the_predictions_say_where() {
     let nominal = Model {
         coulomb: 0.012,

@@ -231,9 +231,11 @@ fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
 /// A friction that grows or falls all the time, or that settles as something warms up.
 fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let duration_s = e.scales.duration_s;
+    let starts = e.series.iter().map(|series| series.session(0));
+    let start_s = starts.min_by(f64::total_cmp).unwrap_or(0.0);
     let guess = regress(e, |m| {
         let friction = sliding_nm(e, m);
-        [friction * m.session_s, friction]
+        [friction * (m.session_s - start_s), friction]
     });
     let guess =
         guess.map(|[rate, more]| vec![guessed(0, rate, 0.3 / duration_s), log(1, times(more))]);
@@ -241,7 +243,10 @@ fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         let settling_s = share * duration_s;
         let found = regress(e, |m| {
             let friction = sliding_nm(e, m);
-            [friction * -(-m.session_s / settling_s).exp_m1(), friction]
+            [
+                friction * -((start_s - m.session_s) / settling_s).exp_m1(),
+                friction,
+            ]
         });
         let [all, more] = found?;
         Some(vec![

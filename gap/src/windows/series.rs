@@ -330,6 +330,13 @@ pub fn thinned(series: Vec<Series>, most: usize) -> Vec<Series> {
     blocks.collect()
 }
 
+/// When the first sample of a session is taken, by its clock, s.
+pub(crate) fn session_start(recording: &Recording) -> f64 {
+    let starts = recording.runs.iter().zip(session_offsets(recording));
+    let starts = starts.filter_map(|(run, offset)| Some(run.time.first()? + offset));
+    starts.min_by(f64::total_cmp).unwrap_or(0.0)
+}
+
 /// What to add to each run's time for one clock of the session, s: nothing if the runs' times do not
 /// overlap, else the runs follow on one another in the order of the list.
 fn session_offsets(recording: &Recording) -> Vec<f64> {

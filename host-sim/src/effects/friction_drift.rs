@@ -41,6 +41,7 @@ pub const KIND: Kind = Kind {
         device.mechanics.friction.drift = Some(Drift {
             rate_per_s: p[0] / level,
             settling_s: Some(p[2]).filter(|settling_s| *settling_s > 0.0),
+            start_s: 0.0,
         });
     },
 };

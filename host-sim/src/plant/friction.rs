@@ -36,14 +36,17 @@ pub struct Drift {
     pub rate_per_s: f64,
     /// Time constant with which it settles, s.
     pub settling_s: Option<f64>,
+    /// When it starts, s of the session.
+    pub start_s: f64,
 }
 
 impl Drift {
     #[inline]
     fn growth(&self, t_s: f64) -> f64 {
+        let since_s = t_s - self.start_s;
         let since_s = match self.settling_s {
-            Some(settling_s) => -settling_s * (-t_s / settling_s).exp_m1(),
-            None => t_s,
+            Some(settling_s) => -settling_s * (-since_s / settling_s).exp_m1(),
+            None => since_s,
         };
         self.rate_per_s * since_s
     }
@@ -158,12 +161,13 @@ mod tests {
             let drift = Some(Drift {
                 rate_per_s: 0.1,
                 settling_s,
+                start_s: 5.0,
             });
             let friction = Friction {
                 drift,
                 ..Friction::coulomb(2.0)
             };
-            friction.holding(1.0, 0.0, t_s, 0.0)
+            friction.holding(1.0, 0.0, 5.0 + t_s, 0.0)
         };
         assert!((level(None, 30.0) - 8.0).abs() < 1e-12);
         assert!((level(Some(10.0), 10.0) - 2.0 * (2.0 - (-1.0f64).exp())).abs() < 1e-12);

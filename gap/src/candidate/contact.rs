@@ -13,7 +13,7 @@ use std::ops::Range;
 const HIT_MARGIN: f64 = 0.7;
 /// Quantile of the window costs that stands for the quiet ones.
 const QUIET: f64 = 0.4;
-/// A stretch longer than this share of the recording is no passing contact.
+/// What is there for longer than this share of the recording is no passing contact.
 pub(crate) const LONGEST_SHARE: f64 = 0.5;
 
 /// What pushes back or holds: against motion up, down, and both.
@@ -81,6 +81,13 @@ fn last_stay(hand: &Term) -> usize {
 pub(crate) fn instants(hand: &Term) -> [f64; 2] {
     let stay = last_stay(hand);
     INSTANTS.map(|instant| hand.values[stay + instant])
+}
+
+/// How long a hand is there in all its stays, s.
+pub(crate) fn there_s(hand: &Term) -> f64 {
+    let [from, to] = INSTANTS;
+    let stays = (0..stays(hand)).map(|stay| &hand.values[hand.kind.event_place(stay)..]);
+    stays.map(|stay| (stay[to] - stay[from]).max(0.0)).sum()
 }
 
 /// The times between the instants of the last stay of two hands, where those differ, s of the session.

@@ -61,8 +61,10 @@ const SHORTEST_S: f64 = 0.02;
 const FEWEST_SAMPLES: f64 = 10.0;
 /// Each scale is this much longer than the one before.
 const GROWTH: f64 = 2.0;
-/// Scales from the shortest on.
+/// Scales from the shortest on, and more, up to a horizon, while noise hides the gap.
 const SCALES: i32 = 4;
+/// Noise alone may pass for this share of the squared innovations.
+pub(super) const LEAST_CLEAR: f64 = 0.1;
 /// A scale is long enough once this share of the squared innovation is no noise.
 const CLEAR_SHARE: f64 = 0.5;
 /// Innovations before one, at half a length each, in which a turn of the motion still counts as close.
@@ -96,9 +98,10 @@ pub(super) fn innovations(
         .collect();
     let shortest_s = SHORTEST_S.max(FEWEST_SAMPLES * period_s);
     let mut clearest = (f64::NEG_INFINITY, Vec::new());
-    for scale in 0..SCALES {
+    for scale in 0.. {
         let length_s = shortest_s * GROWTH.powi(scale);
-        if scale > 0 && length_s > horizon_s {
+        let hidden = clearest.0 <= LEAST_CLEAR;
+        if scale > 0 && (length_s > horizon_s || (scale >= SCALES && !hidden)) {
             break;
         }
         let all: Vec<Innovation> = series

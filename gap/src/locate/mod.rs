@@ -15,7 +15,7 @@ use crate::windows::series::{MOST_SAMPLES, Series, fine, thinned};
 use bins::Stretch;
 use evidence::{Evidence, LEAST_SURPLUS, span};
 use host_sim::effects::Channel;
-use innovation::innovations;
+use innovation::{LEAST_CLEAR, innovations};
 use recording::Recording;
 
 /// A share of the gap that is most of it: its place is told first.
@@ -24,8 +24,6 @@ const MOST: f64 = 0.5;
 const ONE_CHANNEL: f64 = 0.2;
 /// Axes that are told.
 const AXES: usize = 3;
-/// The gap must be this share of the squared innovations; noise alone may pass for some.
-const LEAST_EXCESS: f64 = 0.1;
 
 /// Parts of the data that carry more of the gap than their share of the samples, the most telling first: three
 /// different axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
@@ -84,7 +82,7 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let (excess, samples) = all
         .iter()
         .fold((0.0, 0.0), |(e, n), i| (e + i.excess, n + i.samples));
-    if excess <= LEAST_EXCESS * (excess + samples) {
+    if excess <= LEAST_CLEAR * (excess + samples) {
         return Vec::new();
     }
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();

@@ -46,7 +46,8 @@ pub(super) fn found(
 fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let windows = 0..problem.window_count();
     let costs: Vec<f64> = windows.map(|w| fit.costs.log(w)).collect();
-    let returns = contact::returns(&fit.last_term()?, &problem.series, &costs);
+    let mut returns = contact::returns(&fit.last_term()?, &problem.series, &costs);
+    returns.retain(|hand| contact::there_s(hand) <= longest_s(problem));
     best_hand(problem, fit, returns, iterations)
 }
 
@@ -107,9 +108,13 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
         });
         here - there
     };
-    let longest_s = contact::LONGEST_SHARE * problem.duration_s();
-    let hypothesis = with(&timed(hand, longest_s, gain));
+    let hypothesis = with(&timed(hand, longest_s(problem), gain));
     problem.fit(&hypothesis, x.clone(), Part::All, iterations)
+}
+
+/// The longest that a hand may be there in all, s.
+fn longest_s(problem: &Problem<'_>) -> f64 {
+    contact::LONGEST_SHARE * problem.duration_s()
 }
 
 /// True if the hand that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
@@ -136,20 +141,17 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     level(&lasting) < level(fit)
 }
 
-/// A hand, there for `longest_s` at most, with both its last instants where moving either gains nothing, by the sum of squares: the
+/// A hand, there for `longest_s` in all at most, with both its last instants where moving either gains nothing, by the sum of squares: the
 /// robust cost of a window is flat until that end of the hand is nearly right.
 fn timed(mut hand: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = contact::instants(&hand);
-    let passes = |hand: &Term| {
-        let [from_s, to_s] = contact::instants(hand);
-        to_s - from_s <= longest_s
-    };
     for _ in 0..MOST_MOVES {
         let moves = MOVES.into_iter().flat_map(|by| [by, -by]);
         let moves: Vec<(usize, f64)> = moves.flat_map(|by| [(0, by), (1, by)]).collect();
         let moved = moves.into_par_iter().map(|(which, by)| {
             let moved = contact::moved(&hand, which, by * (to_s - from_s).abs());
-            passes(&moved).then(|| (gain(&hand, &moved), moved))
+            let passes = contact::there_s(&moved) <= longest_s;
+            passes.then(|| (gain(&hand, &moved), moved))
         });
         match moved.flatten().max_by(|a, b| a.0.total_cmp(&b.0)) {
             Some((gain, better)) if gain > 0.0 => hand = better,

@@ -8,7 +8,7 @@
 //!
 //! [[effects]]
 //! name = "stribeck"
-//! parameters = { static_ratio = 1.4, velocity = 0.1, exponent = 2.0 }
+//! parameters = { static_ratio = 1.4, velocity = 0.1, exponent = 2.0, tail = 0.0 }
 //!
 //! [[moments]]               # bound to a moment of one recording
 //! recording = "Paddle 24"

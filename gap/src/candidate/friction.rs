@@ -10,9 +10,12 @@ use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use host_sim::plant::Spot;
 
-/// How suddenly a static friction may fall with speed, and the place of that among its parameters.
+/// How suddenly a static friction may fall with speed, and the places of that and of its tail among its parameters.
 const FALLS: [f64; 2] = [2.0, 1.0];
 const EXPONENT: usize = 2;
+const TAIL: usize = 3;
+/// Half way from an exponential to a hyperbola.
+const SOME_TAIL: f64 = 0.5;
 /// Its rise over the sliding level, and its velocity over that of the motion.
 const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
 /// Velocities of what is read off rests, likewise, and how far its rise goes beyond what was held.
@@ -98,12 +101,15 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     }
 }
 
-/// Static friction that falls as suddenly as suits it, where it was given how.
+/// Static friction that falls as suddenly and lasts as long as suits it, where it was given how.
 pub(crate) fn loosened(stribeck: &Term) -> Option<Term> {
     let is_given = stribeck.free.iter().all(|c| c.parameter != EXPONENT);
     (stribeck.kind.name == "stribeck" && is_given).then(|| {
         let mut loosened = stribeck.clone();
-        loosened.free.push(log(EXPONENT, stribeck.values[EXPONENT]));
+        loosened.values[TAIL] = SOME_TAIL;
+        let exponent = log(EXPONENT, stribeck.values[EXPONENT]);
+        let tail = linear(TAIL, SOME_TAIL, SOME_TAIL);
+        loosened.free.extend([exponent, tail]);
         loosened
     })
 }

@@ -341,9 +341,11 @@ mod tests {
     use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
 
-    /// How suddenly static friction falls once that is freed, where it was given to fall with an exponent of 1.
-    fn freed(exponent: f64) -> Option<f64> {
-        let hidden = format!("stribeck:static_ratio=2.5,velocity=1.0,exponent={exponent}");
+    /// How suddenly static friction falls, and how slowly the last of it, once that is freed, where it was given to fall with
+    /// an exponent of 1 and no tail.
+    fn freed([exponent, tail]: [f64; 2]) -> Option<[f64; 2]> {
+        let hidden =
+            format!("stribeck:static_ratio=2.5,velocity=1.0,exponent={exponent},tail={tail}");
         let free = [(0, 2.0), (1, 0.5)].map(|(parameter, start)| Coordinate {
             parameter,
             start,
@@ -354,7 +356,10 @@ mod tests {
         on(&made::recording(&[&hidden]), |search, null| {
             let given = search.given(null, &stribeck).so_far;
             let freed = search.loosened(null, &given)?;
-            Some(freed.last_term()?.values[2])
+            let [_, _, exponent, tail] = freed.last_term()?.values[..] else {
+                return None;
+            };
+            Some([exponent, tail])
         })
     }
 
@@ -393,8 +398,14 @@ mod tests {
 
     #[test]
     fn how_suddenly_static_friction_falls_is_freed_where_it_was_given_wrongly() {
-        assert_eq!(freed(1.0), None);
-        let exponent = freed(2.0).unwrap();
-        assert!((exponent - 2.0).abs() < 0.2, "{exponent}");
+        assert_eq!(freed([1.0, 0.0]), None);
+        for hidden in [[2.0, 0.0], [2.0, 1.0]] {
+            let freed = freed(hidden).unwrap();
+            let off = freed
+                .iter()
+                .zip(hidden)
+                .map(|(found, there)| (found - there).abs());
+            assert!(off.clone().all(|off| off < 0.2), "{freed:?} for {hidden:?}");
+        }
     }
 }

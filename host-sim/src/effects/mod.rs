@@ -451,7 +451,7 @@ mod tests {
         let mut device = Device::nominal(&Model::new(1e-3));
         kind("stribeck")
             .unwrap()
-            .install(&mut device, &[0.9, 0.1, 2.0]);
+            .install(&mut device, &[0.9, 0.1, 2.0, 0.0]);
         assert!(device.mechanics.friction.stribeck.is_none());
     }
 

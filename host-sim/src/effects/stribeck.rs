@@ -1,6 +1,6 @@
 //! Static friction above the sliding level.
 
-use super::{Channel, Kind, POSITIVE, Parameter, Quantity};
+use super::{Channel, Kind, POSITIVE, Parameter, Quantity, SHARE};
 use crate::plant::Stribeck;
 
 /// Below, the level would fall infinitely fast at rest; above, all at once.
@@ -9,12 +9,12 @@ const EXPONENTS: [f64; 2] = [1.0, 4.0];
 /// What rises with speed is no static friction, and would stand in for other drag.
 const ABOVE: [f64; 2] = [1.0, f64::INFINITY];
 
-/// `F = F_c [1 + (r − 1) e^−|v/v_s|ⁿ] sign(v)`.
+/// `F = F_c [1 + (r − 1) (1 + t p)^(−1/t)] sign(v)`, p = |v/v_s|ⁿ.
 pub const KIND: Kind = Kind {
     name: "stribeck",
     channel: Channel::Friction,
     about: "Static friction above the sliding level",
-    equation: "F = F_c [1 + (r − 1) exp(−|v/v_s|^n)] sign(v)",
+    equation: "F = F_c [1 + (r − 1) e(|v/v_s|^n)] sign(v), e(p) = exp(−p), with t exp(−ln(1 + t p)/t)",
     parameters: &[
         Parameter {
             name: "static_ratio",
@@ -40,12 +40,21 @@ pub const KIND: Kind = Kind {
             typical: [1.0, 2.0],
             about: "n, how suddenly it falls, 1 or more",
         },
+        Parameter {
+            name: "tail",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "t, how slowly the last of it goes: 0 as an exponential, 1 as a hyperbola",
+        },
     ],
     install: |device, p| {
         device.mechanics.friction.stribeck = Stribeck {
             ratio: p[0],
             velocity: p[1],
             exponent: p[2],
+            tail: p[3],
         };
     },
 };

@@ -2,10 +2,11 @@
 
 /// How dry friction falls from its static to its sliding level with speed: the factor
 ///
-/// `1 + (r − 1) e^−|v/v_s|ⁿ`
+/// `1 + (r − 1) (1 + t p)^(−1/t)`, p = |v/v_s|ⁿ
 ///
-/// of Bo and Pavelescu (Wear 82, 1982), with n of 2 that of Armstrong-Hélouvry, Dupont and Canudas de Wit (Automatica 30,
-/// 1994), with n of 1 that of Tustin (IEE 94, 1947).
+/// With t of 0 it is `1 + (r − 1) e^−p` of Bo and Pavelescu (Wear 82, 1982), with n of 2 then that of Armstrong-Hélouvry,
+/// Dupont and Canudas de Wit (Automatica 30, 1994), with n of 1 that of Tustin (IEE 94, 1947); with t of 1 and n of 2 that of
+/// Hess and Soom (Journal of Tribology 112, 1990).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stribeck {
     /// Static level over the sliding level, r.
@@ -14,11 +15,14 @@ pub struct Stribeck {
     pub velocity: f64,
     /// How suddenly it falls, n, 1 or more.
     pub exponent: f64,
+    /// How slowly the last of it goes, t: 0 as an exponential, up to 1 as a hyperbola.
+    pub tail: f64,
 }
 
-/// Power of the exponential from which the curve is flat to 1e-4.
-const FLAT_FROM: f64 = 9.2;
-/// And from which nothing of it is left: exp(−36) is 2e-16.
+/// Of the slope where the curve is steepest: what it is at most in a tail, and where it is flat.
+const IN_TAIL: f64 = 0.1;
+const FLAT: f64 = 1e-4;
+/// Power of the exponential from which nothing of it is left: exp(−36) is 2e-16.
 const GONE_FROM: f64 = 36.0;
 impl Stribeck {
     /// One level at rest and sliding.
@@ -26,6 +30,7 @@ impl Stribeck {
         ratio: 1.0,
         velocity: 0.0,
         exponent: 2.0,
+        tail: 0.0,
     };
 
     /// True if the levels are the same.
@@ -37,15 +42,35 @@ impl Stribeck {
     /// Of the sliding level, at a speed in rad/s.
     #[inline]
     pub fn factor(&self, speed: f64) -> f64 {
+        if self.is_none() {
+            return 1.0;
+        }
+        1.0 + (self.ratio - 1.0) * self.left(speed)
+    }
+
+    /// What is left of the rise at a speed, of what there is at rest.
+    #[inline]
+    fn left(&self, speed: f64) -> f64 {
         // Most of the motion is beyond the reach of double precision.
-        if self.is_none() || speed >= GONE_FROM * self.velocity {
-            return 1.0;
+        let power = match self.tail > 0.0 || speed < GONE_FROM * self.velocity {
+            true => self.power(speed / self.velocity),
+            false => GONE_FROM,
+        };
+        match self.tail {
+            0.0 if power >= GONE_FROM => 0.0,
+            0.0 => (-power).exp(),
+            1.0 => (1.0 + power).recip(),
+            tail => (1.0 + tail * power).powf(-tail.recip()),
         }
-        let power = self.power(speed / self.velocity);
-        if power >= GONE_FROM {
-            return 1.0;
-        }
-        1.0 + (self.ratio - 1.0) * (-power).exp()
+    }
+
+    /// Speed from which its slope is less than a `share` of what it is at most, rad/s.
+    fn slope_below(&self, share: f64) -> f64 {
+        let power = match self.tail {
+            0.0 => -share.ln(),
+            tail => (-share.ln() * tail / (1.0 + tail)).exp_m1() / tail,
+        };
+        self.root(power) * self.velocity
     }
 
     /// `xⁿ`, at little cost for the usual n.
@@ -73,7 +98,8 @@ impl Stribeck {
         let steepest = (0.5 * self.exponent).max(1.0) * (self.ratio - 1.0).abs();
         Slope {
             velocity: self.velocity,
-            flat_from: self.root(FLAT_FROM) * self.velocity,
+            tail_from: self.slope_below(if self.tail > 0.0 { IN_TAIL } else { FLAT }),
+            flat_from: self.slope_below(FLAT),
             rate: steepest * level_nm / (inertia * self.velocity),
             inertia,
             level_nm: level_nm * self.ratio,
@@ -84,8 +110,9 @@ impl Stribeck {
 /// How friction falls with the speed of an inertia.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slope {
-    /// Speed over which it falls, and beyond which it is flat, rad/s.
+    /// Speed over which it falls, from which that is the tail's, and beyond which it is flat, rad/s.
     velocity: f64,
+    tail_from: f64,
     flat_from: f64,
     /// At which the speed grows where it is steepest, 1/s.
     rate: f64,
@@ -107,12 +134,18 @@ impl Slope {
     /// The longest step, s, where `pull_nm` is all but dry friction: neither long for the slope nor a leap over it.
     #[inline]
     pub(super) fn longest_step(&self, speed: f64, pull_nm: f64, stride: Stride) -> f64 {
-        let leap = (speed - self.flat_from).max(stride.share * self.velocity);
-        let reaching = leap * self.inertia / (pull_nm.abs() + self.level_nm);
+        let reaching = |from: f64| {
+            let leap = (speed - from).max(stride.share * self.velocity);
+            leap * self.inertia / (pull_nm.abs() + self.level_nm)
+        };
         if speed > self.flat_from {
-            return reaching;
+            return reaching(self.flat_from);
         }
-        reaching.min(stride.rate_step / self.rate)
+        let steepest = stride.rate_step / self.rate;
+        if speed > self.tail_from {
+            return reaching(self.tail_from).min(steepest / IN_TAIL);
+        }
+        reaching(self.tail_from).min(steepest)
     }
 }
 
@@ -127,6 +160,7 @@ mod tests {
                 ratio: 1.5,
                 velocity: 0.2,
                 exponent,
+                tail: 0.0,
             };
             assert_eq!(stribeck.factor(0.0), 1.5);
             assert!((stribeck.factor(0.2) - 1.0 - 0.5 * (-1.0f64).exp()).abs() < 1e-12);
@@ -134,5 +168,22 @@ mod tests {
             assert!((stribeck.factor(0.1) - half).abs() < 1e-12);
             assert_eq!(stribeck.factor(7.3), 1.0);
         }
+    }
+
+    #[test]
+    fn may_fall_as_a_hyperbola_or_between() {
+        let factor = |tail, speed| {
+            let stribeck = Stribeck {
+                ratio: 1.5,
+                velocity: 0.2,
+                exponent: 2.0,
+                tail,
+            };
+            stribeck.factor(speed)
+        };
+        assert_eq!(factor(1.0, 0.2), 1.25);
+        assert_eq!(factor(1.0, 2.0), 1.0 + 0.5 / 101.0);
+        assert!((factor(1e-6, 0.1) - factor(0.0, 0.1)).abs() < 1e-6);
+        assert!(factor(0.0, 1.0) < factor(0.5, 1.0) && factor(0.5, 1.0) < factor(1.0, 1.0));
     }
 }

@@ -87,6 +87,27 @@ impl Predictor {
         shift: Shift,
         wanted: impl Fn(usize) -> bool,
     ) -> Vec<f64> {
+        match self.begun_anew(series) {
+            Some(own) => own.through(series, shift, wanted),
+            None => self.through(series, shift, wanted),
+        }
+    }
+
+    /// The same with what starts anew in every run, if anything does.
+    fn begun_anew(&self, series: &Series) -> Option<Self> {
+        let drift = self.device.mechanics.friction.drift;
+        let mut drift = drift.filter(|drift| drift.anew)?;
+        drift.start_s = series.started_s + series.session_offset_s;
+        let mut device = self.device.clone();
+        device.mechanics.friction.drift = Some(drift);
+        Some(Self {
+            plant: Plant::quick(device.mechanics.clone()),
+            device,
+            sensor: self.sensor,
+        })
+    }
+
+    fn through(&self, series: &Series, shift: Shift, wanted: impl Fn(usize) -> bool) -> Vec<f64> {
         let remembers = self.remembers();
         let mut predicted = vec![0.0; series.time.len()];
         let Some(first) = series.windows.first() else {

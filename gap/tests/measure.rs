@@ -59,6 +59,23 @@ fn friction_drifts_from_the_first_sample_of_the_session_on() {
 }
 
 #[test]
+fn friction_drifts_on_from_run_to_run_or_anew_in_each() {
+    let drifting = |written: &str| {
+        let mut device = Device::nominal(&paddle());
+        written.parse::<Effect>().unwrap().install(&mut device);
+        device
+    };
+    let anew = drifting("friction_drift:rate=0.4,settling=3,anew=1");
+    let mut recording = recorded(&anew, paddle(), 1e-4, 0.0, 3);
+    // The clock starts anew, too.
+    recording.runs.push(recording.runs[0].clone());
+    let (closed, _) = gap::measure(&recording, &anew);
+    let on = drifting("friction_drift:rate=0.4,settling=3");
+    let (open, _) = gap::measure(&recording, &on);
+    assert!(closed.before < 0.1 * open.before, "{closed:?}, {open:?}");
+}
+
+#[test]
 fn a_wrong_model_is_above_it_and_the_predictions_say_where() {
     let nominal = Model {
         coulomb: 0.012,

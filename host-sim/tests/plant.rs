@@ -482,7 +482,7 @@ proptest! {
         friction.stribeck.exponent = exponent;
         friction.position_slope = slope;
         friction.load_share = load_share;
-        friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None, start_s: 0.0 });
+        friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None, start_s: 0.0, anew: false });
         paddle.barriers[0] = Some(Barrier {
             at: 0.01,
             side,

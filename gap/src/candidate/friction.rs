@@ -37,6 +37,8 @@ const SPOT_PLACES: usize = 16;
 const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
 /// Time constants with which a friction settles, over the duration.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
+/// Place among the parameters of its drift of whether every run starts with it.
+const ANEW: usize = 3;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -234,14 +236,31 @@ fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
         .map(|(_, spot)| spot)
 }
 
-/// A friction that grows or falls all the time, or that settles as something warms up.
+/// A friction that grows or falls all the time, or that settles as something warms up: over the session, or in every run
+/// where the clock starts anew.
 fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
-    let duration_s = e.scales.duration_s;
     let starts = e.series.iter().map(|series| series.session(0));
     let start_s = starts.min_by(f64::total_cmp).unwrap_or(0.0);
+    let mut all = drifts_since(kind, e, |m| m.session_s - start_s);
+    if e.series.iter().any(|series| series.session_offset_s != 0.0) {
+        let anew = drifts_since(kind, e, |m| m.run_s).into_iter();
+        all.extend(anew.map(|mut drift| {
+            drift.values[ANEW] = 1.0;
+            drift
+        }));
+    }
+    all
+}
+
+fn drifts_since(
+    kind: &'static Kind,
+    e: &Evidence<'_>,
+    since_s: impl Fn(&Moment) -> f64,
+) -> Vec<Term> {
+    let duration_s = e.scales.duration_s;
     let guess = regress(e, |m| {
         let friction = sliding_nm(e, m);
-        [friction * (m.session_s - start_s), friction]
+        [friction * since_s(m), friction]
     });
     let guess =
         guess.map(|[rate, more]| vec![guessed(0, rate, 0.3 / duration_s), log(1, times(more))]);
@@ -249,10 +268,7 @@ fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         let settling_s = share * duration_s;
         let found = regress(e, |m| {
             let friction = sliding_nm(e, m);
-            [
-                friction * -((start_s - m.session_s) / settling_s).exp_m1(),
-                friction,
-            ]
+            [friction * -(-since_s(m) / settling_s).exp_m1(), friction]
         });
         let [all, more] = found?;
         Some(vec![

@@ -13,6 +13,8 @@ pub(super) struct Moment {
     pub drive_nm: f64,
     pub missing_nm: f64,
     pub session_s: f64,
+    /// Since the first sample of its run.
+    pub run_s: f64,
 }
 
 /// Every moment at which the missing torque is known.
@@ -29,6 +31,7 @@ pub(super) fn moments(e: &Evidence<'_>) -> impl Iterator<Item = Moment> {
                 drive_nm: motion.drive_nm[i],
                 missing_nm: *missing,
                 session_s: series.session(i),
+                run_s: series.time[i] - series.started_s,
             })
     })
 }

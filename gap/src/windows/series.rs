@@ -47,6 +47,8 @@ pub struct Series {
     pub correlation: f64,
     /// What to add to the run's time for that of the session, s.
     pub session_offset_s: f64,
+    /// When the run starts, in its time, s.
+    pub started_s: f64,
     /// In the order of time, without gaps between them.
     pub windows: Vec<Window>,
     /// What the samples show of a motion.
@@ -82,6 +84,7 @@ impl Series {
             period_s,
             correlation,
             session_offset_s,
+            started_s: run.time.first().copied().unwrap_or(0.0),
             windows,
             averaging: Averaging::default(),
             courses: Courses::default(),
@@ -148,6 +151,7 @@ impl Series {
             period_s: self.period_s,
             correlation: self.correlation,
             session_offset_s: self.session_offset_s,
+            started_s: self.started_s,
             courses: Courses::default(),
         }
     }

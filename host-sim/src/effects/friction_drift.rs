@@ -1,6 +1,6 @@
 //! Dry friction that changes over the session.
 
-use super::{ANY, Channel, Kind, LEVEL, NOT_NEGATIVE, Parameter, Quantity};
+use super::{ANY, Channel, Kind, LEVEL, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 use crate::plant::Drift;
 
 /// `F = F_c (l + d t) sign(v)`, or with τ (1 − e^(−t/τ)) in the place of t.
@@ -34,6 +34,14 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 20.0],
             about: "time constant with which it settles; 0 if it does not",
         },
+        Parameter {
+            name: "anew",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "1 if every run starts with it, 0 if it goes on through the session",
+        },
     ],
     install: |device, p| {
         let level = p[1];
@@ -42,6 +50,7 @@ pub const KIND: Kind = Kind {
             rate_per_s: p[0] / level,
             settling_s: Some(p[2]).filter(|settling_s| *settling_s > 0.0),
             start_s: 0.0,
+            anew: p[3] > 0.5,
         });
     },
 };

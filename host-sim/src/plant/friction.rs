@@ -38,6 +38,8 @@ pub struct Drift {
     pub settling_s: Option<f64>,
     /// When it starts, s of the session.
     pub start_s: f64,
+    /// Whether every run of the session starts with it.
+    pub anew: bool,
 }
 
 impl Drift {
@@ -162,6 +164,7 @@ mod tests {
                 rate_per_s: 0.1,
                 settling_s,
                 start_s: 5.0,
+                anew: false,
             });
             let friction = Friction {
                 drift,

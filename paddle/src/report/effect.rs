@@ -175,6 +175,15 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             let held = "something outside that holds it from {from} to {to}";
             filled(held, finding).unwrap_or_else(|| (*noun).to_owned())
         }
+        "friction_drift"
+            if finding
+                .parameters
+                .get("anew")
+                .is_some_and(|anew| anew.value > 0.5) =>
+        {
+            let anew = "dry friction that changes by {rate} in every run";
+            filled(anew, finding).unwrap_or_else(|| (*noun).to_owned())
+        }
         "position_dependent_coulomb" if fitted("spot").is_some() => {
             let spot = "dry friction that differs around {spot_position}";
             filled(spot, finding).unwrap_or_else(|| (*noun).to_owned())

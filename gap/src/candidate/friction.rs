@@ -35,6 +35,10 @@ const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
 /// Places of a spot that rubs, and its width over the span of the motion.
 const SPOT_PLACES: usize = 16;
 const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
+/// Places among the parameters of its height and of how steep its flanks are, and flanks between a bell's and a wall.
+const SPOT: usize = 6;
+const SPOT_EXPONENT: usize = 9;
+const STEEP: f64 = 4.0;
 /// Time constants with which a friction settles, over the duration.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
 /// Place among the parameters of its drift of whether every run starts with it.
@@ -103,17 +107,26 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     }
 }
 
-/// Static friction that falls as suddenly and lasts as long as suits it, where it was given how.
-pub(crate) fn loosened(stribeck: &Term) -> Option<Term> {
-    let is_given = stribeck.free.iter().all(|c| c.parameter != EXPONENT);
-    (stribeck.kind.name == "stribeck" && is_given).then(|| {
-        let mut loosened = stribeck.clone();
-        loosened.values[TAIL] = SOME_TAIL;
-        let exponent = log(EXPONENT, stribeck.values[EXPONENT]);
-        let tail = linear(TAIL, SOME_TAIL, SOME_TAIL);
-        loosened.free.extend([exponent, tail]);
-        loosened
-    })
+/// The same friction with more of its shape free, where that was given: how suddenly static friction falls and how long it
+/// lasts, and how steep the flanks of a spot that rubs are.
+pub(crate) fn loosened(given: &Term) -> Option<Term> {
+    let is_free = |parameter: usize| given.free.iter().any(|c| c.parameter == parameter);
+    let shape = match given.kind.name {
+        "stribeck" if !is_free(EXPONENT) => vec![
+            log(EXPONENT, given.values[EXPONENT]),
+            linear(TAIL, SOME_TAIL, SOME_TAIL),
+        ],
+        "position_dependent_coulomb" if is_free(SPOT) && !is_free(SPOT_EXPONENT) => {
+            vec![log(SPOT_EXPONENT, STEEP)]
+        }
+        _ => return None,
+    };
+    let mut loosened = given.clone();
+    for coordinate in &shape {
+        loosened.values[coordinate.parameter] = coordinate.start;
+    }
+    loosened.free.extend(shape);
+    Some(loosened)
 }
 
 /// Rise of static friction over the sliding level without which what was seen at rest would have slid.
@@ -217,6 +230,7 @@ fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
             height: 1.0,
             position,
             width,
+            exponent: Spot::BELL,
         };
         let found = regress_in(moments(e), |m| {
             let friction = sliding_nm(e, m);
@@ -225,7 +239,7 @@ fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
         let ([height, more], explained) = found?;
         let free = vec![
             log(2, times(more)),
-            guessed(6, height, 0.3),
+            guessed(SPOT, height, 0.3),
             linear(7, position, width),
             log(8, width),
         ];

@@ -4,12 +4,15 @@ use super::{ANY, Channel, Kind, LEVEL, POSITIVE, Parameter, Quantity, WAVE_NUMBE
 use crate::plant::Spot;
 use crate::ripple::Ripple;
 
-/// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−(x − c)²/w²)) sign(v)`.
+/// Below, a bell would have a cusp; above, its flanks are walls.
+const SPOT_EXPONENTS: [f64; 2] = [Spot::BELL, 32.0];
+
+/// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−|(x − c)/w|^m)) sign(v)`.
 pub const KIND: Kind = Kind {
     name: "position_dependent_coulomb",
     channel: Channel::Friction,
     about: "Dry friction that depends on the position",
-    equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−(x − c)²/w²)) sign(v)",
+    equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−|(x − c)/w|^m)) sign(v)",
     parameters: &[
         Parameter {
             name: "slope",
@@ -76,6 +79,14 @@ pub const KIND: Kind = Kind {
             typical: [0.02, 0.3],
             about: "half of it, down to 1/e",
         },
+        Parameter {
+            name: "spot_exponent",
+            quantity: Quantity::Ratio,
+            range: SPOT_EXPONENTS,
+            default: Spot::BELL,
+            typical: [2.0, 10.0],
+            about: "m, how steep its flanks are: 2 a bell, more a band",
+        },
     ],
     install: |device, p| {
         let level = p[2];
@@ -92,6 +103,7 @@ pub const KIND: Kind = Kind {
             height: p[6] / level,
             position: p[7],
             width: p[8],
+            exponent: p[9],
         };
     },
 };

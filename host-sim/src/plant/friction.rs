@@ -15,7 +15,7 @@ pub struct Friction {
     pub level_nm: [f64; 2],
     /// Fall from the static to the sliding level.
     pub stribeck: Stribeck,
-    /// Dependence on position: `p = max(0, 1 + slope x + curve x² + r sin(n x) + s (cos(n x) − 1) + h exp(−(x − c)²/w²))`.
+    /// Dependence on position: `p = max(0, 1 + slope x + curve x² + r sin(n x) + s (cos(n x) − 1) + h exp(−|(x − c)/w|^m))`.
     pub position_slope: f64,
     /// Likewise, 1/rad².
     pub position_curve: f64,
@@ -148,6 +148,7 @@ mod tests {
                 height: 1.5,
                 position: 0.3,
                 width: 0.1,
+                exponent: Spot::BELL,
             },
             ..Friction::coulomb(2.0)
         };

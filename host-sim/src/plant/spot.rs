@@ -1,6 +1,6 @@
 //! A place at which something rubs.
 
-/// `h exp(−(x − c)²/w²)`.
+/// `h exp(−|(x − c)/w|ⁿ)`: a bell with n of 2, a band with more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// h: relative to the level around it, negative where less rubs.
@@ -9,6 +9,8 @@ pub struct Spot {
     pub position: f64,
     /// w, rad; positive.
     pub width: f64,
+    /// n, how steep its flanks are, 2 or more.
+    pub exponent: f64,
 }
 
 impl Spot {
@@ -17,7 +19,11 @@ impl Spot {
         height: 0.0,
         position: 0.0,
         width: 1.0,
+        exponent: Self::BELL,
     };
+
+    /// Exponent of a bell.
+    pub const BELL: f64 = 2.0;
 
     /// True if it is zero everywhere.
     #[inline]
@@ -28,6 +34,11 @@ impl Spot {
     /// Its value at a position.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
-        self.height * (-((x - self.position) / self.width).powi(2)).exp()
+        let beside = (x - self.position) / self.width;
+        let power = match self.exponent {
+            Self::BELL => beside.powi(2),
+            exponent => beside.abs().powf(exponent),
+        };
+        self.height * (-power).exp()
     }
 }

@@ -294,10 +294,11 @@ fn window_squares(columns: &Columns, residuals: &[f64]) -> Vec<f64> {
     squares.collect()
 }
 
-/// Share of the nominal model's squared gap beyond noise that is not there if the other column is predicted.
+/// Share of the nominal model's squared gap beyond noise that is not there if the other column is predicted; none where one
+/// leaves less beyond its floor and more with it: a noisy column may hide a gap in its floor.
 fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2]) -> [f64; 3] {
     let bare = Hypothesis { terms: Vec::new() };
-    let mut own = series.into_iter().zip(both).map(|(series, recording)| {
+    let left = |series: Vec<Series>, recording: &Recording| {
         let problem = Problem {
             recording,
             series,
@@ -314,19 +315,21 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
         };
         let squares = problem.window_squares(&fit, Part::All);
         let floor = problem.floor_squares(&fit);
-        squares
-            .iter()
-            .zip(floor)
-            .map(|(s, f)| s - f)
-            .collect::<Vec<f64>>()
-    });
-    let (Some(position), Some(other)) = (own.next(), own.next()) else {
-        return [0.0; 3];
+        let beyond = squares.iter().zip(floor).map(|(s, f)| s - f);
+        let beyond: Vec<f64> = beyond.collect();
+        (squares.iter().sum::<f64>(), beyond)
     };
-    crate::shrink::resampled(position.len(), |sum| {
+    let [position, other] = series;
+    let (position_left, position) = left(position, &both[0]);
+    let (other_left, other) = left(other, &both[1]);
+    let share = crate::shrink::resampled(position.len(), |sum| {
         let [before, after] = [&position, &other].map(|squares| sum(squares).max(0.0));
         ((before - after) / before.max(after).max(f64::MIN_POSITIVE)).min(1.0)
-    })
+    });
+    match share[0] * (position_left - other_left) < 0.0 {
+        true => [0.0; 3],
+        false => share,
+    }
 }
 
 #[cfg(test)]

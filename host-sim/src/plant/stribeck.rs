@@ -19,9 +19,9 @@ pub struct Stribeck {
     pub tail: f64,
 }
 
-/// Of the slope where the curve is steepest: what it is at most in a tail, and where it is flat.
-const IN_TAIL: f64 = 0.1;
-const FLAT: f64 = 1e-4;
+/// Logarithms of how many times gentler than where it is steepest the curve is in a tail, and where it is flat: 10 and 1e4.
+const IN_TAIL: f64 = 2.3;
+const FLAT: f64 = 9.2;
 /// Power of the exponential from which nothing of it is left: exp(−36) is 2e-16.
 const GONE_FROM: f64 = 36.0;
 impl Stribeck {
@@ -64,11 +64,11 @@ impl Stribeck {
         }
     }
 
-    /// Speed from which its slope is less than a `share` of what it is at most, rad/s.
-    fn slope_below(&self, share: f64) -> f64 {
+    /// Speed from which it is `gentler` than where it is steepest, as a logarithm, rad/s.
+    fn gentle_from(&self, gentler: f64) -> f64 {
         let power = match self.tail {
-            0.0 => -share.ln(),
-            tail => (-share.ln() * tail / (1.0 + tail)).exp_m1() / tail,
+            0.0 => gentler,
+            tail => (gentler * tail / (1.0 + tail)).exp_m1() / tail,
         };
         self.root(power) * self.velocity
     }
@@ -96,11 +96,13 @@ impl Stribeck {
     /// The slope on which an inertia slides, with a sliding level of `level_nm`.
     pub(super) fn slope(&self, inertia: f64, level_nm: f64) -> Slope {
         let steepest = (0.5 * self.exponent).max(1.0) * (self.ratio - 1.0).abs();
+        let rate = steepest * level_nm / (inertia * self.velocity);
         Slope {
             velocity: self.velocity,
-            tail_from: self.slope_below(if self.tail > 0.0 { IN_TAIL } else { FLAT }),
-            flat_from: self.slope_below(FLAT),
-            rate: steepest * level_nm / (inertia * self.velocity),
+            tail_from: self.gentle_from(if self.tail > 0.0 { IN_TAIL } else { FLAT }),
+            flat_from: self.gentle_from(FLAT),
+            rate,
+            tail_rate: rate * (-IN_TAIL).exp(),
             inertia,
             level_nm: level_nm * self.ratio,
         }
@@ -114,8 +116,9 @@ pub(super) struct Slope {
     velocity: f64,
     tail_from: f64,
     flat_from: f64,
-    /// At which the speed grows where it is steepest, 1/s.
+    /// At which the speed grows where it is steepest, and in the tail, 1/s.
     rate: f64,
+    tail_rate: f64,
     inertia: f64,
     /// At most, N m.
     level_nm: f64,
@@ -141,11 +144,12 @@ impl Slope {
         if speed > self.flat_from {
             return reaching(self.flat_from);
         }
-        let steepest = stride.rate_step / self.rate;
-        if speed > self.tail_from {
-            return reaching(self.tail_from).min(steepest / IN_TAIL);
-        }
-        reaching(self.tail_from).min(steepest)
+        let rate = if speed > self.tail_from {
+            self.tail_rate
+        } else {
+            self.rate
+        };
+        reaching(self.tail_from).min(stride.rate_step / rate)
     }
 }
 

@@ -141,8 +141,8 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     level(&lasting) < level(fit)
 }
 
-/// A hand, there for `longest_s` in all at most, with both its last instants where moving either gains nothing, by the sum of squares: the
-/// robust cost of a window is flat until that end of the hand is nearly right.
+/// A hand, there for `longest_s` in all at most, with both its last instants where moving either gains nothing, by the sum of
+/// squares: the robust cost of a window is flat until that end of the hand is nearly right.
 fn timed(mut hand: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = contact::instants(&hand);
     for _ in 0..MOST_MOVES {

@@ -230,8 +230,15 @@ fn instant(name: &str, estimate: &Estimate, finding: &Finding) -> Option<String>
 const MOST_DECIMALS: f64 = 6.0;
 
 fn shown(estimate: &Estimate) -> String {
+    // Of a factor it is the difference from 1 that counts.
+    if estimate.unit == "1" && (estimate.value - 1.0).abs() < NEAR_ONE {
+        return format!("{:.2}", estimate.value);
+    }
     show(estimate.value, &estimate.unit)
 }
+
+/// Difference up to which two digits of a factor do not tell it from 1.
+const NEAR_ONE: f64 = 0.1;
 
 /// The parameters that say something, in the order of the vocabulary, and the rest: those that were held where they do
 /// nothing or where they are by default.
@@ -432,6 +439,18 @@ mod tests {
         };
         assert_eq!(phrase(0.02), "dry friction of 20 mN m in place of 15 mN m");
         assert!(phrase(0.0).starts_with("dry friction that does not act"));
+    }
+
+    #[test]
+    fn a_factor_near_one_is_told_from_it() {
+        let phrase = |gain| {
+            phrase(
+                &finding("torque_gain", &[("gain", gain, 1e-3, "1")]),
+                &labels(),
+            )
+        };
+        assert_eq!(phrase(1.0298), "a torque of 1.03 times what was told");
+        assert_eq!(phrase(0.7312), "a torque of 0.73 times what was told");
     }
 
     #[test]

@@ -85,9 +85,8 @@ pub(crate) fn instants(hand: &Term) -> [f64; 2] {
 
 /// How long a hand is there in all its stays, s.
 pub(crate) fn there_s(hand: &Term) -> f64 {
-    let [from, to] = INSTANTS;
-    let stays = (0..stays(hand)).map(|stay| &hand.values[hand.kind.event_place(stay)..]);
-    stays.map(|stay| (stay[to] - stay[from]).max(0.0)).sum()
+    let stays = hand.kind.meanwhile(&hand.values).into_iter().flatten();
+    stays.map(|[from_s, to_s]| (to_s - from_s).max(0.0)).sum()
 }
 
 /// The times between the instants of the last stay of two hands, where those differ, s of the session.

@@ -64,7 +64,7 @@ const GROWTH: f64 = 2.0;
 /// Scales from the shortest on, and more, up to a horizon, while noise hides the gap.
 const SCALES: i32 = 4;
 /// Noise alone may pass for this share of the squared innovations.
-pub(super) const LEAST_CLEAR: f64 = 0.1;
+const LEAST_CLEAR: f64 = 0.1;
 /// A scale is long enough once this share of the squared innovation is no noise.
 const CLEAR_SHARE: f64 = 0.5;
 /// Innovations before one, at half a length each, in which a turn of the motion still counts as close.
@@ -74,7 +74,8 @@ const NOISE_DOUBT: f64 = 1.5;
 /// Standard deviations of χ² that noise may add before an innovation counts.
 const NOISE_MARGIN: f64 = 2.0;
 
-/// The innovations of the shortest scale at which they stand out of the noise, or the clearest one.
+/// The innovations of the shortest scale at which they stand out of the noise, or the clearest one; none where noise alone may
+/// pass for them at every scale.
 ///
 /// Short predictions show where the gap arises, long ones carry it on; but what noise hides grows with the
 /// square of the length.
@@ -119,7 +120,8 @@ pub(super) fn innovations(
             break;
         }
     }
-    clearest.1
+    let (clear, all) = clearest;
+    if clear > LEAST_CLEAR { all } else { Vec::new() }
 }
 
 /// Innovations of `length_s` each, in two rows that overlap by half.

@@ -15,7 +15,7 @@ use crate::windows::series::{MOST_SAMPLES, Series, fine, thinned};
 use bins::Stretch;
 use evidence::{Evidence, LEAST_SURPLUS, span};
 use host_sim::effects::Channel;
-use innovation::{LEAST_CLEAR, innovations};
+use innovation::innovations;
 use recording::Recording;
 
 /// A share of the gap that is most of it: its place is told first.
@@ -79,10 +79,7 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
         recording.horizon,
         recording.restart_half_width,
     );
-    let (excess, samples) = all
-        .iter()
-        .fold((0.0, 0.0), |(e, n), i| (e + i.excess, n + i.samples));
-    if excess <= LEAST_CLEAR * (excess + samples) {
+    if all.is_empty() {
         return Vec::new();
     }
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();

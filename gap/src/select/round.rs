@@ -401,11 +401,9 @@ mod tests {
         assert_eq!(freed([1.0, 0.0]), None);
         for hidden in [[2.0, 0.0], [2.0, 1.0]] {
             let freed = freed(hidden).unwrap();
-            let off = freed
-                .iter()
-                .zip(hidden)
-                .map(|(found, there)| (found - there).abs());
-            assert!(off.clone().all(|off| off < 0.2), "{freed:?} for {hidden:?}");
+            for (found, there) in freed.iter().zip(hidden) {
+                assert!((found - there).abs() < 0.2, "{freed:?} for {hidden:?}");
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What an effect is called in a sentence.
 
-use super::quantity::show;
+use super::quantity::{Display, show};
 use super::region::Labels;
 use gap::diagnosis::{Estimate, Finding};
 use host_sim::effects;
@@ -141,6 +141,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
         return name.to_owned();
     };
     let fitted = |parameter: &str| finding.parameters.get(parameter).filter(|e| e.std > 0.0);
+    let value = |parameter: &str| finding.parameters.get(parameter).map(|e| e.value);
     let times = |name: &str| {
         let names = finding.parameters.keys();
         names.filter(|n| n.starts_with(name)).count()
@@ -166,21 +167,11 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
         "contact" if !finding.parameters.contains_key("from") => {
             format!("something outside that comes {} times", times("from"))
         }
-        "contact"
-            if finding
-                .parameters
-                .get("side")
-                .is_some_and(|side| side.value == 0.0) =>
-        {
+        "contact" if value("side") == Some(0.0) => {
             let held = "something outside that holds it from {from} to {to}";
             filled(held, finding).unwrap_or_else(|| (*noun).to_owned())
         }
-        "friction_drift"
-            if finding
-                .parameters
-                .get("anew")
-                .is_some_and(|anew| anew.value > 0.5) =>
-        {
+        "friction_drift" if value("anew") == Some(1.0) => {
             let anew = "dry friction that changes by {rate} in every run";
             filled(anew, finding).unwrap_or_else(|| (*noun).to_owned())
         }
@@ -239,6 +230,12 @@ fn shown(estimate: &Estimate) -> String {
 
 /// Difference up to which two digits of a factor do not tell it from 1.
 const NEAR_ONE: f64 = 0.1;
+
+/// What was found, with its standard deviation.
+pub fn with_std(estimate: &Estimate) -> String {
+    let display = Display::of(&estimate.unit, estimate.value);
+    display.show_with_std(estimate.value, estimate.std)
+}
 
 /// The parameters that say something, in the order of the vocabulary, and the rest: those that were held where they do
 /// nothing or where they are by default.
@@ -300,6 +297,10 @@ mod tests {
             shrink: 0.5,
             shrink_interval: [0.4, 0.6],
         }
+    }
+
+    fn names<'a>(parameters: &[Named<'a>]) -> Vec<&'a str> {
+        parameters.iter().map(|(name, _)| name.as_str()).collect()
     }
 
     #[test]
@@ -384,14 +385,9 @@ mod tests {
             ("slope", -0.5, 0.0, "1/rad"),
         ];
         let finding = finding("position_dependent_coulomb", &numbers);
-        let names = |all: Vec<Named>| {
-            all.iter()
-                .map(|(name, _)| (*name).clone())
-                .collect::<Vec<_>>()
-        };
         let (told, held) = parameters(&finding);
-        assert_eq!(names(told), ["slope", "level", "spot"]);
-        assert_eq!(names(held), ["ripple_sine", "spot_width"]);
+        assert_eq!(names(&told), ["slope", "level", "spot"]);
+        assert_eq!(names(&held), ["ripple_sine", "spot_width"]);
     }
 
     #[test]
@@ -407,13 +403,9 @@ mod tests {
             "to_2",
         ];
         let finding = finding("contact", &numbers.map(|name| (name, 2.5, 0.1, "s")));
-        let told: Vec<_> = parameters(&finding)
-            .0
-            .iter()
-            .map(|(name, _)| *name)
-            .collect();
+        let (told, _) = parameters(&finding);
         assert_eq!(
-            told,
+            names(&told),
             [
                 "stiffness",
                 "damping",

@@ -9,7 +9,7 @@ use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
 use crate::plot::PlotError;
 use gap::Outcome;
-use gap::diagnosis::{Diagnosis, Estimate, Finding};
+use gap::diagnosis::{Diagnosis, Finding};
 use recording::{Model, Recording};
 
 const STYLE: &str = include_str!("page.css");
@@ -119,11 +119,7 @@ fn finding(finding: &Finding) -> String {
             escaped(&rivals.join(", "))
         ),
     };
-    let shown = |estimate: &Estimate| {
-        let display = Display::of(&estimate.unit, estimate.value);
-        escaped(&display.show_with_std(estimate.value, estimate.std))
-    };
-    let (told, silent) = effect::parameters(finding);
+    let (told, held) = effect::parameters(finding);
     let rows = told.into_iter().map(|(name, estimate)| {
         let held = match estimate.std > 0.0 {
             true => "",
@@ -133,19 +129,22 @@ fn finding(finding: &Finding) -> String {
             "<tr><td><code>{}</code><br><small>{}</small></td><td>{}{held}</td></tr>\n",
             escaped(name),
             escaped(effect::parameter(finding.name, name)),
-            shown(estimate)
+            escaped(&effect::with_std(estimate))
         )
     });
-    let silent = silent.into_iter();
-    let silent = silent.map(|(name, estimate)| format!("{} {}", escaped(name), shown(estimate)));
-    let silent: Vec<_> = silent.collect();
-    let silent = match silent.is_empty() {
+    let held = held.into_iter();
+    let held = held.map(|(name, estimate)| format!("{name} {}", effect::with_std(estimate)));
+    let held: Vec<_> = held.collect();
+    let held = match held.is_empty() {
         true => String::new(),
-        false => format!("<p class=\"note\">Held: {}.</p>\n", silent.join(", ")),
+        false => format!(
+            "<p class=\"note\">Held: {}.</p>\n",
+            escaped(&held.join(", "))
+        ),
     };
     format!(
         "<article>\n<h3><code>{}</code> <small>{}, {} sure</small></h3>\n<p>{}. <span class=\"equation\">{}</span></p>\n\
-         {tied}{}{silent}</article>\n",
+         {tied}{}{held}</article>\n",
         escaped(finding.name),
         escaped(finding.channel),
         percent(finding.confidence),

@@ -76,13 +76,9 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
 fn row(text: &mut String, finding: &Finding) {
     let [low, high] = finding.shrink_interval.map(hundredths);
     let (told, _) = effect::parameters(finding);
-    let mut parameters = told.into_iter().map(|(name, estimate)| {
-        let shown = Display::of(&estimate.unit, estimate.value);
-        format!(
-            "{name} {}",
-            shown.show_with_std(estimate.value, estimate.std)
-        )
-    });
+    let mut parameters = told
+        .into_iter()
+        .map(|(name, estimate)| format!("{name} {}", effect::with_std(estimate)));
     line(
         text,
         format_args!(

@@ -1,6 +1,6 @@
 //! A place at which something rubs.
 
-/// `h exp(−|(x − c)/w|ⁿ)`: a bell with n of 2, a band with more.
+/// `h exp(−|(x − c)/w|ᵐ)`: a bell with m of 2, a band with more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// h: relative to the level around it, negative where less rubs.
@@ -9,7 +9,7 @@ pub struct Spot {
     pub position: f64,
     /// w, rad; positive.
     pub width: f64,
-    /// n, how steep its flanks are, 2 or more.
+    /// m, how steep its flanks are, 2 or more.
     pub exponent: f64,
 }
 

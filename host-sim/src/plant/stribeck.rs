@@ -42,20 +42,17 @@ impl Stribeck {
     /// Of the sliding level, at a speed in rad/s.
     #[inline]
     pub fn factor(&self, speed: f64) -> f64 {
-        if self.is_none() {
+        // Most of the motion is beyond the reach of double precision.
+        let is_gone = self.tail == 0.0 && speed >= GONE_FROM * self.velocity;
+        if is_gone || self.is_none() {
             return 1.0;
         }
-        1.0 + (self.ratio - 1.0) * self.left(speed)
+        1.0 + (self.ratio - 1.0) * self.left(self.power(speed / self.velocity))
     }
 
-    /// What is left of the rise at a speed, of what there is at rest.
+    /// Share of the rise that is left at a power.
     #[inline]
-    fn left(&self, speed: f64) -> f64 {
-        // Most of the motion is beyond the reach of double precision.
-        let power = match self.tail > 0.0 || speed < GONE_FROM * self.velocity {
-            true => self.power(speed / self.velocity),
-            false => GONE_FROM,
-        };
+    fn left(&self, power: f64) -> f64 {
         match self.tail {
             0.0 if power >= GONE_FROM => 0.0,
             0.0 => (-power).exp(),

@@ -10,6 +10,7 @@
 //! Between events the right-hand side is smooth and is stepped at fourth order; stick, slip and
 //! contact begin and end at events that are located, not stepped over.
 
+mod advance;
 mod barrier;
 mod cogging;
 mod course;
@@ -22,9 +23,11 @@ mod pace;
 mod parts;
 mod pendulum;
 mod presliding;
+mod pull;
 mod regime;
 mod runge_kutta;
 mod spot;
+mod sticking;
 mod stribeck;
 mod torque;
 mod two_mass;

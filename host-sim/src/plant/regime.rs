@@ -1,23 +1,18 @@
-//! Stick, slip and contact as regimes of a smooth flow, and the events between them.
+//! A regime: stick, slip and contact as they are, and the smooth flow of the state until one of them changes.
 
-use super::event::{self, Flow};
+use super::event::Flow;
 use super::link::Flank;
 use super::pendulum::Pendulum;
 use super::runge_kutta::rk4;
-use super::stribeck::Stride;
 use super::two_mass::TwoMass;
-use super::{BARRIERS, Mechanics, Phase, Plant, Rest, State, Torque, Touch};
-
-/// A joint that is about to break away is held for this share of a step at least, or rounding could
-/// hold it for ever.
-const LEAST_HOLD: f64 = 1e-6;
+use super::{BARRIERS, Phase, Plant, Rest, State, Torque, Touch};
 
 /// Angle of an oscillation that a cubic follows within a thousandth.
 const MOST_ON_A_CUBIC: f64 = 0.8;
 
 /// Within one regime. The state is `[position, velocity]` of the motor side, then, for N of 4 and 5,
 /// those of the load side, then, for odd N, the deflection of the bristles.
-struct Regime<'a, const N: usize> {
+pub(super) struct Regime<'a, const N: usize> {
     plant: &'a Plant,
     torque: &'a Torque,
     pendulum: Pendulum,
@@ -47,434 +42,31 @@ struct Closed<'a> {
     masses: &'a TwoMass,
 }
 
-const fn is_linked(n: usize) -> bool {
-    n >= 4
-}
-
-const fn has_bristles(n: usize) -> bool {
-    n % 2 == 1
-}
-
-impl Mechanics {
-    /// Friction that grows with velocity, N m.
-    #[inline(always)]
-    pub(super) fn drag(&self, velocity: f64) -> f64 {
-        (self.viscous + self.drag * velocity.abs()) * velocity
-    }
-}
-
-impl Plant {
-    /// What acts where the motor is, dry friction apart, N m.
-    #[inline(always)]
-    pub(super) fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
-        let torque = drive_nm + self.mechanics.offset_nm;
-        if self.parts.has_cogging {
-            torque + self.parts.cogging.torque(position)
-        } else {
-            torque
-        }
-    }
-
-    /// What acts where the load is, N m.
-    #[inline(always)]
-    pub(super) fn load_side(
-        &self,
-        pendulum: &Pendulum,
-        touch: &[Touch; BARRIERS],
-        position: f64,
-        velocity: f64,
-    ) -> f64 {
-        let m = &self.mechanics;
-        let mut torque = -m.stiffness * (position - m.stiffness_zero);
-        if m.gravity != 0.0 {
-            torque -= m.gravity * pendulum.sin(position - m.gravity_zero);
-        }
-        for (barrier, touch) in self.parts.barriers.iter().zip(touch) {
-            torque += barrier.torque(*touch, position, velocity);
-        }
-        torque
-    }
-
-    /// Through the link, if there is one, from the motor side on the load side, N m.
+impl<'a> Closed<'a> {
+    /// Within the present flank, `held` on the motor side or the load side.
     #[inline]
-    fn through(&self, state: &State) -> f64 {
-        if !self.parts.has_link {
-            return 0.0;
-        }
-        let twist = state.position - state.load_position;
-        let rate = state.velocity - state.load_velocity;
-        self.parts.link.torque(twist, rate)
-    }
-
-    /// On the motor side, all but dry friction, with what goes `through` the link, N m.
-    #[inline]
-    fn pull(&self, state: &State, drive_nm: f64, through: f64) -> f64 {
-        let m = &self.mechanics;
-        let (position, velocity) = (state.position, state.velocity);
-        let motor = self.motor_side(drive_nm, position) - self.friction_share[0] * m.drag(velocity);
-        motor
-            + if self.parts.has_link {
-                -through
-            } else {
-                self.load_side(&state.pendulum, &state.touch, position, velocity)
-            }
-    }
-
-    /// Likewise, on the load side, N m.
-    #[inline]
-    fn load_pull(&self, state: &State, through: f64) -> f64 {
-        let (position, velocity) = (state.load_position, state.load_velocity);
-        through + self.load_side(&state.pendulum, &state.touch, position, velocity)
-            - self.friction_share[1] * self.mechanics.drag(velocity)
-    }
-}
-
-impl Plant {
-    /// The phase that follows on rest under this drive.
-    #[inline]
-    fn phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
-        let pull = self.pull(state, drive_nm, self.through(state));
-        if pull.abs() <= self.holding(state, pull, drive_nm) {
-            Phase::Stick
-        } else {
-            Phase::sliding(pull)
-        }
-    }
-
-    /// Likewise, of the load side.
-    #[inline]
-    fn load_phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
-        let pull = self.load_pull(state, self.through(state));
-        if pull.abs() <= self.load_holding(state, pull, drive_nm) {
-            Phase::Stick
-        } else {
-            Phase::sliding(pull)
-        }
-    }
-
-    /// Level that holds the load side against `pull` at rest, N m.
-    #[inline]
-    pub(super) fn load_holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
-        let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-        let friction = &self.mechanics.friction;
-        self.friction_share[1]
-            * friction.holding(direction, state.load_position, state.time_s, drive_nm)
-    }
-
-    /// True if the load side has dry friction of its own.
-    #[inline]
-    pub(super) fn load_is_dry(&self) -> bool {
-        self.dry && self.friction_share[1] > 0.0
-    }
-
-    /// Level that holds against `pull` at rest, N m.
-    #[inline]
-    pub(super) fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
-        let friction = &self.mechanics.friction;
-        self.friction_share[0]
-            * if self.plain {
-                friction.level(pull)
-            } else {
-                let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-                friction.holding(direction, state.position, state.time_s, drive_nm)
-            }
-    }
-
-    /// Dry friction on the motor side (0) or the load side (1) while sliding, if it depends on the direction alone, N m.
-    #[inline]
-    pub(super) fn constant_friction_nm(&self, side: usize, direction: f64) -> Option<f64> {
-        let level = self.mechanics.friction.level(direction);
-        (self.plain || direction == 0.0).then_some(self.friction_share[side] * direction * level)
-    }
-
-    /// Carries `state` over `dt_s` under `torque`.
-    #[inline]
-    pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
-        let rests = !self.passing_barriers && self.stays_at_rest(state, torque.bounds(dt_s));
-        if rests || self.glides(state, &torque, dt_s) {
-            state.time_s += dt_s;
-            return;
-        }
-        match (self.parts.has_link, self.parts.has_bristles) {
-            (false, false) => self.advance_as::<2>(state, torque, dt_s),
-            (false, true) => self.advance_as::<3>(state, torque, dt_s),
-            (true, false) => self.advance_as::<4>(state, torque, dt_s),
-            (true, true) => self.advance_as::<5>(state, torque, dt_s),
-        }
-    }
-
-    #[inline(never)]
-    fn advance_as<const N: usize>(&self, state: &mut State, mut torque: Torque, dt_s: f64) {
-        let end_s = state.time_s + dt_s;
-        let shortest_s = dt_s / self.pace.most_divisions;
-        let mut left = dt_s;
-        let mut events = 0;
-        while left > 0.0 {
-            let piece = self.until_barriers_change(state, left);
-            if state.velocity == 0.0 && self.dry && !has_bristles(N) {
-                state.phase = self.phase_at_rest(state, torque.at(0.0));
-            }
-            if is_linked(N) && self.load_is_dry() && state.load_velocity == 0.0 {
-                state.load_phase = self.load_phase_at_rest(state, torque.at(0.0));
-            }
-            let taken = if state.phase == Phase::Stick && self.dry && !is_linked(N) {
-                events += 1;
-                if events > self.pace.most_events {
-                    piece
-                } else {
-                    self.hold(state, &torque, piece)
-                        .max(LEAST_HOLD * dt_s)
-                        .min(piece)
-                }
-            } else {
-                let closed = self.is_closed::<N>(state);
-                let longest = self
-                    .longest_step(state, torque.at(0.0), closed)
-                    .min(torque.longest_step());
-                let h = piece.min(longest.max(shortest_s));
-                let bends = if has_bristles(N) && state.phase == Phase::Bristle {
-                    let bristles = &self.parts.bristles;
-                    bristles.longest_step(state.velocity, state.deflection)
-                } else {
-                    f64::INFINITY
-                };
-                let followed = h.min(bends.max(shortest_s));
-                let watched = events < self.pace.most_events;
-                let (taken, event) = self.flow::<N>(state, &torque, followed, watched, closed);
-                let event = event || has_bristles(N) && self.slides_on(state, h);
-                events += usize::from(event);
-                taken
-            };
-            left -= taken;
-            state.time_s += taken;
-            if left > 0.0 {
-                torque = torque.after(taken);
-            }
-        }
-        state.time_s = end_s;
-    }
-
-    /// Time to the next coming or going of a barrier, `left` at most; what has just come or gone is
-    /// taken in.
-    #[inline]
-    pub(super) fn until_barriers_change(&self, state: &mut State, left: f64) -> f64 {
-        if !self.passing_barriers {
-            return left;
-        }
-        self.touch(state);
-        let changes = self
-            .parts
-            .barriers
-            .iter()
-            .map(|b| b.next_change(state.time_s));
-        let next = changes.fold(f64::INFINITY, f64::min);
-        // An instant that rounding cannot tell from now is stepped over.
-        left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
-    }
-
-    /// True if the joint is at rest and no drive between two bounds breaks it away.
-    #[inline]
-    pub(super) fn stays_at_rest(&self, state: &mut State, [low, high]: [f64; 2]) -> bool {
-        if !(self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0) {
-            return false;
-        }
-        if state.rest.position != state.position {
-            state.rest = Rest {
-                position: state.position,
-                pull_nm: self.pull(state, 0.0, self.through(state)),
-            };
-        }
-        let holds = |drive_nm: f64| {
-            let pull = state.rest.pull_nm + drive_nm;
-            pull.abs() <= self.holding(state, pull, drive_nm)
-        };
-        holds(low) && (low == high || holds(high))
-    }
-
-    /// At rest: until the end of the step, or until a drive that grows within it breaks away.
-    fn hold(&self, state: &State, torque: &Torque, left: f64) -> f64 {
-        let breaks_at = |t: f64| {
-            let later = State {
-                time_s: state.time_s + t,
-                ..*state
-            };
-            self.phase_at_rest(&later, torque.at(t)) != Phase::Stick
-        };
-        if !breaks_at(left) {
-            return left;
-        }
-        // The drive is monotone within a step, so that it breaks away once at most.
-        let (mut held, mut broken) = (0.0, left);
-        loop {
-            let t = 0.5 * (held + broken);
-            if t <= held || t >= broken {
-                return broken;
-            }
-            if breaks_at(t) {
-                broken = t;
-            } else {
-                held = t;
-            }
-        }
-    }
-
-    /// True if both masses are stepped in closed form, as far as the link goes: all else is slow then.
-    #[inline]
-    fn is_closed<const N: usize>(&self, state: &State) -> bool {
-        self.pace.closed_link
-            && is_linked(N)
-            && !has_bristles(N)
-            && !state.touch.contains(&Touch::Pushing)
-    }
-
-    /// The link within its present flank, `held` on the motor side or the load side.
-    fn closed_link(&self, state: &State, held: [bool; 2]) -> Closed<'_> {
-        let flank = self.parts.link.flank(
+    fn of(plant: &'a Plant, state: &State, held: [bool; 2]) -> Self {
+        let flank = plant.parts.link.flank(
             state.position - state.load_position,
             state.velocity - state.load_velocity,
         );
-        Closed {
+        Self {
             flank,
-            masses: self.link_modes.within(flank, held),
+            masses: plant.link_modes.within(flank, held),
         }
-    }
-
-    /// In motion: until `h` or the first event; the time taken, and whether by an event.
-    #[inline]
-    fn flow<const N: usize>(
-        &self,
-        state: &mut State,
-        torque: &Torque,
-        h: f64,
-        watch: bool,
-        closed: bool,
-    ) -> (f64, bool) {
-        let m = &self.mechanics;
-        let kinked = self.dry && state.phase != Phase::Bristle;
-        let direction = if self.dry {
-            state.phase.direction()
-        } else {
-            0.0
-        };
-        let load_dry = is_linked(N) && self.load_is_dry();
-        let load_direction = if load_dry {
-            state.load_phase.direction()
-        } else {
-            0.0
-        };
-        let load = LoadSide {
-            direction: load_direction,
-            held: load_dry && state.load_phase == Phase::Stick,
-            constant_friction_nm: self.constant_friction_nm(1, load_direction),
-        };
-        let held = kinked && state.phase == Phase::Stick;
-        let load_position = if is_linked(N) {
-            state.load_position
-        } else {
-            state.position
-        };
-        state.pendulum.follow(load_position - m.gravity_zero);
-        let regime = Regime::<N> {
-            plant: self,
-            torque,
-            pendulum: state.pendulum,
-            time_s: state.time_s,
-            step_s: h,
-            direction,
-            held,
-            closed: closed.then(|| self.closed_link(state, [held, load.held])),
-            load,
-            constant_friction_nm: self.constant_friction_nm(0, direction),
-            touch: &state.touch,
-        };
-        let tolerance = watch.then_some(self.pace.event_tolerance);
-        let step = event::advance(&regime, &pack::<N>(state), h, tolerance);
-        unpack(&step.x, state);
-        if !watch {
-            state.time_s += step.taken;
-            self.enter(state);
-            state.time_s -= step.taken;
-            return (step.taken, false);
-        }
-        if step.event {
-            if direction != 0.0 && state.velocity * direction <= 0.0 {
-                state.velocity = 0.0;
-                state.phase = Phase::Stick;
-                if has_bristles(N) {
-                    state.phase = Phase::Bristle;
-                    state.deflection = direction * self.parts.bristles.distance;
-                }
-            }
-            if load_direction != 0.0 && state.load_velocity * load_direction <= 0.0 {
-                state.load_velocity = 0.0;
-                state.load_phase = Phase::Stick;
-            }
-            state.time_s += step.taken;
-            self.touch(state);
-            state.time_s -= step.taken;
-        }
-        (step.taken, step.event)
-    }
-
-    /// Takes bristles that have bent all the way for sliding, if they would relax faster than a step of `step_s` follows.
-    #[inline]
-    pub(super) fn slides_on(&self, state: &mut State, step_s: f64) -> bool {
-        let bristles = &self.parts.bristles;
-        let slides = state.phase == Phase::Bristle
-            && bristles.has_slid(state.velocity, state.deflection, step_s);
-        if slides {
-            state.phase = Phase::sliding(state.velocity);
-        }
-        slides
-    }
-
-    /// The longest step that follows how friction falls with speed, s.
-    #[inline]
-    pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, stride: Stride) -> f64 {
-        let Some([motor, load]) = &self.slopes else {
-            return f64::INFINITY;
-        };
-        let through = self.through(state);
-        let pull = self.pull(state, drive_nm, through);
-        let of_motor = motor.longest_step(state.velocity.abs(), pull, stride);
-        if !self.load_is_dry() || state.load_phase == Phase::Stick {
-            return of_motor;
-        }
-        let pull = self.load_pull(state, through);
-        of_motor.min(load.longest_step(state.load_velocity.abs(), pull, stride))
-    }
-
-    /// The longest step that the stiffest part in action allows, s.
-    #[inline]
-    fn longest_step(&self, state: &State, drive_nm: f64, closed: bool) -> f64 {
-        let m = &self.mechanics;
-        let mut longest = if closed {
-            self.longest_closed_step_s
-        } else {
-            self.longest_step_s
-        };
-        for (touch, barrier) in state.touch.iter().zip(&self.parts.barriers) {
-            if *touch == Touch::Pushing {
-                let natural = (barrier.stiffness * self.inverse_inertia[1]).sqrt();
-                let damped = barrier.damping * self.inverse_inertia[1];
-                longest = longest.min(self.pace.rate_step / (natural + damped));
-            }
-        }
-        longest = longest.min(self.longest_on_slope(state, drive_nm, self.pace.on_slope));
-        if state.phase == Phase::Bristle {
-            let level = m.friction.highest_nm();
-            let holding = level * m.friction.stribeck.ratio;
-            // The bristles' own relaxation is slower than a step, or they count as sliding.
-            let motor_inertia = self.inverse_inertia[0].recip();
-            let rate = self.parts.bristles.fastest_rate(motor_inertia, holding);
-            longest = longest.min(2.0 * self.pace.rate_step / rate);
-        }
-        longest
     }
 }
 
+pub(super) const fn is_linked(n: usize) -> bool {
+    n >= 4
+}
+
+pub(super) const fn has_bristles(n: usize) -> bool {
+    n % 2 == 1
+}
+
 #[inline]
-fn pack<const N: usize>(state: &State) -> [f64; N] {
+pub(super) fn pack<const N: usize>(state: &State) -> [f64; N] {
     core::array::from_fn(|i| match i {
         0 => state.position,
         1 => state.velocity,
@@ -485,7 +77,7 @@ fn pack<const N: usize>(state: &State) -> [f64; N] {
 }
 
 #[inline]
-fn unpack<const N: usize>(x: &[f64; N], state: &mut State) {
+pub(super) fn unpack<const N: usize>(x: &[f64; N], state: &mut State) {
     state.position = x[0];
     state.velocity = x[1];
     if is_linked(N) {
@@ -497,7 +89,47 @@ fn unpack<const N: usize>(x: &[f64; N], state: &mut State) {
     }
 }
 
-impl<const N: usize> Regime<'_, N> {
+impl<'a, const N: usize> Regime<'a, N> {
+    /// That of `state` under `torque`, for a step of `step_s`; the link is stepped in closed form if `closed`.
+    #[inline]
+    pub(super) fn of(
+        plant: &'a Plant,
+        state: &'a State,
+        torque: &'a Torque,
+        step_s: f64,
+        closed: bool,
+    ) -> Self {
+        let directed = |dry: bool, phase: Phase| if dry { phase.direction() } else { 0.0 };
+        let direction = directed(plant.dry, state.phase);
+        let held = plant.dry && state.phase == Phase::Stick;
+        let load_dry = is_linked(N) && plant.load_is_dry();
+        let load_direction = directed(load_dry, state.load_phase);
+        let load = LoadSide {
+            direction: load_direction,
+            held: load_dry && state.load_phase == Phase::Stick,
+            constant_friction_nm: plant.constant_friction_nm(1, load_direction),
+        };
+        Self {
+            plant,
+            torque,
+            pendulum: state.pendulum,
+            time_s: state.time_s,
+            step_s,
+            direction,
+            held,
+            closed: closed.then(|| Closed::of(plant, state, [held, load.held])),
+            load,
+            constant_friction_nm: plant.constant_friction_nm(0, direction),
+            touch: &state.touch,
+        }
+    }
+
+    /// In which motor side and load side slide: ±1; 0 where dry friction has no kink.
+    #[inline]
+    pub(super) fn directions(&self) -> [f64; 2] {
+        [self.direction, self.load.direction]
+    }
+
     /// Dry friction while sliding or on bristles, N m; and the rate of the bristles.
     #[inline(always)]
     fn friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> (f64, f64) {

@@ -1,0 +1,209 @@
+//! A step of the plant, from event to event.
+
+use super::event;
+use super::regime::{Regime, has_bristles, is_linked, pack, unpack};
+use super::stribeck::Stride;
+use super::{Phase, Plant, State, Torque, Touch};
+
+/// hold it for ever.
+const LEAST_HOLD: f64 = 1e-6;
+
+impl Plant {
+    /// Carries `state` over `dt_s` under `torque`.
+    #[inline]
+    pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
+        let rests = !self.passing_barriers && self.stays_at_rest(state, torque.bounds(dt_s));
+        if rests || self.glides(state, &torque, dt_s) {
+            state.time_s += dt_s;
+            return;
+        }
+        match (self.parts.has_link, self.parts.has_bristles) {
+            (false, false) => self.advance_as::<2>(state, torque, dt_s),
+            (false, true) => self.advance_as::<3>(state, torque, dt_s),
+            (true, false) => self.advance_as::<4>(state, torque, dt_s),
+            (true, true) => self.advance_as::<5>(state, torque, dt_s),
+        }
+    }
+
+    #[inline(never)]
+    fn advance_as<const N: usize>(&self, state: &mut State, mut torque: Torque, dt_s: f64) {
+        let end_s = state.time_s + dt_s;
+        let shortest_s = dt_s / self.pace.most_divisions;
+        let mut left = dt_s;
+        let mut events = 0;
+        while left > 0.0 {
+            let piece = self.until_barriers_change(state, left);
+            if state.velocity == 0.0 && self.dry && !has_bristles(N) {
+                state.phase = self.phase_at_rest(state, torque.at(0.0));
+            }
+            if is_linked(N) && self.load_is_dry() && state.load_velocity == 0.0 {
+                state.load_phase = self.load_phase_at_rest(state, torque.at(0.0));
+            }
+            let taken = if state.phase == Phase::Stick && self.dry && !is_linked(N) {
+                events += 1;
+                if events > self.pace.most_events {
+                    piece
+                } else {
+                    self.hold(state, &torque, piece)
+                        .max(LEAST_HOLD * dt_s)
+                        .min(piece)
+                }
+            } else {
+                let closed = self.is_closed::<N>(state);
+                let longest = self
+                    .longest_step(state, torque.at(0.0), closed)
+                    .min(torque.longest_step());
+                let h = piece.min(longest.max(shortest_s));
+                let bends = if has_bristles(N) && state.phase == Phase::Bristle {
+                    let bristles = &self.parts.bristles;
+                    bristles.longest_step(state.velocity, state.deflection)
+                } else {
+                    f64::INFINITY
+                };
+                let followed = h.min(bends.max(shortest_s));
+                let watched = events < self.pace.most_events;
+                let (taken, event) = self.flow::<N>(state, &torque, followed, watched, closed);
+                let event = event || has_bristles(N) && self.slides_on(state, h);
+                events += usize::from(event);
+                taken
+            };
+            left -= taken;
+            state.time_s += taken;
+            if left > 0.0 {
+                torque = torque.after(taken);
+            }
+        }
+        state.time_s = end_s;
+    }
+
+    /// Time to the next coming or going of a barrier, `left` at most; what has just come or gone is
+    /// taken in.
+    #[inline]
+    pub(super) fn until_barriers_change(&self, state: &mut State, left: f64) -> f64 {
+        if !self.passing_barriers {
+            return left;
+        }
+        self.touch(state);
+        let changes = self
+            .parts
+            .barriers
+            .iter()
+            .map(|b| b.next_change(state.time_s));
+        let next = changes.fold(f64::INFINITY, f64::min);
+        // An instant that rounding cannot tell from now is stepped over.
+        left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
+    }
+
+    /// True if both masses are stepped in closed form, as far as the link goes: all else is slow then.
+    #[inline]
+    fn is_closed<const N: usize>(&self, state: &State) -> bool {
+        self.pace.closed_link
+            && is_linked(N)
+            && !has_bristles(N)
+            && !state.touch.contains(&Touch::Pushing)
+    }
+
+    /// In motion: until `h` or the first event; the time taken, and whether by an event.
+    #[inline]
+    fn flow<const N: usize>(
+        &self,
+        state: &mut State,
+        torque: &Torque,
+        h: f64,
+        watch: bool,
+        closed: bool,
+    ) -> (f64, bool) {
+        let load_position = if is_linked(N) {
+            state.load_position
+        } else {
+            state.position
+        };
+        let from_hanging = load_position - self.mechanics.gravity_zero;
+        state.pendulum.follow(from_hanging);
+        let regime = Regime::<N>::of(self, state, torque, h, closed);
+        let [direction, load_direction] = regime.directions();
+        let tolerance = watch.then_some(self.pace.event_tolerance);
+        let step = event::advance(&regime, &pack::<N>(state), h, tolerance);
+        unpack(&step.x, state);
+        if !watch {
+            state.time_s += step.taken;
+            self.enter(state);
+            state.time_s -= step.taken;
+            return (step.taken, false);
+        }
+        if step.event {
+            if direction != 0.0 && state.velocity * direction <= 0.0 {
+                state.velocity = 0.0;
+                state.phase = Phase::Stick;
+                if has_bristles(N) {
+                    state.phase = Phase::Bristle;
+                    state.deflection = direction * self.parts.bristles.distance;
+                }
+            }
+            if load_direction != 0.0 && state.load_velocity * load_direction <= 0.0 {
+                state.load_velocity = 0.0;
+                state.load_phase = Phase::Stick;
+            }
+            state.time_s += step.taken;
+            self.touch(state);
+            state.time_s -= step.taken;
+        }
+        (step.taken, step.event)
+    }
+
+    /// Takes bristles that have bent all the way for sliding, if they would relax faster than a step of `step_s` follows.
+    #[inline]
+    pub(super) fn slides_on(&self, state: &mut State, step_s: f64) -> bool {
+        let bristles = &self.parts.bristles;
+        let slides = state.phase == Phase::Bristle
+            && bristles.has_slid(state.velocity, state.deflection, step_s);
+        if slides {
+            state.phase = Phase::sliding(state.velocity);
+        }
+        slides
+    }
+
+    /// The longest step that follows how friction falls with speed, s.
+    #[inline]
+    pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, stride: Stride) -> f64 {
+        let Some([motor, load]) = &self.slopes else {
+            return f64::INFINITY;
+        };
+        let through = self.through(state);
+        let pull = self.pull(state, drive_nm, through);
+        let of_motor = motor.longest_step(state.velocity.abs(), pull, stride);
+        if !self.load_is_dry() || state.load_phase == Phase::Stick {
+            return of_motor;
+        }
+        let pull = self.load_pull(state, through);
+        of_motor.min(load.longest_step(state.load_velocity.abs(), pull, stride))
+    }
+
+    /// The longest step that the stiffest part in action allows, s.
+    #[inline]
+    fn longest_step(&self, state: &State, drive_nm: f64, closed: bool) -> f64 {
+        let m = &self.mechanics;
+        let mut longest = if closed {
+            self.longest_closed_step_s
+        } else {
+            self.longest_step_s
+        };
+        for (touch, barrier) in state.touch.iter().zip(&self.parts.barriers) {
+            if *touch == Touch::Pushing {
+                let natural = (barrier.stiffness * self.inverse_inertia[1]).sqrt();
+                let damped = barrier.damping * self.inverse_inertia[1];
+                longest = longest.min(self.pace.rate_step / (natural + damped));
+            }
+        }
+        longest = longest.min(self.longest_on_slope(state, drive_nm, self.pace.on_slope));
+        if state.phase == Phase::Bristle {
+            let level = m.friction.highest_nm();
+            let holding = level * m.friction.stribeck.ratio;
+            // The bristles' own relaxation is slower than a step, or they count as sliding.
+            let motor_inertia = self.inverse_inertia[0].recip();
+            let rate = self.parts.bristles.fastest_rate(motor_inertia, holding);
+            longest = longest.min(2.0 * self.pace.rate_step / rate);
+        }
+        longest
+    }
+}

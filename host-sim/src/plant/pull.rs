@@ -1,0 +1,78 @@
+//! What pulls on the motor side and on the load side of the joint, dry friction apart.
+
+use super::pendulum::Pendulum;
+use super::{BARRIERS, Mechanics, Plant, State, Touch};
+
+impl Mechanics {
+    /// Friction that grows with velocity, N m.
+    #[inline(always)]
+    pub(super) fn drag(&self, velocity: f64) -> f64 {
+        (self.viscous + self.drag * velocity.abs()) * velocity
+    }
+}
+
+impl Plant {
+    /// What acts where the motor is, dry friction apart, N m.
+    #[inline(always)]
+    pub(super) fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
+        let torque = drive_nm + self.mechanics.offset_nm;
+        if self.parts.has_cogging {
+            torque + self.parts.cogging.torque(position)
+        } else {
+            torque
+        }
+    }
+
+    /// What acts where the load is, N m.
+    #[inline(always)]
+    pub(super) fn load_side(
+        &self,
+        pendulum: &Pendulum,
+        touch: &[Touch; BARRIERS],
+        position: f64,
+        velocity: f64,
+    ) -> f64 {
+        let m = &self.mechanics;
+        let mut torque = -m.stiffness * (position - m.stiffness_zero);
+        if m.gravity != 0.0 {
+            torque -= m.gravity * pendulum.sin(position - m.gravity_zero);
+        }
+        for (barrier, touch) in self.parts.barriers.iter().zip(touch) {
+            torque += barrier.torque(*touch, position, velocity);
+        }
+        torque
+    }
+
+    /// Through the link, if there is one, from the motor side on the load side, N m.
+    #[inline]
+    pub(super) fn through(&self, state: &State) -> f64 {
+        if !self.parts.has_link {
+            return 0.0;
+        }
+        let twist = state.position - state.load_position;
+        let rate = state.velocity - state.load_velocity;
+        self.parts.link.torque(twist, rate)
+    }
+
+    /// On the motor side, all but dry friction, with what goes `through` the link, N m.
+    #[inline]
+    pub(super) fn pull(&self, state: &State, drive_nm: f64, through: f64) -> f64 {
+        let m = &self.mechanics;
+        let (position, velocity) = (state.position, state.velocity);
+        let motor = self.motor_side(drive_nm, position) - self.friction_share[0] * m.drag(velocity);
+        motor
+            + if self.parts.has_link {
+                -through
+            } else {
+                self.load_side(&state.pendulum, &state.touch, position, velocity)
+            }
+    }
+
+    /// Likewise, on the load side, N m.
+    #[inline]
+    pub(super) fn load_pull(&self, state: &State, through: f64) -> f64 {
+        let (position, velocity) = (state.load_position, state.load_velocity);
+        through + self.load_side(&state.pendulum, &state.touch, position, velocity)
+            - self.friction_share[1] * self.mechanics.drag(velocity)
+    }
+}

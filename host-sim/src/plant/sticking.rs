@@ -1,0 +1,108 @@
+//! Dry friction at rest: what holds a joint, and what breaks it away.
+
+use super::{Phase, Plant, Rest, State, Torque};
+
+impl Plant {
+    /// The phase that follows on rest under this drive.
+    #[inline]
+    pub(super) fn phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
+        let pull = self.pull(state, drive_nm, self.through(state));
+        if pull.abs() <= self.holding(state, pull, drive_nm) {
+            Phase::Stick
+        } else {
+            Phase::sliding(pull)
+        }
+    }
+
+    /// Likewise, of the load side.
+    #[inline]
+    pub(super) fn load_phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
+        let pull = self.load_pull(state, self.through(state));
+        if pull.abs() <= self.load_holding(state, pull, drive_nm) {
+            Phase::Stick
+        } else {
+            Phase::sliding(pull)
+        }
+    }
+
+    /// Level that holds the load side against `pull` at rest, N m.
+    #[inline]
+    pub(super) fn load_holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
+        let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
+        let friction = &self.mechanics.friction;
+        self.friction_share[1]
+            * friction.holding(direction, state.load_position, state.time_s, drive_nm)
+    }
+
+    /// True if the load side has dry friction of its own.
+    #[inline]
+    pub(super) fn load_is_dry(&self) -> bool {
+        self.dry && self.friction_share[1] > 0.0
+    }
+
+    /// Level that holds against `pull` at rest, N m.
+    #[inline]
+    pub(super) fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
+        let friction = &self.mechanics.friction;
+        self.friction_share[0]
+            * if self.plain {
+                friction.level(pull)
+            } else {
+                let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
+                friction.holding(direction, state.position, state.time_s, drive_nm)
+            }
+    }
+
+    /// Dry friction on the motor side (0) or the load side (1) while sliding, if it depends on the direction alone, N m.
+    #[inline]
+    pub(super) fn constant_friction_nm(&self, side: usize, direction: f64) -> Option<f64> {
+        let level = self.mechanics.friction.level(direction);
+        (self.plain || direction == 0.0).then_some(self.friction_share[side] * direction * level)
+    }
+
+    /// True if the joint is at rest and no drive between two bounds breaks it away.
+    #[inline]
+    pub(super) fn stays_at_rest(&self, state: &mut State, [low, high]: [f64; 2]) -> bool {
+        if !(self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0) {
+            return false;
+        }
+        if state.rest.position != state.position {
+            state.rest = Rest {
+                position: state.position,
+                pull_nm: self.pull(state, 0.0, self.through(state)),
+            };
+        }
+        let holds = |drive_nm: f64| {
+            let pull = state.rest.pull_nm + drive_nm;
+            pull.abs() <= self.holding(state, pull, drive_nm)
+        };
+        holds(low) && (low == high || holds(high))
+    }
+
+    /// At rest: until the end of the step, or until a drive that grows within it breaks away.
+    pub(super) fn hold(&self, state: &State, torque: &Torque, left: f64) -> f64 {
+        let breaks_at = |t: f64| {
+            let later = State {
+                time_s: state.time_s + t,
+                ..*state
+            };
+            self.phase_at_rest(&later, torque.at(t)) != Phase::Stick
+        };
+        if !breaks_at(left) {
+            return left;
+        }
+        // The drive is monotone within a step, so that it breaks away once at most.
+        let (mut held, mut broken) = (0.0, left);
+        loop {
+            let t = 0.5 * (held + broken);
+            if t <= held || t >= broken {
+                return broken;
+            }
+            if breaks_at(t) {
+                broken = t;
+            } else {
+                held = t;
+            }
+        }
+    }
+}

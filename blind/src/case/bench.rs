@@ -1,0 +1,123 @@
+//! A device with its plans on the bench: recorded, and measured against the truth.
+
+use recording::{Model, Recording, Tolerance};
+
+use super::FINE_STEPS;
+use super::secret::Secret;
+use crate::prediction::{self, HiddenStates, Restart};
+use crate::reality::Reality;
+use crate::scenario::{Plan, Plant, Scale};
+use crate::session::{self, Log, Logging, SECOND_COLUMN};
+use crate::truth::{Effect, Reference};
+
+/// A motion is grossly different if its span changes by more than this.
+const SPAN_CHANGE: f64 = 4.0;
+/// Steps of a prediction per period of the motion.
+const PREDICTION_STEPS: f64 = 20_000.0;
+
+/// A device with its plans, ready to hide something in.
+pub(super) struct Bench {
+    pub(super) plant: Plant,
+    pub(super) nominal: Model,
+    pub(super) tolerance: Tolerance,
+    pub(super) logging: Logging,
+    pub(super) restart: Restart,
+    /// Whether time starts anew in every run.
+    pub(super) per_run_clocks: bool,
+}
+
+/// One session measured against the truth.
+pub(super) struct Measured {
+    pub(super) logs: Vec<Log>,
+    pub(super) reference: Reference,
+}
+
+impl Bench {
+    pub(super) fn prediction_step_s(&self, reality: &Reality) -> f64 {
+        // A transmission that is not rigid is the stiffest part.
+        let steps = match reality.mechanics.coupling {
+            Some(_) => FINE_STEPS,
+            None => PREDICTION_STEPS,
+        };
+        1.0 / (steps * self.plant.motion_hz)
+    }
+
+    pub(super) fn plain(&self) -> Reality {
+        Reality::plain(&self.plant.model)
+    }
+
+    /// Carries out `plans` on `reality` and measures the gaps; `None` if the motion makes no sense.
+    pub(super) fn measure(
+        &self,
+        reality: &Reality,
+        plans: &[Plan],
+        scale: &Scale,
+    ) -> Option<Measured> {
+        let logs = session::carry_out(reality, plans, &self.logging);
+        let sensible = logs.iter().all(|log| {
+            let (low, high) = session::extremes(&log.position);
+            let half = 0.5 * (high - low);
+            half.is_finite()
+                && half < SPAN_CHANGE * scale.half_span
+                && half > 20.0 * self.plant.sensor.resolution.max(self.plant.sensor.noise)
+                && low.abs().max(high.abs()) < 4.0 * SPAN_CHANGE * scale.half_span
+        });
+        if !sensible {
+            return None;
+        }
+        let predict = |model: &Reality, hidden| {
+            let step_s = self.prediction_step_s(model);
+            prediction::predict(model, &logs, self.restart, hidden, step_s)
+        };
+        let plain = predict(&self.plain(), HiddenStates::Carried);
+        let nominal = predict(&Reality::plain(&self.nominal), HiddenStates::Carried);
+        let true_model = predict(reality, HiddenStates::Known);
+        let reference = Reference {
+            before: prediction::gap(&logs, &nominal),
+            after: prediction::gap(&logs, &true_model),
+            hidden_alone: prediction::gap(&logs, &plain),
+            tolerances_alone: prediction::difference(&nominal, &plain),
+        };
+        reference
+            .before
+            .is_finite()
+            .then_some(Measured { logs, reference })
+    }
+
+    /// The truth about `secret`, with times as the recording's column has them.
+    pub(super) fn describe(&self, secret: &Secret, scale: &Scale) -> Effect {
+        let mut effect = secret.describe(scale);
+        for place in &mut effect.places {
+            if let (true, "time", Some(run)) = (self.per_run_clocks, place.axis.as_str(), place.run)
+            {
+                let origin = scale.runs_s[run][0];
+                for end in [&mut place.from, &mut place.to] {
+                    *end = end.map(|time_s| time_s - origin);
+                }
+            }
+        }
+        effect
+    }
+
+    pub(super) fn recording(&self, plans: &[Plan], logs: &[Log]) -> Recording {
+        let mut recording = Recording::new("A device", self.plant.horizon_s, self.nominal);
+        recording.restart_half_width = self.restart.half_width_s;
+        recording.units = self.plant.units.clone();
+        recording.tolerance = self.tolerance.clone();
+        recording
+            .sensors
+            .insert("position".into(), self.plant.sensor);
+        if let Some(second) = self.logging.second {
+            recording.sensors.insert(SECOND_COLUMN.into(), second);
+        }
+        recording.runs = plans
+            .iter()
+            .zip(logs)
+            .enumerate()
+            .map(|(k, (plan, log))| {
+                log.run(plan, &format!("run-{}.csv", k + 1), self.per_run_clocks)
+            })
+            .collect();
+        recording
+    }
+}

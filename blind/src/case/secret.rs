@@ -1,0 +1,55 @@
+//! What is hidden, whichever kind it is of.
+
+use crate::reality::Reality;
+use crate::scenario::{Cause, Hidden, Scale};
+use crate::truth::Effect;
+
+/// An effect of the vocabulary, or a cause outside it.
+#[derive(Clone, Debug)]
+pub(super) enum Secret {
+    Known(Hidden),
+    Foreign(Cause),
+}
+
+impl Secret {
+    pub(super) fn apply(&self, reality: &mut Reality, scale: &Scale) {
+        match self {
+            Self::Known(hidden) => hidden.apply(reality, scale),
+            Self::Foreign(cause) => cause.apply(reality, scale),
+        }
+    }
+
+    /// Multiplies the strength by `factor`; `false` if that hits the end of its range.
+    pub(super) fn scale_by(&mut self, factor: f64) -> bool {
+        let (strength, [low, high]) = match self {
+            Self::Known(hidden) => (&mut hidden.strength, hidden.range),
+            Self::Foreign(cause) => (&mut cause.strength, cause.range),
+        };
+        let before = *strength;
+        *strength = (*strength * factor).clamp(low, high);
+        (*strength / before - 1.0).abs() > 0.01
+    }
+
+    pub(super) fn describe(&self, scale: &Scale) -> Effect {
+        let (name, strength, places, form) = match self {
+            Self::Known(hidden) => (
+                hidden.name,
+                hidden.strength,
+                hidden.places(scale),
+                format!("{hidden:?}"),
+            ),
+            Self::Foreign(cause) => (
+                cause.name,
+                cause.strength,
+                cause.places(scale),
+                format!("{cause:?}"),
+            ),
+        };
+        Effect {
+            name: name.into(),
+            strength,
+            form,
+            places,
+        }
+    }
+}

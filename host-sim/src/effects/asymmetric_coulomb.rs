@@ -26,6 +26,7 @@ pub const KIND: Kind = Kind {
             about: "level against negative motion",
         },
     ],
+    events: None,
     install: |device, p| {
         device.mechanics.friction.level_nm = [p[0], p[1]];
     },

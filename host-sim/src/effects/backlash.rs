@@ -44,6 +44,7 @@ pub const KIND: Kind = Kind {
         },
         LOAD_FRICTION,
     ],
+    events: None,
     install: |device, p| {
         device.mechanics.link = Some(Link {
             load_share: p[1],

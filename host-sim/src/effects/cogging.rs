@@ -51,6 +51,7 @@ pub const KIND: Kind = Kind {
             about: "of the second harmonic",
         },
     ],
+    events: None,
     install: |device, p| {
         device.mechanics.cogging = Some(Cogging {
             amplitude_nm: p[0],

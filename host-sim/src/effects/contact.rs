@@ -1,19 +1,12 @@
 //! Something outside pushes back for a while, or holds.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, Parameter, Quantity};
 use crate::device::CONTACT;
 use crate::plant::{BARRIERS, Barrier};
 use core::ops::Range;
 
 /// Places of what is said of each time that it comes: from which side, where, from when and until when.
-pub(super) const STAY: Range<usize> = 2..6;
-/// Times that it may come.
-pub(super) const MOST_STAYS: usize = BARRIERS - CONTACT;
-
-/// When it is there, s of the session.
-pub(super) fn meanwhile(values: &[f64]) -> Vec<[f64; 2]> {
-    stays(values).map(|stay| [stay[2], stay[3]]).collect()
-}
+const STAY: Range<usize> = 2..6;
 
 fn stays(values: &[f64]) -> impl Iterator<Item = &[f64]> {
     values[STAY.start..].chunks_exact(STAY.len())
@@ -75,6 +68,12 @@ pub const KIND: Kind = Kind {
             about: "of the session",
         },
     ],
+    events: Some(Events {
+        places: STAY,
+        most: BARRIERS - CONTACT,
+        alone: |_| true,
+        meanwhile: Some(|p| stays(p).map(|stay| [stay[2], stay[3]]).collect()),
+    }),
     install: |device, p| {
         let [stiffness, damping] = [p[0], p[1]];
         let barriers = device.mechanics.barriers[CONTACT..].iter_mut();

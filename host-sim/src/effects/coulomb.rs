@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.0, 0.05],
         about: "sliding and static, both directions",
     }],
+    events: None,
     install: |device, p| {
         device.mechanics.friction.level_nm = [p[0]; 2];
     },

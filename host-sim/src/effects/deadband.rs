@@ -26,6 +26,7 @@ pub const KIND: Kind = Kind {
             about: "share of the width by which the input jumps at its edge",
         },
     ],
+    events: None,
     install: |device, p| {
         device.drive.deadband = p[0];
         device.drive.deadband_jump = p[1];

@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.0005, 0.02],
         about: "delay on top of the model's",
     }],
+    events: None,
     install: |device, p| {
         device.drive.delay_s += p[0];
     },

@@ -42,6 +42,7 @@ pub const KIND: Kind = Kind {
             about: "of both, in contact",
         },
     ],
+    events: None,
     install: |device, p| {
         device.set_stops([p[0], p[1]], p[2], p[3]);
     },

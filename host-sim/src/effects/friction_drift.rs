@@ -43,6 +43,7 @@ pub const KIND: Kind = Kind {
             about: "1 if every run starts with it, 0 if it goes on through the session",
         },
     ],
+    events: None,
     install: |device, p| {
         let level = p[1];
         device.mechanics.friction.scale(level);

@@ -26,6 +26,7 @@ pub const KIND: Kind = Kind {
             about: "where it hangs at rest",
         },
     ],
+    events: None,
     install: |device, p| {
         device.mechanics.gravity = p[0];
         device.mechanics.gravity_zero = p[1];

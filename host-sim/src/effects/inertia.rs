@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [3e-4, 1.2e-3],
         about: "in place of the model's",
     }],
+    events: None,
     install: |device, p| {
         device.mechanics.inertia = p[0];
     },

@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.0005, 0.02],
         about: "time constant on top of the model's",
     }],
+    events: None,
     install: |device, p| {
         device.drive.lag_s += p[0];
     },

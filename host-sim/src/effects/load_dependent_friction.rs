@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.02, 0.5],
         about: "of the driving torque that is added to the level",
     }],
+    events: None,
     install: |device, p| {
         device.mechanics.friction.load_share = p[0];
     },

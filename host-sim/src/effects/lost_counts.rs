@@ -1,13 +1,13 @@
 //! The sensor loses counts: all at once, or more the faster it turns.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 use crate::sensing::{Jump, Overspeed};
 use core::ops::Range;
 
 /// Places of what is said of each jump: when, and how high.
-pub(super) const JUMP: Range<usize> = 0..2;
+const JUMP: Range<usize> = 0..2;
 /// Places of the share that is lost at speed, and of the speed.
-pub(super) const SHARE_LOST: usize = 2;
+const SHARE_LOST: usize = 2;
 const FROM_SPEED: usize = 3;
 
 /// `y = x + Δ from t on`, and `y' = x' − q (x' − v sgn x')` beyond `|x'| = v`.
@@ -50,6 +50,12 @@ pub const KIND: Kind = Kind {
             about: "up to which it counts all",
         },
     ],
+    events: Some(Events {
+        places: JUMP,
+        most: usize::MAX,
+        alone: |p| p[SHARE_LOST] == 0.0,
+        meanwhile: None,
+    }),
     install: |device, p| {
         let (once, again) = p.split_at(KIND.parameters.len());
         let events = [&once[JUMP], again].concat();

@@ -88,6 +88,7 @@ pub const KIND: Kind = Kind {
             about: "m, how steep its flanks are: 2 a bell, more a band",
         },
     ],
+    events: None,
     install: |device, p| {
         let level = p[2];
         let friction = &mut device.mechanics.friction;

@@ -50,6 +50,7 @@ pub const KIND: Kind = Kind {
             about: "e, share of the distance below which nothing slides",
         },
     ],
+    events: None,
     install: |device, p| {
         device.mechanics.presliding = Some(Presliding {
             distance: p[0],

@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [1e-5, 1e-2],
         about: "at the joint",
     }],
+    events: None,
     install: |device, p| {
         device.mechanics.drag = p[0];
     },

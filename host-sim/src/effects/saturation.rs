@@ -28,6 +28,7 @@ pub const KIND: Kind = Kind {
             about: "share of the limit, below and above it, over which the clipping sets in",
         },
     ],
+    events: None,
     install: |device, p| {
         device.drive.saturation = Saturation {
             limit: p[0],

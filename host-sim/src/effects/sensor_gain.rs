@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.8, 1.2],
         about: "shown over true",
     }],
+    events: None,
     install: |device, p| {
         device.sensing.gain *= p[0];
     },

@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.0005, 0.03],
         about: "of the play",
     }],
+    events: None,
     install: |device, p| {
         device.sensing.hysteresis = p[0];
     },

@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.0005, 0.02],
         about: "time constant",
     }],
+    events: None,
     install: |device, p| {
         device.sensing.lag_s = p[0];
     },

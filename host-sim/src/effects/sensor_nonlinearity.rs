@@ -61,6 +61,7 @@ pub const KIND: Kind = Kind {
             about: "m, around which the curve is bent",
         },
     ],
+    events: None,
     install: |device, p| {
         let [a, b, m] = [p[0], p[1], p[6]];
         device.sensing.gain += m * (3.0 * b * m - 2.0 * a);

@@ -26,6 +26,7 @@ pub const KIND: Kind = Kind {
             about: "where it is relaxed",
         },
     ],
+    events: None,
     install: |device, p| {
         device.mechanics.stiffness = p[0];
         device.mechanics.stiffness_zero = p[1];

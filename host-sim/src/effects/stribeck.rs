@@ -49,6 +49,7 @@ pub const KIND: Kind = Kind {
             about: "t, how slowly the last of it goes: 0 as an exponential, 1 as a hyperbola",
         },
     ],
+    events: None,
     install: |device, p| {
         device.mechanics.friction.stribeck = Stribeck {
             ratio: p[0],

@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.6, 1.4],
         about: "torque that comes, as a share of what was told",
     }],
+    events: None,
     install: |device, p| {
         device.drive.ratio *= p[0];
     },

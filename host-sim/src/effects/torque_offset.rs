@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [-0.02, 0.02],
         about: "at the joint",
     }],
+    events: None,
     install: |device, p| {
         device.mechanics.offset_nm += p[0];
     },

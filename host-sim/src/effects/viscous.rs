@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
         typical: [0.0, 2e-2],
         about: "in place of the model's",
     }],
+    events: None,
     install: |device, p| {
         device.mechanics.viscous = p[0];
     },

@@ -68,7 +68,7 @@ impl Left {
 
 /// Of each window that tells, in one draw.
 fn left(
-    imagined: &Imagined,
+    imagined: &Imagined<'_>,
     draw: u64,
     predictor: &Predictor,
     cut: fn(&Recording, f64) -> Vec<Series>,

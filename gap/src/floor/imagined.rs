@@ -17,7 +17,9 @@ const SEED: u64 = 0x6861_7074_6963;
 
 /// The motion of a model that was put where the device was before every even window: of its own predictions nothing is left on
 /// the odd ones, and on the first, but what noise and restarts leave.
-pub(crate) struct Imagined {
+pub(crate) struct Imagined<'a> {
+    recording: &'a Recording,
+    /// Parts of its runs, with the positions of the model.
     motion: Recording,
     /// Of each run.
     sensed: Vec<Sensed>,
@@ -38,16 +40,16 @@ struct Sensed {
     quantum: f64,
 }
 
-impl Imagined {
+impl<'a> Imagined<'a> {
     /// As `predictor` has it, from the first window on and from the second: odd windows of the one are even ones of the other, so
     /// that what recurs every other window is seen, too.
-    pub(crate) fn both(recording: &Recording, predictor: &Predictor) -> [Self; 2] {
+    pub(crate) fn both(recording: &'a Recording, predictor: &Predictor) -> [Self; 2] {
         let of = |from_first| Self::of(recording, predictor, from_first);
         let (first, second) = rayon::join(|| of(true), || of(false));
         [first, second]
     }
 
-    fn of(recording: &Recording, predictor: &Predictor, from_first: bool) -> Self {
+    fn of(recording: &'a Recording, predictor: &Predictor, from_first: bool) -> Self {
         let rows: usize = recording.runs.iter().map(|run| run.time.len()).sum();
         let share = (MOST_ROWS as f64 / rows.max(1) as f64).min(1.0);
         let mut motion = Recording::new("", recording.horizon, recording.model);
@@ -62,7 +64,8 @@ impl Imagined {
         let resolution = recording.sensor("position").resolution;
         let mut sensed = vec![Sensed::default(); motion.runs.len()];
         let mut put = vec![Vec::new(); motion.runs.len()];
-        for mut series in series::full(&motion, 2.0 * recording.horizon) {
+        let all = series::full(&motion, 2.0 * recording.horizon);
+        for mut series in series::as_parts_of(recording, all) {
             let seen = typical_noise(&series);
             if let Some(pid) = &recording.runs[series.run].controller {
                 series.resample_inputs(pid, seen);
@@ -82,6 +85,7 @@ impl Imagined {
             motion.runs[series.run].position = predictor.predict(&series);
         }
         Self {
+            recording,
             motion,
             sensed,
             skipped,
@@ -108,7 +112,7 @@ impl Imagined {
         for (run, sensed) in shown.runs.iter_mut().zip(&self.sensed) {
             run.position = sensed.show(&run.position, &mut noise, sign);
         }
-        let mut all = cut(&shown, shown.horizon);
+        let mut all = series::as_parts_of(self.recording, cut(&shown, shown.horizon));
         for series in &mut all {
             for state in &self.put[series.run] {
                 let before = state.time_s - 0.5 * shown.horizon;
@@ -220,4 +224,30 @@ fn part(run: &Run, share: f64, skipped_s: f64) -> Run {
         part(&run.input),
         part(&run.position),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use host_sim::device::Device;
+
+    #[test]
+    fn it_goes_by_the_clock_of_the_session() {
+        let mut recording = made::recording(&[]);
+        let start_s = recording.runs[1].time[0];
+        for time_s in &mut recording.runs[1].time {
+            *time_s -= start_s;
+        }
+        let predictor = Predictor::new(Device::nominal(&recording.model), &recording);
+        let whole = series::coarse(&recording, recording.horizon);
+        assert!(whole[1].session_offset_s > 0.0);
+        for imagined in Imagined::both(&recording, &predictor) {
+            let (_, shown) = imagined.shown(0, series::coarse);
+            for (part, whole) in shown.iter().zip(&whole) {
+                assert_eq!(part.session_offset_s, whole.session_offset_s);
+                assert_eq!(part.started_s, whole.started_s);
+            }
+        }
+    }
 }

@@ -334,6 +334,16 @@ pub fn thinned(series: Vec<Series>, most: usize) -> Vec<Series> {
     blocks.collect()
 }
 
+/// Series of parts of the runs of a recording, by the clocks of the whole runs.
+pub(crate) fn as_parts_of(recording: &Recording, mut parts: Vec<Series>) -> Vec<Series> {
+    let offsets = session_offsets(recording);
+    for part in &mut parts {
+        part.session_offset_s = offsets[part.run];
+        part.started_s = recording.runs[part.run].time[0];
+    }
+    parts
+}
+
 /// When the first sample of a session is taken, by its clock, s.
 pub(crate) fn session_start(recording: &Recording) -> f64 {
     let starts = recording.runs.iter().zip(session_offsets(recording));

@@ -178,7 +178,17 @@ impl Bins {
     /// Share of the squared `values` that is a function of the place: the correlation ratio (Pearson, 1905)
     /// from pairs of values in different windows, so that neither noise nor what goes on in one window counts.
     pub(super) fn explained(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let between: f64 = self.parts().map(|bin| across(bin, &value)).sum();
+        self.explained_in(|_| true, value)
+    }
+
+    /// The same by the places up to one and by those beyond it.
+    pub(super) fn explained_up_to(&self, place: f64, value: impl Fn(usize) -> f64) -> [f64; 2] {
+        [true, false].map(|up_to| self.explained_in(|at| (at <= place) == up_to, &value))
+    }
+
+    fn explained_in(&self, taken: impl Fn(f64) -> bool, value: impl Fn(usize) -> f64) -> f64 {
+        let bins = self.parts().filter(|bin| taken(bin[0].at));
+        let between: f64 = bins.map(|bin| across(bin, &value)).sum();
         let all: f64 = self.points.iter().map(|p| value(p.index).powi(2)).sum();
         if all > 0.0 {
             (between / all).clamp(0.0, 1.0)
@@ -315,6 +325,14 @@ mod tests {
         assert!(bins.explained(|i| i as f64 - 50.0) > 0.9);
         assert!(bins.explained(|i| if i / 4 % 2 == 0 { 1.0 } else { -1.0 }) < 0.2);
         assert!(bins.explained(|i| if i % 4 == 0 { 9.0 } else { 0.0 }) < 0.1);
+    }
+
+    #[test]
+    fn what_the_place_explains_is_parted_at_a_place() {
+        let bins = Bins::new(points(|_| 1.0), 10).unwrap();
+        let late = |i: usize| if i < 70 { 0.0 } else { 2.0 };
+        let [near, beyond] = bins.explained_up_to(50.0, late);
+        assert!(near == 0.0 && beyond > 0.9, "{near} {beyond}");
     }
 
     #[test]

@@ -197,7 +197,7 @@ impl<'a> Axes<'a> {
         let near_rest = self.bins(|i| i.slowest.abs(), |i| i.excess, BINS)?;
         let rest = near_rest.best_from_start();
         let surplus = self.best(at)?.surplus();
-        if rest.surplus() <= surplus {
+        if rest.surplus() <= surplus || self.grows_with_speed(&near_rest, &rest) {
             return Some(now);
         }
         let bins = self.bins(|i| i.slowest, |i| i.excess, BINS)?;
@@ -211,6 +211,14 @@ impl<'a> Axes<'a> {
             bins,
             ..now
         })
+    }
+
+    /// True if most of what is missing is a function of the speed, and most of that away from `rest`: a little more or less of
+    /// a friction decides when it comes to rest, so that what is missed there is large.
+    fn grows_with_speed(&self, speeds: &Bins, rest: &Stretch) -> bool {
+        let along = |i: usize| self.all[i].missing * self.all[i].direction();
+        let [at_rest, in_motion] = speeds.explained_up_to(rest.to, along);
+        at_rest < in_motion && at_rest + in_motion > 0.5
     }
 
     /// Input; an event that comes with large ones of either sign belongs to it, too.

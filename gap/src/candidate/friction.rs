@@ -26,8 +26,8 @@ const HELD: f64 = 0.98;
 const RESTS: f64 = 0.1;
 /// Natural frequency of bristles, in rad a coarse sample.
 const RESOLVED_RATE: f64 = 2.0;
-/// How far they bend, over the span of the motion.
-const BENDS: [f64; 4] = [0.003, 0.015, 0.06, 0.2];
+/// How far they bend, over the span of the motion: from those that are hardly softer than stick on.
+const BENDS: [f64; 6] = [3e-5, 3e-4, 0.003, 0.015, 0.06, 0.2];
 /// Their damping over that of the springs that bend alike, as a share of the critical one.
 const BRISTLE_DAMPING: f64 = 0.3;
 /// Periods of a ripple over the span of the motion.

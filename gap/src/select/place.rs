@@ -137,10 +137,10 @@ fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool 
     })
 }
 
-/// True if luck does not lose so much.
+/// True if luck does not lose so much, nor the uncertainty of the noise.
 fn is_surely_worse(gains: &[f64]) -> bool {
     let (mean, error) = mean_and_error(gains);
-    mean < -LARGE_SIGNIFICANCE * error
+    mean < -LEAST_GAIN.max(LARGE_SIGNIFICANCE * error)
 }
 
 #[cfg(test)]
@@ -152,5 +152,7 @@ mod tests {
         let luck = [-0.5, 0.3, -0.2, 0.2, -0.3, 0.1, -0.4, 0.4];
         assert!(!is_surely_worse(&luck));
         assert!(is_surely_worse(&luck.map(|gain| gain - 0.4)));
+        let [little, more] = [0.5, 2.0].map(|f| [-f * LEAST_GAIN; 8]);
+        assert!(!is_surely_worse(&little) && is_surely_worse(&more));
     }
 }

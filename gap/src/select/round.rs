@@ -153,8 +153,9 @@ impl Search<'_> {
         self.perfect.level + QUIET_EXCESS
     }
 
-    /// True if the last effect of a fit acts at other times or places than its name says: a hand with which something is missing
-    /// and that never goes, or of which no stiffness can be told; or a stop that is hardly ever left.
+    /// True if the last effect of a fit does not act as its name says: a hand with which something is missing and that never
+    /// goes, or of which no stiffness can be told; a stop that is hardly ever left; or a transmission whose spring takes longer
+    /// than a prediction to come back through its damper, so that what it makes is a lag.
     pub(super) fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
@@ -164,6 +165,12 @@ impl Search<'_> {
                 !hand::is_stiff(fit) || hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
             }
             "end_stop" => push_at_most(&last, self.problem.positions()),
+            "backlash" | "compliance" => {
+                let predictor = self.problem.predictor(&fit.hypothesis, &fit.x);
+                let link = &predictor.device().mechanics.link;
+                let horizon_s = self.problem.recording.horizon;
+                link.is_some_and(|link| link.damping > horizon_s * link.stiffness)
+            }
             _ => false,
         }
     }

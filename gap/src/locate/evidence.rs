@@ -22,8 +22,9 @@ const SHADOW_WEIGHT: f64 = 0.7;
 const EVENTS: usize = 4;
 /// With at least this surplus they, or one stretch, are an event, which no other axis can place.
 const EVENT_SURPLUS: f64 = 0.65;
-/// And this much by the robust measure: what grows out of a fault that is there all along is no event.
+/// And this much by the robust measure: what grows out of a fault that is there all along is no event, unless it is nearly all.
 const ROBUST_EVENT_SURPLUS: f64 = 0.3;
+const NEARLY_ALL: f64 = 0.9;
 /// What that is worth.
 const EVENT_STRENGTH: f64 = 0.5;
 /// Weight of a slow course of friction over time: what repeats itself has none.
@@ -96,8 +97,9 @@ impl<'a> Axes<'a> {
         let robust = self.bins(|i| i.session_s, Innovation::robust, TIME_BINS)?;
         let one = bins.best(None)?;
         let beside = robust.stretch(one.from, one.to);
-        let stands_out =
-            |squares: f64, robust: f64| squares > EVENT_SURPLUS && robust > ROBUST_EVENT_SURPLUS;
+        let stands_out = |squares: f64, robust: f64| {
+            squares > NEARLY_ALL || squares > EVENT_SURPLUS && robust > ROBUST_EVENT_SURPLUS
+        };
         let few = stands_out(bins.densest(EVENTS), robust.densest(EVENTS));
         Some(few || stands_out(one.surplus(), beside.surplus()))
     }

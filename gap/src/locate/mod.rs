@@ -85,7 +85,8 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
     let mut axes = evidence::Axes::new(&all, series).ranked(&predictions, recording.horizon);
     axes.truncate(AXES);
-    let second = axes.iter().filter_map(|e| {
+    // Runs do not lie beside one another.
+    let second = axes.iter().filter(|e| e.axis != "run").filter_map(|e| {
         let stretch = e.bins.best(Some(&e.stretch))?;
         (stretch.surplus() > LEAST_SURPLUS).then_some((e, stretch))
     });

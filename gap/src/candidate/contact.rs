@@ -67,7 +67,7 @@ pub(crate) fn otherwise(hand: &Term) -> Vec<Term> {
 }
 
 /// How often a hand comes.
-fn stays(hand: &Term) -> usize {
+pub(crate) fn stays(hand: &Term) -> usize {
     let stays = (0..).take_while(|stay| hand.kind.event_place(*stay) < hand.values.len());
     stays.count()
 }

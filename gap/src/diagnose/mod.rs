@@ -25,7 +25,7 @@ use recording::Recording;
 use relief::Relief;
 use stand_in::StandIn;
 use std::time::Instant;
-use steps::closing_steps;
+use steps::{Step, closing_steps};
 use verdict::verdict;
 
 /// What to leave out, and whom to tell.
@@ -101,13 +101,17 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         let steps = closing_steps(&exact, &mut refined);
         (refined.rounds.len() > selection.rounds.len()).then_some((exact, refined, steps))
     });
-    let (problem, selection, steps) = refined.unwrap_or_else(|| {
+    let (problem, selection, mut steps) = refined.unwrap_or_else(|| {
         let steps = closing_steps(&problem, &mut selection);
         (problem, selection, steps)
     });
     let model = corrected(&problem, selection.fit());
     let (after, _) = measure(recording, &model.device());
     let floor = after.floor.min(before);
+    // What the model leaves of the very recording that it was fitted to is the least that it leaves of others.
+    if before > floor {
+        Step::bounded(&mut steps, (before - after.before) / (before - floor));
+    }
     let total = steps.last().map_or([0.0; 3], |step| step.total);
     let closing = Closing {
         before,
@@ -118,7 +122,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         unit: recording.units.position.clone(),
     };
 
-    let stand_in = StandIn::of(&problem, selection.fit(), selection.kept());
+    let stand_in = StandIn::of(&problem, &selection);
     let verdict = verdict(&problem, &selection, &closing, stand_in);
     let effects = findings(&problem, &selection, &steps, comparison.as_ref(), verdict);
     let names: Vec<&str> = effects.iter().map(|e| e.name).collect();

@@ -1,12 +1,17 @@
 //! Effects that bend to what has no name: they close the gap, and would close that of another cause as well.
 
+use super::findings::confidence;
+use crate::candidate::contact;
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
+use crate::select::{Round, Selection};
 use core::f64::consts::TAU;
 use std::fmt;
 
 /// Waves of a ripple that were travelled at least for it to be seen to repeat.
 const LEAST_WAVES: f64 = 1.0;
+/// Confidence from which a hand is one that comes more than once.
+const SURE_HAND: f64 = 0.9;
 
 /// Why what was found may stand in for something else.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,11 +20,26 @@ pub(super) enum StandIn {
     Wave { travelled: f64 },
     /// A soft transmission behind a drive that is late, or before a sensor that is: so is any drive with dynamics of its own.
     Drive { late: &'static str },
+    /// A spring beside another weight: together they bend, as a spring does that hardens.
+    Restoring,
+    /// A hand that comes more than once and is not for sure: so does any torque that comes and goes.
+    Hand { stays: usize },
 }
 
 impl StandIn {
-    /// The reason to doubt what was found beyond the first effects that are `certain`, if there is one.
-    pub(super) fn of(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
+    /// The reason to doubt what was found, if there is one.
+    pub(super) fn of(problem: &Problem<'_>, selection: &Selection) -> Option<Self> {
+        let mut hands = selection.rounds.iter().filter_map(|round| {
+            let stays = returning(round)?;
+            let is_sure = confidence(round, selection.perfect.level) >= SURE_HAND;
+            (!is_sure).then_some(Self::Hand { stays })
+        });
+        let of_effects = Self::of_effects(problem, selection.fit(), selection.kept());
+        of_effects.or_else(|| hands.next())
+    }
+
+    /// The reason that lies in the effects beyond the first ones that are `certain`.
+    fn of_effects(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
         let predictor = problem.predictor(&fit.hypothesis, &fit.x);
         let [low, high] = problem.extremes();
         let cogging = predictor.device().mechanics.cogging;
@@ -29,6 +49,12 @@ impl StandIn {
         }
         let found = fit.hypothesis.terms.iter().skip(certain);
         let names: Vec<&str> = found.map(|term| term.kind.name).collect();
+        if ["gravity", "spring"]
+            .iter()
+            .all(|name| names.contains(name))
+        {
+            return Some(Self::Restoring);
+        }
         let late = ["delay", "lag", "sensor_lag"]
             .into_iter()
             .find(|n| names.contains(n))?;
@@ -36,6 +62,13 @@ impl StandIn {
             .contains(&"compliance")
             .then_some(Self::Drive { late })
     }
+}
+
+/// How often the hand comes that a round is about, if that is more than once.
+fn returning(round: &Round) -> Option<usize> {
+    let hand = round.rivals[0].fit.last_term()?;
+    let stays = (hand.kind.name == "contact").then(|| contact::stays(&hand))?;
+    (stays > 1).then_some(stays)
 }
 
 impl fmt::Display for StandIn {
@@ -51,6 +84,14 @@ impl fmt::Display for StandIn {
                 "compliance and {late} together act as a drive with a resonance of its own would: measure the torque \
                  or the motor's side to tell"
             ),
+            Self::Hand { stays } => write!(
+                f,
+                "what pushes back {stays} times may be any torque that comes and goes, such as a drive that loses its power: \
+                 record once with nothing near it to tell"
+            ),
+            Self::Restoring => f.write_str(
+                "a spring and another weight together act as a spring that hardens or softens would: take one of them off to tell",
+            ),
         }
     }
 }
@@ -61,13 +102,15 @@ mod tests {
     use crate::fit::hypothesis::{Hypothesis, Term};
     use crate::fit::problem::Part;
     use crate::made;
+    use crate::select::{Place, Rival};
+    use host_sim::effects::Effect;
 
     /// Whether these terms, the first ones `certain`, may stand in for something else.
     fn is_doubted(terms: Vec<Term>, certain: usize) -> bool {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let fit = problem.fit(&Hypothesis { terms }, Vec::new(), Part::All, 0);
-        StandIn::of(&problem, &fit, certain).is_some()
+        StandIn::of_effects(&problem, &fit, certain).is_some()
     }
 
     #[test]
@@ -92,5 +135,41 @@ mod tests {
         assert!(!is_doubted(named(&["sensor_lag", "compliance"]), 1));
         assert!(!is_doubted(named(&["compliance", "viscous"]), 0));
         assert!(!is_doubted(named(&["delay"]), 0));
+    }
+
+    #[test]
+    fn a_spring_beside_another_weight_may_be_one_that_hardens() {
+        let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
+        assert!(is_doubted(named(&["spring", "gravity"]), 0));
+        assert!(!is_doubted(named(&["spring", "viscous"]), 0));
+    }
+
+    /// How often the hand that is written so is taken to come.
+    fn taken(written: &str) -> Option<usize> {
+        let recording = made::recording(&[]);
+        let problem = made::problem(&recording);
+        let Effect { kind, values } = written.parse().unwrap();
+        let term = Term {
+            values,
+            ..made::term(kind.name, &[])
+        };
+        let hypothesis = Hypothesis { terms: vec![term] };
+        let fit = problem.fit(&hypothesis, Vec::new(), Part::All, 0);
+        let name = kind.name;
+        returning(&Round {
+            known: fit.clone(),
+            so_far: fit.clone(),
+            rivals: vec![Rival { name, fit }],
+            screened: Vec::new(),
+            place: Place::given(true),
+        })
+    }
+
+    #[test]
+    fn a_hand_that_comes_again_may_be_what_comes_and_goes() {
+        assert_eq!(taken("contact:from=1,to=2"), None);
+        let twice = taken("contact:from_1=1,to_1=2,from_2=4,to_2=5");
+        assert_eq!(twice, Some(2));
+        assert_eq!(taken("viscous"), None);
     }
 }

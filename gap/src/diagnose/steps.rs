@@ -19,6 +19,9 @@ const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 /// those that were closed a third at least.
 const LEAST_HAND_SHRINK: f64 = 0.25;
 
+/// Iterations without an effect on which the others may not rest.
+const SPARED_ITERATIONS: usize = 8;
+
 /// Shrink by one effect and by all up to it: value and 95 % interval; and of what those before it left.
 pub(super) struct Step {
     pub own: [f64; 3],
@@ -32,10 +35,38 @@ pub(super) struct Step {
 }
 
 impl Step {
+    /// The same of all steps together by no more than a `most`.
+    pub(super) fn bounded(steps: &mut [Self], most: f64) {
+        let Some(whole) = steps.last().map(|step| step.total[0]) else {
+            return;
+        };
+        if whole <= most.max(0.0) {
+            return;
+        }
+        for step in steps {
+            for shrink in [&mut step.own, &mut step.total] {
+                *shrink = shrink.map(|of_whole| of_whole * most / whole);
+            }
+        }
+    }
+
     /// True if its effect hardly closes anything by itself.
     pub(super) fn is_small(&self) -> bool {
         self.own[0] < LEAST_SHRINK
     }
+}
+
+/// True if the others close the gap as far without the effect at `place`.
+pub(super) fn is_spare(problem: &Problem<'_>, selection: &Selection, place: usize) -> bool {
+    if selection.rounds.len() < 2 {
+        return false;
+    }
+    let all = selection.fit();
+    let (hypothesis, x) = all.without(place);
+    let others = problem.fit(&hypothesis, x, Part::All, SPARED_ITERATIONS);
+    let [without, with] = [&others, all].map(|fit| problem.window_squares(fit, Part::All));
+    let nominal = problem.window_squares(&bare(problem, selection), Part::All);
+    hardly_closes(&problem.floor_squares(all), &nominal, &without, &with)
 }
 
 /// The step of each effect that is left of a selection once those are taken back that close nothing.
@@ -93,14 +124,18 @@ fn hardly_closes(floor: &[f64], nominal: &[f64], before: &[f64], after: &[f64]) 
     shrink(before, after, floor, nominal)[0] < LEAST_SHRINK
 }
 
+/// The nominal model as it is stated.
+fn bare(problem: &Problem<'_>, selection: &Selection) -> Fit {
+    Fit {
+        x: vec![0.0; problem.nudges.len()],
+        ..selection.null.clone()
+    }
+}
+
 /// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
 /// have not seen.
 fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
-    let bare = Fit {
-        x: vec![0.0; problem.nudges.len()],
-        ..selection.null.clone()
-    };
-    let nominal = problem.window_squares(&bare, Part::All);
+    let nominal = problem.window_squares(&bare(problem, selection), Part::All);
     let left = selection.rounds.iter().map(|round| {
         if round.place.by_few {
             problem.window_squares(&round.so_far, Part::All)
@@ -152,7 +187,8 @@ fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
     }
     let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
     let is_real = step.is_sure || after <= select::MOST_LEFT_EXPLAINED;
-    let typical = before - after >= LEAST_TYPICAL_SHRINK && is_real;
+    // What is at its floor already has no gap that it could close.
+    let typical = !step.was_at_floor && before - after >= LEAST_TYPICAL_SHRINK && is_real;
     // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
     let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
     let jumps = winner.name == "lost_counts" && winner.is_event();
@@ -177,7 +213,7 @@ fn are_vain(steps: &[Step], left_open: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{hardly_closes, steps_to};
+    use super::{Step, hardly_closes, steps_to};
 
     const FLOOR: [f64; 20] = [1.0; 20];
 
@@ -193,6 +229,17 @@ mod tests {
         };
         assert_eq!(places([9.0, 4.0, 1.2]), [(false, false), (false, true)]);
         assert_eq!(places([1.3, 1.0, 1.0]), [(true, true), (true, true)]);
+    }
+
+    #[test]
+    fn steps_claim_together_what_was_measured_at_most() {
+        let left = [25.0, 9.0, 1.0].map(|squares| vec![squares; FLOOR.len()]);
+        let mut steps = steps_to(&FLOOR, &left);
+        Step::bounded(&mut steps, 1.2);
+        assert_eq!(steps[1].total[0], 1.0);
+        Step::bounded(&mut steps, 0.6);
+        assert!((steps[1].total[0] - 0.6).abs() < 1e-12);
+        assert!((steps[0].own[0] - 0.3).abs() < 1e-12);
     }
 
     #[test]

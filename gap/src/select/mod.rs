@@ -23,7 +23,7 @@ use crate::stage::Stage;
 #[cfg(test)]
 pub(crate) use place::Place;
 use place::bounces;
-pub(crate) use ranking::{others, ties};
+pub(crate) use ranking::{luck, others, ties};
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;
 use round::Search;

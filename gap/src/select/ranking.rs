@@ -95,11 +95,17 @@ pub(super) fn contains(general: &str, special: &str) -> bool {
     )
 }
 
+/// What one fit may leave less than another by luck, where both are made of as much: what a parameter is worth.
+pub(crate) fn luck(fit: &Fit) -> f64 {
+    let windows = fit.costs.per_sample.len();
+    price(windows) / windows.max(1) as f64
+}
+
 /// Names in a round that this recording cannot tell from the winner.
 pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     let winner = &round.rivals[0];
     let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
-    let close = level(&winner.fit) + TIE_SHARE * gain;
+    let close = level(&winner.fit) + luck(&winner.fit).max(TIE_SHARE * gain);
     let tied = others(round).filter(|rival| level(&rival.fit) <= close);
     tied.map(|rival| rival.name).collect()
 }

@@ -10,6 +10,8 @@ use std::fmt;
 
 /// Waves of a ripple that were travelled at least for it to be seen to repeat.
 const LEAST_WAVES: f64 = 1.0;
+/// Effects that are many.
+const MANY: usize = 3;
 /// Confidence from which a hand is one that comes more than once.
 const SURE_HAND: f64 = 0.9;
 
@@ -22,6 +24,9 @@ pub(super) enum StandIn {
     Drive { late: &'static str },
     /// A spring beside another weight: together they bend, as a spring does that hardens.
     Restoring,
+    /// So many effects that together they bend to any cause: of seven times that three were named on nine blind and outside sets
+    /// four had another cause, and three had two.
+    Many { effects: usize },
     /// A hand that comes more than once and is not for sure: so does any torque that comes and goes.
     Hand { stays: usize },
 }
@@ -49,6 +54,10 @@ impl StandIn {
         }
         let found = fit.hypothesis.terms.iter().skip(certain);
         let names: Vec<&str> = found.map(|term| term.kind.name).collect();
+        if names.len() >= MANY {
+            let effects = names.len();
+            return Some(Self::Many { effects });
+        }
         if ["gravity", "spring"]
             .iter()
             .all(|name| names.contains(name))
@@ -83,6 +92,10 @@ impl fmt::Display for StandIn {
                 f,
                 "compliance and {late} together act as a drive with a resonance of its own would: measure the torque \
                  or the motor's side to tell"
+            ),
+            Self::Many { effects } => write!(
+                f,
+                "{effects} effects together may stand in for one that has no name: look at the first of them first"
             ),
             Self::Hand { stays } => write!(
                 f,
@@ -142,6 +155,16 @@ mod tests {
         let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
         assert!(is_doubted(named(&["spring", "gravity"]), 0));
         assert!(!is_doubted(named(&["spring", "viscous"]), 0));
+    }
+
+    #[test]
+    fn three_effects_may_stand_in_for_one_that_has_no_name() {
+        let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
+        assert!(is_doubted(named(&["viscous", "coulomb", "torque_gain"]), 0));
+        assert!(!is_doubted(
+            named(&["viscous", "coulomb", "torque_gain"]),
+            1
+        ));
     }
 
     /// How often the hand that is written so is taken to come.

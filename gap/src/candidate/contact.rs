@@ -102,6 +102,13 @@ pub(crate) fn moved(hand: &Term, which: usize, by_s: f64) -> Term {
     with(hand, instant, hand.values[instant] + by_s)
 }
 
+/// The same hand that is there in either half of its last stay alone.
+pub(crate) fn halves(hand: &Term) -> [Term; 2] {
+    let [from_s, to_s] = instants(hand);
+    let half_s = 0.5 * (to_s - from_s);
+    [moved(hand, 1, -half_s), moved(hand, 0, half_s)]
+}
+
 /// The first stay of a hand from before the first sample until after the last, with no instants to fit.
 pub(crate) fn lasting(hand: &Term) -> Term {
     let [from, to] = INSTANTS.map(|instant| hand.kind.event_place(0) + instant);

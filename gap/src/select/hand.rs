@@ -4,7 +4,7 @@ use super::level;
 use super::place::stands_out;
 use crate::candidate::contact;
 use crate::fit::Fit;
-use crate::fit::hypothesis::Term;
+use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
 use crate::floor::Perfect;
 use rayon::prelude::*;
@@ -31,7 +31,18 @@ pub(super) fn found(
     let stands_out = |fit: &Fit, on: &Fit| stands_out(&fit.costs.gains(&on.costs), perfect);
     let mut best = once(problem, fit, iterations);
     if !stands_out(&best, known) {
-        return best;
+        // One long stay that reaches from a first to a second is neither.
+        let halves = best.last_term().map(|hand| contact::halves(&hand));
+        let halves = halves.into_iter().flatten().map(|half| {
+            let (hypothesis, x) = with_hand(&best, half);
+            let placed = problem.fit(&hypothesis, x, Part::All, iterations);
+            once(problem, &placed, iterations)
+        });
+        let half = halves.min_by(|a, b| level(a).total_cmp(&level(b)));
+        let Some(half) = half.filter(|half| stands_out(half, known)) else {
+            return best;
+        };
+        best = half;
     }
     while let Some(more) = again(problem, &best, iterations) {
         if !stands_out(&more, &best) {
@@ -49,6 +60,15 @@ fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let mut returns = contact::returns(&fit.last_term()?, &problem.series, &costs);
     returns.retain(|hand| contact::there_s(hand) <= longest_s(problem));
     best_hand(problem, fit, returns, iterations)
+}
+
+/// The effects of a fit with another hand in the place of the last, and coordinates to fit them from.
+fn with_hand(fit: &Fit, hand: Term) -> (Hypothesis, Vec<f64>) {
+    let (mut hypothesis, mut x) = fit.hypothesis.moved(&fit.x);
+    let before = hypothesis.terms.pop().map_or(0, |hand| hand.free.len());
+    x.resize(x.len() + hand.free.len() - before, 0.0);
+    hypothesis.terms.push(hand);
+    (hypothesis, x)
 }
 
 /// The best of the hands that push to either side or hold, from the last effect of a fit on.
@@ -89,27 +109,21 @@ fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
 
 /// A fit with another hand in the place of its last effect, there the last time as long as suits it best.
 fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: usize) -> Fit {
-    let (mut hypothesis, mut x) = fit.hypothesis.moved(&fit.x);
-    let before = hypothesis.terms.pop().map_or(0, |hand| hand.free.len());
-    x.resize(x.len() + hand.free.len() - before, 0.0);
-    let with = |hand: &Term| {
-        let mut hypothesis = hypothesis.clone();
-        hypothesis.terms.push(hand.clone());
-        hypothesis
-    };
+    let with = |hand: &Term| with_hand(fit, hand.clone());
     // Moving an instant changes what lies between.
     let gain = |hand: &Term, moved: &Term| {
         let between = contact::moves(hand, moved);
         let windows = problem.during(&between);
         let [here, there] = [hand, moved].map(|hand| -> f64 {
-            let predictor = problem.predictor(&with(hand), &x);
+            let (hypothesis, x) = with(hand);
+            let predictor = problem.predictor(&hypothesis, &x);
             let squares = problem.squares(&predictor, Part::Chosen(&windows));
             squares.iter().filter(|sum| !sum.is_nan()).sum()
         });
         here - there
     };
-    let hypothesis = with(&timed(hand, longest_s(problem), gain));
-    problem.fit(&hypothesis, x.clone(), Part::All, iterations)
+    let (hypothesis, x) = with(&timed(hand, longest_s(problem), gain));
+    problem.fit(&hypothesis, x, Part::All, iterations)
 }
 
 /// The longest that a hand may be there in all, s.
@@ -164,7 +178,7 @@ fn timed(mut hand: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sy
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
     use host_sim::effects::Effect;
 
@@ -249,6 +263,21 @@ mod tests {
             near(last, &stays[0]) && near(first, &stays[1]) && near(middle, &stays[2]),
             "{again:?}"
         );
+    }
+
+    #[test]
+    fn one_long_stay_that_reaches_over_two_is_parted() {
+        let held = "contact:stiffness=1,damping=0.003,side_1=0,position_1=0.5,from_1=8,to_1=8.9,\
+                    side_2=0,position_2=-0.5,from_2=4.6,to_2=5.5";
+        let begun = "contact:stiffness=1,damping=0.003,position=0,side=0,from=4.6,to=8.9";
+        let stays = fitted(held, begun, |problem, fit| {
+            let bare = Hypothesis { terms: Vec::new() };
+            let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+            let perfect = Perfect::of(problem, &null).bounded();
+            let found = found(problem, &perfect, &null, fit, 8);
+            contact::stays(&found.last_term().unwrap())
+        });
+        assert_eq!(stays, 2);
     }
 
     /// What a hand that is written so comes to on a recording with what is `hidden`.

@@ -10,6 +10,8 @@ use crate::shrink::{resampled, shrink};
 /// Share of the gap that a further effect must close, or of what those before it leave.
 const LEAST_SHRINK: f64 = 0.05;
 const LEAST_SHRINK_OF_REST: f64 = 0.5;
+/// Share of the gap that another formulation of a right effect may leave: what makes that up is no effect of its own.
+const FORMULATION: f64 = 0.02;
 /// Or this share of the robust excess, and surely something of the gap or nearly all that was left of the excess: a few windows
 /// in which a hidden state is wrong may be most of the gap.
 const LEAST_TYPICAL_SHRINK: f64 = 0.2;
@@ -56,14 +58,30 @@ impl Step {
     }
 }
 
+/// The other effects, fitted on from where they stand beside the one at `place`.
+fn without(problem: &Problem<'_>, selection: &Selection, place: usize) -> Fit {
+    let (hypothesis, x) = selection.fit().without(place);
+    problem.fit(&hypothesis, x, Part::All, SPARED_ITERATIONS)
+}
+
+/// The effects but the last, where that closes hardly anything and they then leave as little without it: beside it they have
+/// but come to the end of their way.
+fn without_needless(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Option<Fit> {
+    let further = selection.kept().max(1)..selection.rounds.len();
+    let last = further.last().filter(|&last| steps[last].is_small())?;
+    let all = selection.fit();
+    let others = without(problem, selection, last);
+    let enough = all.costs.level() + select::luck(all);
+    (others.costs.level() <= enough).then_some(others)
+}
+
 /// True if the others close the gap as far without the effect at `place`.
 pub(super) fn is_spare(problem: &Problem<'_>, selection: &Selection, place: usize) -> bool {
     if selection.rounds.len() < 2 {
         return false;
     }
     let all = selection.fit();
-    let (hypothesis, x) = all.without(place);
-    let others = problem.fit(&hypothesis, x, Part::All, SPARED_ITERATIONS);
+    let others = self::without(problem, selection, place);
     let [without, with] = [&others, all].map(|fit| problem.window_squares(fit, Part::All));
     let nominal = problem.window_squares(&bare(problem, selection), Part::All);
     hardly_closes(&problem.floor_squares(all), &nominal, &without, &with)
@@ -77,6 +95,11 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
     }
     let mut left = left_by_each(problem, selection);
     let mut steps = steps(problem, selection.fit(), &left);
+    while let Some(others) = without_needless(problem, selection, &steps) {
+        selection.withdraw_last(others);
+        left = left_by_each(problem, selection);
+        steps = self::steps(problem, selection.fit(), &left);
+    }
     while let Some(idle) = (kept..steps.len()).find(|&i| is_idle(selection, i, &steps[i])) {
         selection.withdraw_one(problem, idle);
         if idle < selection.rounds.len() {
@@ -193,7 +216,7 @@ fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
     let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
     let jumps = winner.name == "lost_counts" && winner.is_event();
     let jumps = jumps && (step.is_at_floor || halves);
-    let finishes = step.of_rest >= LEAST_SHRINK_OF_REST;
+    let finishes = step.own[0] >= FORMULATION && step.of_rest >= LEAST_SHRINK_OF_REST;
     // A number that lies well is not worth a gap that is larger.
     let relieves = step.own[0] > -LEAST_SHRINK && is_relieved(&selection.rounds[i]);
     !finishes && !typical && !jumps && !relieves

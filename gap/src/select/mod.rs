@@ -146,6 +146,14 @@ impl Selection {
         self.last = self.rounds.drain(from..).next();
     }
 
+    /// Takes back the last effect, without which the others are as they were fitted then.
+    pub(crate) fn withdraw_last(&mut self, others: Fit) {
+        self.last = self.rounds.pop();
+        if let Some(round) = self.rounds.last_mut() {
+            round.so_far = others;
+        }
+    }
+
     /// Takes back one effect; those after it are fitted anew without it.
     pub(crate) fn withdraw_one(&mut self, problem: &Problem<'_>, place: usize) {
         let mut later = self.rounds.split_off(place).into_iter();

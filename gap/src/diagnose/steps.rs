@@ -113,17 +113,22 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
         return steps;
     }
     // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
-    let is_none = !selection.plain
-        && selection.null_leaves_at_most(select::LOUD_GAP, problem)
-        && steps
-            .first()
-            .is_some_and(|step| step.was_at_floor || are_spared(problem, selection, &left));
+    let hidden = selection.null_leaves_at_most(select::LOUD_GAP, problem);
+    let closes_none = |step: &Step| step.was_at_floor || are_spared(problem, selection, &left);
+    let is_none = hidden
+        && (is_formulation(selection)
+            || !selection.plain && steps.first().is_some_and(closes_none));
     if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
         selection.withdraw(0);
         selection.quiet |= is_none;
     }
     steps
+}
+
+/// True if all that is found is another form of a dry friction: bristles in place of stick.
+fn is_formulation(selection: &Selection) -> bool {
+    matches!(&selection.rounds[..], [round] if round.rivals[0].name == "presliding")
 }
 
 /// True if the effects hardly close more than the model's own numbers do, moved within their tolerances.

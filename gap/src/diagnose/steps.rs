@@ -37,7 +37,7 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// The same of all steps together by no more than a `most`.
+    /// Holds what all steps claim together to a `most`, each to its share of it.
     pub(super) fn bounded(steps: &mut [Self], most: f64) {
         let Some(whole) = steps.last().map(|step| step.total[0]) else {
             return;

@@ -22,8 +22,9 @@ const SHADOW_WEIGHT: f64 = 0.7;
 const EVENTS: usize = 4;
 /// With at least this surplus they, or one stretch, are an event, which no other axis can place.
 const EVENT_SURPLUS: f64 = 0.65;
-/// And this much by the robust measure: what grows out of a fault that is there all along is no event, unless it is nearly all.
+/// And this much by the robust measure: what grows out of a fault that is there all along is no event.
 const ROBUST_EVENT_SURPLUS: f64 = 0.3;
+/// Unless this surplus by the squares says that it is nearly all of the gap.
 const NEARLY_ALL: f64 = 0.9;
 /// What that is worth.
 const EVENT_STRENGTH: f64 = 0.5;

@@ -34,13 +34,13 @@ pub(super) enum StandIn {
 impl StandIn {
     /// The reason to doubt what was found, if there is one.
     pub(super) fn of(problem: &Problem<'_>, selection: &Selection) -> Option<Self> {
-        let mut hands = selection.rounds.iter().filter_map(|round| {
+        let of_effects = Self::of_effects(problem, selection.fit(), selection.kept());
+        let of_hand = |round: &Round| {
             let stays = returning(round)?;
             let is_sure = confidence(round, selection.perfect.level) >= SURE_HAND;
             (!is_sure).then_some(Self::Hand { stays })
-        });
-        let of_effects = Self::of_effects(problem, selection.fit(), selection.kept());
-        of_effects.or_else(|| hands.next())
+        };
+        of_effects.or_else(|| selection.rounds.iter().find_map(of_hand))
     }
 
     /// The reason that lies in the effects beyond the first ones that are `certain`.

@@ -22,29 +22,57 @@ impl Problem<'_> {
 
     /// Root mean square of what a fit leaves, over that of what noise, restarts and what it may be off by would.
     pub(crate) fn gap_over_floor(&self, fit: &Fit) -> f64 {
-        self.over_floor(fit, |_| 0)[0]
+        let add = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
+        ratio(self.squares_by_run(fit).into_iter().fold([0.0; 2], add))
     }
 
     /// The same of the run in which that is most: one that is driven wildly hides what the others show.
     pub(crate) fn loudest_over_floor(&self, fit: &Fit) -> f64 {
-        let runs = self.over_floor(fit, |run| run);
-        runs.into_iter().fold(0.0, f64::max)
+        let runs = self.squares_by_run(fit).into_iter();
+        runs.map(ratio).fold(0.0, f64::max)
     }
 
-    /// The same of what runs make up together that are given the same place.
-    fn over_floor(&self, fit: &Fit, place: impl Fn(usize) -> usize) -> Vec<f64> {
+    /// Squares that a fit leaves of each run, and those that noise, restarts and what it may be off by would.
+    fn squares_by_run(&self, fit: &Fit) -> Vec<[f64; 2]> {
         let mut sums = vec![[0.0; 2]; self.recording.runs.len()];
         let left = self.window_squares(fit, Part::All).into_iter();
         let mut left = left.zip(self.floor_squares(fit));
         for series in &self.series {
-            let [squares, floor] = &mut sums[place(series.run)];
+            let [squares, floor] = &mut sums[series.run];
             *floor += series.position.len() as f64 * self.modelling.powi(2);
             for (left, floored) in left.by_ref().take(series.windows.len()) {
                 *squares += left;
                 *floor += floored;
             }
         }
-        let ratio = |[squares, floor]: [f64; 2]| (squares / floor.max(f64::MIN_POSITIVE)).sqrt();
-        sums.into_iter().map(ratio).collect()
+        sums
+    }
+}
+
+fn ratio([squares, floor]: [f64; 2]) -> f64 {
+    (squares / floor.max(f64::MIN_POSITIVE)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::problem::Part;
+    use crate::made;
+
+    #[test]
+    fn what_one_run_shows_is_loudest_there() {
+        let held = "contact:position=0.02,side=0,stiffness=0.3,damping=0.003,from=8,to=8.9";
+        let recording = made::recording(&[held]);
+        let problem = made::problem(&recording);
+        let bare = Hypothesis { terms: Vec::new() };
+        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+        let [overall, loudest] = [
+            problem.gap_over_floor(&null),
+            problem.loudest_over_floor(&null),
+        ];
+        assert!(
+            loudest > 1.3 * overall && overall > 3.0,
+            "{loudest} {overall}"
+        );
     }
 }

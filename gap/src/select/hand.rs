@@ -109,20 +109,25 @@ fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
 
 /// A fit with another hand in the place of its last effect, there the last time as long as suits it best.
 fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: usize) -> Fit {
-    let with = |hand: &Term| with_hand(fit, hand.clone());
+    let (begun, x) = with_hand(fit, hand.clone());
+    let with = |hand: &Term| {
+        let mut hypothesis = begun.clone();
+        hypothesis.terms.pop();
+        hypothesis.terms.push(hand.clone());
+        hypothesis
+    };
     // Moving an instant changes what lies between.
     let gain = |hand: &Term, moved: &Term| {
         let between = contact::moves(hand, moved);
         let windows = problem.during(&between);
         let [here, there] = [hand, moved].map(|hand| -> f64 {
-            let (hypothesis, x) = with(hand);
-            let predictor = problem.predictor(&hypothesis, &x);
+            let predictor = problem.predictor(&with(hand), &x);
             let squares = problem.squares(&predictor, Part::Chosen(&windows));
             squares.iter().filter(|sum| !sum.is_nan()).sum()
         });
         here - there
     };
-    let (hypothesis, x) = with(&timed(hand, longest_s(problem), gain));
+    let hypothesis = with(&timed(hand, longest_s(problem), gain));
     problem.fit(&hypothesis, x, Part::All, iterations)
 }
 
@@ -144,13 +149,10 @@ pub(super) fn is_stiff(fit: &Fit) -> bool {
 
 /// True if the hand that is the last effect of a fit explains more where it never goes: then none came.
 pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> bool {
-    let (mut hypothesis, mut x) = fit.hypothesis.moved(&fit.x);
-    let Some(hand) = hypothesis.terms.pop() else {
+    let Some(hand) = fit.last_term() else {
         return false;
     };
-    let lasting = contact::lasting(&hand);
-    x.truncate(x.len() + lasting.free.len() - hand.free.len());
-    hypothesis.terms.push(lasting);
+    let (hypothesis, x) = with_hand(fit, contact::lasting(&hand));
     let lasting = problem.fit(&hypothesis, x, Part::All, iterations);
     level(&lasting) < level(fit)
 }

@@ -370,6 +370,20 @@ mod tests {
         })
     }
 
+    #[test]
+    fn a_spring_that_comes_back_later_than_a_prediction_ends_is_a_lag() {
+        let recording = made::recording(&[]);
+        let is_misnamed = |damping: f64| {
+            let mut soft = made::term("compliance", &[]);
+            soft.values[..2].copy_from_slice(&[0.5, damping]);
+            on(&recording, |search, null| {
+                search.is_misnamed(&search.given(null, &soft).so_far)
+            })
+        };
+        let latest = 0.5 * recording.horizon;
+        assert!(!is_misnamed(0.5 * latest) && is_misnamed(2.0 * latest));
+    }
+
     /// Whether play is taken for a twist that is not to be named.
     fn is_twist(hidden: &str) -> bool {
         let log = |parameter, start| Coordinate {

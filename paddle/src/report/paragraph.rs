@@ -3,7 +3,7 @@
 use super::effect::{noun, phrase};
 use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
-use gap::diagnosis::{Diagnosis, NextExperiment, Region, Verdict};
+use gap::diagnosis::{Diagnosis, Finding, NextExperiment, Region, Verdict};
 
 /// Candidates that are said not to explain it.
 const RULED_OUT: usize = 2;
@@ -11,6 +11,9 @@ const RULED_OUT: usize = 2;
 const LEFT_BY_RULED_OUT: f64 = 0.3;
 /// From this share on, "most of the gap".
 const MOST: f64 = 0.5;
+/// An effect that closes less than this share of the gap and is given with less than this confidence is named aside.
+const LITTLE: f64 = 0.05;
+const SURE: f64 = 0.9;
 
 /// The verdict in a few words.
 pub fn headline(verdict: Verdict) -> &'static str {
@@ -40,8 +43,16 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     if let Some(region) = diagnosis.regions.first() {
         sentences.push(located(region, labels));
     }
-    let effects = diagnosis.effects.iter();
-    let found: Vec<_> = effects.map(|effect| phrase(effect, labels)).collect();
+    let is_aside = |effect: &&Finding| effect.shrink < LITTLE && effect.confidence < SURE;
+    let (mut aside, mut main): (Vec<_>, Vec<_>) = diagnosis.effects.iter().partition(is_aside);
+    if main.is_empty() {
+        std::mem::swap(&mut main, &mut aside);
+    }
+    let phrases = |effects: &[&Finding]| -> Vec<_> {
+        let effects = effects.iter();
+        effects.map(|effect| phrase(effect, labels)).collect()
+    };
+    let found = phrases(&main);
     if found.is_empty() {
         sentences.push(format!(
             "The gap is {before} where a perfect model would leave {floor}, and no effect of the library makes it \
@@ -63,6 +74,12 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
         sentences.push(format!(
             "{all} {how}: the gap falls from {before} to {after} (floor {floor}) on data the fit has not seen."
         ));
+        if !aside.is_empty() {
+            sentences.push(format!(
+                "{} may be there, too, and closes little of it.",
+                capitalized(&listed(&phrases(&aside), "or"))
+            ));
+        }
         sentences.extend(ruled_out(diagnosis));
         if is_partial {
             sentences.push(
@@ -262,10 +279,9 @@ mod tests {
         );
     }
 
-    #[test]
-    fn two_effects_share_a_verb_and_what_is_left_is_said() {
+    /// A delay besides.
+    fn with_a_delay() -> Diagnosis {
         let mut diagnosis = example::stribeck();
-        diagnosis.verdict = Verdict::PartlyExplained;
         let mut delay = diagnosis.effects[0].clone();
         delay.name = "delay";
         delay.not_separable_from.clear();
@@ -277,6 +293,28 @@ mod tests {
         };
         delay.parameters = BTreeMap::from([("time".to_owned(), late)]);
         diagnosis.effects.push(delay);
+        diagnosis
+    }
+
+    #[test]
+    fn an_effect_that_closes_little_and_is_not_sure_is_named_aside() {
+        let mut diagnosis = with_a_delay();
+        diagnosis.effects[1].shrink = 0.02;
+        let both = "sliding level and a torque that comes 3.0 ms late explain it";
+        assert!(paragraph(&diagnosis, &example::labels()).contains(both));
+        diagnosis.effects[1].confidence = 0.5;
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.contains("sliding level explains it")
+                && text.contains("A torque that comes 3.0 ms late may be there, too"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn two_effects_share_a_verb_and_what_is_left_is_said() {
+        let mut diagnosis = with_a_delay();
+        diagnosis.verdict = Verdict::PartlyExplained;
         diagnosis.candidates.truncate(1);
         let text = paragraph(&diagnosis, &example::labels());
         assert!(

@@ -225,8 +225,9 @@ impl<'a> Scope<'a> {
             sums.push(sums[sums.len() - 1] + difference);
         }
         let total = |from: usize, to: usize| (sums[to] - sums[from], (to - from) as f64);
-        let mut edges = vec![0, times.len()];
-        while edges.len() < MOST_JUMPS + 2 {
+        let variance = self.columns.variance;
+        // Height and place of the next split, if it is no noise.
+        let next = |edges: &[usize]| {
             let splits = edges.windows(2).flat_map(|pair| {
                 let (from, to) = (pair[0], pair[1]);
                 (from + APART..(to + 1).saturating_sub(APART)).map(move |at| (from, at, to))
@@ -236,16 +237,17 @@ impl<'a> Scope<'a> {
                 let height = b / m - a / n;
                 (height * height * n * m / (n + m), height, at)
             });
-            let best = gains.max_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((gain, height, at)) = best else {
-                break;
-            };
-            let variance = self.columns.variance;
-            if gain < JUMP_GAIN * variance || height.powi(2) < JUMP_HEIGHT.powi(2) * variance {
-                break;
-            }
+            let (gain, height, at) = gains.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let is_noise =
+                gain < JUMP_GAIN * variance || height.powi(2) < JUMP_HEIGHT.powi(2) * variance;
+            (!is_noise).then_some((height, at))
+        };
+        let mut edges = vec![0, times.len()];
+        let mut further = next(&edges);
+        while let Some((_, at)) = further.filter(|_| edges.len() < MOST_JUMPS + 2) {
             edges.push(at);
             edges.sort_unstable();
+            further = next(&edges);
         }
         // Level before each edge and height there.
         let steps = |edges: &[usize]| -> Vec<(usize, f64, f64)> {
@@ -257,9 +259,11 @@ impl<'a> Scope<'a> {
         };
         let all = steps(&edges);
         let highest = all.iter().fold(0.0f64, |high, step| high.max(step.2.abs()));
-        let small = all
-            .iter()
-            .filter(|step| step.2.abs() < LEAST_JUMP * highest);
+        let is_small = |height: f64| height.abs() < LEAST_JUMP * highest;
+        if further.is_some_and(|(height, _)| !is_small(height)) {
+            return None;
+        }
+        let small = all.iter().filter(|step| is_small(step.2));
         for (at, ..) in small {
             edges.retain(|edge| edge != at);
         }
@@ -337,4 +341,38 @@ fn lowest(range: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
         }
     }
     (0.5 * (a + b)).exp()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is likeliest where a column shows so much more than a slow sine, as a function of time over its duration.
+    fn likeliest(more: impl Fn(f64) -> f64) -> &'static str {
+        const SAMPLES: usize = 1000;
+        const STD: f64 = 1e-3;
+        let session_s: Vec<f64> = (0..SAMPLES).map(|i| i as f64 / SAMPLES as f64).collect();
+        let reference: Vec<f64> = session_s.iter().map(|t| (TAU * t).sin()).collect();
+        let both = session_s.iter().zip(&reference);
+        let track = Track {
+            shown: both.map(|(t, x)| x + more(*t)).collect(),
+            session_s,
+            reference,
+            windows: std::iter::once(0..SAMPLES).collect(),
+        };
+        let columns = Columns {
+            tracks: vec![track],
+            variance: STD * STD,
+        };
+        likenesses(&columns)[0].kind.name
+    }
+
+    #[test]
+    fn what_takes_ever_more_jumps_is_none() {
+        let jump = |t: f64| if t < 0.3 { 0.0 } else { 0.5 };
+        assert_eq!(likeliest(jump), "lost_counts");
+        // A gain and a lag.
+        let late = |t: f64| -0.4 * (TAU * t).sin() - 0.4 * (TAU * t).cos();
+        assert_ne!(likeliest(late), "lost_counts");
+    }
 }

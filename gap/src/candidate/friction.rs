@@ -3,6 +3,7 @@
 use super::Evidence;
 use super::regression::{Moment, moments, regress, regress_in};
 use super::start::{guessed, linear, log, term, terms};
+use super::waves;
 use crate::fit::hypothesis::Term;
 use crate::windows::motion::quantile;
 use crate::windows::series::FINE_PERIOD_S;
@@ -30,8 +31,9 @@ const RESOLVED_RATE: f64 = 2.0;
 const BENDS: [f64; 6] = [3e-5, 3e-4, 0.003, 0.015, 0.06, 0.2];
 /// Their damping over that of the springs that bend alike, as a share of the critical one.
 const BRISTLE_DAMPING: f64 = 0.3;
-/// Periods of a ripple over the span of the motion.
+/// Periods of a ripple over the span of the motion, and how many of more periods are tried.
 const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
+const FINE_RIPPLES: usize = 2;
 /// Places of a spot that rubs, and its width over the span of the motion.
 const SPOT_PLACES: usize = 16;
 const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
@@ -180,8 +182,8 @@ fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             log(2, 1.0),
         ]
     });
-    let ripple = |turns: f64| {
-        let wave_number = turns * TAU / s.span();
+    let turn = TAU / s.span();
+    let ripple = |wave_number: f64| {
         let found = regress(e, |m| {
             let friction = sliding_nm(e, m);
             let (sin, cos) = (wave_number * m.position).sin_cos();
@@ -192,11 +194,19 @@ fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             log(2, times(more)),
             linear(3, sine, 0.3),
             linear(4, cosine, 0.3),
-            linear(5, wave_number, 0.2 * wave_number),
+            linear(5, wave_number, 0.2 * wave_number.min(RIPPLES[2] * turn)),
         ];
         Some(term(kind, free, &[(0, 0.0), (1, 0.0)]))
     };
-    let ripples = RIPPLES.into_iter().filter_map(ripple);
+    let resistance = moments(e).map(|m| {
+        let resisting_nm = -m.missing_nm * m.velocity.signum();
+        (m.position, m.velocity > 0.0, resisting_nm)
+    });
+    let fine = waves::strongest(resistance.collect(), s).into_iter();
+    let fine = fine.map(|(wave_number, _)| wave_number);
+    let fine = fine.filter(|wave_number| *wave_number > RIPPLES[2] * turn);
+    let ripples = RIPPLES.into_iter().map(|turns| turns * turn);
+    let ripples = ripples.chain(fine.take(FINE_RIPPLES)).filter_map(ripple);
     terms(kind, guess, [])
         .into_iter()
         .chain(ripples)
@@ -303,21 +313,19 @@ mod tests {
     use crate::windows::motion::{Motion, Scales};
     use host_sim::device::Device;
 
-    /// What is said of static friction where so much was held, N m, while the joint was accelerated so.
-    fn told(held: &[(f64, f64)]) -> Option<f64> {
-        let recording = made::recording(&[]);
+    /// What is `told` of what is seen of some effects.
+    fn seen<T>(
+        effects: &[&str],
+        change: impl Fn(&mut [Motion]),
+        told: impl Fn(&Evidence<'_>) -> T,
+    ) -> T {
+        let recording = made::recording(effects);
         let series = &made::problem(&recording).series;
         let device = Device::nominal(&recording.model);
         let motion = |s| Motion::of(s, &device, recording.restart_half_width);
         let mut motions: Vec<Motion> = series.iter().map(motion).collect();
-        for motion in &mut motions {
-            motion.held_nm.fill(f64::NAN);
-        }
-        for (i, (held_nm, acceleration)) in held.iter().enumerate() {
-            motions[0].held_nm[i] = *held_nm;
-            motions[0].acceleration[i] = *acceleration;
-        }
-        held_rise(&Evidence {
+        change(&mut motions);
+        told(&Evidence {
             series,
             motions: &motions,
             scales: &Scales::of(series, &motions, &device, recording.horizon),
@@ -326,6 +334,36 @@ mod tests {
             cutoff_hz: None,
             window_costs: &[],
         })
+    }
+
+    /// What is said of static friction where so much was held, N m, while the joint was accelerated so.
+    fn told(held: &[(f64, f64)]) -> Option<f64> {
+        let hold = |motions: &mut [Motion]| {
+            for motion in motions.iter_mut() {
+                motion.held_nm.fill(f64::NAN);
+            }
+            for (i, (held_nm, acceleration)) in held.iter().enumerate() {
+                motions[0].held_nm[i] = *held_nm;
+                motions[0].acceleration[i] = *acceleration;
+            }
+        };
+        seen(&[], hold, held_rise)
+    }
+
+    #[test]
+    fn a_friction_that_comes_and_goes_many_times_is_looked_for_where_it_does() {
+        const WAVE_NUMBER: f64 = 40.0;
+        let kind = host_sim::effects::kind("position_dependent_coulomb").unwrap();
+        let rippled = format!("{}:ripple_sine=0.8,wave_number={WAVE_NUMBER}", kind.name);
+        let near = |e: &Evidence<'_>| {
+            let turn = TAU / e.scales.span();
+            assert!(WAVE_NUMBER > 2.0 * RIPPLES[2] * turn);
+            let starts = position_dependent(kind, e).into_iter();
+            let fine = starts.filter(|start| start.values[3] > 0.4);
+            let mut off = fine.map(|start| (start.values[5] - WAVE_NUMBER).abs());
+            off.any(|off| off < 0.3 * turn)
+        };
+        assert!(seen(&[&rippled], |_| (), near));
     }
 
     #[test]

@@ -1,5 +1,14 @@
 //! Sine waves over position, of one wave number after the other.
 
+use crate::windows::motion::Scales;
+use core::f64::consts::TAU;
+
+/// Wave numbers tried.
+const GRID: usize = 600;
+/// Moments that are looked at for that, at most and at least.
+const MOST_MOMENTS: usize = 6000;
+const FEWEST_MOMENTS: usize = 60;
+
 /// Sines and cosines at some positions, of a wave number that grows step by step: angles are turned on, which takes no sine.
 pub(super) struct Waves {
     /// By position: sine and cosine.
@@ -31,6 +40,55 @@ impl Waves {
             (*sin, *cos) = (*sin * by_cos + *cos * by_sin, *cos * by_cos - *sin * by_sin);
         }
     }
+}
+
+/// The wave numbers of which a sine and a cosine make most of what varies over position in each direction, with their
+/// amplitudes, the strongest first: from position, direction and value at each moment.
+pub(super) fn strongest(
+    mut moments: Vec<(f64, bool, f64)>,
+    scales: &Scales,
+) -> Vec<(f64, [f64; 2])> {
+    let lowest = TAU / scales.span();
+    let highest = scales.finest_wave_number();
+    if moments.len() < FEWEST_MOMENTS || highest <= lowest {
+        return Vec::new();
+    }
+    // Slow trends belong to others: the mean in each direction is taken out.
+    for forward in [true, false] {
+        let mine = || moments.iter().filter(|m| m.1 == forward);
+        let mean = mine().map(|m| m.2).sum::<f64>() / mine().count().max(1) as f64;
+        for moment in moments.iter_mut().filter(|m| m.1 == forward) {
+            moment.2 -= mean;
+        }
+    }
+    // Resolution is 2π over the span; on many turns whole numbers a turn are enough.
+    let step = ((highest - lowest) / GRID as f64).max(0.25 * lowest);
+    let count = ((highest - lowest) / step) as usize + 1;
+    let stride = (moments.len() / MOST_MOMENTS).max(1);
+    let some: Vec<(f64, bool, f64)> = moments.into_iter().step_by(stride).collect();
+    let positions: Vec<f64> = some.iter().map(|m| m.0).collect();
+    let mut waves = Waves::of(&positions, lowest, step);
+    let grid: Vec<[f64; 2]> = (0..count)
+        .map(|_| {
+            let (mut a, mut b) = (0.0, 0.0);
+            for ((.., value), [sin, cos]) in some.iter().zip(waves.now()) {
+                a += value * sin;
+                b += value * cos;
+            }
+            waves.go_on();
+            [a, b].map(|sum| 2.0 * sum / some.len() as f64)
+        })
+        .collect();
+    let strength = |i: usize| grid[i][0].hypot(grid[i][1]);
+    let mut peaks: Vec<usize> = (0..grid.len())
+        .filter(|&i| {
+            (i == 0 || strength(i) >= strength(i - 1))
+                && (i + 1 == grid.len() || strength(i) > strength(i + 1))
+        })
+        .collect();
+    peaks.sort_by(|&i, &j| strength(j).total_cmp(&strength(i)));
+    let peaks = peaks.into_iter();
+    peaks.map(|i| (lowest + step * i as f64, grid[i])).collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ use super::rival::Rival;
 use crate::fit::hypothesis::Term;
 use recording::Model;
 
-const KIN: [&[&str]; 3] = [
+const KIN: [&[&str]; 4] = [
+    &["viscous", "quadratic_drag"],
     &["gravity", "spring"],
     &["delay", "lag", "sensor_lag"],
     &["inertia", "torque_gain", "sensor_gain"],

@@ -16,6 +16,10 @@ const TIE_SHARE: f64 = 0.04;
 /// A squared standard deviation costs half in the logarithm of a probability, and a half of that in a fit.
 const PRIOR_SHARE: f64 = 0.5 / PRIOR_WEIGHT;
 
+/// Logarithm of how much likelier than one that does with fewer parameters a rival must be, beyond what those are worth, if
+/// both leave less than a right model may: very strong evidence (Kass and Raftery, JASA 90, 1995) squared.
+const FAR_LIKELIER: f64 = 10.0;
+
 /// Robust cost, over all windows, that a parameter must save where nothing else is missing: half the logarithm of their number
 /// (Schwarz, Annals of Statistics 6, 1978).
 fn price(windows: usize) -> f64 {
@@ -33,10 +37,12 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     // What needs fewer numbers because it bends those of the model saves none.
     let bends = |fit: &Fit| likely && !fit.is_likely();
     let is_luck = |rival: &Rival| {
-        let prior = (PRIOR_SHARE - 1.0) * (rival.fit.costs.prior - first.costs.prior);
-        let windows = first.costs.per_sample.len();
-        let saved = (level(&rival.fit) - best) * windows as f64 + prior;
-        best > quiet || leaves_nothing(&rival.fit) || saved <= worth(rival, &rivals[0])
+        let is_moot = || {
+            leaves_nothing(&rival.fit)
+                && !strains_more(rival, &rivals[0])
+                && !is_far_likelier(&rivals[0], rival)
+        };
+        best > quiet || is_moot() || saved(rival, &rivals[0]) <= worth(rival, &rivals[0])
     };
     let is_as_good = |i: usize, limit: f64| {
         let rival = &rivals[i];
@@ -56,6 +62,13 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     Some(rivals)
 }
 
+/// Robust cost, over all windows, that another rival saves beside one, as the logarithm of a probability.
+fn saved(one: &Rival, other: &Rival) -> f64 {
+    let windows = one.fit.costs.per_sample.len() as f64;
+    let prior = (PRIOR_SHARE - 1.0) * (one.fit.costs.prior - other.fit.costs.prior);
+    (level(&one.fit) - level(&other.fit)) * windows + prior
+}
+
 /// Robust cost, over all windows, of the parameters that one rival saves beside another.
 fn worth(one: &Rival, other: &Rival) -> f64 {
     let saved = other.parameters().saturating_sub(one.parameters());
@@ -65,6 +78,15 @@ fn worth(one: &Rival, other: &Rival) -> f64 {
 /// True if one rival moves the model's own numbers farther than another by more than the parameters that it saves are worth.
 pub(super) fn strains_more(one: &Rival, other: &Rival) -> bool {
     PRIOR_SHARE * (one.fit.costs.prior - other.fit.costs.prior) > worth(one, other)
+}
+
+/// True if what `other` leaves more than `one` does is far beyond what its fewer parameters are worth, once the noise is taken
+/// from what they leave.
+pub(super) fn is_far_likelier(one: &Rival, other: &Rival) -> bool {
+    let [own, its] = [one, other].map(|rival| rival.fit.costs.mean().max(f64::MIN_POSITIVE));
+    let windows = one.fit.costs.per_sample.len() as f64;
+    let prior = PRIOR_SHARE * (other.fit.costs.prior - one.fit.costs.prior);
+    0.5 * windows * (its / own).ln() + prior > worth(other, one) + FAR_LIKELIER
 }
 
 /// What one with fewer parameters than `best` may leave and win.
@@ -106,7 +128,14 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     let winner = &round.rivals[0];
     let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
     let close = level(&winner.fit) + luck(&winner.fit).max(TIE_SHARE * gain);
-    let tied = others(round).filter(|rival| level(&rival.fit) <= close);
+    // What does more than the winner as well, by more than its further parameters are worth, was set aside for their sake alone.
+    let is_aside = |rival: &Rival| {
+        contains(rival.name, winner.name) && saved(winner, rival) > worth(winner, rival)
+    };
+    let is_other = |rival: &Rival| !contains(rival.name, winner.name);
+    let tied = round.rivals[1..]
+        .iter()
+        .filter(|rival| is_other(rival) && level(&rival.fit) <= close || is_aside(rival));
     tied.map(|rival| rival.name).collect()
 }
 
@@ -124,6 +153,7 @@ mod tests {
     use crate::fit::costs::Costs;
     use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
     use crate::made;
+    use crate::select::Place;
 
     const KNOWN: f64 = 2.0;
     const BEST: f64 = 0.7;
@@ -180,6 +210,37 @@ mod tests {
         let perfect = BEST + 2.0 * price;
         assert_eq!(first(1.5 * price, perfect + QUIET_EXCESS), "torque_gain");
         assert_eq!(first(2.5 * price, perfect + QUIET_EXCESS), "spring");
+    }
+
+    #[test]
+    fn what_is_far_likelier_wins_where_neither_leaves_more_than_a_right_model() {
+        const LITTLE: f64 = 0.1;
+        let is_gain = |likelier: f64| {
+            let times = (2.0 * likelier / 200.0).exp();
+            let gain = rival("torque_gain", 1, times * LITTLE);
+            let rivals = vec![gain, rival("spring", 2, LITTLE)];
+            let ranked = ranked(rivals, &fit("coulomb", 0, KNOWN), BEST + QUIET_EXCESS);
+            ranked.unwrap()[0].name == "torque_gain"
+        };
+        let most = price(200) + FAR_LIKELIER;
+        assert!(is_gain(0.9 * most) && !is_gain(1.1 * most));
+    }
+
+    #[test]
+    fn what_was_set_aside_for_its_parameters_alone_is_not_separable() {
+        let ties = |more: f64| {
+            let winner = rival("torque_offset", 1, BEST + more);
+            ties(&Round {
+                known: fit("coulomb", 0, KNOWN),
+                so_far: winner.fit.clone(),
+                rivals: vec![winner, rival("gravity", 2, BEST)],
+                screened: Vec::new(),
+                place: Place::given(false),
+            })
+        };
+        let worth = price(200) / 200.0;
+        assert!(ties(0.8 * worth).is_empty());
+        assert_eq!(ties(1.2 * worth), ["gravity"]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::evolution::evolved;
 use super::finals::{best_of, join_all};
 use super::hand;
 use super::place::{Place, bounces, earns_its_place};
-use super::ranking::{contains, enough, ranked, strains_more};
+use super::ranking::{contains, enough, is_far_likelier, ranked, strains_more};
 use super::rival::{Rival, extended};
 use super::{Given, QUIET_EXCESS, is_quiet, level};
 use crate::candidate::{loosened, one_sided, push_at_most, untouched};
@@ -197,12 +197,13 @@ impl Search<'_> {
     /// The rivals, what the best of them contains carried on to the end where it leaves little enough for that: with fewer
     /// numbers it has fewer ways past a kink.
     fn with_specials_polished(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
-        let Some((best, least)) = best_of(&rivals).map(|r| (r.name, level(&r.fit))) else {
+        let Some(best) = best_of(&rivals).cloned() else {
             return rivals;
         };
-        let open = self.quiet()..=0.5 * (level(known) + least);
+        let most = 0.5 * (level(known) + level(&best.fit));
         for rival in &mut rivals {
-            if contains(best, rival.name) && open.contains(&level(&rival.fit)) {
+            let is_open = level(&rival.fit) > self.quiet() || is_far_likelier(&best, rival);
+            if contains(best.name, rival.name) && is_open && level(&rival.fit) <= most {
                 rival.fit = self.problem.polished(&rival.fit, POLISHING_ITERATIONS);
             }
         }
@@ -218,6 +219,7 @@ impl Search<'_> {
             contains(rivals[0].name, rival.name)
                 && level(&rival.fit) <= halfway
                 && !strains_more(rival, &rivals[0])
+                && !is_far_likelier(&rivals[0], rival)
                 && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
         });
         if let Some(special) = special {

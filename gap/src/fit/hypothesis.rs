@@ -132,6 +132,13 @@ impl Term {
         begun
     }
 
+    /// The same term with one of its numbers held at a value.
+    pub(crate) fn held(&self, parameter: usize, value: f64) -> Self {
+        let mut held = self.begun(&[(parameter, value)]);
+        held.free.retain(|c| c.parameter != parameter);
+        held
+    }
+
     /// The same term with the numbers that it shares with another, if there are any: those of one name and quantity.
     pub(crate) fn alike(&self, other: &Self) -> Option<Self> {
         let mut alike = self.clone();

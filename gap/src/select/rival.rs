@@ -45,6 +45,15 @@ impl Rival {
         self.begun_at(term.begun(&[(size.parameter, by * size.start)]))
     }
 
+    /// The same with one number of its last effect held at a value, if it is free.
+    pub(super) fn with_held(&self, parameter: usize, value: f64) -> Option<Self> {
+        let last = self.fit.last_term()?;
+        let place = last.free.iter().position(|c| c.parameter == parameter)?;
+        let mut held = self.begun_at(last.held(parameter, value))?;
+        held.fit.x.remove(self.held()? + place);
+        Some(held)
+    }
+
     /// The same with its last effect begun anew.
     fn begun_at(&self, term: Term) -> Option<Self> {
         let held = self.held()?;
@@ -152,5 +161,24 @@ mod tests {
         });
         let found = rival("asymmetric_coulomb", &both, &[0.0, 0.0]);
         assert!(found.sized(0.5).is_none());
+    }
+
+    #[test]
+    fn a_number_that_is_held_is_free_no_more() {
+        let free = |parameter| Coordinate {
+            parameter,
+            start: 0.02,
+            scale: Scale::Linear(0.01),
+        };
+        let found = rival("gravity", &[free(0), free(1)], &[1.0, 2.0]);
+        let held = found.with_held(1, 0.3).unwrap();
+        let term = held.fit.last_term().unwrap();
+        assert!((term.values[0] - 0.03).abs() < 1e-12 && term.values[1] == 0.3);
+        assert_eq!((held.fit.x, term.free.len()), (vec![0.0], 1));
+        assert!(
+            rival("gravity", &[free(0)], &[1.0])
+                .with_held(1, 0.3)
+                .is_none()
+        );
     }
 }

@@ -210,6 +210,25 @@ impl Search<'_> {
         rivals
     }
 
+    /// The rivals, another weight hanging where it is stated to hang if it does as well there.
+    fn hung_as_stated(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
+        const ZERO: usize = 1;
+        let stated = self.problem.recording.model.gravity_zero;
+        for rival in rivals.iter_mut().filter(|r| r.name == "gravity") {
+            let Some(mut held) = rival.with_held(ZERO, stated) else {
+                continue;
+            };
+            let Fit { hypothesis, x, .. } = held.fit;
+            held.fit = self
+                .problem
+                .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
+            if let Some(mut both) = ranked(vec![rival.clone(), held], known, self.quiet()) {
+                *rival = both.swap_remove(0);
+            }
+        }
+        rivals
+    }
+
     /// The rivals in their order.
     fn ordered(&self, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
         let mut rivals = ranked(rivals, known, self.quiet())?;
@@ -271,6 +290,7 @@ impl Search<'_> {
         (self.progress)(Stage::Judging);
         let best = best_of(&rivals)?.name;
         let rivals = self.with_specials_polished(known, rivals);
+        let rivals = self.hung_as_stated(known, rivals);
         let mut rivals = self.ordered(known, rivals)?;
         let Rival { name, fit: winner } = &mut rivals[0];
         if bounces(name) {
@@ -303,6 +323,7 @@ impl Search<'_> {
         if first != best {
             let related = self.related(&rivals[0], &screened);
             join_all(&mut rivals, related);
+            rivals = self.hung_as_stated(known, rivals);
             rivals = self.ordered(known, rivals)?;
         }
         let Rival { name, fit: winner } = &mut rivals[0];

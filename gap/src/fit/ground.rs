@@ -27,6 +27,16 @@ struct Linear {
     products: DMatrix<f64>,
 }
 
+/// An effect at a point on top of what is known, where all is linear.
+pub(crate) struct Direction {
+    /// Of the residuals of each window, whitened.
+    change: Vec<Vec<f64>>,
+    /// Along each of its own coordinates, likewise.
+    slopes: Vec<Vec<Vec<f64>>>,
+}
+
+/// Farthest move along a slope of an effect.
+const FARTHEST: f64 = 1.5;
 /// Sizes, over that of a start, to which what it does is taken to grow or shrink.
 const SIZES: [f64; 2] = [0.2, 5.0];
 /// Times that the windows are weighed anew.
@@ -69,6 +79,21 @@ impl Linear {
         }
     }
 
+    /// Products of what is left beside two effects, and of all slopes.
+    fn with_both(&self, both: [&Direction; 2]) -> DMatrix<f64> {
+        let mut left = self.columns[0].clone();
+        for direction in both {
+            for (l, change) in left.iter_mut().zip(&direction.change[self.index]) {
+                *l += change;
+            }
+        }
+        let known = self.columns[1..].iter();
+        let own = both.into_iter().flat_map(|direction| &direction.slopes);
+        let slopes = known.chain(own.map(|slope| &slope[self.index]));
+        let all: Vec<&Vec<f64>> = [&left].into_iter().chain(slopes).collect();
+        DMatrix::from_fn(all.len(), all.len(), |i, j| mean_product(all[i], all[j]))
+    }
+
     /// Its products with one column more.
     fn with(&self, column: &[f64]) -> DMatrix<f64> {
         let n = self.columns.len();
@@ -91,6 +116,22 @@ fn cost(products: &DMatrix<f64>, factors: &DVector<f64>) -> f64 {
     (products * factors).dot(factors).clamp(0.0, f64::MAX)
 }
 
+/// Sum of the products of all windows as they weigh at some factors. Slopes say little of what is far away.
+fn weighed(nudges: &[f64], products: &[DMatrix<f64>], factors: &DVector<f64>) -> DMatrix<f64> {
+    let n = factors.len();
+    let mut normal = DMatrix::zeros(n, n);
+    for products in products {
+        normal += products / (1.0 + cost(products, factors));
+    }
+    for i in 1..n {
+        normal[(i, i)] += PRIOR_WEIGHT;
+    }
+    for (i, z) in nudges.iter().enumerate() {
+        normal[(i + 1, 0)] += PRIOR_WEIGHT * z;
+    }
+    normal
+}
+
 impl Ground {
     /// Along the coordinates of what is known.
     pub(crate) fn slopes(&self) -> &[Slope] {
@@ -111,18 +152,82 @@ impl Ground {
         x: &[f64],
         part: Part<'_>,
     ) -> f64 {
-        let mut change = problem.residuals(&problem.predictor(hypothesis, x), part);
-        for (change, known) in change.iter_mut().zip(&self.residuals) {
-            for (c, k) in change.iter_mut().zip(known) {
-                *c -= k;
-            }
-        }
-        let change = problem.whitened(&change, &self.whitenings);
+        let there = problem.residuals(&problem.predictor(hypothesis, x), part);
+        let change = problem.whitened(&self.changed(there), &self.whitenings);
         let products = self.windows.iter().map(|w| w.with(&change[w.index]));
         let products: Vec<DMatrix<f64>> = products.collect();
         let nudges = &self.x[..problem.nudges.len()];
         let factors = self.least(nudges, &products);
-        let costs = products.iter().map(|p| cost(p, &factors).ln_1p());
+        self.robust(nudges, &products, &factors)
+    }
+
+    /// What residuals are more than those of what is known.
+    fn changed(&self, mut residuals: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        for (residuals, known) in residuals.iter_mut().zip(&self.residuals) {
+            for (r, k) in residuals.iter_mut().zip(known) {
+                *r -= k;
+            }
+        }
+        residuals
+    }
+
+    /// Where the last effect of `hypothesis`, which is what is known with one more, leads from `x`.
+    pub(crate) fn direction(
+        &self,
+        problem: &Problem<'_>,
+        hypothesis: &Hypothesis,
+        x: &[f64],
+        part: Part<'_>,
+    ) -> Direction {
+        let there = problem.residuals(&problem.predictor(hypothesis, x), part);
+        let reaches = hypothesis.reaches(&problem.nudges);
+        let own = self.x.len()..x.len();
+        let slopes = own.into_par_iter().map(|i| {
+            let difference = aside(x[i], DIFFERENCES[0], reaches[i]);
+            problem.slope(hypothesis, x, &there, i, difference, part)
+        });
+        let slopes: Vec<Slope> = slopes.collect();
+        let whitened = |slope: &Slope| problem.whitened(slope, &self.whitenings);
+        Direction {
+            slopes: slopes.iter().map(whitened).collect(),
+            change: whitened(&self.changed(there)),
+        }
+    }
+
+    /// Robust cost per window of two effects together, linearly from where each stands.
+    pub(crate) fn promise_of_both(&self, nudges: usize, both: [&Direction; 2]) -> f64 {
+        let products = self.windows.iter().map(|w| w.with_both(both));
+        let products: Vec<DMatrix<f64>> = products.collect();
+        let nudges = &self.x[..nudges];
+        let factors = self.moved(nudges, &products);
+        self.robust(nudges, &products, &factors)
+    }
+
+    /// The factors of the columns that cost least if the first stays as it is.
+    fn moved(&self, nudges: &[f64], products: &[DMatrix<f64>]) -> DVector<f64> {
+        let columns = products.first().map_or(1, DMatrix::nrows);
+        let mut factors = DVector::zeros(columns);
+        factors[0] = 1.0;
+        for _ in 0..WEIGHINGS {
+            let normal = weighed(nudges, products, &factors);
+            let square = normal
+                .view((1, 1), (columns - 1, columns - 1))
+                .clone_owned();
+            let Some(cholesky) = square.cholesky() else {
+                break;
+            };
+            let moves = -cholesky.solve(&normal.view((1, 0), (columns - 1, 1)));
+            for (i, by) in moves.iter().enumerate() {
+                let far = if i < self.x.len() { f64::MAX } else { FARTHEST };
+                factors[i + 1] = by.clamp(-far, far);
+            }
+        }
+        factors
+    }
+
+    /// Robust cost per window.
+    fn robust(&self, nudges: &[f64], products: &[DMatrix<f64>], factors: &DVector<f64>) -> f64 {
+        let costs = products.iter().map(|p| cost(p, factors).ln_1p());
         let moved = nudges.iter().zip(factors.iter().skip(1));
         let prior = moved.map(|(z, by)| PRIOR_WEIGHT * (z + by).powi(2));
         (costs.sum::<f64>() + prior.sum::<f64>()) / products.len().max(1) as f64
@@ -136,17 +241,8 @@ impl Ground {
         let mut factors = DVector::zeros(known + 2);
         (factors[0], factors[size]) = (1.0, 1.0);
         for _ in 0..WEIGHINGS {
-            let mut normal = DMatrix::zeros(known + 2, known + 2);
-            for products in products {
-                normal += products / (1.0 + cost(products, &factors));
-            }
-            // Slopes say little of what is far away.
-            for i in 1..=known {
-                normal[(i, i)] += PRIOR_WEIGHT;
-            }
-            for (i, z) in nudges.iter().enumerate() {
-                normal[(i + 1, 0)] += PRIOR_WEIGHT * z;
-            }
+            let mut normal = weighed(nudges, products, &factors);
+            normal[(size, size)] -= PRIOR_WEIGHT;
             let free = |count: usize, given: &DVector<f64>| {
                 let square = normal.view((1, 1), (count, count)).clone_owned();
                 let pull = normal.rows(1, count) * given;
@@ -206,6 +302,36 @@ mod tests {
         for wrong in [0.09, 0.045] {
             let [gained, promised] = [level(wrong), promised(wrong)].map(|l| nothing - l);
             assert!(promised > 2.0 * gained.max(0.0) && promised < 1.01 * (nothing - right));
+        }
+    }
+
+    #[test]
+    fn two_effects_promise_what_both_gain() {
+        let recording = made::recording(&["viscous:coefficient=0.0006", "spring:stiffness=0.045"]);
+        let problem = made::problem(&recording);
+        let bare = Hypothesis { terms: Vec::new() };
+        let null = problem.fit(&bare, Vec::new(), Part::All, 0);
+        let ground = problem.ground(&null, Part::All);
+        let along = |name: &str, start: f64, scale: f64| {
+            let free = Coordinate {
+                parameter: 0,
+                start,
+                scale: Scale::Linear(scale),
+            };
+            let hypothesis = Hypothesis {
+                terms: vec![made::term(name, &[free])],
+            };
+            ground.direction(&problem, &hypothesis, &[0.0], Part::All)
+        };
+        let model = &recording.model;
+        let drag = along("viscous", model.viscous, 5e-4);
+        let spring = along("spring", model.stiffness, 0.02);
+        let offset = along("torque_offset", 0.0, 1e-3);
+        let both = ground.promise_of_both(0, [&drag, &spring]);
+        let nothing = null.costs.level();
+        let others = [[&drag, &offset], [&spring, &offset]];
+        for other in others.map(|pair| ground.promise_of_both(0, pair)) {
+            assert!(nothing - both > 1.3 * (nothing - other), "{both} {other}");
         }
     }
 }

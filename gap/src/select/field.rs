@@ -10,14 +10,14 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// Iterations of the first look at a start.
-const FIRST_ITERATIONS: usize = 2;
+pub(super) const FIRST_ITERATIONS: usize = 2;
 
 /// The windows on which starts are compared, on top of what is known.
 pub(super) struct Field<'a> {
-    problem: &'a Problem<'a>,
+    pub(super) problem: &'a Problem<'a>,
     pub(super) known: &'a Fit,
     pub(super) chosen: Cow<'a, [bool]>,
-    ground: Ground,
+    pub(super) ground: Ground,
 }
 
 impl<'a> Field<'a> {

@@ -8,6 +8,7 @@ mod hand;
 mod kin;
 mod pair;
 mod place;
+mod proposed;
 mod ranking;
 mod refined;
 mod rival;
@@ -334,8 +335,9 @@ fn select_beyond(
             // Of a gap that is in few windows most of them know nothing.
             || saves(&|fit| 2.0 * problem.gap_over_floor(fit).ln())
     };
-    let pair = || search.pair(&first, |both| !selection.is_hopeless(both));
-    let rounds = (!settled && promises()).then(pair).flatten();
+    // Where neither of two does much alone, no third is looked for on top of either.
+    let pair = |leads: bool| search.pair(&first, leads, |both| !selection.is_hopeless(both));
+    let rounds = (!settled).then(|| pair(promises())).flatten();
     // One of the two may do what both do.
     let is_pair = rounds.is_some();
     let found = selection.with(rounds.unwrap_or_else(|| vec![first.clone()]));
@@ -352,7 +354,7 @@ fn select_beyond(
         return found;
     }
     // What leaves little of the excess may still stand in for two that leave less of the gap.
-    let Some(pair) = pair().map(|rounds| selection.with(rounds)) else {
+    let Some(pair) = pair(true).map(|rounds| selection.with(rounds)) else {
         return found;
     };
     if problem.gap_over_floor(pair.fit()) < left {

@@ -22,7 +22,12 @@ impl Search<'_> {
     /// The two effects that explain most together, if each earns its place beside the other: the first
     /// is one of those that came out best alone in `first`, the second is looked for on top of each. One of them, where it
     /// explains as much without the other. None where the fit of both is not `worth` more.
-    pub(crate) fn pair(&self, first: &Round, worth: impl Fn(&Fit) -> bool) -> Option<Vec<Round>> {
+    pub(crate) fn pair(
+        &self,
+        first: &Round,
+        leads: bool,
+        worth: impl Fn(&Fit) -> bool,
+    ) -> Option<Vec<Round>> {
         let null = &first.known;
         // What bounces is looked for anew beside the best one.
         let mut hints = first.screened.clone();
@@ -30,7 +35,7 @@ impl Search<'_> {
         let chosen = self.screening_windows(null);
         let gain = |rival: &Rival| level(null) - level(&rival.fit);
         let least = LEAST_LEAD * gain(&first.rivals[0]);
-        let leaders = first.rivals.iter().take(LEADERS);
+        let leaders = first.rivals.iter().take(if leads { LEADERS } else { 0 });
         let mut leaders: Vec<&Rival> = leaders.filter(|rival| gain(rival) >= least).collect();
         // What two columns show may close next to nothing beside what is larger.
         let measured = self.given.measured.as_ref();
@@ -43,21 +48,27 @@ impl Search<'_> {
             .level();
         let most = self.perfect.level + LITTLE * (unexplained - self.perfect.level);
         let mut looked: Vec<(&Rival, Vec<Rival>)> = Vec::new();
+        let mut is_enough = false;
         for leader in leaders {
             let screened = self.screened(&leader.fit, &chosen, &hints);
             if looked.is_empty() {
                 hints.extend(screened.iter().filter(|r| bounces(r.name)).cloned());
             }
             let enough = |fit: &Fit| level(fit) <= most && self.problem.is_at_floor(fit);
-            let enough = screened.iter().any(|rival| enough(&rival.fit));
+            is_enough = screened.iter().any(|rival| enough(&rival.fit));
             looked.push((leader, screened));
-            if enough {
+            if is_enough {
                 break;
             }
         }
         let screened = looked.iter().flat_map(|(_, screened)| screened).cloned();
+        let proposed = if is_enough {
+            Vec::new()
+        } else {
+            self.proposed(null, &chosen, &first.screened)
+        };
         let both = ranked(
-            self.finals(screened.collect(), null, None),
+            self.finals(screened.chain(proposed).collect(), null, None),
             null,
             self.quiet(),
         )?

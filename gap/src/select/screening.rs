@@ -14,7 +14,7 @@ use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
 
 /// Starts of an effect that a fit begins from, those that promise most; more where there are many optima, of each variant.
-const BEGUN: usize = 2;
+pub(super) const BEGUN: usize = 2;
 const VARIANT_BEGUN: usize = 3;
 /// Those that go on from there.
 const STARTS_KEPT: usize = 1;
@@ -195,7 +195,7 @@ impl Search<'_> {
     }
 
     /// The effects that `known` does not have, with their starts.
-    fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
+    pub(super) fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
         let Problem {
             recording, series, ..
         } = self.problem;

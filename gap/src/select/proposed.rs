@@ -1,0 +1,144 @@
+//! Two effects of which neither need show much alone: pairs that promise most together.
+
+use super::field::{FIRST_ITERATIONS, Field, sorted};
+use super::place::{is_local, is_scanned};
+use super::ranking::contains;
+use super::rival::{Rival, extended};
+use super::round::Search;
+use super::screening::{BEGUN, MANY_ITERATIONS};
+use crate::fit::Fit;
+use crate::fit::ground::Direction;
+use crate::fit::hypothesis::{Hypothesis, Term};
+use crate::fit::problem::Part;
+use rayon::prelude::*;
+
+/// Pairs that are fitted because they promise most together.
+const PROPOSED: usize = 16;
+/// Those that go on from there.
+const PROPOSED_KEPT: usize = 4;
+/// Pairs that an effect is taken into.
+const MOST_TIMES: usize = 3;
+
+impl Search<'_> {
+    /// Pairs of which neither effect need show much alone, fitted to the chosen windows.
+    pub(super) fn proposed(&self, null: &Fit, chosen: &[bool], alone: &[Rival]) -> Vec<Rival> {
+        // What is bound to moments makes up for anything then.
+        let alone = alone.iter().filter(|rival| !rival.is_event());
+        let alone = alone.filter_map(|rival| rival.fit.last_term());
+        let mut starts: Vec<Term> = alone.collect();
+        let field = Field::new(self.problem, null, chosen);
+        let others = self.tried(null, &[]).into_iter().filter(|candidate| {
+            let name = candidate.kind.name;
+            !is_local(name) && !is_scanned(name)
+        });
+        starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, BEGUN)));
+        let pairs = field.promising_pairs(&starts, PROPOSED);
+        let fit = |pair: Vec<Term>, x: Vec<f64>, iterations| {
+            let hypothesis = Hypothesis { terms: pair };
+            let part = Part::Chosen(chosen);
+            self.problem.fit(&hypothesis, x, part, iterations)
+        };
+        let begun = pairs.into_par_iter().map(|pair| {
+            let free = pair.iter().map(|term| term.free.len()).sum::<usize>();
+            let x = [&null.x[..], &vec![0.0; free]].concat();
+            fit(pair.to_vec(), x, FIRST_ITERATIONS)
+        });
+        let mut begun = sorted(begun.collect());
+        begun.truncate(PROPOSED_KEPT);
+        let fits = begun.into_par_iter().filter_map(|begun| {
+            let name = begun.last_term()?.kind.name;
+            let fit = fit(begun.hypothesis.terms, begun.x, MANY_ITERATIONS);
+            Some(Rival { name, fit })
+        });
+        fits.collect()
+    }
+}
+
+impl Field<'_> {
+    /// The pairs of effects that promise most together, `kept` of them, each from the starts from which it promises most:
+    /// linearly from where both stand. One that promises much with any other is not in all of them.
+    fn promising_pairs(&self, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {
+        let part = Part::Chosen(&self.chosen);
+        let direction = |start: &Term| {
+            let (hypothesis, x) = extended(self.known, start);
+            self.ground.direction(self.problem, &hypothesis, &x, part)
+        };
+        let directions: Vec<Direction> = starts.par_iter().map(direction).collect();
+        let pairs = (0..starts.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
+        // What contains another needs no other beside it.
+        let is_pair = |[i, j]: &[usize; 2]| {
+            let [a, b] = [i, j].map(|i: &usize| starts[*i].kind.name);
+            a != b && !contains(a, b) && !contains(b, a)
+        };
+        let pairs: Vec<[usize; 2]> = pairs.filter(is_pair).collect();
+        let nudges = self.problem.nudges.len();
+        let promise = |pair: [usize; 2]| {
+            let both = pair.map(|i| &directions[i]);
+            (self.ground.promise_of_both(nudges, both), pair)
+        };
+        let promised = pairs.into_par_iter().map(promise);
+        let mut promised: Vec<(f64, [usize; 2])> = promised.filter(|p| p.0.is_finite()).collect();
+        promised.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let names: Vec<&str> = starts.iter().map(|start| start.kind.name).collect();
+        let best = spread(promised.into_iter().map(|(_, pair)| pair), &names, kept).into_iter();
+        best.map(|pair| pair.map(|i| starts[i].clone())).collect()
+    }
+}
+
+/// The first `kept` of some pairs, each of two other names, no name in too many of them.
+fn spread(pairs: impl Iterator<Item = [usize; 2]>, names: &[&str], kept: usize) -> Vec<[usize; 2]> {
+    let mut taken: Vec<[usize; 2]> = Vec::new();
+    for pair in pairs {
+        let [a, b] = pair.map(|i| names[i]);
+        let of_taken = || taken.iter().map(|other| other.map(|i| names[i]));
+        let times = |name| of_taken().filter(|other| other.contains(&name)).count();
+        let is_new = of_taken().all(|other| other != [a, b] && other != [b, a]);
+        if is_new && times(a).max(times(b)) < MOST_TIMES {
+            taken.push(pair);
+        }
+        if taken.len() == kept {
+            break;
+        }
+    }
+    taken
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use crate::select::round;
+
+    #[test]
+    fn pairs_are_of_other_names_and_none_is_in_all_of_them() {
+        let names = ["cogging", "cogging", "lag", "spring", "viscous", "delay"];
+        let pairs = [[0, 2], [1, 2], [0, 3], [1, 4], [0, 5], [2, 3], [4, 5]];
+        let taken = spread(pairs.into_iter(), &names, 5);
+        assert_eq!(taken, [[0, 2], [0, 3], [1, 4], [2, 3], [4, 5]]);
+        assert_eq!(spread(pairs.into_iter(), &names, 2), [[0, 2], [0, 3]]);
+    }
+
+    #[test]
+    fn effects_that_hide_each_other_are_proposed_together() {
+        // A drag makes the motion smaller, and the gain shows it larger again.
+        let hidden = ["sensor_gain:gain=1.3", "viscous:coefficient=0.002"];
+        let recording = made::recording(&hidden);
+        round::on(&recording, |search, null| {
+            let chosen = search.screening_windows(null);
+            let alone = search.screened(null, &chosen, &[]);
+            let proposed = search.proposed(null, &chosen, &alone).into_iter();
+            let best = &sorted(proposed.map(|rival| rival.fit).collect())[0];
+            let found = best.hypothesis.parts(&best.x);
+            let mut found: Vec<(&str, f64)> = found
+                .map(|(term, own)| (term.kind.name, term.at(own)[0]))
+                .collect();
+            found.sort_by(|a, b| a.0.cmp(b.0));
+            let [(gain, times), (drag, coefficient)] = found[..] else {
+                panic!("{found:?}");
+            };
+            assert_eq!([gain, drag], ["sensor_gain", "viscous"], "{found:?}");
+            assert!((times / 1.3 - 1.0).abs() < 0.02, "{found:?}");
+            assert!((coefficient / 0.002 - 1.0).abs() < 0.05, "{found:?}");
+        });
+    }
+}

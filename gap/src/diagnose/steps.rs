@@ -4,7 +4,7 @@ use super::relief::is_relieved;
 use crate::fit::Fit;
 use crate::fit::problem::{Part, Problem};
 use crate::floor::FLOOR_DOUBT;
-use crate::select::{self, Selection};
+use crate::select::{self, Rival, Round, Selection};
 use crate::shrink::{resampled, shrink};
 
 /// Share of the gap that a further effect must close, or of what those before it leave.
@@ -20,6 +20,9 @@ const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 /// and bends to whatever they miss. Of 31 hands on five blind and outside sets none of the eight that closed less was there, and
 /// those that were closed a third at least.
 const LEAST_HAND_SHRINK: f64 = 0.25;
+
+/// Share of the robust excess that an effect closes that bristles must close as well for it to be one of their forms.
+const NEARLY_ALL: f64 = 0.8;
 
 /// Iterations without an effect on which the others may not rest.
 const SPARED_ITERATIONS: usize = 8;
@@ -77,14 +80,16 @@ fn without_needless(problem: &Problem<'_>, selection: &Selection, steps: &[Step]
 
 /// True if the others close the gap as far without the effect at `place`.
 pub(super) fn is_spare(problem: &Problem<'_>, selection: &Selection, place: usize) -> bool {
-    if selection.rounds.len() < 2 {
-        return false;
-    }
+    selection.rounds.len() > 1 && closed_beside(problem, selection, place) < LEAST_SHRINK
+}
+
+/// Share of the gap that the effect at `place` closes beside all others.
+fn closed_beside(problem: &Problem<'_>, selection: &Selection, place: usize) -> f64 {
     let all = selection.fit();
     let others = self::without(problem, selection, place);
     let [without, with] = [&others, all].map(|fit| problem.window_squares(fit, Part::All));
     let nominal = problem.window_squares(&bare(problem, selection), Part::All);
-    hardly_closes(&problem.floor_squares(all), &nominal, &without, &with)
+    shrink(&without, &with, &problem.floor_squares(all), &nominal)[0]
 }
 
 /// The step of each effect that is left of a selection once those are taken back that close nothing.
@@ -100,7 +105,8 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
         left = left_by_each(problem, selection);
         steps = self::steps(problem, selection.fit(), &left);
     }
-    while let Some(idle) = (kept..steps.len()).find(|&i| is_idle(selection, i, &steps[i])) {
+    while let Some(idle) = (kept..steps.len()).find(|&i| is_idle(problem, selection, i, &steps[i]))
+    {
         selection.withdraw_one(problem, idle);
         if idle < selection.rounds.len() {
             left = left_by_each(problem, selection);
@@ -126,9 +132,17 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
     steps
 }
 
-/// True if all that is found is another form of a dry friction: bristles in place of stick.
+/// True if all that is found is another form of a dry friction, bristles in place of stick.
 fn is_formulation(selection: &Selection) -> bool {
-    matches!(&selection.rounds[..], [round] if round.rivals[0].name == "presliding")
+    matches!(&selection.rounds[..], [round] if is_as_bristles(round))
+}
+
+/// True if an effect is bristles, or if these explain nearly as much.
+fn is_as_bristles(round: &Round) -> bool {
+    let gain = |rival: &Rival| round.known.costs.level() - rival.fit.costs.level();
+    let most = gain(&round.rivals[0]);
+    let mut bristles = round.rivals.iter().filter(|r| r.name == "presliding");
+    bristles.any(|rival| gain(rival) >= NEARLY_ALL * most)
 }
 
 /// True if the effects hardly close more than the model's own numbers do, moved within their tolerances.
@@ -205,10 +219,11 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
 
 /// True if the effect `i` does not close the gap by itself, however well it suits the robust cost; the first need not, unless it
 /// is a hand.
-fn is_idle(selection: &Selection, i: usize, step: &Step) -> bool {
+fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) -> bool {
     let winner = &selection.rounds[i].rivals[0];
     if winner.name == "contact" && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
-        return true;
+        // What comes after a hand may be most of what it leaves.
+        return closed_beside(problem, selection, i) < LEAST_HAND_SHRINK;
     }
     if i == 0 || !step.is_small() {
         return false;
@@ -241,7 +256,11 @@ fn are_vain(steps: &[Step], left_open: f64) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Step, hardly_closes, steps_to};
+    use super::{Step, hardly_closes, is_as_bristles, steps_to};
+    use crate::fit::Fit;
+    use crate::fit::costs::Costs;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::select::{Place, Rival, Round};
 
     const FLOOR: [f64; 20] = [1.0; 20];
 
@@ -290,5 +309,35 @@ mod tests {
             [0.5, 1.0, 0.0]
         );
         assert!(steps[1].is_sure && steps[2].is_small());
+    }
+
+    #[test]
+    fn what_bristles_explain_nearly_as_well_is_one_of_their_forms() {
+        let fit = |level: f64| Fit {
+            hypothesis: Hypothesis { terms: Vec::new() },
+            x: Vec::new(),
+            std: Vec::new(),
+            costs: Costs {
+                per_sample: vec![level.exp_m1(); 20],
+                prior: 0.0,
+            },
+        };
+        let is_as_bristles = |rivals: &[(&'static str, f64)]| {
+            let rivals = rivals.iter().map(|&(name, level)| Rival {
+                name,
+                fit: fit(level),
+            });
+            is_as_bristles(&Round {
+                known: fit(2.0),
+                so_far: fit(1.0),
+                rivals: rivals.collect(),
+                screened: Vec::new(),
+                place: Place::given(false),
+            })
+        };
+        assert!(is_as_bristles(&[("presliding", 1.0)]));
+        assert!(is_as_bristles(&[("compliance", 1.0), ("presliding", 1.1)]));
+        assert!(!is_as_bristles(&[("compliance", 1.0), ("presliding", 1.5)]));
+        assert!(!is_as_bristles(&[("compliance", 1.0), ("viscous", 1.1)]));
     }
 }

@@ -1,6 +1,6 @@
 //! A spring towards some position.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
 /// `T = −K (x − x_K)`.
 pub const KIND: Kind = Kind {
@@ -12,7 +12,7 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "stiffness",
             quantity: Quantity::Stiffness,
-            range: ANY,
+            range: NOT_NEGATIVE,
             default: 0.05,
             typical: [0.005, 0.5],
             about: "of the spring",

@@ -116,14 +116,20 @@ fn cost(products: &DMatrix<f64>, factors: &DVector<f64>) -> f64 {
     (products * factors).dot(factors).clamp(0.0, f64::MAX)
 }
 
-/// Sum of the products of all windows as they weigh at some factors. Slopes say little of what is far away.
-fn weighed(nudges: &[f64], products: &[DMatrix<f64>], factors: &DVector<f64>) -> DMatrix<f64> {
+/// Sum of the products of all windows as they weigh at some factors, of which so many are moves along slopes: those say little
+/// of what is far away.
+fn weighed(
+    nudges: &[f64],
+    products: &[DMatrix<f64>],
+    factors: &DVector<f64>,
+    slopes: usize,
+) -> DMatrix<f64> {
     let n = factors.len();
     let mut normal = DMatrix::zeros(n, n);
     for products in products {
         normal += products / (1.0 + cost(products, factors));
     }
-    for i in 1..n {
+    for i in 1..=slopes {
         normal[(i, i)] += PRIOR_WEIGHT;
     }
     for (i, z) in nudges.iter().enumerate() {
@@ -209,7 +215,7 @@ impl Ground {
         let mut factors = DVector::zeros(columns);
         factors[0] = 1.0;
         for _ in 0..WEIGHINGS {
-            let normal = weighed(nudges, products, &factors);
+            let normal = weighed(nudges, products, &factors, columns - 1);
             let square = normal
                 .view((1, 1), (columns - 1, columns - 1))
                 .clone_owned();
@@ -241,8 +247,7 @@ impl Ground {
         let mut factors = DVector::zeros(known + 2);
         (factors[0], factors[size]) = (1.0, 1.0);
         for _ in 0..WEIGHINGS {
-            let mut normal = weighed(nudges, products, &factors);
-            normal[(size, size)] -= PRIOR_WEIGHT;
+            let normal = weighed(nudges, products, &factors, known);
             let free = |count: usize, given: &DVector<f64>| {
                 let square = normal.view((1, 1), (count, count)).clone_owned();
                 let pull = normal.rows(1, count) * given;

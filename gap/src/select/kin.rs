@@ -5,7 +5,8 @@ use super::rival::Rival;
 use crate::fit::hypothesis::Term;
 use recording::Model;
 
-const KIN: [&[&str]; 4] = [
+const KIN: [&[&str]; 5] = [
+    &["torque_offset", "asymmetric_coulomb"],
     &["viscous", "quadratic_drag"],
     &["gravity", "spring"],
     &["delay", "lag", "sensor_lag"],
@@ -60,6 +61,12 @@ fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
         let slope = own_nominal[0] + other[0] - other_nominal[0];
         let zero = (moment(own_nominal) + moment(other) - moment(other_nominal)) / slope;
         return (slope > 0.0 && zero.is_finite()).then(|| own.begun(&[(0, slope), (1, zero)]));
+    }
+    if let ("asymmetric_coulomb", "torque_offset") = (own.kind.name, other.kind.name) {
+        // What pushes forward is less friction that way and more the other way.
+        let levels = [-1.0, 1.0].map(|way| model.coulomb + way * other.values[0]);
+        let is_friction = levels.iter().all(|level| *level > 0.0);
+        return is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]));
     }
     // How many times as much it moves.
     let size = |term: &Term| match term.kind.name {

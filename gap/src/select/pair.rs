@@ -48,25 +48,20 @@ impl Search<'_> {
             .level();
         let most = self.perfect.level + LITTLE * (unexplained - self.perfect.level);
         let mut looked: Vec<(&Rival, Vec<Rival>)> = Vec::new();
-        let mut is_enough = false;
         for leader in leaders {
             let screened = self.screened(&leader.fit, &chosen, &hints);
             if looked.is_empty() {
                 hints.extend(screened.iter().filter(|r| bounces(r.name)).cloned());
             }
             let enough = |fit: &Fit| level(fit) <= most && self.problem.is_at_floor(fit);
-            is_enough = screened.iter().any(|rival| enough(&rival.fit));
+            let enough = screened.iter().any(|rival| enough(&rival.fit));
             looked.push((leader, screened));
-            if is_enough {
+            if enough {
                 break;
             }
         }
         let screened = looked.iter().flat_map(|(_, screened)| screened).cloned();
-        let proposed = if is_enough {
-            Vec::new()
-        } else {
-            self.proposed(null, &chosen, &first.screened)
-        };
+        let proposed = self.proposed(null, &chosen, &first.screened);
         let both = ranked(
             self.finals(screened.chain(proposed).collect(), null, None),
             null,

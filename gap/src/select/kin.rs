@@ -183,4 +183,17 @@ mod tests {
         let soft = term("spring", &[0.04, 0.0]);
         assert!(equal(&term("gravity", &[0.1, 0.0]), &soft, &nominal).is_none());
     }
+
+    #[test]
+    fn a_push_is_less_friction_one_way_and_more_the_other() {
+        let model = Model {
+            coulomb: 0.01,
+            ..Model::new(1.0)
+        };
+        let sided = term("asymmetric_coulomb", &[0.01, 0.01]);
+        let pushed = |torque| equal(&sided, &term("torque_offset", &[torque]), &model);
+        let levels = pushed(0.004).unwrap().values;
+        assert!((levels[0] - 0.006).abs() < 1e-12 && (levels[1] - 0.014).abs() < 1e-12);
+        assert!(pushed(0.02).is_none());
+    }
 }

@@ -1,7 +1,7 @@
 //! Looks for what is merely odd.
 
 use crate::statistics::{extremes, is_constant, median, quantile};
-use crate::{Oddity, Run};
+use crate::{Oddity, Run, Sensor};
 
 /// Jitter: the middle 90 % of the periods spread over more than this share of their median.
 const JITTER: f64 = 0.1;
@@ -33,14 +33,24 @@ const ON_GRID: f64 = 0.1;
 const ON_GRID_SHARE: f64 = 0.9;
 /// Distances between neighbouring values below this share of their span are rounding of the printed digits.
 const PRINTED: f64 = 1e-6;
+/// Noise seen over that stated: beyond this factor something else stirs the reading.
+const NOISIER: f64 = 5.0;
+/// Order of the differences in which a motion that was sampled some 25 times a period vanishes beside noise.
+const ORDER: usize = 6;
+/// Their median over the standard deviation of white noise: 0.6745 √(12 over 6).
+const MEDIAN_DIFFERENCE: f64 = 20.5;
 /// A supply that is read in steps of this share of it.
 const SUPPLY: f64 = 0.005;
 
-/// What is odd about one run; `stated` is the resolution of its position, `frozen` are the ignored columns that never
-/// change.
-pub(crate) fn run(run: &Run, stated: f64, frozen: &[String]) -> Vec<Oddity> {
+/// What is odd about one run; `stated` is the sensor of its position, `frozen` are the ignored columns that never change.
+pub(crate) fn run(run: &Run, stated: &Sensor, frozen: &[String]) -> Vec<Oddity> {
     let mut found = Vec::new();
-    found.extend(jitter(run));
+    let jitter = jitter(run);
+    // Samples at odd times differ by more than noise.
+    if jitter.is_none() {
+        found.extend(noisy(run, stated));
+    }
+    found.extend(jitter);
     found.extend(gaps(run));
     if is_constant(&run.input) {
         found.push(Oddity::ConstantInput {
@@ -51,7 +61,7 @@ pub(crate) fn run(run: &Run, stated: f64, frozen: &[String]) -> Vec<Oddity> {
     found.extend(frozen_columns(run, frozen));
     found.extend(saturated(run));
     found.extend(spikes(run));
-    found.extend(resolution(run, stated));
+    found.extend(resolution(run, stated.resolution));
     found.extend(coarse_supply(run));
     found
 }
@@ -218,6 +228,24 @@ fn resolution(run: &Run, stated: f64) -> Option<Oddity> {
     let coarser = quantised && seen > QUANTUM * stated;
     let finer = stated > 0.0 && seen * QUANTUM < stated;
     (coarser || finer).then(|| Oddity::Resolution {
+        file: run.file.clone(),
+        seen,
+        stated,
+    })
+}
+
+fn noisy(run: &Run, sensor: &Sensor) -> Option<Oddity> {
+    let stated = (sensor.noise.powi(2) + sensor.resolution.powi(2) / 12.0).sqrt();
+    let mut differences = run.position.clone();
+    for _ in 0..ORDER {
+        differences = differences
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .collect();
+    }
+    let sizes = differences.iter().map(|d| d.abs()).collect();
+    let seen = median(sizes) / MEDIAN_DIFFERENCE;
+    (stated > 0.0 && seen > NOISIER * stated).then(|| Oddity::Noisy {
         file: run.file.clone(),
         seen,
         stated,

@@ -108,6 +108,16 @@ pub enum Oddity {
         /// What the manifest says.
         stated: f64,
     },
+    /// The position jitters by far more than is stated.
+    #[error("{file}: `position` jitters by {seen} from sample to sample, where [sensor.position] says {stated}: what stirs it so is taken for noise, and no gap is looked for below it", seen = short(*seen), stated = short(*stated))]
+    Noisy {
+        /// The run.
+        file: String,
+        /// Standard deviation of white noise that jitters so.
+        seen: f64,
+        /// What the manifest says, quantising included.
+        stated: f64,
+    },
     /// The supply is read so coarsely that its steps are not events.
     #[error("{file}: `supply` is read in steps of {step}, {} % of it; a change of one step is no event", short(*percent), step = short(*step))]
     CoarseSupply {

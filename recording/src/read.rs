@@ -51,10 +51,10 @@ impl Recording {
             let (run, frozen) = read_run(folder, entry)?;
             validate::run(&run, &recording)
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
-            let stated = recording.sensor("position").resolution;
+            let stated = recording.sensor("position");
             recording
                 .oddities
-                .extend(inspect::run(&run, stated, &frozen));
+                .extend(inspect::run(&run, &stated, &frozen));
             recording.runs.push(run);
         }
         validate::sensors(&recording, &lines).map_err(|error| error.in_file(&path))?;

@@ -224,6 +224,33 @@ fn a_resolution_other_than_stated() {
 }
 
 #[test]
+fn a_reading_that_jitters_by_far_more_than_is_stated() {
+    const STATED: f64 = 1e-4;
+    // As good as random, over its standard deviation.
+    let stray = |k: f64| ((k * k * 0.618_033_988_749_895) % 1.0 - 0.5) * 12f64.sqrt();
+    let jittering = |std: f64| {
+        let mut run = run("a.csv");
+        for (k, (t, position)) in run.time.iter().zip(&mut run.position).enumerate() {
+            *position = 0.3 * (6.0 * t).sin() + std * stray(k as f64);
+        }
+        let mut recording = recording(vec![run]);
+        let sensor = Sensor {
+            noise: STATED,
+            ..Sensor::default()
+        };
+        recording.sensors.insert("position".into(), sensor);
+        oddities_of(&recording)
+    };
+    assert_eq!(jittering(3.0 * STATED), []);
+    let found = jittering(10.0 * STATED);
+    let [Oddity::Noisy { seen, stated, .. }] = found[..] else {
+        panic!("{found:?}")
+    };
+    assert!((seen / (10.0 * STATED) - 1.0).abs() < 0.2, "{seen}");
+    assert!((stated - STATED).abs() < 1e-12, "{stated}");
+}
+
+#[test]
 fn a_supply_that_is_read_coarsely() {
     let found = oddity(|run| {
         run.supply = Some(

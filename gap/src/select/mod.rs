@@ -335,8 +335,8 @@ fn select_beyond(
             // Of a gap that is in few windows most of them know nothing.
             || saves(&|fit| 2.0 * problem.gap_over_floor(fit).ln())
     };
-    // Where neither of two does much alone, no third is looked for on top of either.
-    let pair = |leads: bool| search.pair(&first, leads, |both| !selection.is_hopeless(both));
+    // Where none does much alone, no second is looked for on top of any.
+    let pair = |lead: bool| search.pair(&first, lead, |both| !selection.is_hopeless(both));
     let rounds = (!settled).then(|| pair(promises())).flatten();
     // One of the two may do what both do.
     let is_pair = rounds.is_some();

@@ -19,13 +19,13 @@ const LEADERS: usize = 3;
 const LEAST_LEAD: f64 = 0.3;
 
 impl Search<'_> {
-    /// The two effects that explain most together, if each earns its place beside the other: the first
-    /// is one of those that came out best alone in `first`, the second is looked for on top of each. One of them, where it
-    /// explains as much without the other. None where the fit of both is not `worth` more.
+    /// The two effects that explain most together, if each earns its place beside the other: of those that those best alone in
+    /// `first` lead to, where they do `lead`, and those that promise most together. One of them, where it explains as much
+    /// without the other. None where the fit of both is not `worth` more.
     pub(crate) fn pair(
         &self,
         first: &Round,
-        leads: bool,
+        lead: bool,
         worth: impl Fn(&Fit) -> bool,
     ) -> Option<Vec<Round>> {
         let null = &first.known;
@@ -33,45 +33,56 @@ impl Search<'_> {
         let mut hints = first.screened.clone();
         hints.retain(|rival| !bounces(rival.name));
         let chosen = self.screening_windows(null);
+        let leaders = self.leaders(first, if lead { LEADERS } else { 0 });
+        let looked = self.led(null, leaders, &chosen, &mut hints);
+        let led = looked.iter().flat_map(|(_, screened)| screened).cloned();
+        let proposed = self.proposed(null, &chosen, &first.screened);
+        let finals = self.finals(led.chain(proposed).collect(), null, None);
+        let both = ranked(finals, null, self.quiet())?.swap_remove(0);
+        if !worth(&both.fit) {
+            return None;
+        }
+        self.each_anew(first, &both, &looked, &hints)
+    }
+
+    /// The `most` effects that come out best alone, and what two columns show: it may close next to nothing beside what is larger.
+    fn leaders(&self, first: &Round, most: usize) -> Vec<Rival> {
+        let null = &first.known;
         let gain = |rival: &Rival| level(null) - level(&rival.fit);
         let least = LEAST_LEAD * gain(&first.rivals[0]);
-        let leaders = first.rivals.iter().take(if leads { LEADERS } else { 0 });
-        let mut leaders: Vec<&Rival> = leaders.filter(|rival| gain(rival) >= least).collect();
-        // What two columns show may close next to nothing beside what is larger.
+        let best = first.rivals.iter().take(most);
+        let mut leaders: Vec<Rival> = best.filter(|r| gain(r) >= least).cloned().collect();
         let measured = self.given.measured.as_ref();
         let measured = measured.filter(|term| leaders.iter().all(|r| r.name != term.kind.name));
-        let measured = measured.and_then(|term| self.given(null, term).rivals.pop());
-        leaders.extend(&measured);
-        let unexplained = self
-            .problem
-            .costs(&null.hypothesis, &null.x, Part::Chosen(&chosen))
-            .level();
-        let most = self.perfect.level + LITTLE * (unexplained - self.perfect.level);
-        let mut looked: Vec<(&Rival, Vec<Rival>)> = Vec::new();
+        leaders.extend(measured.and_then(|term| self.given(null, term).rivals.pop()));
+        leaders
+    }
+
+    /// Each leader with what screening finds on top of it, until that is enough; what bounces on top of the first is a hint.
+    fn led(
+        &self,
+        null: &Fit,
+        leaders: Vec<Rival>,
+        chosen: &[bool],
+        hints: &mut Vec<Rival>,
+    ) -> Vec<(Rival, Vec<Rival>)> {
+        let Fit { hypothesis, x, .. } = null;
+        let nothing = self.problem.costs(hypothesis, x, Part::Chosen(chosen));
+        let most = self.perfect.level + LITTLE * (nothing.level() - self.perfect.level);
+        let is_enough = |fit: &Fit| level(fit) <= most && self.problem.is_at_floor(fit);
+        let mut looked: Vec<(Rival, Vec<Rival>)> = Vec::new();
         for leader in leaders {
-            let screened = self.screened(&leader.fit, &chosen, &hints);
+            let screened = self.screened(&leader.fit, chosen, hints);
             if looked.is_empty() {
                 hints.extend(screened.iter().filter(|r| bounces(r.name)).cloned());
             }
-            let enough = |fit: &Fit| level(fit) <= most && self.problem.is_at_floor(fit);
-            let enough = screened.iter().any(|rival| enough(&rival.fit));
+            let enough = screened.iter().any(|rival| is_enough(&rival.fit));
             looked.push((leader, screened));
             if enough {
                 break;
             }
         }
-        let screened = looked.iter().flat_map(|(_, screened)| screened).cloned();
-        let proposed = self.proposed(null, &chosen, &first.screened);
-        let both = ranked(
-            self.finals(screened.chain(proposed).collect(), null, None),
-            null,
-            self.quiet(),
-        )?
-        .swap_remove(0);
-        if !worth(&both.fit) {
-            return None;
-        }
-        self.each_anew(first, &both, &looked, &hints)
+        looked
     }
 
     /// What becomes of an effect and of the second that was found beside it, where the first had stood in for something.
@@ -83,7 +94,7 @@ impl Search<'_> {
         if level(&both.fit) <= self.quiet() {
             return None;
         }
-        let looked = [(&first.rivals[0], second.screened.clone())];
+        let looked = [(first.rivals[0].clone(), second.screened.clone())];
         let mut rounds = self.each_anew(first, both, &looked, &first.screened)?;
         rounds.retain(|round| round.place.earned);
         let leaves_less = second.leaves_more_than(&rounds.last()?.so_far);
@@ -96,7 +107,7 @@ impl Search<'_> {
         &self,
         first: &Round,
         both: &Rival,
-        looked: &[(&Rival, Vec<Rival>)],
+        looked: &[(Rival, Vec<Rival>)],
         hints: &[Rival],
     ) -> Option<Vec<Round>> {
         let null = &first.known;
@@ -173,7 +184,7 @@ impl Search<'_> {
         &self,
         both: &Rival,
         null: &Fit,
-        looked: &[(&Rival, Vec<Rival>)],
+        looked: &[(Rival, Vec<Rival>)],
         hints: &[Rival],
     ) -> (Fit, Vec<Rival>) {
         let first = both.fit.hypothesis.terms.first().map(|term| term.kind.name);

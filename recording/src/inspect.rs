@@ -35,9 +35,9 @@ const ON_GRID_SHARE: f64 = 0.9;
 const PRINTED: f64 = 1e-6;
 /// Noise seen over that stated: beyond this factor something else stirs the reading.
 const NOISIER: f64 = 5.0;
-/// Order of the differences in which a motion that was sampled some 25 times a period vanishes beside noise.
-const ORDER: usize = 6;
-/// Their median over the standard deviation of white noise: 0.6745 √(12 over 6).
+/// Sixth difference: in it a motion that was sampled some 25 times a period vanishes beside noise.
+const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
+/// Median of its size over the standard deviation of white noise: 0.6745 √(12 over 6).
 const MEDIAN_DIFFERENCE: f64 = 20.5;
 /// A supply that is read in steps of this share of it.
 const SUPPLY: f64 = 0.005;
@@ -235,16 +235,11 @@ fn resolution(run: &Run, stated: f64) -> Option<Oddity> {
 }
 
 fn noisy(run: &Run, sensor: &Sensor) -> Option<Oddity> {
-    let stated = (sensor.noise.powi(2) + sensor.resolution.powi(2) / 12.0).sqrt();
-    let mut differences = run.position.clone();
-    for _ in 0..ORDER {
-        differences = differences
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .collect();
-    }
-    let sizes = differences.iter().map(|d| d.abs()).collect();
-    let seen = median(sizes) / MEDIAN_DIFFERENCE;
+    let stated = sensor.deviation();
+    let difference = |seven: &[f64]| seven.iter().zip(SIXTH).map(|(x, by)| by * x).sum::<f64>();
+    let sizes = run.position.windows(SIXTH.len());
+    let sizes = sizes.map(|seven| difference(seven).abs());
+    let seen = median(sizes.collect()) / MEDIAN_DIFFERENCE;
     (stated > 0.0 && seen > NOISIER * stated).then(|| Oddity::Noisy {
         file: run.file.clone(),
         seen,

@@ -17,6 +17,13 @@ pub struct Sensor {
     pub cutoff_hz: Option<f64>,
 }
 
+impl Sensor {
+    /// Standard deviation of what noise and quantising add to a reading, in units of position.
+    pub fn deviation(&self) -> f64 {
+        (self.noise.powi(2) + self.resolution.powi(2) / 12.0).sqrt()
+    }
+}
+
 /// Gain a of the format's first-order low-pass `y += a (x − y)` over a period, 1 without a corner.
 pub fn low_pass_gain(cutoff_hz: Option<f64>, period_s: f64) -> f64 {
     cutoff_hz.map_or(1.0, |cutoff_hz| (TAU * cutoff_hz * period_s).min(1.0))

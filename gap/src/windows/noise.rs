@@ -78,8 +78,7 @@ fn left_by_a_cubic(samples: usize, correlation: f64) -> f64 {
 ///
 /// Where the data are too few or too smooth to tell, the stated noise and quantum stand in.
 pub(crate) fn assign(recording: &Recording, run: &Run, correlation: f64, windows: &mut [Window]) {
-    let sensor = recording.sensor("position");
-    let stated = (sensor.noise.powi(2) + sensor.resolution.powi(2) / 12.0).sqrt();
+    let stated = recording.sensor("position").deviation();
     let mut own = Vec::with_capacity(windows.len());
     let mut all = Vec::new();
     for window in windows.iter() {

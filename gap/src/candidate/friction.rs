@@ -183,6 +183,7 @@ fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         ]
     });
     let turn = TAU / s.span();
+    let coarse = RIPPLES[2] * turn;
     let ripple = |wave_number: f64| {
         let found = regress(e, |m| {
             let friction = sliding_nm(e, m);
@@ -194,7 +195,7 @@ fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             log(2, times(more)),
             linear(3, sine, 0.3),
             linear(4, cosine, 0.3),
-            linear(5, wave_number, 0.2 * wave_number.min(RIPPLES[2] * turn)),
+            linear(5, wave_number, 0.2 * wave_number.min(coarse)),
         ];
         Some(term(kind, free, &[(0, 0.0), (1, 0.0)]))
     };
@@ -204,7 +205,7 @@ fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     });
     let fine = waves::strongest(resistance.collect(), s).into_iter();
     let fine = fine.map(|(wave_number, _)| wave_number);
-    let fine = fine.filter(|wave_number| *wave_number > RIPPLES[2] * turn);
+    let fine = fine.filter(|wave_number| *wave_number > coarse);
     let ripples = RIPPLES.into_iter().map(|turns| turns * turn);
     let ripples = ripples.chain(fine.take(FINE_RIPPLES)).filter_map(ripple);
     terms(kind, guess, [])

@@ -138,6 +138,13 @@ fn weighed(
     normal
 }
 
+/// The moves along so many slopes that cost least beside the factors that are given.
+fn solved(normal: &DMatrix<f64>, count: usize, given: &DVector<f64>) -> Option<DVector<f64>> {
+    let square = normal.view((1, 1), (count, count)).clone_owned();
+    let pull = normal.rows(1, count) * given;
+    Some(-square.cholesky()?.solve(&pull))
+}
+
 impl Ground {
     /// Along the coordinates of what is known.
     pub(crate) fn slopes(&self) -> &[Slope] {
@@ -216,13 +223,11 @@ impl Ground {
         factors[0] = 1.0;
         for _ in 0..WEIGHINGS {
             let normal = weighed(nudges, products, &factors, columns - 1);
-            let square = normal
-                .view((1, 1), (columns - 1, columns - 1))
-                .clone_owned();
-            let Some(cholesky) = square.cholesky() else {
+            let mut given = DVector::zeros(columns);
+            given[0] = 1.0;
+            let Some(moves) = solved(&normal, columns - 1, &given) else {
                 break;
             };
-            let moves = -cholesky.solve(&normal.view((1, 0), (columns - 1, 1)));
             for (i, by) in moves.iter().enumerate() {
                 let far = if i < self.x.len() { f64::MAX } else { FARTHEST };
                 factors[i + 1] = by.clamp(-far, far);
@@ -248,18 +253,13 @@ impl Ground {
         (factors[0], factors[size]) = (1.0, 1.0);
         for _ in 0..WEIGHINGS {
             let normal = weighed(nudges, products, &factors, known);
-            let free = |count: usize, given: &DVector<f64>| {
-                let square = normal.view((1, 1), (count, count)).clone_owned();
-                let pull = normal.rows(1, count) * given;
-                Some(-square.cholesky()?.solve(&pull))
-            };
             let mut given = DVector::zeros(known + 2);
             given[0] = 1.0;
-            let Some(all) = free(known + 1, &given) else {
+            let Some(all) = solved(&normal, known + 1, &given) else {
                 break;
             };
             given[size] = all[known].clamp(SIZES[0], SIZES[1]);
-            let Some(moves) = free(known, &given) else {
+            let Some(moves) = solved(&normal, known, &given) else {
                 break;
             };
             factors.copy_from(&given);

@@ -37,11 +37,7 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     // What needs fewer numbers because it bends those of the model saves none.
     let bends = |fit: &Fit| likely && !fit.is_likely();
     let is_luck = |rival: &Rival| {
-        let is_moot = || {
-            leaves_nothing(&rival.fit)
-                && !strains_more(rival, &rivals[0])
-                && !is_far_likelier(&rivals[0], rival)
-        };
+        let is_moot = || leaves_nothing(&rival.fit) && is_as_likely(rival, &rivals[0]);
         best > quiet || is_moot() || saved(rival, &rivals[0]) <= worth(rival, &rivals[0])
     };
     let is_as_good = |i: usize, limit: f64| {
@@ -75,8 +71,13 @@ fn worth(one: &Rival, other: &Rival) -> f64 {
     saved as f64 * price(one.fit.costs.per_sample.len())
 }
 
+/// True if one rival may as well be right as another that takes more parameters and leaves less.
+pub(super) fn is_as_likely(one: &Rival, other: &Rival) -> bool {
+    !strains_more(one, other) && !is_far_likelier(other, one)
+}
+
 /// True if one rival moves the model's own numbers farther than another by more than the parameters that it saves are worth.
-pub(super) fn strains_more(one: &Rival, other: &Rival) -> bool {
+fn strains_more(one: &Rival, other: &Rival) -> bool {
     PRIOR_SHARE * (one.fit.costs.prior - other.fit.costs.prior) > worth(one, other)
 }
 
@@ -128,14 +129,14 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     let winner = &round.rivals[0];
     let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
     let close = level(&winner.fit) + luck(&winner.fit).max(TIE_SHARE * gain);
-    // What does more than the winner as well, by more than its further parameters are worth, was set aside for their sake alone.
-    let is_aside = |rival: &Rival| {
-        contains(rival.name, winner.name) && saved(winner, rival) > worth(winner, rival)
-    };
-    let is_other = |rival: &Rival| !contains(rival.name, winner.name);
-    let tied = round.rivals[1..]
-        .iter()
-        .filter(|rival| is_other(rival) && level(&rival.fit) <= close || is_aside(rival));
+    let tied = round.rivals[1..].iter().filter(|rival| {
+        if contains(rival.name, winner.name) {
+            // What saves more than its further parameters are worth was set aside for their sake alone.
+            saved(winner, rival) > worth(winner, rival)
+        } else {
+            level(&rival.fit) <= close
+        }
+    });
     tied.map(|rival| rival.name).collect()
 }
 

@@ -4,7 +4,7 @@ use super::evolution::evolved;
 use super::finals::{best_of, join_all};
 use super::hand;
 use super::place::{Place, bounces, earns_its_place};
-use super::ranking::{contains, enough, is_far_likelier, ranked, strains_more};
+use super::ranking::{contains, enough, is_as_likely, is_far_likelier, ranked};
 use super::rival::{Rival, extended};
 use super::{Given, QUIET_EXCESS, is_quiet, level};
 use crate::candidate::{loosened, one_sided, push_at_most, untouched};
@@ -237,8 +237,7 @@ impl Search<'_> {
         let special = rivals.iter().position(|rival| {
             contains(rivals[0].name, rival.name)
                 && level(&rival.fit) <= halfway
-                && !strains_more(rival, &rivals[0])
-                && !is_far_likelier(&rivals[0], rival)
+                && is_as_likely(rival, &rivals[0])
                 && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
         });
         if let Some(special) = special {

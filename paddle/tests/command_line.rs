@@ -749,6 +749,23 @@ fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_aga
     assert_ne!(again[2]["elapsed_s"], first[2]["elapsed_s"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_batch_follows_links_and_not_in_circles() {
+    use std::os::unix::fs::symlink;
+    let out = folder("linked-batch");
+    let elsewhere = out.join("elsewhere");
+    let cases = out.join("cases");
+    std::fs::create_dir_all(&elsewhere).unwrap();
+    std::fs::create_dir_all(&cases).unwrap();
+    std::fs::write(elsewhere.join("recording.toml"), "format = 1\n").unwrap();
+    symlink(&elsewhere, cases.join("link")).unwrap();
+    symlink(&cases, cases.join("circle")).unwrap();
+    let output = paddle(&["gap", "diagnose", "--batch", cases.to_str().unwrap()]);
+    let said = text(&output.stderr);
+    assert!(said.contains("1 of 1 recordings"), "{said}");
+}
+
 #[test]
 fn a_batch_of_nothing_is_refused() {
     let out = folder("empty-batch");

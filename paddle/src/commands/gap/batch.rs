@@ -7,6 +7,7 @@ use crate::progress;
 use gap::Options;
 use recording::Recording;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Component, Path, PathBuf};
@@ -78,7 +79,7 @@ fn cases(folders: &[PathBuf], out: &Path) -> Result<(Vec<Case>, Vec<Refused>), F
     let mut refused = Vec::new();
     for folder in folders {
         let mut found = Vec::new();
-        match collect(folder, &mut found) {
+        match collect(folder, &mut BTreeSet::new(), &mut found) {
             Ok(()) if found.is_empty() => {
                 refused.push((folder.clone(), Failure::NoRecording(folder.clone())));
             }
@@ -103,17 +104,24 @@ fn cases(folders: &[PathBuf], out: &Path) -> Result<(Vec<Case>, Vec<Refused>), F
     Ok((cases, refused))
 }
 
-fn collect(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Failure> {
+/// Adds the recordings in `folder` and below; `entered` are the folders that were looked into, as links could lead in circles.
+fn collect(
+    folder: &Path,
+    entered: &mut BTreeSet<PathBuf>,
+    found: &mut Vec<PathBuf>,
+) -> Result<(), Failure> {
+    let refused = || Failure::read(folder);
+    if !entered.insert(folder.canonicalize().map_err(refused())?) {
+        return Ok(());
+    }
     if folder.join(MANIFEST).is_file() {
         found.push(folder.to_owned());
         return Ok(());
     }
-    let refused = || Failure::read(folder);
     for entry in std::fs::read_dir(folder).map_err(refused())? {
-        let entry = entry.map_err(refused())?;
-        // A link could lead in circles.
-        if entry.file_type().map_err(refused())?.is_dir() {
-            collect(&entry.path(), found)?;
+        let below = entry.map_err(refused())?.path();
+        if below.is_dir() {
+            collect(&below, entered, found)?;
         }
     }
     Ok(())

@@ -5,7 +5,7 @@ use super::place::{is_local, is_scanned};
 use super::ranking::contains;
 use super::rival::{Rival, extended};
 use super::round::Search;
-use super::screening::{BEGUN, MANY_ITERATIONS};
+use super::screening::{BEGUN, MANY_ITERATIONS, blocks};
 use crate::fit::Fit;
 use crate::fit::ground::Direction;
 use crate::fit::hypothesis::{Hypothesis, Term};
@@ -20,34 +20,33 @@ const PROPOSED_KEPT: usize = 4;
 const MOST_TIMES: usize = 3;
 
 impl Search<'_> {
-    /// Pairs of which neither effect need show much alone, fitted to the chosen windows.
+    /// Pairs of which neither effect need show much alone, fitted to the chosen windows. They are weighed and begun over a quarter of
+    /// the horizon, where less of what they do is out of proportion to their size.
     pub(super) fn proposed(&self, null: &Fit, chosen: &[bool], alone: &[Rival]) -> Vec<Rival> {
+        let soon = self.problem.quarter.as_deref().unwrap_or(self.problem);
+        let known = soon.fit(&null.hypothesis, null.x.clone(), Part::All, 0);
+        let field = Field::new(soon, &known, blocks(soon));
         // What is bound to moments makes up for anything then.
         let alone = alone.iter().filter(|rival| !rival.is_event());
         let alone = alone.filter_map(|rival| rival.fit.last_term());
         let mut starts: Vec<Term> = alone.collect();
-        let field = Field::new(self.problem, null, chosen);
         let others = self.tried(null, &[]).into_iter().filter(|candidate| {
             let name = candidate.kind.name;
             !is_local(name) && !is_scanned(name)
         });
         starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, BEGUN)));
-        let pairs = field.promising_pairs(&starts, PROPOSED);
-        let fit = |pair: Vec<Term>, x: Vec<f64>, iterations| {
-            let hypothesis = Hypothesis { terms: pair };
-            let part = Part::Chosen(chosen);
-            self.problem.fit(&hypothesis, x, part, iterations)
-        };
-        let begun = pairs.into_par_iter().map(|pair| {
-            let free = pair.iter().map(|term| term.free.len()).sum::<usize>();
-            let x = [&null.x[..], &vec![0.0; free]].concat();
-            fit(pair.to_vec(), x, FIRST_ITERATIONS)
-        });
-        let mut begun = sorted(begun.collect());
+        let begun = field.promising_pairs(&starts, PROPOSED).into_par_iter();
+        let mut begun = sorted(begun.map(|pair| field.begun_both(pair)).collect());
         begun.truncate(PROPOSED_KEPT);
         let fits = begun.into_par_iter().filter_map(|begun| {
             let name = begun.last_term()?.kind.name;
-            let fit = fit(begun.hypothesis.terms, begun.x, MANY_ITERATIONS);
+            let Fit { hypothesis, x, .. } = begun;
+            let there = Part::Chosen(&field.chosen);
+            let early = soon.fit(&hypothesis, x, there, MANY_ITERATIONS);
+            let here = Part::Chosen(chosen);
+            let fit = self
+                .problem
+                .fit(&hypothesis, early.x, here, MANY_ITERATIONS);
             Some(Rival { name, fit })
         });
         fits.collect()
@@ -55,6 +54,17 @@ impl Search<'_> {
 }
 
 impl Field<'_> {
+    /// Two effects fitted on from where both start.
+    fn begun_both(&self, pair: [Term; 2]) -> Fit {
+        let free = pair.iter().map(|term| term.free.len()).sum::<usize>();
+        let x = [&self.known.x[..], &vec![0.0; free]].concat();
+        let hypothesis = Hypothesis {
+            terms: pair.to_vec(),
+        };
+        let part = Part::Chosen(&self.chosen);
+        self.problem.fit(&hypothesis, x, part, FIRST_ITERATIONS)
+    }
+
     /// The pairs of effects that promise most together, `kept` of them, each from the starts from which it promises most:
     /// linearly from where both stand. One that promises much with any other is not in all of them.
     fn promising_pairs(&self, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {

@@ -259,7 +259,7 @@ fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
 
 /// Windows in blocks, with as many samples as screening takes: half of them from where runs begin, as nothing is carried
 /// there yet, half from everywhere, where what is carried settles in the first of a block.
-fn blocks(problem: &Problem<'_>) -> Vec<bool> {
+pub(super) fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     let windows = problem.window_count();
     // As long for windows that are a quarter as long.
     let quarters = if problem.quarter.is_some() { 1 } else { 4 };

@@ -11,6 +11,14 @@ use host_sim::effects::Kind;
 /// Wave numbers from which a fit starts.
 const PEAKS: usize = 3;
 
+/// Waves that were travelled at least for a ripple to be seen to repeat.
+pub(crate) const LEAST_WAVES: f64 = 1.0;
+
+/// Waves of a ripple between the lowest and the highest of some positions.
+pub(crate) fn waves_travelled(wave_number: f64, [low, high]: [f64; 2]) -> f64 {
+    wave_number * (high - low) / TAU
+}
+
 /// The strongest wave numbers in the missing torque, by the share of its variance that a sine and a
 /// cosine over position explain.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {

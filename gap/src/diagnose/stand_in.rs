@@ -1,15 +1,12 @@
 //! Effects that bend to what has no name: they close the gap, and would close that of another cause as well.
 
 use super::findings::confidence;
-use crate::candidate::contact;
+use crate::candidate::{LEAST_WAVES, contact, waves_travelled};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::select::{Round, Selection};
-use core::f64::consts::TAU;
 use std::fmt;
 
-/// Waves of a ripple that were travelled at least for it to be seen to repeat.
-const LEAST_WAVES: f64 = 1.0;
 /// Effects that are many.
 const MANY: usize = 3;
 /// Confidence from which a hand is one that comes more than once.
@@ -46,9 +43,8 @@ impl StandIn {
     /// The reason that lies in the effects beyond the first ones that are `certain`.
     fn of_effects(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
         let predictor = problem.predictor(&fit.hypothesis, &fit.x);
-        let [low, high] = problem.extremes();
         let cogging = predictor.device().mechanics.cogging;
-        let travelled = cogging.map(|c| c.wave_number * (high - low) / TAU);
+        let travelled = cogging.map(|c| waves_travelled(c.wave_number, problem.extremes()));
         if let Some(travelled) = travelled.filter(|waves| *waves < LEAST_WAVES) {
             return Some(Self::Wave { travelled });
         }
@@ -116,6 +112,7 @@ mod tests {
     use crate::fit::problem::Part;
     use crate::made;
     use crate::select::{Place, Rival};
+    use core::f64::consts::TAU;
     use host_sim::effects::Effect;
 
     /// Whether these terms, the first ones `certain`, may stand in for something else.

@@ -7,7 +7,9 @@ use super::place::{Place, bounces, earns_its_place};
 use super::ranking::{contains, enough, is_as_likely, is_far_likelier, ranked};
 use super::rival::{Rival, extended};
 use super::{Given, QUIET_EXCESS, is_quiet, level};
-use crate::candidate::{loosened, one_sided, push_at_most, untouched};
+use crate::candidate::{
+    LEAST_WAVES, loosened, one_sided, push_at_most, untouched, waves_travelled,
+};
 use crate::fit::Fit;
 use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
@@ -175,6 +177,16 @@ impl Search<'_> {
         }
     }
 
+    /// False if the last effect of a fit is a ripple of which less than a wave was travelled: a pull that bends does as much.
+    fn repeats(&self, fit: &Fit) -> bool {
+        const WAVE_NUMBER: usize = 1;
+        let ripple = fit.last_term().filter(|term| term.kind.name == "cogging");
+        ripple.is_none_or(|ripple| {
+            let extremes = self.problem.extremes();
+            waves_travelled(ripple.values[WAVE_NUMBER], extremes) >= LEAST_WAVES
+        })
+    }
+
     /// True if the last effect of a fit does no more than a special case of it that is not to be named.
     fn is_excluded(&self, known: &Fit, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
@@ -232,13 +244,17 @@ impl Search<'_> {
     /// The rivals in their order.
     fn ordered(&self, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
         let mut rivals = ranked(rivals, known, self.quiet())?;
-        // What needs a moment of its own is none where the same thing at all times leaves nothing.
         let halfway = 0.5 * (level(known) + level(&rivals[0].fit));
+        let repeats = self.repeats(&rivals[0].fit);
         let special = rivals.iter().position(|rival| {
+            // What needs a moment of its own is none where the same thing at all times leaves nothing.
+            let leaves_nothing = || {
+                is_as_likely(rival, &rivals[0])
+                    && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
+            };
             contains(rivals[0].name, rival.name)
                 && level(&rival.fit) <= halfway
-                && is_as_likely(rival, &rivals[0])
-                && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
+                && (!repeats || leaves_nothing())
         });
         if let Some(special) = special {
             let special = rivals.remove(special);
@@ -369,6 +385,7 @@ mod tests {
     use super::*;
     use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use core::f64::consts::PI;
 
     /// How suddenly static friction falls, and how slowly the last of it, once that is freed, where it was given to fall with
     /// an exponent of 1 and no tail.
@@ -437,6 +454,31 @@ mod tests {
     fn play_that_is_no_more_than_a_twist_is_none() {
         assert!(is_twist("compliance:stiffness=2.0,damping=0.005"));
         assert!(!is_twist("backlash:play=0.02"));
+    }
+
+    #[test]
+    fn a_pull_that_bends_is_no_ripple_of_which_less_than_a_wave_was_travelled() {
+        let free = |parameter, start| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Linear(0.2 * start),
+        };
+        let first = |amplitude: f64, wave_number: f64| {
+            let hidden =
+                format!("cogging:amplitude={amplitude},wave_number={wave_number},phase={PI}");
+            on(&made::recording(&[&hidden]), |search, null| {
+                let ripple = Term {
+                    values: vec![amplitude, wave_number, PI, 0.0, 0.0],
+                    ..made::term("cogging", &[free(0, amplitude), free(1, wave_number)])
+                };
+                let spring = made::term("spring", &[free(0, 0.05)]);
+                let rivals = [ripple, spring].into_iter();
+                let rivals = rivals.flat_map(|term| search.given(null, &term).rivals);
+                let ordered = search.ordered(null, rivals.collect()).unwrap();
+                ordered[0].name
+            })
+        };
+        assert_eq!([first(0.2, 0.15), first(0.02, 20.0)], ["spring", "cogging"]);
     }
 
     #[test]

@@ -13,19 +13,17 @@ use crate::fit::problem::Part;
 use rayon::prelude::*;
 
 /// Pairs that are fitted because they promise most together.
-const PROPOSED: usize = 16;
+const PROPOSED: usize = 12;
 /// Those that go on from there.
 const PROPOSED_KEPT: usize = 4;
 /// Pairs that an effect is taken into.
 const MOST_TIMES: usize = 3;
 
 impl Search<'_> {
-    /// Pairs of which neither effect need show much alone, fitted to the chosen windows. They are weighed and begun over a quarter of
-    /// the horizon, where less of what they do is out of proportion to their size.
+    /// Pairs of which neither effect need show much alone, fitted to the chosen windows: as they promise there, and over a quarter
+    /// of the horizon, where less of what they do is out of proportion to their size.
     pub(super) fn proposed(&self, null: &Fit, chosen: &[bool], alone: &[Rival]) -> Vec<Rival> {
-        let soon = self.problem.quarter.as_deref().unwrap_or(self.problem);
-        let known = soon.fit(&null.hypothesis, null.x.clone(), Part::All, 0);
-        let field = Field::new(soon, &known, blocks(soon));
+        let field = Field::new(self.problem, null, chosen);
         // What is bound to moments makes up for anything then.
         let alone = alone.iter().filter(|rival| !rival.is_event());
         let alone = alone.filter_map(|rival| rival.fit.last_term());
@@ -35,34 +33,49 @@ impl Search<'_> {
             !is_local(name) && !is_scanned(name)
         });
         starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, BEGUN)));
-        let begun = field.promising_pairs(&starts, PROPOSED).into_par_iter();
-        let mut begun = sorted(begun.map(|pair| field.begun_both(pair)).collect());
-        begun.truncate(PROPOSED_KEPT);
-        let fits = begun.into_par_iter().filter_map(|begun| {
-            let name = begun.last_term()?.kind.name;
-            let Fit { hypothesis, x, .. } = begun;
-            let there = Part::Chosen(&field.chosen);
-            let early = soon.fit(&hypothesis, x, there, MANY_ITERATIONS);
-            let here = Part::Chosen(chosen);
-            let fit = self
-                .problem
-                .fit(&hypothesis, early.x, here, MANY_ITERATIONS);
+        let mut proposed = field.pairs(&starts);
+        if let Some(quarter) = self.problem.quarter.as_deref() {
+            let known = quarter.fit(&null.hypothesis, null.x.clone(), Part::All, 0);
+            let soon = Field::new(quarter, &known, blocks(quarter)).pairs(&starts);
+            let begun = soon.into_par_iter();
+            proposed.par_extend(
+                begun.map(|fit| field.fit_both(&fit.hypothesis, fit.x, MANY_ITERATIONS)),
+            );
+        }
+        let rivals = proposed.into_iter().filter_map(|fit| {
+            let name = fit.last_term()?.kind.name;
             Some(Rival { name, fit })
         });
-        fits.collect()
+        rivals.collect()
     }
 }
 
 impl Field<'_> {
-    /// Two effects fitted on from where both start.
+    /// The best of the pairs that promise most together, fitted.
+    fn pairs(&self, starts: &[Term]) -> Vec<Fit> {
+        let pairs = self.promising_pairs(starts, PROPOSED).into_par_iter();
+        let begun = pairs.map(|pair| self.begun_both(pair));
+        let mut begun = sorted(begun.collect());
+        begun.truncate(PROPOSED_KEPT);
+        let fits = begun.into_par_iter();
+        fits.map(|fit| self.fit_both(&fit.hypothesis, fit.x, MANY_ITERATIONS))
+            .collect()
+    }
+
+    /// Two effects from where both start, fitted on.
     fn begun_both(&self, pair: [Term; 2]) -> Fit {
         let free = pair.iter().map(|term| term.free.len()).sum::<usize>();
         let x = [&self.known.x[..], &vec![0.0; free]].concat();
         let hypothesis = Hypothesis {
             terms: pair.to_vec(),
         };
+        self.fit_both(&hypothesis, x, FIRST_ITERATIONS)
+    }
+
+    /// Two effects fitted on.
+    fn fit_both(&self, hypothesis: &Hypothesis, x: Vec<f64>, iterations: usize) -> Fit {
         let part = Part::Chosen(&self.chosen);
-        self.problem.fit(&hypothesis, x, part, FIRST_ITERATIONS)
+        self.problem.fit(hypothesis, x, part, iterations)
     }
 
     /// The pairs of effects that promise most together, `kept` of them, each from the starts from which it promises most:

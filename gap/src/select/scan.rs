@@ -45,7 +45,8 @@ impl Field<'_> {
         fits.filter_map(|fit| fit.last_term()).collect()
     }
 
-    /// The starts around the lowest points of a scan, here and where the same data are restarted four times as often.
+    /// The best start around each of the lowest points of a scan, here and where the same data are restarted four times as often:
+    /// the deepest hollow may be none of a transmission that is there.
     pub(super) fn scanned(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
         let mut low = minima(starts, |start| self.cost(start));
         // What swings out of step over the horizon is still in step over a quarter of it.
@@ -54,8 +55,15 @@ impl Field<'_> {
             low.extend(soon.followed(&early));
             low.extend(early);
         }
-        let around: Vec<Term> = low.iter().flat_map(Term::around).collect();
-        self.near(&around)
+        let around = low.par_iter().filter_map(|start| {
+            let costs = start.around().into_iter().map(|s| (self.cost(&s), s));
+            costs.min_by(|a, b| a.0.total_cmp(&b.0))
+        });
+        let around: Vec<(f64, Term)> = around.collect();
+        lowest(
+            around.iter().map(|(cost, start)| (*cost, start)).collect(),
+            SCANNED_FITTED,
+        )
     }
 
     /// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
@@ -105,4 +113,33 @@ fn minima(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
     let minima = (0..sizes.len())
         .filter(|&i| sizes[i].0 <= beside(i, i.checked_sub(1)).min(beside(i, Some(i + 1))));
     lowest(minima.map(|i| sizes[i]).collect(), SCANNED_FITTED)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use crate::select::round;
+
+    #[test]
+    fn starts_of_a_scan_are_not_all_in_one_hollow() {
+        let recording = made::recording(&["compliance:stiffness=0.5,damping=0.002"]);
+        let (scanned, low) = round::on(&recording, |search, null| {
+            let chosen = vec![true; search.problem.window_count()];
+            let field = Field::new(search.problem, null, chosen);
+            let candidates = search.tried(null, &[]).into_iter();
+            let mut twists = candidates.filter(|c| c.kind.name == "compliance");
+            let starts = twists.next().unwrap().starts;
+            let low = minima(&starts, |start| field.cost(start));
+            (field.scanned(None, &starts), low)
+        });
+        assert_eq!(scanned.len(), low.len());
+        let places = |terms: &[Term]| {
+            let places = terms.iter().map(|t| (t.sensor_on_load, t.values[0]));
+            let mut places: Vec<(bool, f64)> = places.collect();
+            places.sort_by(|a, b| a.1.total_cmp(&b.1));
+            places
+        };
+        assert_eq!(places(&scanned), places(&low));
+    }
 }

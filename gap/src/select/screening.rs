@@ -1,6 +1,7 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
 use super::field::{Field, sorted};
+use super::finals::join_all;
 use super::place::{bends, bounces, is_local, is_scanned};
 use super::rival::Rival;
 use super::round::Search;
@@ -75,7 +76,7 @@ impl Search<'_> {
         let tried = self.tried(field.known, hints);
         let (scans, few): (Vec<_>, Vec<_>) = tried.into_iter().partition(is_scan);
         let has_two_masses = self.has_two_masses(known);
-        let mut rivals = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
+        let fitted = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
             // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
             if is_local(candidate.kind.name) {
                 let variants = variants(&candidate.starts);
@@ -96,6 +97,7 @@ impl Search<'_> {
                 field.begun(&starts, STARTS_KEPT)
             }
         });
+        let mut rivals = best_of_each(fitted);
         // What is scanned takes more numbers and most of the time.
         if !scans.is_empty() && !self.suffices(&mut rivals, chosen) {
             let quarter = problem.quarter.as_deref();
@@ -114,13 +116,14 @@ impl Search<'_> {
                 };
                 whole.begun(&starts, MANY_KEPT)
             });
-            // Weighed on the same windows as the others.
+            // Weighed on the same windows as the others: in blocks what is carried may be made to fit.
             let weighed = scanned.into_par_iter().map(|rival| {
                 let Fit { hypothesis, x, .. } = rival.fit;
                 let fit = problem.fit(&hypothesis, x, Part::Chosen(chosen), 0);
                 Rival { fit, ..rival }
             });
-            rivals.par_extend(weighed);
+            let weighed: Vec<Rival> = weighed.collect();
+            rivals.extend(best_of_each(weighed));
         }
         rivals
     }
@@ -147,8 +150,8 @@ impl Search<'_> {
         predictor.device().mechanics.link.is_some()
     }
 
-    /// The best fit of each of some effects on top of `known`, from the fits that are `begun`, the most promising ones
-    /// fitted on if they leave no more than `enough`.
+    /// The fits of some effects on top of `known` that are `begun`, the most promising ones fitted on if they leave no more than
+    /// `enough`.
     fn fitted_on(
         &self,
         known: &Fit,
@@ -175,21 +178,19 @@ impl Search<'_> {
         begun
             .into_par_iter()
             .enumerate()
-            .filter_map(|(rank, (mut fits, name))| {
+            .flat_map(|(rank, (fits, name))| {
                 let first = level(&fits[0]);
                 let is_promising = rank < FEWEST_PROMISING || rank < promising && first <= in_reach;
-                fits.retain(|fit| level(fit) <= first.max(in_reach));
                 let iterations = match fits.len() {
                     _ if !is_promising || first > enough => 0,
                     1 => SCREENING_ITERATIONS,
                     _ => MANY_ITERATIONS,
                 };
                 // What the model's own numbers took of the effect, they give back now.
-                let fits = fits
-                    .into_par_iter()
-                    .map(|fit| self.problem.fit(&fit.hypothesis, fit.x, part, iterations));
-                let fit = fits.min_by(|a, b| level(a).total_cmp(&level(b)))?;
-                Some(Rival { name, fit })
+                fits.into_par_iter().map(move |fit| {
+                    let fit = self.problem.fit(&fit.hypothesis, fit.x, part, iterations);
+                    Rival { name, fit }
+                })
             })
             .collect()
     }
@@ -249,6 +250,13 @@ impl Search<'_> {
         }
         chosen
     }
+}
+
+/// Of the rivals of each name the one that leaves least.
+fn best_of_each(all: Vec<Rival>) -> Vec<Rival> {
+    let mut best = Vec::new();
+    join_all(&mut best, all);
+    best
 }
 
 fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {

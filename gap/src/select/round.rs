@@ -6,7 +6,7 @@ use super::hand;
 use super::place::{Place, bounces, earns_its_place};
 use super::ranking::{contains, enough, is_as_likely, is_far_likelier, ranked};
 use super::rival::{Rival, extended};
-use super::{Given, QUIET_EXCESS, is_quiet, level};
+use super::{Given, MOST_LEFT_EXPLAINED, QUIET_EXCESS, is_quiet, level};
 use crate::candidate::{
     LEAST_WAVES, loosened, one_sided, push_at_most, untouched, waves_travelled,
 };
@@ -244,17 +244,26 @@ impl Search<'_> {
     /// The rivals in their order.
     fn ordered(&self, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
         let mut rivals = ranked(rivals, known, self.quiet())?;
-        let halfway = 0.5 * (level(known) + level(&rivals[0].fit));
-        let repeats = self.repeats(&rivals[0].fit);
+        let best = level(&rivals[0].fit);
+        let short_by = |share: f64| best + share * (level(known) - best);
+        let halfway = short_by(0.5);
+        // Of a ripple that was not seen to repeat a pull may be all; where it leaves nothing, that must leave next to nothing.
+        let pulls = (!self.repeats(&rivals[0].fit)).then(|| {
+            if best > self.quiet() {
+                halfway
+            } else {
+                short_by(MOST_LEFT_EXPLAINED)
+            }
+        });
         let special = rivals.iter().position(|rival| {
             // What needs a moment of its own is none where the same thing at all times leaves nothing.
             let leaves_nothing = || {
-                is_as_likely(rival, &rivals[0])
+                level(&rival.fit) <= halfway
+                    && is_as_likely(rival, &rivals[0])
                     && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
             };
             contains(rivals[0].name, rival.name)
-                && level(&rival.fit) <= halfway
-                && (!repeats || leaves_nothing())
+                && (pulls.is_some_and(|most| level(&rival.fit) <= most) || leaves_nothing())
         });
         if let Some(special) = special {
             let special = rivals.remove(special);
@@ -478,7 +487,10 @@ mod tests {
                 ordered[0].name
             })
         };
-        assert_eq!([first(0.2, 0.15), first(0.02, 20.0)], ["spring", "cogging"]);
+        assert_eq!(first(0.25, 0.12), "spring");
+        // What bends so much is no pull, whatever else it may be.
+        assert_eq!(first(0.2, 0.15), "cogging");
+        assert_eq!(first(0.02, 20.0), "cogging");
     }
 
     #[test]

@@ -38,7 +38,7 @@ pub fn page(recording: &Recording, outcome: &Outcome) -> Result<String, PlotErro
         regions(diagnosis, &labels),
         candidates(diagnosis),
         numbers(recording, &outcome.model.model),
-        next(diagnosis),
+        next(diagnosis, &labels),
         warnings(diagnosis),
         method(recording, diagnosis),
     ];
@@ -373,7 +373,7 @@ fn numbers(recording: &Recording, corrected: &Model) -> String {
     section("The model’s own numbers", &body)
 }
 
-fn next(diagnosis: &Diagnosis) -> String {
+fn next(diagnosis: &Diagnosis, labels: &Labels) -> String {
     let Some(next) = &diagnosis.next_experiment else {
         return String::new();
     };
@@ -384,7 +384,7 @@ fn next(diagnosis: &Diagnosis) -> String {
         .collect();
     let body = format!(
         "<p>Run {}. The rival models ({}) then differ by {} times the sensor’s noise.</p>\n",
-        escaped(&experiment(next)),
+        escaped(&experiment(next, labels)),
         escaped(&names.join(", ")),
         show(next.difference_over_noise, "1")
     );

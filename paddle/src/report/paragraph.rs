@@ -95,7 +95,7 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
             )
         }));
     }
-    sentences.extend(open_ends(diagnosis));
+    sentences.extend(open_ends(diagnosis, labels));
     sentences.join(" ")
 }
 
@@ -142,7 +142,7 @@ fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
 }
 
 /// What cannot be told apart, and what would.
-fn open_ends(diagnosis: &Diagnosis) -> Vec<String> {
+fn open_ends(diagnosis: &Diagnosis, labels: &Labels) -> Vec<String> {
     let next = diagnosis.next_experiment.as_ref();
     let mut sentences = Vec::new();
     let mut settled = false;
@@ -163,7 +163,7 @@ fn open_ends(diagnosis: &Diagnosis) -> Vec<String> {
                 sentences.push(format!(
                     "To tell {} from {rivals}, run {}.",
                     noun(effect.name),
-                    experiment(next)
+                    experiment(next, labels)
                 ));
             }
             _ => sentences.push(format!(
@@ -175,23 +175,26 @@ fn open_ends(diagnosis: &Diagnosis) -> Vec<String> {
     if let (Some(next), false) = (next, settled) {
         let names: Vec<_> = next.separates.iter().map(|name| noun(name)).collect();
         sentences.push(match names.is_empty() {
-            true => format!("To learn more, run {}.", experiment(next)),
+            true => format!("To learn more, run {}.", experiment(next, labels)),
             false => format!(
                 "To tell {} apart, run {}.",
                 listed(&names, "and"),
-                experiment(next)
+                experiment(next, labels)
             ),
         });
     }
     sentences
 }
 
-/// An excitation in words.
-pub fn experiment(next: &NextExperiment) -> String {
+/// An excitation in words, its amplitude in the unit of the input as it is typed.
+pub fn experiment(next: &NextExperiment, labels: &Labels) -> String {
     let settings: Vec<_> = next
         .settings
         .iter()
         .map(|(name, value)| {
+            if *name == "amplitude" {
+                return format!("{name} {} {}", show(*value, ""), labels.input);
+            }
             let (name, unit) = with_unit(name);
             format!("{} {}", name.replace('_', " "), show(*value, unit))
         })
@@ -249,7 +252,7 @@ mod tests {
             "Most of the gap (71 %) sits at low speed (velocities of −2.9 to 2.9 °/s), in 12 % of the samples. \
              Static friction 1.4 times the sliding level explains it: the gap falls from 0.56° to 0.12° (floor \
              0.020°) on data the fit has not seen. Viscous friction and delay do not. To tell static friction from \
-             presliding, run a ramp with amplitude 0.020 and duration 10 s."
+             presliding, run a ramp with amplitude 0.020 N m and duration 10 s."
         );
     }
 

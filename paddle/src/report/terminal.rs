@@ -67,7 +67,10 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
         }
     }
     if let Some(next) = &diagnosis.next_experiment {
-        line(&mut text, format_args!("\nnext: {}", experiment(next)));
+        line(
+            &mut text,
+            format_args!("\nnext: {}", experiment(next, labels)),
+        );
     }
     line(&mut text, format_args!("\n{:.1} s", diagnosis.elapsed_s));
     text

@@ -12,11 +12,12 @@ use host_sim::effects::Kind;
 const PEAKS: usize = 3;
 
 /// Waves that were travelled at least for a ripple to be seen to repeat.
-pub(crate) const LEAST_WAVES: f64 = 1.0;
+const LEAST_WAVES: f64 = 1.0;
 
-/// Waves of a ripple between the lowest and the highest of some positions.
-pub(crate) fn waves_travelled(wave_number: f64, [low, high]: [f64; 2]) -> f64 {
-    wave_number * (high - low) / TAU
+/// Waves of a ripple between the lowest and the highest of some positions, if they are too few to see it repeat.
+pub(crate) fn waves_short(wave_number: f64, [low, high]: [f64; 2]) -> Option<f64> {
+    let travelled = wave_number * (high - low) / TAU;
+    (travelled < LEAST_WAVES).then_some(travelled)
 }
 
 /// The strongest wave numbers in the missing torque, by the share of its variance that a sine and a

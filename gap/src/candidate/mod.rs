@@ -15,7 +15,7 @@ mod stops;
 mod transmission;
 mod waves;
 
-pub(crate) use cogging::{LEAST_WAVES, waves_travelled};
+pub(crate) use cogging::waves_short;
 pub(crate) use friction::loosened;
 #[cfg(test)]
 pub(crate) use start::term;

@@ -1,7 +1,7 @@
 //! Effects that bend to what has no name: they close the gap, and would close that of another cause as well.
 
 use super::findings::confidence;
-use crate::candidate::{LEAST_WAVES, contact, waves_travelled};
+use crate::candidate::{contact, waves_short};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::select::{Round, Selection};
@@ -44,8 +44,8 @@ impl StandIn {
     fn of_effects(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
         let predictor = problem.predictor(&fit.hypothesis, &fit.x);
         let cogging = predictor.device().mechanics.cogging;
-        let travelled = cogging.map(|c| waves_travelled(c.wave_number, problem.extremes()));
-        if let Some(travelled) = travelled.filter(|waves| *waves < LEAST_WAVES) {
+        let short = cogging.and_then(|c| waves_short(c.wave_number, problem.extremes()));
+        if let Some(travelled) = short {
             return Some(Self::Wave { travelled });
         }
         let found = fit.hypothesis.terms.iter().skip(certain);

@@ -37,7 +37,7 @@ impl<'a> Field<'a> {
 
     /// A start fitted on.
     pub(super) fn fit(&self, start: &Term, iterations: usize) -> Fit {
-        let (hypothesis, x) = extended(self.known, start);
+        let (hypothesis, x) = extended(self.known, [start]);
         let ground = Some(&self.ground);
         let part = Part::Chosen(&self.chosen);
         self.problem
@@ -62,7 +62,7 @@ impl<'a> Field<'a> {
         }
         let part = Part::Chosen(&self.chosen);
         let promise = |start: &Term| {
-            let (hypothesis, x) = extended(self.known, start);
+            let (hypothesis, x) = extended(self.known, [start]);
             self.ground.promise(self.problem, &hypothesis, &x, part)
         };
         lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)

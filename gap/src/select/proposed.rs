@@ -5,7 +5,7 @@ use super::place::{is_local, is_scanned};
 use super::ranking::contains;
 use super::rival::{Rival, extended};
 use super::round::Search;
-use super::screening::{BEGUN, MANY_ITERATIONS, blocks};
+use super::screening::{BEGUN, MANY_ITERATIONS};
 use crate::fit::Fit;
 use crate::fit::ground::Direction;
 use crate::fit::hypothesis::{Hypothesis, Term};
@@ -34,14 +34,12 @@ impl Search<'_> {
         });
         starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, BEGUN)));
         let mut proposed = field.pairs(&starts);
-        if let Some(quarter) = self.problem.quarter.as_deref() {
-            let known = quarter.fit(&null.hypothesis, null.x.clone(), Part::All, 0);
-            let soon = Field::new(quarter, &known, blocks(quarter)).pairs(&starts);
-            let begun = soon.into_par_iter();
-            proposed.par_extend(
-                begun.map(|fit| field.fit_both(&fit.hypothesis, fit.x, MANY_ITERATIONS)),
-            );
-        }
+        let soon = self
+            .soon(null)
+            .map_or(Vec::new(), |soon| soon.pairs(&starts));
+        let soon = soon.into_par_iter();
+        proposed
+            .par_extend(soon.map(|fit| field.fit_both(&fit.hypothesis, fit.x, MANY_ITERATIONS)));
         let rivals = proposed.into_iter().filter_map(|fit| {
             let name = fit.last_term()?.kind.name;
             Some(Rival { name, fit })
@@ -64,11 +62,7 @@ impl Field<'_> {
 
     /// Two effects from where both start, fitted on.
     fn begun_both(&self, pair: [Term; 2]) -> Fit {
-        let free = pair.iter().map(|term| term.free.len()).sum::<usize>();
-        let x = [&self.known.x[..], &vec![0.0; free]].concat();
-        let hypothesis = Hypothesis {
-            terms: pair.to_vec(),
-        };
+        let (hypothesis, x) = extended(self.known, &pair);
         self.fit_both(&hypothesis, x, FIRST_ITERATIONS)
     }
 
@@ -83,7 +77,7 @@ impl Field<'_> {
     fn promising_pairs(&self, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {
         let part = Part::Chosen(&self.chosen);
         let direction = |start: &Term| {
-            let (hypothesis, x) = extended(self.known, start);
+            let (hypothesis, x) = extended(self.known, [start]);
             self.ground.direction(self.problem, &hypothesis, &x, part)
         };
         let directions: Vec<Direction> = starts.par_iter().map(direction).collect();

@@ -64,12 +64,17 @@ impl Rival {
     }
 }
 
-/// `known` with one more term, at the point where both stand.
-pub(super) fn extended(known: &Fit, term: &Term) -> (Hypothesis, Vec<f64>) {
+/// `known` with some terms more, at the point where all stand.
+pub(super) fn extended<'a>(
+    known: &Fit,
+    terms: impl IntoIterator<Item = &'a Term>,
+) -> (Hypothesis, Vec<f64>) {
     let mut hypothesis = known.hypothesis.clone();
-    hypothesis.terms.push(term.clone());
     let mut x = known.x.clone();
-    x.extend(term.free.iter().map(|_| 0.0));
+    for term in terms {
+        hypothesis.terms.push(term.clone());
+        x.extend(term.free.iter().map(|_| 0.0));
+    }
     (hypothesis, x)
 }
 

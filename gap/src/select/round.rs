@@ -7,9 +7,7 @@ use super::place::{Place, bounces, earns_its_place};
 use super::ranking::{contains, enough, is_as_likely, is_far_likelier, ranked};
 use super::rival::{Rival, extended};
 use super::{Given, MOST_LEFT_EXPLAINED, QUIET_EXCESS, is_quiet, level};
-use crate::candidate::{
-    LEAST_WAVES, loosened, one_sided, push_at_most, untouched, waves_travelled,
-};
+use crate::candidate::{loosened, one_sided, push_at_most, untouched, waves_short};
 use crate::fit::Fit;
 use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
@@ -90,7 +88,7 @@ impl Search<'_> {
 
     /// An effect that is known to be there, at a known size.
     pub(crate) fn given(&self, null: &Fit, term: &Term) -> Round {
-        let (hypothesis, x) = extended(null, term);
+        let (hypothesis, x) = extended(null, [term]);
         let fit = self
             .problem
             .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
@@ -182,8 +180,8 @@ impl Search<'_> {
         const WAVE_NUMBER: usize = 1;
         let ripple = fit.last_term().filter(|term| term.kind.name == "cogging");
         ripple.is_none_or(|ripple| {
-            let extremes = self.problem.extremes();
-            waves_travelled(ripple.values[WAVE_NUMBER], extremes) >= LEAST_WAVES
+            let wave_number = ripple.values[WAVE_NUMBER];
+            waves_short(wave_number, self.problem.extremes()).is_none()
         })
     }
 

@@ -31,12 +31,10 @@ impl Field<'_> {
         known - (LEAST_SCAN_GAIN * (known - WHITE)).max(share * closed)
     }
 
-    /// Those of many starts that cost least as they are.
-    fn near(&self, starts: &[Term]) -> Vec<Term> {
-        lowest(
-            starts.par_iter().map(|s| (self.cost(s), s)).collect(),
-            SCANNED_FITTED,
-        )
+    /// Those of many starts that cost least as they are, `kept` of them.
+    fn near(&self, starts: &[Term], kept: usize) -> Vec<Term> {
+        let costs = starts.par_iter().map(|start| (self.cost(start), start));
+        lowest(costs.collect(), kept)
     }
 
     /// Where fits from some starts lead.
@@ -55,15 +53,8 @@ impl Field<'_> {
             low.extend(soon.followed(&early));
             low.extend(early);
         }
-        let around = low.par_iter().filter_map(|start| {
-            let costs = start.around().into_iter().map(|s| (self.cost(&s), s));
-            costs.min_by(|a, b| a.0.total_cmp(&b.0))
-        });
-        let around: Vec<(f64, Term)> = around.collect();
-        lowest(
-            around.iter().map(|(cost, start)| (*cost, start)).collect(),
-            SCANNED_FITTED,
-        )
+        let around = low.iter().flat_map(|start| self.near(&start.around(), 1));
+        self.near(&around.collect::<Vec<_>>(), SCANNED_FITTED)
     }
 
     /// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
@@ -78,11 +69,11 @@ impl Field<'_> {
         if !leads(soon, &low, LEAST_SCAN_LEAD) {
             return low;
         }
-        let early = self.near(&soon.descended(&low));
+        let early = self.near(&soon.descended(&low), SCANNED_FITTED);
         if !leads(self, &early, LEAST_SEARCH_LEAD) {
             return early;
         }
-        self.near(&self.descended(&early))
+        self.near(&self.descended(&early), SCANNED_FITTED)
     }
 
     /// Where searches from some starts lead.

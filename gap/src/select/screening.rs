@@ -97,11 +97,11 @@ impl Search<'_> {
                 field.begun(&starts, STARTS_KEPT)
             }
         });
-        let mut rivals = best_of_each(fitted);
+        let mut rivals = Vec::new();
+        join_all(&mut rivals, fitted);
         // What is scanned takes more numbers and most of the time.
         if !scans.is_empty() && !self.suffices(&mut rivals, chosen) {
-            let quarter = problem.quarter.as_deref();
-            let soon = quarter.map(|quarter| Field::new(quarter, field.known, blocks(quarter)));
+            let soon = self.soon(field.known);
             let whole = Field::new(problem, field.known, blocks(problem));
             let fits = rivals.iter().map(|rival| &rival.fit);
             let best = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
@@ -122,8 +122,7 @@ impl Search<'_> {
                 let fit = problem.fit(&hypothesis, x, Part::Chosen(chosen), 0);
                 Rival { fit, ..rival }
             });
-            let weighed: Vec<Rival> = weighed.collect();
-            rivals.extend(best_of_each(weighed));
+            join_all(&mut rivals, weighed.collect());
         }
         rivals
     }
@@ -143,6 +142,12 @@ impl Search<'_> {
             *fit = self.problem.fit(hypothesis, x, part, LAST_ITERATIONS);
         }
         level(fit) <= enough
+    }
+
+    /// Some of the same data, restarted four times as often.
+    pub(super) fn soon<'a>(&'a self, known: &'a Fit) -> Option<Field<'a>> {
+        let quarter = self.problem.quarter.as_deref()?;
+        Some(Field::new(quarter, known, blocks(quarter)))
     }
 
     fn has_two_masses(&self, fit: &Fit) -> bool {
@@ -252,13 +257,6 @@ impl Search<'_> {
     }
 }
 
-/// Of the rivals of each name the one that leaves least.
-fn best_of_each(all: Vec<Rival>) -> Vec<Rival> {
-    let mut best = Vec::new();
-    join_all(&mut best, all);
-    best
-}
-
 fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
     (0..problem.window_count())
         .map(|w| fit.costs.log(w))
@@ -267,7 +265,7 @@ fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
 
 /// Windows in blocks, with as many samples as screening takes: half of them from where runs begin, as nothing is carried
 /// there yet, half from everywhere, where what is carried settles in the first of a block.
-pub(super) fn blocks(problem: &Problem<'_>) -> Vec<bool> {
+fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     let windows = problem.window_count();
     // As long for windows that are a quarter as long.
     let quarters = if problem.quarter.is_some() { 1 } else { 4 };

@@ -122,7 +122,8 @@ pub struct NextExperiment {
     pub separates: Vec<&'static str>,
     /// Its numbers.
     pub settings: BTreeMap<&'static str, f64>,
-    /// Predicted difference of the rivals, rms, over the sensor's noise.
+    /// Predicted difference of the rivals that no numbers within what this recording says of them make up for, rms, over
+    /// noise.
     pub difference_over_noise: f64,
 }
 

@@ -1,18 +1,20 @@
 //! The excitation of the firmware that would tell rival models apart best.
 
+mod contender;
 mod menu;
+mod separation;
 mod trial;
 
 use crate::diagnosis::NextExperiment;
-use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::select::{Rival, Selection, ties};
 use crate::windows::motion::rms;
+use contender::{Contender, Shown};
 use haptic_paddle::excitation::{Excitation, Shape};
-use host_sim::device::Device;
+use nalgebra::DVector;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-use trial::{Setting, difference, readings};
+use trial::Setting;
 
 /// Ticks in a horizon.
 const TICKS: f64 = 250.0;
@@ -21,33 +23,90 @@ const MOST_RIVALS: usize = 4;
 /// By how much of its span on either side the positions of the recording may be left, where no travel is
 /// stated.
 const MARGIN: f64 = 0.5;
+/// Separation, over the noise, below which an excitation is not worth its time.
+const LEAST_SEPARATION: f64 = 1.0;
+/// Shapes of excitations that are tried with other numbers of the models, for each rival.
+const MOST_SHAPES: usize = 3;
 
-/// The best excitation for what the selection leaves open; `None` if nothing is, or if every excitation
-/// would drive one of the rivals out of its travel.
+/// An excitation, and how far the winner is from each of its rivals under it, over the noise.
+type Trial = (Excitation, Vec<f64>);
+
+/// The best excitation for what the selection leaves open: that which separates most rivals from the winner, and these best.
+/// `None` if nothing is open, or if every excitation would drive a model out of its travel or separate none.
 pub(crate) fn separating(problem: &Problem<'_>, selection: &Selection) -> Option<NextExperiment> {
     let rivals = open(selection)?;
-    let devices: Vec<Device> = rivals.iter().map(|r| device(problem, &r.fit)).collect();
-    let setting = setting(problem);
     let largest_input = largest_input(problem);
     if largest_input <= 0.0 {
         return None;
     }
-    let noises = problem.series.iter().flat_map(|s| &s.windows);
-    let noise = rms(&noises.map(|w| w.noise).collect::<Vec<_>>());
+    let contenders = rivals.par_iter().map(|r| Contender::new(problem, &r.fit));
+    let contenders: Vec<Contender> = contenders.collect();
+    let setting = setting(problem);
+    let noise = noise(problem);
     let excitations = menu::excitations(largest_input, problem.recording.horizon);
-    let (excitation, separation) = excitations
-        .into_par_iter()
-        .filter_map(|e| Some((e, separation(&devices, &e, &setting)?)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(NextExperiment {
+    let as_fitted = excitations.into_par_iter().filter_map(|excitation| {
+        let differences = differences(&contenders, &excitation, &setting, noise)?;
+        Some((excitation, differences))
+    });
+    let likely = most_likely(as_fitted.collect(), rivals.len() - 1);
+    let trials = likely.into_par_iter().filter_map(|excitation| {
+        let separations = separations(&contenders, &excitation, &setting, noise)?;
+        Some((excitation, separations))
+    });
+    let trials: Vec<Trial> = trials.collect();
+    let far = |(_, separations): &Trial| {
+        let far = separations.iter().filter(|s| **s > LEAST_SEPARATION);
+        (
+            far.clone().count(),
+            far.copied().fold(f64::INFINITY, f64::min),
+        )
+    };
+    let best = trials.into_iter().max_by(|a, b| {
+        let ((a, least_of_a), (b, least_of_b)) = (far(a), far(b));
+        a.cmp(&b).then(least_of_a.total_cmp(&least_of_b))
+    })?;
+    let (separated, difference_over_noise) = far(&best);
+    let (excitation, separations) = best;
+    let others = rivals[1..].iter().zip(&separations);
+    let others = others.filter(|(_, s)| **s > LEAST_SEPARATION);
+    (separated > 0).then(|| NextExperiment {
         kind: Shape::NAMED
             .iter()
             .find(|(_, shape)| *shape == excitation.shape)
             .map_or("", |(name, _)| name),
-        separates: rivals.iter().map(|r| r.name).collect(),
+        separates: core::iter::once(rivals[0].name)
+            .chain(others.map(|(r, _)| r.name))
+            .collect(),
         settings: settings(&excitation),
-        difference_over_noise: separation / noise.max(f64::MIN_POSITIVE),
+        difference_over_noise,
     })
+}
+
+/// For each of so many rivals the best excitations, each of another shape: numbers that give way only bring rivals nearer.
+fn most_likely(trials: Vec<Trial>, rivals: usize) -> Vec<Excitation> {
+    let mut likely: Vec<Excitation> = Vec::new();
+    for rival in 0..rivals {
+        let far = trials.iter().filter(|(_, d)| d[rival] > LEAST_SEPARATION);
+        let mut far: Vec<&Trial> = far.collect();
+        far.sort_by(|(_, a), (_, b)| b[rival].total_cmp(&a[rival]));
+        let mut shapes: Vec<Shape> = Vec::new();
+        for (excitation, _) in far {
+            if shapes.len() < MOST_SHAPES && !shapes.contains(&excitation.shape) {
+                shapes.push(excitation.shape);
+                if !likely.contains(excitation) {
+                    likely.push(*excitation);
+                }
+            }
+        }
+    }
+    likely
+}
+
+/// Of a reading, with what a right model may be off by, in units of position.
+fn noise(problem: &Problem<'_>) -> f64 {
+    let noises = problem.series.iter().flat_map(|s| &s.windows);
+    let noise = rms(&noises.map(|w| w.noise).collect::<Vec<_>>());
+    noise.hypot(problem.modelling).max(f64::MIN_POSITIVE)
 }
 
 /// The rivals between which the recording does not decide: a winner and its ties, of the last round that
@@ -71,24 +130,34 @@ fn open(selection: &Selection) -> Option<Vec<&Rival>> {
     unexplained.then(|| best.iter().collect())
 }
 
-fn device(problem: &Problem<'_>, fit: &Fit) -> Device {
-    let model = &problem.recording.model;
-    fit.hypothesis.device(model, &problem.nudges, &fit.x)
+/// Differences of the winner from each rival as they were fitted, over the noise; `None` if one of them does not stay where it
+/// may be.
+fn differences(
+    contenders: &[Contender],
+    excitation: &Excitation,
+    at: &Setting,
+    noise: f64,
+) -> Option<Vec<f64>> {
+    let shown = contenders.iter().map(|c| c.readings(excitation, at));
+    let shown: Vec<DVector<f64>> = shown.collect::<Option<_>>()?;
+    let (winner, others) = shown.split_first()?;
+    let noise = noise * (winner.len().max(1) as f64).sqrt();
+    let differences = others.iter().map(|other| (winner - other).norm() / noise);
+    Some(differences.collect())
 }
 
-/// The smallest difference of the winner from a rival, in units of position; `None` if one of the devices
-/// does not stay where it may be.
-fn separation(devices: &[Device], excitation: &Excitation, at: &Setting) -> Option<f64> {
-    let shown: Option<Vec<Vec<f64>>> = devices
-        .iter()
-        .map(|d| readings(d, excitation, at))
-        .collect();
-    let shown = shown?;
+/// The same with what the numbers of both may be.
+fn separations(
+    contenders: &[Contender],
+    excitation: &Excitation,
+    at: &Setting,
+    noise: f64,
+) -> Option<Vec<f64>> {
+    let shown = contenders.iter().map(|c| c.shown(excitation, at));
+    let shown: Vec<Shown> = shown.collect::<Option<_>>()?;
     let (winner, others) = shown.split_first()?;
-    others
-        .iter()
-        .map(|other| difference(winner, other))
-        .min_by(f64::total_cmp)
+    let separations = others.iter().map(|other| winner.separation(other, noise));
+    Some(separations.collect())
 }
 
 /// The largest input that was given, within the limit.
@@ -143,8 +212,10 @@ fn settings(excitation: &Excitation) -> BTreeMap<&'static str, f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::Fit;
     use crate::fit::costs::Costs;
-    use crate::fit::hypothesis::{Hypothesis, Term};
+    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use crate::fit::problem::Part;
     use crate::floor::{Perfect, WHITE};
     use crate::made;
     use crate::select::{Place, Round};
@@ -212,15 +283,20 @@ mod tests {
     }
 
     fn next(rounds: Vec<Round>, last: Option<Round>, quiet: bool) -> Option<NextExperiment> {
-        let recording = recording();
-        let problem = made::problem(&recording);
+        separating(
+            &made::problem(&recording()),
+            &selection(rounds, last, quiet),
+        )
+    }
+
+    fn selection(rounds: Vec<Round>, last: Option<Round>, quiet: bool) -> Selection {
         let null = fit(None, 9.0);
         let perfect = Perfect {
             level: WHITE,
             error: 0.0,
             worst: 0.0,
         };
-        let selection = Selection {
+        Selection {
             quiet,
             plain: false,
             given: false,
@@ -228,8 +304,7 @@ mod tests {
             perfect,
             rounds,
             last,
-        };
-        separating(&problem, &selection)
+        }
     }
 
     const STATIC: &str = "stribeck:static_ratio=1.5,velocity=0.1";
@@ -260,5 +335,41 @@ mod tests {
         let last = round(&[(STATIC, 5.0), (ELASTIC, 6.0), ("viscous", 7.0)]);
         let next = next(vec![], Some(last), false).unwrap();
         assert_eq!(next.separates, ["stribeck", "presliding"]);
+    }
+
+    #[test]
+    fn numbers_that_this_recording_leaves_open_separate_nothing() {
+        let recording = made::recording(&["spring:stiffness=0.06,zero=0"]);
+        let problem = made::problem(&recording);
+        let free = Coordinate {
+            parameter: 0,
+            start: 0.06,
+            scale: Scale::Log,
+        };
+        let hypothesis = Hypothesis {
+            terms: vec![made::term("spring", &[free])],
+        };
+        let best = problem.fit(&hypothesis, vec![0.0], Part::All, 5);
+        // The same with a number that is a little off, free or held there.
+        let other = |by: f64, free: bool| {
+            let mut fit = best.clone();
+            fit.x[0] += by;
+            if !free {
+                fit.hypothesis.terms[0] = fit.last_term().unwrap();
+                fit.hypothesis.terms[0].free.clear();
+                (fit.x, fit.std) = (Vec::new(), Vec::new());
+            }
+            fit
+        };
+        for (free, separates) in [(true, false), (false, true)] {
+            let mut tied = round(&[(STATIC, 1.0), (ELASTIC, 1.0)]);
+            tied.rivals[0].fit = other(0.0, free);
+            tied.rivals[1].fit = other(0.002, free);
+            for rival in &mut tied.rivals {
+                rival.fit.costs = fit(None, 1.0).costs;
+            }
+            let next = separating(&problem, &selection(vec![tied], None, false));
+            assert_eq!(next.is_some(), separates, "{next:?}");
+        }
     }
 }

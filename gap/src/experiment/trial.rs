@@ -52,14 +52,6 @@ pub(super) fn readings(device: &Device, excitation: &Excitation, at: &Setting) -
     Some(readings)
 }
 
-/// Root mean square of the difference of two records, a constant left out.
-pub(super) fn difference(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len().min(b.len()).max(1) as f64;
-    let pairs = || a.iter().zip(b).map(|(a, b)| a - b);
-    let mean = pairs().sum::<f64>() / n;
-    (pairs().map(|d| (d - mean).powi(2)).sum::<f64>() / n).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,11 +87,5 @@ mod tests {
             ..AT
         };
         assert_eq!(readings(&device, &step(4.0), &narrow), None);
-    }
-
-    #[test]
-    fn a_constant_is_no_difference() {
-        assert!(difference(&[1.0, 2.0, 3.0], &[0.0, 1.0, 2.0]) < 1e-12);
-        assert!((difference(&[1.0, -1.0], &[0.0, 0.0]) - 1.0).abs() < 1e-12);
     }
 }

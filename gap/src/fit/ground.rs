@@ -151,6 +151,20 @@ impl Ground {
         &self.slopes
     }
 
+    /// What the windows say of the coordinates, and the tolerances of the first `nudges`, in inverse squares of standard
+    /// deviations: what is left of a window is no noise, so that a whole one counts little.
+    pub(crate) fn information(&self, nudges: usize) -> DMatrix<f64> {
+        let known = self.x.len();
+        let mut normal = DMatrix::zeros(known, known);
+        for Linear { products, .. } in &self.windows {
+            normal += products.view((1, 1), (known, known)) / (1.0 + products[(0, 0)]);
+        }
+        for i in 0..nudges {
+            normal[(i, i)] += PRIOR_WEIGHT;
+        }
+        normal / PRIOR_WEIGHT
+    }
+
     /// Of each window, by running index.
     pub(crate) fn whitenings(&self) -> &[Option<Whitening>] {
         &self.whitenings

@@ -383,7 +383,8 @@ fn next(diagnosis: &Diagnosis, labels: &Labels) -> String {
         .map(|name| effect::noun(name))
         .collect();
     let body = format!(
-        "<p>Run {}. The rival models ({}) then differ by {} times the sensor’s noise.</p>\n",
+        "<p>Run {}. The rival models ({}) then differ by {} times the noise, whatever their numbers are within what \
+         this recording says of them.</p>\n",
         escaped(&experiment(next, labels)),
         escaped(&names.join(", ")),
         show(next.difference_over_noise, "1")

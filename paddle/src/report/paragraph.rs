@@ -146,30 +146,30 @@ fn open_ends(diagnosis: &Diagnosis, labels: &Labels) -> Vec<String> {
     let next = diagnosis.next_experiment.as_ref();
     let mut sentences = Vec::new();
     let mut settled = false;
-    for effect in diagnosis
-        .effects
-        .iter()
-        .filter(|e| !e.not_separable_from.is_empty())
-    {
-        let rivals: Vec<_> = effect
-            .not_separable_from
-            .iter()
-            .map(|name| noun(name))
-            .collect();
-        let rivals = listed(&rivals, "or");
-        match next {
-            Some(next) if next.separates.contains(&effect.name) => {
-                settled = true;
-                sentences.push(format!(
-                    "To tell {} from {rivals}, run {}.",
-                    noun(effect.name),
-                    experiment(next, labels)
-                ));
-            }
-            _ => sentences.push(format!(
-                "This recording cannot tell {} from {rivals}.",
-                noun(effect.name)
-            )),
+    for effect in &diagnosis.effects {
+        let next = next.filter(|next| next.separates.contains(&effect.name));
+        let rivals = effect.not_separable_from.iter();
+        let (told_apart, left): (Vec<&str>, Vec<&str>) =
+            rivals.partition(|name| next.is_some_and(|next| next.separates.contains(name)));
+        let or = |names: &[&str]| {
+            let nouns: Vec<_> = names.iter().map(|name| noun(name)).collect();
+            listed(&nouns, "or")
+        };
+        if let Some(next) = next.filter(|_| !told_apart.is_empty()) {
+            settled = true;
+            sentences.push(format!(
+                "To tell {} from {}, run {}.",
+                noun(effect.name),
+                or(&told_apart),
+                experiment(next, labels)
+            ));
+        }
+        if !left.is_empty() {
+            sentences.push(format!(
+                "This recording cannot tell {} from {}.",
+                noun(effect.name),
+                or(&left)
+            ));
         }
     }
     if let (Some(next), false) = (next, settled) {
@@ -347,6 +347,21 @@ mod tests {
             "{text}"
         );
         assert!(!text.contains("Presliding"), "{text}");
+    }
+
+    #[test]
+    fn rivals_that_no_experiment_separates_are_said_too() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.effects[0]
+            .not_separable_from
+            .push("friction_drift");
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.contains("To tell static friction from presliding, run a ramp")
+                && text
+                    .contains("This recording cannot tell static friction from drifting friction."),
+            "{text}"
+        );
     }
 
     #[test]

@@ -232,7 +232,10 @@ impl<'a> Listener<'a> {
     fn course(&mut self, window: &Window) -> WindowCourse {
         let restart_s = window.restart.time_s;
         let samples = window.samples.clone();
-        let [mut lead, mut steps] = [Course::default(), Course::default()];
+        // What a step between two samples is told falls within it, or is late.
+        let pieces = 1 + usize::from(self.drive.delay_s > 0.0);
+        let mut lead = Course::default();
+        let mut steps = Course::with_room(samples.len(), pieces);
         self.step_through(&[restart_s], &mut lead);
         self.step_through(&self.series.time[samples.clone()], &mut steps);
         WindowCourse {

@@ -30,6 +30,15 @@ impl Default for Course {
 }
 
 impl Course {
+    /// Empty, with room for so many steps of so many pieces each.
+    pub fn with_room(steps: usize, pieces: usize) -> Self {
+        Self {
+            pieces: Vec::with_capacity(steps * pieces),
+            steps: Vec::with_capacity(steps),
+            ..Self::default()
+        }
+    }
+
     /// A piece that acts for `lasts_s` after all that there is.
     #[inline]
     pub fn act(&mut self, torque: Torque, lasts_s: f64) {

@@ -62,9 +62,11 @@ impl Search<'_> {
         let problem = self.problem;
         let as_fitted = Field::new(problem, known, chosen);
         // Where the model's own numbers have gone to make up for an effect is no place to look for it.
-        let given = known.hypothesis.terms.is_empty().then(|| Fit {
-            x: vec![0.0; known.x.len()],
-            ..known.clone()
+        let have_gone = known.hypothesis.terms.is_empty() || known.is_strained();
+        let given = have_gone.then(|| {
+            let mut given = known.clone();
+            given.x[..problem.nudges.len()].fill(0.0);
+            given
         });
         let as_given = given
             .as_ref()

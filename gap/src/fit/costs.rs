@@ -1,5 +1,6 @@
 //! What a model costs on windows of data.
 
+use super::problem::Part;
 use super::whitening::dot;
 
 /// What one point costs on the windows of a part.
@@ -37,6 +38,16 @@ impl Costs {
     pub(crate) fn gains(&self, there: &Self) -> Vec<f64> {
         let windows = 0..self.per_sample.len();
         windows.map(|w| there.log(w) - self.log(w)).collect()
+    }
+
+    /// Those of the windows of a part alone.
+    pub(crate) fn within(mut self, part: Part<'_>) -> Self {
+        for (w, cost) in self.per_sample.iter_mut().enumerate() {
+            if !part.has(w) {
+                *cost = f64::NAN;
+            }
+        }
+        self
     }
 
     fn taken(&self) -> impl Iterator<Item = f64> {

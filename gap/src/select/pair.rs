@@ -72,7 +72,12 @@ impl Search<'_> {
         let is_enough = |fit: &Fit| level(fit) <= most && self.problem.is_at_floor(fit);
         let mut looked: Vec<(Rival, Vec<Rival>)> = Vec::new();
         for leader in leaders {
-            let screened = self.screened(&leader.fit, chosen, hints);
+            let screened = if self.has_two_masses(&leader.fit) {
+                let settled = self.screening_windows(&leader.fit);
+                self.weighed(self.screened(&leader.fit, &settled, hints), chosen)
+            } else {
+                self.screened(&leader.fit, chosen, hints)
+            };
             if looked.is_empty() {
                 hints.extend(screened.iter().filter(|r| bounces(r.name)).cloned());
             }

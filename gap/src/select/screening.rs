@@ -118,13 +118,7 @@ impl Search<'_> {
                 };
                 whole.begun(&starts, MANY_KEPT)
             });
-            // Weighed on the same windows as the others: in blocks what is carried may be made to fit.
-            let weighed = scanned.into_par_iter().map(|rival| {
-                let Fit { hypothesis, x, .. } = rival.fit;
-                let fit = problem.fit(&hypothesis, x, Part::Chosen(chosen), 0);
-                Rival { fit, ..rival }
-            });
-            join_all(&mut rivals, weighed.collect());
+            join_all(&mut rivals, self.weighed(scanned, chosen));
         }
         rivals
     }
@@ -146,13 +140,25 @@ impl Search<'_> {
         level(fit) <= enough
     }
 
+    /// Rivals weighed on the chosen windows, whatever they were fitted to: in blocks what is carried may be made to fit, and by
+    /// themselves windows are too few for it to settle.
+    pub(super) fn weighed(&self, rivals: Vec<Rival>, chosen: &[bool]) -> Vec<Rival> {
+        let weighed = rivals.into_par_iter().map(|mut rival| {
+            let Fit { hypothesis, x, .. } = &rival.fit;
+            let whole = self.problem.costs(hypothesis, x, Part::All);
+            rival.fit.costs = whole.within(Part::Chosen(chosen));
+            rival
+        });
+        weighed.collect()
+    }
+
     /// Some of the same data, restarted four times as often.
     pub(super) fn soon<'a>(&'a self, known: &'a Fit) -> Option<Field<'a>> {
         let quarter = self.problem.quarter.as_deref()?;
         Some(Field::new(quarter, known, blocks(quarter)))
     }
 
-    fn has_two_masses(&self, fit: &Fit) -> bool {
+    pub(super) fn has_two_masses(&self, fit: &Fit) -> bool {
         let predictor = self.problem.predictor(&fit.hypothesis, &fit.x);
         predictor.device().mechanics.link.is_some()
     }
@@ -239,23 +245,32 @@ impl Search<'_> {
         tried
     }
 
-    /// The windows on which effects are screened: half of them those that miss most, half from
-    /// everywhere.
+    /// The windows on which effects are screened: half of them those that miss most, half from everywhere; in blocks where what
+    /// is carried between two masses has to settle.
     pub(super) fn screening_windows(&self, known: &Fit) -> Vec<bool> {
         let problem = self.problem;
         let costs = window_costs(problem, known);
-        let count = costs.len();
-        let share = screening_share(problem, SCREENING_WINDOWS);
-        let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&a, &b| costs[b].total_cmp(&costs[a]));
-        let mut chosen: Vec<bool> = (0..count).map(|w| turn(w) < 0.5 * share).collect();
-        for &w in order
-            .iter()
-            .take((0.5 * share * count as f64).ceil() as usize)
-        {
-            chosen[w] = true;
+        let length = if self.has_two_masses(known) {
+            block_length(problem)
+        } else {
+            1
+        };
+        let share = screening_share(
+            problem,
+            SCREENING_WINDOWS.max(FEWEST_BLOCKS * length as f64),
+        );
+        let missed: Vec<f64> = costs
+            .chunks(length)
+            .map(|block| block.iter().sum())
+            .collect();
+        let mut order: Vec<usize> = (0..missed.len()).collect();
+        order.sort_by(|&a, &b| missed[b].total_cmp(&missed[a]));
+        let worst = (0.5 * share * missed.len() as f64).ceil() as usize;
+        let mut chosen: Vec<bool> = (0..missed.len()).map(|b| turn(b) < 0.5 * share).collect();
+        for &block in order.iter().take(worst) {
+            chosen[block] = true;
         }
-        chosen
+        (0..costs.len()).map(|w| chosen[w / length]).collect()
     }
 }
 
@@ -268,11 +283,7 @@ fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
 /// Windows in blocks, with as many samples as screening takes: half of them from where runs begin, as nothing is carried
 /// there yet, half from everywhere, where what is carried settles in the first of a block.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
-    let windows = problem.window_count();
-    // As long for windows that are a quarter as long.
-    let quarters = if problem.quarter.is_some() { 1 } else { 4 };
-    let [fewest, most] = BLOCK_WINDOWS.map(|windows| windows * quarters);
-    let length = (BLOCK_SAMPLES * windows / samples(problem).max(1)).clamp(fewest, most);
+    let length = block_length(problem);
     let half = 0.5 * screening_share(problem, FEWEST_BLOCKS * length as f64);
     let begins = problem.series.iter().flat_map(|series| {
         let count = series.windows.len();
@@ -281,6 +292,15 @@ fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     let begins = begins.enumerate();
     let chosen = begins.map(|(w, begins)| begins || turn(w / length) < half);
     chosen.collect()
+}
+
+/// Windows in a block.
+fn block_length(problem: &Problem<'_>) -> usize {
+    // As long for windows that are a quarter as long.
+    let quarters = if problem.quarter.is_some() { 1 } else { 4 };
+    let [fewest, most] = BLOCK_WINDOWS.map(|windows| windows * quarters);
+    let windows = BLOCK_SAMPLES * problem.window_count() / samples(problem).max(1);
+    windows.clamp(fewest, most)
 }
 
 /// Share of the windows on which effects are screened, `fewest` of them at least.

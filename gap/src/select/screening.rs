@@ -316,7 +316,9 @@ fn samples(problem: &Problem<'_>) -> usize {
 mod tests {
     use super::*;
     use crate::fit::hypothesis::{Coordinate, Scale};
+    use crate::floor::WHITE;
     use crate::made;
+    use crate::select::round;
     use recording::Recording;
 
     /// A dead band of a width that is fitted, and of a form that is not.
@@ -348,6 +350,51 @@ mod tests {
             of_run[begins..].contains(&true)
         });
         assert!(later.count() > 0);
+    }
+
+    #[test]
+    fn what_rings_long_is_weighed_as_it_settles() {
+        let ringing = "compliance:stiffness=0.4,damping=0.0004";
+        let recording = Recording {
+            horizon: 0.1,
+            ..made::recording(&[ringing])
+        };
+        round::on(&recording, |search, null| {
+            let mut term = made::term("compliance", &[]);
+            term.values[..2].copy_from_slice(&[0.4, 0.0004]);
+            let fit = search.given(null, &term).so_far;
+            let by_themselves: Vec<bool> = (0..fit.costs.per_sample.len())
+                .map(|w| w % 4 == 3)
+                .collect();
+            let part = Part::Chosen(&by_themselves);
+            let unsettled = search.problem.costs(&fit.hypothesis, &fit.x, part).level();
+            let name = term.kind.name;
+            let weighed = search.weighed(vec![Rival { name, fit }], &by_themselves);
+            let settled = level(&weighed[0].fit);
+            assert!(
+                settled < 2.0 * WHITE && settled < 0.2 * unsettled,
+                "{settled} {unsettled}"
+            );
+        });
+    }
+
+    #[test]
+    fn windows_of_two_masses_are_chosen_in_blocks() {
+        let recording = Recording {
+            horizon: 0.1,
+            ..made::recording(&["compliance:stiffness=0.4,damping=0.0004"])
+        };
+        round::on(&recording, |search, null| {
+            let term = made::term("compliance", &[]);
+            let twisting = search.given(null, &term).so_far;
+            let alone = |known: &Fit| {
+                let chosen = search.screening_windows(known);
+                let lonely = chosen.windows(3).filter(|w| **w == [false, true, false]);
+                lonely.count()
+            };
+            assert!(alone(null) > 0);
+            assert_eq!(alone(&twisting), 0);
+        });
     }
 
     #[test]

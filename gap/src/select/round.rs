@@ -292,7 +292,12 @@ impl Search<'_> {
     /// A round with its winner begun anew from far around, if that leads to less.
     pub(crate) fn begun_afar(&self, round: &Round) -> Option<Round> {
         let Rival { name, fit: winner } = &round.rivals[0];
-        let chosen = self.screening_windows(&round.known);
+        let of = if self.has_two_masses(winner) {
+            winner
+        } else {
+            &round.known
+        };
+        let chosen = self.screening_windows(of);
         let fit = self
             .problem
             .begun_afar(winner, Part::Chosen(&chosen), FITTING_ITERATIONS);

@@ -77,6 +77,8 @@ impl Search<'_> {
             |c: &Candidate| bounces(c.kind.name) || is_scanned(c.kind.name) && c.starts.len() > 1;
         let tried = self.tried(field.known, hints);
         let (scans, few): (Vec<_>, Vec<_>) = tried.into_iter().partition(is_scan);
+        let (hinted, few): (Vec<_>, Vec<_>) =
+            few.into_iter().partition(|c| is_scanned(c.kind.name));
         let has_two_masses = self.has_two_masses(known);
         let fitted = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
             // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
@@ -101,6 +103,14 @@ impl Search<'_> {
         });
         let mut rivals = Vec::new();
         join_all(&mut rivals, fitted);
+        if !hinted.is_empty() {
+            let whole = Field::new(problem, field.known, blocks(problem));
+            let fitted =
+                self.fitted_on(known, &whole.chosen, &hinted, f64::INFINITY, |candidate| {
+                    whole.begun(&candidate.starts, STARTS_KEPT)
+                });
+            join_all(&mut rivals, self.weighed(fitted, chosen));
+        }
         // What is scanned takes more numbers and most of the time.
         if !scans.is_empty() && !self.suffices(&mut rivals, chosen) {
             let soon = self.soon(field.known);

@@ -9,7 +9,7 @@ use crate::diagnosis::NextExperiment;
 use crate::fit::problem::Problem;
 use crate::select::{Rival, Selection, ties};
 use crate::windows::motion::rms;
-use contender::{Contender, Shown};
+use contender::Contender;
 use haptic_paddle::excitation::{Excitation, Shape};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -45,12 +45,14 @@ pub(crate) fn separating(problem: &Problem<'_>, selection: &Selection) -> Option
     let noise = noise(problem);
     let excitations = menu::excitations(largest_input, problem.recording.horizon);
     let as_fitted = excitations.into_par_iter().filter_map(|excitation| {
-        let differences = differences(&contenders, &excitation, &setting, noise)?;
+        let readings = |c: &Contender| c.readings(&excitation, &setting);
+        let differences = apart(&contenders, readings, |a, b| rms_difference(a, b) / noise)?;
         Some((excitation, differences))
     });
     let likely = most_likely(as_fitted.collect(), rivals.len() - 1);
     let trials = likely.into_par_iter().filter_map(|excitation| {
-        let separations = separations(&contenders, &excitation, &setting, noise)?;
+        let shown = |c: &Contender| c.shown(&excitation, &setting);
+        let separations = apart(&contenders, shown, |a, b| a.separation(b, noise))?;
         Some((excitation, separations))
     });
     let trials: Vec<Trial> = trials.collect();
@@ -130,34 +132,19 @@ fn open(selection: &Selection) -> Option<Vec<&Rival>> {
     unexplained.then(|| best.iter().collect())
 }
 
-/// Differences of the winner from each rival as they were fitted, over the noise; `None` if one of them does not stay where it
-/// may be.
-fn differences(
+/// How far the winner is from each rival by what all of them have `shown`; `None` if one of them does not stay where it may be.
+fn apart<S>(
     contenders: &[Contender],
-    excitation: &Excitation,
-    at: &Setting,
-    noise: f64,
+    shown: impl Fn(&Contender) -> Option<S>,
+    distance: impl Fn(&S, &S) -> f64,
 ) -> Option<Vec<f64>> {
-    let shown = contenders.iter().map(|c| c.readings(excitation, at));
-    let shown: Vec<DVector<f64>> = shown.collect::<Option<_>>()?;
+    let shown: Vec<S> = contenders.iter().map(shown).collect::<Option<_>>()?;
     let (winner, others) = shown.split_first()?;
-    let noise = noise * (winner.len().max(1) as f64).sqrt();
-    let differences = others.iter().map(|other| (winner - other).norm() / noise);
-    Some(differences.collect())
+    Some(others.iter().map(|other| distance(winner, other)).collect())
 }
 
-/// The same with what the numbers of both may be.
-fn separations(
-    contenders: &[Contender],
-    excitation: &Excitation,
-    at: &Setting,
-    noise: f64,
-) -> Option<Vec<f64>> {
-    let shown = contenders.iter().map(|c| c.shown(excitation, at));
-    let shown: Vec<Shown> = shown.collect::<Option<_>>()?;
-    let (winner, others) = shown.split_first()?;
-    let separations = others.iter().map(|other| winner.separation(other, noise));
-    Some(separations.collect())
+fn rms_difference(a: &DVector<f64>, b: &DVector<f64>) -> f64 {
+    (a - b).norm() / (a.len().max(1) as f64).sqrt()
 }
 
 /// The largest input that was given, within the limit.

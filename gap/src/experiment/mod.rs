@@ -11,7 +11,6 @@ use crate::select::{Rival, Selection, ties};
 use crate::windows::motion::rms;
 use contender::Contender;
 use haptic_paddle::excitation::{Excitation, Shape};
-use nalgebra::DVector;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use trial::Setting;
@@ -46,7 +45,9 @@ pub(crate) fn separating(problem: &Problem<'_>, selection: &Selection) -> Option
     let excitations = menu::excitations(largest_input, problem.recording.horizon);
     let as_fitted = excitations.into_par_iter().filter_map(|excitation| {
         let readings = |c: &Contender| c.readings(&excitation, &setting);
-        let differences = apart(&contenders, readings, |a, b| rms_difference(a, b) / noise)?;
+        let differences = apart(&contenders, readings, |a, b| {
+            rms((a - b).as_slice()) / noise
+        })?;
         Some((excitation, differences))
     });
     let likely = most_likely(as_fitted.collect(), rivals.len() - 1);
@@ -141,10 +142,6 @@ fn apart<S>(
     let shown: Vec<S> = contenders.iter().map(shown).collect::<Option<_>>()?;
     let (winner, others) = shown.split_first()?;
     Some(others.iter().map(|other| distance(winner, other)).collect())
-}
-
-fn rms_difference(a: &DVector<f64>, b: &DVector<f64>) -> f64 {
-    (a - b).norm() / (a.len().max(1) as f64).sqrt()
 }
 
 /// The largest input that was given, within the limit.

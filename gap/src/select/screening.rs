@@ -13,6 +13,7 @@ use crate::fit::problem::{Part, Problem, turn};
 use crate::stage::Stage;
 use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
+use std::cell::LazyCell;
 
 /// Starts of an effect that a fit begins from, those that promise most; more where there are many optima, of each variant.
 pub(super) const BEGUN: usize = 2;
@@ -103,8 +104,9 @@ impl Search<'_> {
         });
         let mut rivals = Vec::new();
         join_all(&mut rivals, fitted);
+        let whole = LazyCell::new(|| Field::new(problem, field.known, blocks(problem)));
         if !hinted.is_empty() {
-            let whole = Field::new(problem, field.known, blocks(problem));
+            let whole = &*whole;
             let fitted =
                 self.fitted_on(known, &whole.chosen, &hinted, f64::INFINITY, |candidate| {
                     whole.begun(&candidate.starts, STARTS_KEPT)
@@ -114,7 +116,7 @@ impl Search<'_> {
         // What is scanned takes more numbers and most of the time.
         if !scans.is_empty() && !self.suffices(&mut rivals, chosen) {
             let soon = self.soon(field.known);
-            let whole = Field::new(problem, field.known, blocks(problem));
+            let whole = &*whole;
             let fits = rivals.iter().map(|rival| &rival.fit);
             let best = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
             let best = best.unwrap_or(field.known);

@@ -65,7 +65,7 @@ pub(super) fn earns_its_place(
     // Where nothing seems to be missing, only what shows in a window or two is.
     let is_missing = known.is_strained() || !is_quiet(known, perfect);
     let by_unseen = by_unseen && !winner.is_event() && is_missing;
-    let is_local = winner.is_event() || winner.name == "end_stop";
+    let is_local = winner.is_event() || matches!(winner.name, "end_stop" | "saturation");
     let by_few = !by_unseen && is_local && stands_out(&seen, perfect);
     Place {
         significance,

@@ -69,6 +69,10 @@ pub struct Finding {
     pub not_separable_from: Vec<&'static str>,
     /// What its shrink rests on: `prediction` or `sensor_comparison`.
     pub basis: &'static str,
+    /// False where it shows in too few windows for any to be held out: its shrink is on data that the fit has seen, as a warning
+    /// says.
+    #[serde(skip)]
+    pub held_out: bool,
     /// By name.
     pub parameters: BTreeMap<String, Estimate>,
     /// Of this effect alone, on top of those before it.

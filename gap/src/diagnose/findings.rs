@@ -65,6 +65,7 @@ pub(super) fn findings(
             confidence: confidence(round, selection.perfect.level).min(most_sure),
             not_separable_from: select::ties(round),
             basis: PREDICTION,
+            held_out: !round.place.by_few,
             parameters,
             shrink: step.own[0],
             shrink_interval: [step.own[1], step.own[2]],

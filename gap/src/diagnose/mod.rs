@@ -147,8 +147,15 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let small = small.filter(|(_, step)| step.is_small());
     let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.nudges));
     let reliefs = reliefs.map(|relief| relief.to_string());
+    let seen = effects.iter().filter(|effect| !effect.held_out);
+    let seen = seen.map(|effect| {
+        format!(
+            "{} shows in too few windows for any to be held out: its shrink is on data that the fit has seen",
+            effect.name
+        )
+    });
     let warnings = oddities.chain(disagreement).chain(bounds);
-    let warnings = warnings.chain(doubt).chain(reliefs);
+    let warnings: Vec<String> = warnings.chain(doubt).chain(reliefs).chain(seen).collect();
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
@@ -157,7 +164,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         gap: closing,
         effects,
         next_experiment,
-        warnings: warnings.collect(),
+        warnings,
         elapsed_s: started.elapsed().as_secs_f64(),
     };
     Outcome { diagnosis, model }

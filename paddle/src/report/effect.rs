@@ -293,6 +293,7 @@ mod tests {
             confidence: 0.9,
             not_separable_from: Vec::new(),
             basis: "prediction",
+            held_out: true,
             parameters: parameters.collect::<BTreeMap<_, _>>(),
             shrink: 0.5,
             shrink_interval: [0.4, 0.6],

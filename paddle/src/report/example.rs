@@ -44,6 +44,7 @@ pub fn stribeck() -> Diagnosis {
             confidence: 0.97,
             not_separable_from: vec!["presliding"],
             basis: "prediction",
+            held_out: true,
             parameters: BTreeMap::from([("static_ratio".to_owned(), ratio)]),
             shrink: 0.81,
             shrink_interval: [0.76, 0.85],

@@ -4,7 +4,7 @@ use super::bar::{Tone, bar};
 use super::charts::{Charts, RUNS};
 use super::course::{arising, courses};
 use super::effect;
-use super::paragraph::{experiment, headline, paragraph};
+use super::paragraph::{experiment, headline, on_which_data, paragraph};
 use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
 use crate::plot::PlotError;
@@ -190,7 +190,7 @@ fn shrinks(diagnosis: &Diagnosis) -> String {
         rows,
     );
     section(
-        "How far the gap shrinks, on data the fit has not seen",
+        &format!("How far the gap shrinks{}", on_which_data(diagnosis)),
         &body,
     )
 }

@@ -71,8 +71,9 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
             (true, false) => format!("{verb} part of it"),
             (false, _) => format!("{verb} it"),
         };
+        let on = on_which_data(diagnosis);
         sentences.push(format!(
-            "{all} {how}: the gap falls from {before} to {after} (floor {floor}) on data the fit has not seen."
+            "{all} {how}: the gap falls from {before} to {after} (floor {floor}){on}."
         ));
         if !aside.is_empty() {
             sentences.push(format!(
@@ -97,6 +98,14 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     }
     sentences.extend(open_ends(diagnosis, labels));
     sentences.join(" ")
+}
+
+/// That the gap was seen to fall on data the fit has not seen, if all of it was.
+pub fn on_which_data(diagnosis: &Diagnosis) -> &'static str {
+    match diagnosis.effects.iter().all(|effect| effect.held_out) {
+        true => " on data the fit has not seen",
+        false => "",
+    }
 }
 
 fn located(region: &Region, labels: &Labels) -> String {
@@ -253,6 +262,17 @@ mod tests {
              Static friction 1.4 times the sliding level explains it: the gap falls from 0.56° to 0.12° (floor \
              0.020°) on data the fit has not seen. Viscous friction and delay do not. To tell static friction from \
              presliding, run a ramp with amplitude 0.020 N m and duration 10 s."
+        );
+    }
+
+    #[test]
+    fn what_was_not_held_out_is_not_said_to_be() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.effects[0].held_out = false;
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.contains("falls from 0.56° to 0.12° (floor 0.020°)."),
+            "{text}"
         );
     }
 

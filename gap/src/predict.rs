@@ -93,10 +93,10 @@ impl Predictor {
         }
     }
 
-    /// The same with what starts anew in every run, if anything does.
+    /// The same with what starts anew with this run's clock, if that and anything does.
     fn begun_anew(&self, series: &Series) -> Option<Self> {
         let drift = self.device.mechanics.friction.drift;
-        let mut drift = drift.filter(|drift| drift.anew)?;
+        let mut drift = drift.filter(|drift| drift.anew && series.session_offset_s != 0.0)?;
         drift.start_s = series.started_s + series.session_offset_s;
         let mut device = self.device.clone();
         device.mechanics.friction.drift = Some(drift);

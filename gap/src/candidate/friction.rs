@@ -262,19 +262,25 @@ fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
 }
 
 /// A friction that grows or falls all the time, or that settles as something warms up: over the session, or in every run
-/// where the clock starts anew.
+/// where the clock starts anew. One run cannot tell; what it shows is then taken for what every run will show, so that no
+/// other is predicted from beyond what was seen.
 fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let starts = e.series.iter().map(|series| series.session(0));
     let start_s = starts.min_by(f64::total_cmp).unwrap_or(0.0);
-    let mut all = drifts_since(kind, e, |m| m.session_s - start_s);
-    if e.series.iter().any(|series| series.session_offset_s != 0.0) {
-        let anew = drifts_since(kind, e, |m| m.run_s).into_iter();
-        all.extend(anew.map(|mut drift| {
-            drift.values[ANEW] = 1.0;
-            drift
-        }));
+    let session = drifts_since(kind, e, |m| m.session_s - start_s);
+    if e.series.iter().all(|series| series.run == e.series[0].run) {
+        return session.into_iter().map(anew).collect();
     }
-    all
+    let starts_anew = e.series.iter().any(|series| series.session_offset_s != 0.0);
+    let runs = starts_anew.then(|| drifts_since(kind, e, |m| m.run_s));
+    let runs = runs.into_iter().flatten().map(anew);
+    session.into_iter().chain(runs).collect()
+}
+
+/// The same drift in every run whose clock starts anew.
+fn anew(mut drift: Term) -> Term {
+    drift.values[ANEW] = 1.0;
+    drift
 }
 
 fn drifts_since(

@@ -40,7 +40,7 @@ pub const KIND: Kind = Kind {
             range: SHARE,
             default: 0.0,
             typical: [0.0, 1.0],
-            about: "1 if every run starts with it, 0 if it goes on through the session",
+            about: "1 if it starts anew with a run's clock, 0 if it goes on through the session",
         },
     ],
     events: None,

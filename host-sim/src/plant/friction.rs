@@ -38,7 +38,7 @@ pub struct Drift {
     pub settling_s: Option<f64>,
     /// When it starts, s of the session.
     pub start_s: f64,
-    /// Whether every run of the session starts with it.
+    /// Whether it starts anew with a run whose clock does.
     pub anew: bool,
 }
 

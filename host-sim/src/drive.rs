@@ -41,7 +41,7 @@ impl Saturation {
     }
 }
 
-/// Limit, saturation, dead band, delay, first-order lag and gain, in this order.
+/// Limit, saturation, dead band, delay, first-order lags and gain, in this order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Joint torque per unit of input.
@@ -59,6 +59,8 @@ pub struct Drive {
     pub delay_s: f64,
     /// Time constant of the lag, s.
     pub lag_s: f64,
+    /// Of another one behind it, s.
+    pub further_lag_s: f64,
 }
 
 impl Drive {
@@ -72,6 +74,7 @@ impl Drive {
             deadband_jump: 0.0,
             delay_s: 0.0,
             lag_s: 0.0,
+            further_lag_s: 0.0,
         }
     }
 
@@ -84,7 +87,7 @@ impl Drive {
     /// Time after which an input that another has followed makes no difference that rounding shows, s.
     pub fn memory_s(&self) -> f64 {
         const LAGS: f64 = 40.0;
-        self.delay_s + LAGS * self.lag_s
+        self.delay_s + LAGS * (self.lag_s + self.further_lag_s)
     }
 
     /// Magnitude of what it takes of an input.
@@ -117,15 +120,22 @@ impl Drive {
     }
 }
 
-/// The drive at work: what is still under way, and the lag's state.
+/// Share of its time constant for which what a lag lets through is taken as straight by the next: with the same mean, so that
+/// it differs by a thirtieth of what is left of a step, and half of the time the other way.
+const STRAIGHT: f64 = 0.5;
+
+/// The drive at work: what is still under way, and the lags' states.
 #[derive(Clone, Debug)]
 pub struct DriveLine {
     delay_s: f64,
     lag_s: f64,
+    further_lag_s: f64,
     under_way: VecDeque<(f64, Torque)>,
     torque: Torque,
     /// For how long that has been acting, s.
     age_s: f64,
+    /// Behind the further lag, N m.
+    acting_nm: f64,
 }
 
 impl DriveLine {
@@ -134,9 +144,11 @@ impl DriveLine {
         Self {
             delay_s: drive.delay_s,
             lag_s: drive.lag_s,
+            further_lag_s: drive.further_lag_s,
             under_way: VecDeque::new(),
             torque: Torque::held(0.0),
             age_s: 0.0,
+            acting_nm: 0.0,
         }
     }
 
@@ -204,8 +216,26 @@ impl DriveLine {
         if self.age_s > 0.0 {
             self.torque = self.torque.after(self.age_s);
         }
+        if self.further_lag_s > 0.0 {
+            return self.piece_behind(piece_s);
+        }
         self.age_s = piece_s;
         (self.torque, piece_s)
+    }
+
+    /// What comes of the next `piece_s` of the torque behind the further lag, and for how long that is one piece.
+    fn piece_behind(&mut self, piece_s: f64) -> (Torque, f64) {
+        let piece_s = if self.torque.is_held() {
+            piece_s
+        } else {
+            piece_s.min(STRAIGHT * self.lag_s)
+        };
+        self.age_s = piece_s;
+        let behind = self
+            .torque
+            .behind(self.acting_nm, self.further_lag_s, piece_s);
+        self.acting_nm = behind.at(piece_s);
+        (behind, piece_s)
     }
 }
 
@@ -283,6 +313,31 @@ mod tests {
         let seen: Vec<_> = pieces.iter().map(|(_, t)| t.target_nm).collect();
         assert_eq!(seen, [0.0, 0.0, 1.0, 1.0, 2.0]);
         assert!((pieces[2].0 - 1.5e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_lags_in_a_row_answer_a_step_as_their_equation_says() {
+        // y = 1 − (τ₁ e^(−t/τ₁) − τ₂ e^(−t/τ₂)) / (τ₁ − τ₂)
+        let [first, further] = [3e-3, 1e-3];
+        let drive = Drive {
+            lag_s: first,
+            further_lag_s: further,
+            ..Drive::ideal(1.0)
+        };
+        let mut line = DriveLine::at_rest(&drive);
+        let (mut now, mut impulse) = (0.0, 0.0);
+        line.command(&drive, now, 1.0);
+        while now < 0.02 {
+            let (torque, piece_s) = line.piece(now, 1e-3);
+            let left = |lag_s: f64| lag_s * (-now / lag_s).exp();
+            let expected = 1.0 - (left(first) - left(further)) / (first - further);
+            assert!((torque.at(0.0) - expected).abs() < 3e-3, "at {now}");
+            let (_, mean) = torque.end_and_mean(piece_s, (-piece_s / further).exp());
+            impulse += mean * piece_s;
+            now += piece_s;
+        }
+        // All that a step loses in the end is the sum of the lags.
+        assert!((now - impulse - first - further).abs() < 2e-5);
     }
 
     #[test]

@@ -64,6 +64,8 @@ pub(crate) struct Actuator {
     pub deadband: Option<Deadband>,
     pub delay_s: f64,
     pub lag_s: f64,
+    /// Of another lag behind that one.
+    pub further_lag_s: f64,
     /// Constant torque, N m.
     pub offset: f64,
     pub cogging: Option<Cogging>,
@@ -76,6 +78,7 @@ pub(crate) struct Memory {
     cursor: usize,
     slewed: f64,
     lagged: f64,
+    further: f64,
 }
 
 impl Actuator {
@@ -87,6 +90,7 @@ impl Actuator {
             deadband: None,
             delay_s: model.delay,
             lag_s: model.lag,
+            further_lag_s: 0.0,
             offset: model.offset,
             cogging: None,
             slew: f64::INFINITY,
@@ -116,15 +120,8 @@ impl Actuator {
         };
         let reach = self.slew * dt;
         memory.slewed += (u - memory.slewed).clamp(-reach, reach);
-        let target = memory.slewed;
-        let u = if self.lag_s > 0.0 {
-            let before = memory.lagged;
-            memory.lagged = target + (before - target) * (-dt / self.lag_s).exp();
-            0.5 * (before + memory.lagged)
-        } else {
-            memory.lagged = target;
-            target
-        };
+        let u = behind(&mut memory.lagged, memory.slewed, self.lag_s, dt);
+        let u = behind(&mut memory.further, u, self.further_lag_s, dt);
         let ripple = self.cogging.map_or(0.0, |c| {
             let angle = c.wave_number * x + c.phase_rad;
             c.first * angle.sin() + c.second * (2.0 * angle).sin()
@@ -144,4 +141,15 @@ impl Actuator {
         let room = self.limit - linear;
         u.signum() * (linear + room * ((u.abs() - linear) / room).tanh())
     }
+}
+
+/// What a lag makes of a target over a step of `dt`, in the middle of it.
+fn behind(lagged: &mut f64, target: f64, lag_s: f64, dt: f64) -> f64 {
+    if lag_s <= 0.0 {
+        *lagged = target;
+        return target;
+    }
+    let before = *lagged;
+    *lagged = target + (before - target) * (-dt / lag_s).exp();
+    0.5 * (before + *lagged)
 }

@@ -169,7 +169,8 @@ impl Hidden {
                 actuator.limit = scale.input * (1.0 - s);
                 actuator.knee = self.knee();
             }
-            "lag" => actuator.lag_s += s / (TAU * hz),
+            "lag" if self.first_form() => actuator.lag_s += s / (TAU * hz),
+            "lag" => actuator.further_lag_s = s / (TAU * hz),
             "delay" => actuator.delay_s += s / (TAU * hz),
             "cogging" => {
                 let periods = self.log_between(0, 1.5, 9.0);

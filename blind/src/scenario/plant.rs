@@ -39,6 +39,10 @@ const LOW_PASSED: f64 = 0.25;
 const CORNERS: [f64; 2] = [0.15, 0.7];
 const LEAST_CORNER: f64 = 15.0;
 
+/// Share of the devices whose torque is known to lag, and by which share of the motion's time constant.
+const LAGGING: f64 = 0.25;
+const KNOWN_LAGS: [f64; 2] = [0.005, 0.05];
+
 impl Plant {
     /// A device on which effects of these names can be told from others in principle.
     pub fn draw(draw: &mut Draw, names: &[&str]) -> Self {
@@ -74,6 +78,10 @@ impl Plant {
         if plant.ticks_per_row == 1 && draw.chance(LOW_PASSED) {
             let corner = draw.log_uniform(CORNERS[0], CORNERS[1]) / (TAU * plant.tick_s);
             plant.sensor.cutoff_hz = Some(corner.max(LEAST_CORNER * plant.motion_hz).round());
+        }
+        if draw.chance(LAGGING) {
+            let share = draw.log_uniform(KNOWN_LAGS[0], KNOWN_LAGS[1]);
+            plant.model.lag = share / (TAU * plant.motion_hz);
         }
         plant
     }

@@ -11,6 +11,8 @@ use host_sim::effects::Kind;
 /// Widths of a gate over the input's root mean square, and how many of them.
 const GATES: [f64; 2] = [0.03, 1.5];
 const GATE_STARTS: usize = 40;
+/// Which of a lag's numbers says that it is one by itself.
+const APART: usize = 1;
 /// Knee from which that of a clipping that sets in little by little is looked for.
 const KNEE: f64 = 0.5;
 
@@ -43,7 +45,8 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let rounded = limits.map(|limit| term(kind, vec![limit, log(1, KNEE)], &[]));
             clipped.into_iter().chain(rounded).collect()
         }
-        "lag" | "delay" => late(kind, e),
+        "lag" => lags(kind, e),
+        "delay" => late(kind, e),
         "cogging" => cogging::starts(kind, e),
         _ => Vec::new(),
     }
@@ -58,6 +61,18 @@ pub(super) fn late(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         None,
         [1.0, 6.0, 30.0].map(|f| vec![log(0, f * least_s)]),
     )
+}
+
+/// A longer lag than the model's, or another one behind that.
+fn lags(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let longer = late(kind, e);
+    let has_one = e.device.drive.lag_s > 0.0;
+    let further = longer.iter().filter(|_| has_one).cloned().map(|mut lag| {
+        lag.values[APART] = 1.0;
+        lag
+    });
+    let further: Vec<Term> = further.collect();
+    [longer, further].concat()
 }
 
 /// Dead bands that let all through beyond them: each sample comes through at a width of its own.

@@ -68,6 +68,11 @@ fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
         let is_friction = levels.iter().all(|level| *level > 0.0);
         return is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]));
     }
+    if let ("lag", "sensor_lag") = (own.kind.name, other.kind.name) {
+        const APART: usize = 1;
+        // Behind a lag of the model's own that of a sensor is another one.
+        return (model.lag > 0.0).then(|| own.begun(&[(0, other.values[0]), (APART, 1.0)]));
+    }
     // How many times as much it moves.
     let size = |term: &Term| match term.kind.name {
         "inertia" => Some(model.inertia / term.values[0]),
@@ -172,6 +177,21 @@ mod tests {
             &nominal,
         );
         assert_eq!(gain.unwrap().values, [0.5]);
+    }
+
+    #[test]
+    fn a_lag_of_the_sensor_is_another_lag_behind_that_of_the_model() {
+        let behind = |lag| {
+            let model = Model {
+                lag,
+                ..Model::new(1.0)
+            };
+            let [own, other] = [("lag", 0.1), ("sensor_lag", 0.003)];
+            let own = made::term(own.0, &[]).begun(&[(0, own.1)]);
+            equal(&own, &term(other.0, &[other.1]), &model)
+        };
+        assert_eq!(behind(0.002).unwrap().values, [0.003, 1.0]);
+        assert!(behind(0.0).is_none());
     }
 
     #[test]

@@ -149,7 +149,7 @@ enum Line {
         /// Over the pieces of a step in turn, which recur.
         decays: [Decay; 2],
     },
-    /// Through a delay, and a lag if there is one.
+    /// Through a delay, or one lag behind another.
     Late(DriveLine),
 }
 
@@ -157,7 +157,7 @@ impl<'a> Listener<'a> {
     /// From an instant on, at which it has known nothing but the first input for ever: what the first sample, which may lie a
     /// little later, says is the nearest.
     fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
-        let line = if drive.delay_s > 0.0 {
+        let line = if drive.delay_s > 0.0 || drive.further_lag_s > 0.0 {
             Line::Late(DriveLine::at_rest(drive))
         } else if drive.lag_s > 0.0 {
             Line::Lagging {

@@ -1,6 +1,6 @@
 //! The torque follows the input through a first-order lag.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 
 /// `τ T' + T = ratio · u`.
 pub const KIND: Kind = Kind {
@@ -8,16 +8,30 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "The torque follows the input through a first-order lag",
     equation: "τ T' + T = ratio · u",
-    parameters: &[Parameter {
-        name: "time",
-        quantity: Quantity::Time,
-        range: NOT_NEGATIVE,
-        default: 0.003,
-        typical: [0.0005, 0.02],
-        about: "time constant on top of the model's",
-    }],
+    parameters: &[
+        Parameter {
+            name: "time",
+            quantity: Quantity::Time,
+            range: NOT_NEGATIVE,
+            default: 0.003,
+            typical: [0.0005, 0.02],
+            about: "time constant on top of the model's",
+        },
+        Parameter {
+            name: "apart",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "1 if it is another lag behind the model's, 0 if that one is longer",
+        },
+    ],
     events: None,
     install: |device, p| {
-        device.drive.lag_s += p[0];
+        if p[1] > 0.5 {
+            device.drive.further_lag_s = p[0];
+        } else {
+            device.drive.lag_s += p[0];
+        }
     },
 };

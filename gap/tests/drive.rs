@@ -1,4 +1,4 @@
-//! A drive may give less than it is told: at most so much, or nothing for little.
+//! A drive may give less than it is told, at most so much or nothing for little, and later.
 
 mod made;
 
@@ -37,12 +37,43 @@ fn a_limit_that_sets_in_little_by_little_is_one() {
 
 #[test]
 fn a_wide_dead_band_is_not_taken_for_less_torque() {
-    let mut device = Device::nominal(&paddle());
-    let deadband: Effect = "deadband:width=1.2e-3,jump=0".parse().unwrap();
-    deadband.install(&mut device);
-    let recording = recorded(&device, paddle(), 5e-5, 0.0, 3);
+    let recording = hiding("deadband:width=1.2e-3,jump=0", &paddle());
     let width = only(&recording, "deadband", "width");
     assert!((width - 1.2e-3).abs() < 1e-5, "{width}");
+}
+
+#[test]
+fn a_dead_band_is_found_before_the_limit_or_behind_it() {
+    let limited = Model {
+        input_limit: Some(1.6e-3),
+        ..paddle()
+    };
+    for first in [0.0, 1.0] {
+        let hidden = format!("deadband:width=2e-4,first={first}");
+        assert_eq!(only(&hiding(&hidden, &limited), "deadband", "first"), first);
+        // Without a limit there is no order.
+        assert_eq!(only(&hiding(&hidden, &paddle()), "deadband", "first"), 0.0);
+    }
+}
+
+#[test]
+fn a_lag_is_found_behind_that_of_the_model_or_as_more_of_it() {
+    let lagging = Model {
+        lag: 8e-3,
+        ..paddle()
+    };
+    for apart in [0.0, 1.0] {
+        let hidden = format!("lag:time=8e-3,apart={apart}");
+        assert_eq!(only(&hiding(&hidden, &lagging), "lag", "apart"), apart);
+        assert_eq!(only(&hiding(&hidden, &paddle()), "lag", "apart"), 0.0);
+    }
+}
+
+/// A recording of a device that is `nominal` but for an effect.
+fn hiding(hidden: &str, nominal: &Model) -> Recording {
+    let mut device = Device::nominal(nominal);
+    hidden.parse::<Effect>().unwrap().install(&mut device);
+    recorded(&device, *nominal, 2e-5, 0.0, 11)
 }
 
 /// A number of the effect that is to be the only one found.

@@ -41,7 +41,7 @@ impl Saturation {
     }
 }
 
-/// Limit, saturation, dead band, delay, first-order lags and gain, in this order.
+/// Limit, saturation, dead band, delay, first-order lags and gain, in this order; or the dead band before the limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Joint torque per unit of input.
@@ -55,6 +55,8 @@ pub struct Drive {
     /// Share of the dead band by which the input jumps at its edge: from 0, the torque starts from zero,
     /// to 1, beyond the dead band nothing is missing.
     pub deadband_jump: f64,
+    /// True if limit and saturation are of what the dead band leaves.
+    pub deadband_first: bool,
     /// Pure delay, s.
     pub delay_s: f64,
     /// Time constant of the lag, s.
@@ -72,6 +74,7 @@ impl Drive {
             saturation: Saturation::NONE,
             deadband: 0.0,
             deadband_jump: 0.0,
+            deadband_first: false,
             delay_s: 0.0,
             lag_s: 0.0,
             further_lag_s: 0.0,
@@ -99,12 +102,21 @@ impl Drive {
     /// Joint torque once delay and lag have passed, N m.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {
-        let magnitude = self.taken(input);
+        let magnitude = if self.deadband_first {
+            self.taken(self.beyond_deadband(input.abs()))
+        } else {
+            self.beyond_deadband(self.taken(input))
+        };
+        self.ratio * magnitude.copysign(input)
+    }
+
+    /// What the dead band leaves of a magnitude.
+    #[inline]
+    fn beyond_deadband(&self, magnitude: f64) -> f64 {
         if magnitude <= self.deadband {
             return 0.0;
         }
-        let missing = (1.0 - self.deadband_jump) * self.deadband;
-        self.ratio * (magnitude - missing).copysign(input)
+        magnitude - (1.0 - self.deadband_jump) * self.deadband
     }
 
     /// Joint torque once delay and lag have passed, per unit of `input`.
@@ -260,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn limit_comes_before_dead_band_and_gain() {
+    fn limit_comes_before_dead_band_and_gain_or_behind_it() {
         let drive = Drive {
             limit: 0.5,
             deadband: 0.1,
@@ -275,6 +287,12 @@ mod tests {
         };
         assert_eq!(jumping.settled(-0.1), 0.0);
         assert!((jumping.settled(-0.3) + 3.0).abs() < 1e-12);
+        let first = Drive {
+            deadband_first: true,
+            ..drive
+        };
+        assert!((first.settled(-0.3) + 2.0).abs() < 1e-12);
+        assert!((first.settled(7.0) - 5.0).abs() < 1e-12);
     }
 
     #[test]

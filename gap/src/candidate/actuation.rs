@@ -11,6 +11,8 @@ use host_sim::effects::Kind;
 /// Widths of a gate over the input's root mean square, and how many of them.
 const GATES: [f64; 2] = [0.03, 1.5];
 const GATE_STARTS: usize = 40;
+/// Which of a dead band's numbers says that it is before the limit.
+const BEFORE_LIMIT: usize = 2;
 /// Which of a lag's numbers says that it is one by itself.
 const APART: usize = 1;
 /// Knee from which that of a clipping that sets in little by little is looked for.
@@ -32,7 +34,11 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         }
         "deadband" => {
             let missing = [0.05, 0.2, 0.6].map(|f| vec![log(0, f * s.input)]);
-            [terms(kind, None, missing), gates(kind, e)].concat()
+            let missing = terms(kind, None, missing);
+            let before_limit = missing.iter().filter(|_| is_limited(e));
+            let before_limit = before_limit.map(|start| start.begun(&[(BEFORE_LIMIT, 1.0)]));
+            let before_limit: Vec<Term> = before_limit.collect();
+            [missing, before_limit, gates(kind, e)].concat()
         }
         "saturation" => {
             let inputs = e.series.iter().flat_map(|s| &s.input);
@@ -63,15 +69,18 @@ pub(super) fn late(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     )
 }
 
+/// True if the drive does not take all of the input.
+fn is_limited(e: &Evidence<'_>) -> bool {
+    let mut inputs = e.series.iter().map(|series| series.largest_input);
+    inputs.any(|input| e.device.drive.taken(input) < input)
+}
+
 /// A longer lag than the model's, or another one behind that.
 fn lags(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let longer = late(kind, e);
     let has_one = e.device.drive.lag_s > 0.0;
-    let further = longer.iter().filter(|_| has_one).cloned().map(|mut lag| {
-        lag.values[APART] = 1.0;
-        lag
-    });
-    let further: Vec<Term> = further.collect();
+    let further = longer.iter().filter(|_| has_one);
+    let further: Vec<Term> = further.map(|lag| lag.begun(&[(APART, 1.0)])).collect();
     [longer, further].concat()
 }
 

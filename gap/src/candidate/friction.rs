@@ -278,9 +278,8 @@ fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 }
 
 /// The same drift in every run whose clock starts anew.
-fn anew(mut drift: Term) -> Term {
-    drift.values[ANEW] = 1.0;
-    drift
+fn anew(drift: Term) -> Term {
+    drift.begun(&[(ANEW, 1.0)])
 }
 
 fn drifts_since(

@@ -1,10 +1,13 @@
 //! Recordings of a paddle whose truth is known.
 
 use host_sim::device::Device;
-use host_sim::plant::{Plant, Torque};
+use host_sim::drive::DriveLine;
+use host_sim::plant::Plant;
 use host_sim::sensing::Reading;
 use host_sim::sensors::Noise;
 use recording::{Drive, Model, Recording, Run, Sensor};
+
+const PERIOD_S: f64 = 5e-4;
 
 pub fn paddle() -> Model {
     Model {
@@ -37,13 +40,14 @@ pub fn recorded(
 ) -> Recording {
     let plant = Plant::new(device.mechanics.clone());
     let mut state = plant.state(0.0, 0.05, 0.0);
+    let mut line = DriveLine::at_rest(&device.drive);
     let mut reading = Reading::at_rest(&device.sensing, 0.05);
     let mut random = Noise::new(seed);
     let (mut time, mut input, mut position) = (vec![], vec![], vec![]);
     for i in 0..12_000 {
-        let t = f64::from(i) * 5e-4;
+        let t = f64::from(i) * PERIOD_S;
         let u = 0.0015 * (11.0 * t).sin() + 0.0012 * (4.3 * t).cos();
-        let shown = reading.follow(&device.sensing, plant.seen(&state).0, 5e-4);
+        let shown = reading.follow(&device.sensing, plant.seen(&state).0, PERIOD_S);
         let seen = shown + random.next(noise);
         time.push(t);
         input.push(u);
@@ -52,7 +56,13 @@ pub fn recorded(
         } else {
             seen
         });
-        plant.advance(&mut state, Torque::held(device.drive.settled(u)), 5e-4);
+        line.command(&device.drive, t, u);
+        let mut left_s = PERIOD_S;
+        while left_s > 0.0 {
+            let (torque, piece_s) = line.piece(t + PERIOD_S - left_s, left_s);
+            plant.advance(&mut state, torque, piece_s);
+            left_s -= piece_s;
+        }
     }
     let mut recording = Recording::new("made for a test", 0.3, nominal);
     recording.sensors.insert(

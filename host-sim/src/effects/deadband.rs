@@ -25,10 +25,19 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 1.0],
             about: "share of the width by which the input jumps at its edge",
         },
+        Parameter {
+            name: "first",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "1 if the input's limit is of what is left, 0 if the dead band is behind it",
+        },
     ],
     events: None,
     install: |device, p| {
         device.drive.deadband = p[0];
         device.drive.deadband_jump = p[1];
+        device.drive.deadband_first = p[2] > 0.5;
     },
 };

@@ -17,6 +17,7 @@ mod waves;
 
 pub(crate) use cogging::waves_short;
 pub(crate) use friction::loosened;
+pub(crate) use overspeed::loses_all_along;
 #[cfg(test)]
 pub(crate) use start::term;
 pub(crate) use stops::{one_sided, push_at_most, untouched};

@@ -78,6 +78,14 @@ impl Problem<'_> {
         self.series.iter().flat_map(|s| s.position.iter().copied())
     }
 
+    /// How fast all windows begin.
+    pub(crate) fn restart_speeds(&self) -> Vec<f64> {
+        self.series
+            .iter()
+            .flat_map(Series::restart_speeds)
+            .collect()
+    }
+
     /// The lowest and the highest of them.
     pub(crate) fn extremes(&self) -> [f64; 2] {
         self.positions()

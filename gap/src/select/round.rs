@@ -7,7 +7,9 @@ use super::place::{Place, bounces, earns_its_place};
 use super::ranking::{contains, enough, is_as_likely, is_far_likelier, ranked};
 use super::rival::{Rival, extended};
 use super::{Given, MOST_LEFT_EXPLAINED, QUIET_EXCESS, is_quiet, level};
-use crate::candidate::{loosened, one_sided, push_at_most, untouched, waves_short};
+use crate::candidate::{
+    loosened, loses_all_along, one_sided, push_at_most, untouched, waves_short,
+};
 use crate::fit::Fit;
 use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
@@ -154,8 +156,8 @@ impl Search<'_> {
     }
 
     /// True if the last effect of a fit does not act as its name says: a hand with which something is missing and that never
-    /// goes, or of which no stiffness can be told; a stop that is hardly ever left; or a transmission whose spring takes longer
-    /// than a prediction to come back through its damper, so that what it makes is a lag.
+    /// goes, or of which no stiffness can be told; a counter that loses of any motion; a stop that is hardly ever left; or a
+    /// transmission whose spring takes longer than a prediction to come back through its damper, so that what it makes is a lag.
     pub(super) fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
@@ -164,6 +166,7 @@ impl Search<'_> {
             "contact" if level(fit) > self.quiet() => {
                 !hand::is_stiff(fit) || hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
             }
+            "lost_counts" => loses_all_along(&last, &self.problem.restart_speeds()),
             "end_stop" => push_at_most(&last, self.problem.positions()),
             "backlash" | "compliance" => {
                 let predictor = self.problem.predictor(&fit.hypothesis, &fit.x);

@@ -113,6 +113,12 @@ impl Series {
         (last.restart.time_s - first.restart.time_s) / steps as f64
     }
 
+    /// How fast each window begins.
+    pub(crate) fn restart_speeds(&self) -> impl Iterator<Item = f64> {
+        let windows = self.windows.iter();
+        windows.map(|window| window.restart.slope.abs())
+    }
+
     /// Sum of the squares that are left of a window where this is `predicted` of the series.
     pub(crate) fn squares(&self, window: &Window, predicted: &[f64]) -> f64 {
         let rows = window.samples.clone();

@@ -109,6 +109,9 @@ pub fn on_which_data(diagnosis: &Diagnosis) -> &'static str {
 }
 
 fn located(region: &Region, labels: &Labels) -> String {
+    if let Some(all) = region::all_of_axis(region) {
+        return format!("The gap is spread over {all}.");
+    }
     let share = percent(region.share_of_gap);
     let part = match region.share_of_gap >= MOST {
         true => format!("Most of the gap ({share})"),
@@ -262,6 +265,17 @@ mod tests {
              Static friction 1.4 times the sliding level explains it: the gap falls from 0.56° to 0.12° (floor \
              0.020°) on data the fit has not seen. Viscous friction and delay do not. To tell static friction from \
              presliding, run a ramp with amplitude 0.020 N m and duration 10 s."
+        );
+    }
+
+    #[test]
+    fn a_gap_that_is_everywhere_has_no_place() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.regions[0].share_of_samples = 1.0;
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.starts_with("The gap is spread over all velocities."),
+            "{text}"
         );
     }
 

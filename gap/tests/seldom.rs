@@ -26,6 +26,23 @@ fn a_shrink_on_data_that_the_fit_has_seen_is_said_to_be() {
     );
 }
 
+#[test]
+fn a_limit_that_is_reached_once_is_found_and_has_been_seen() {
+    const LIMIT: f64 = 2.5e-3;
+    let limited = Model {
+        input_limit: Some(LIMIT),
+        ..paddle()
+    };
+    let mut recording = recording(&limited, paddle(), 1e-5, 0.0, 11);
+    assert_held_out(true, "saturation", &recording);
+    // In its first 2.7 s the input comes that far in one window.
+    let run = &mut recording.runs[0];
+    for column in [&mut run.time, &mut run.input, &mut run.position] {
+        column.truncate(5400);
+    }
+    assert_held_out(false, "saturation", &recording);
+}
+
 /// That one effect is named, and whether its shrink is on data that the fit has not seen.
 fn assert_held_out(held_out: bool, name: &str, recording: &Recording) {
     let found = diagnose(recording, &Options::default()).diagnosis;

@@ -85,16 +85,30 @@ impl Problem<'_> {
         fit: &Fit,
         of: impl Fn(&Fit, Part<'_>) -> Vec<f64> + Sync,
     ) -> Vec<f64> {
-        let [first, second] = [true, false].map(|half| {
-            let x = fit.x.clone();
-            move || self.fit(&fit.hypothesis, x, Part::Half(half), HALF_ITERATIONS)
-        });
+        Self::unseen_by(&self.halves(fit), of)
+    }
+
+    /// What `of` says of each window under that of [`Problem::halves`] that has not seen it.
+    pub(crate) fn unseen_by(
+        [first, second]: &[Fit; 2],
+        of: impl Fn(&Fit, Part<'_>) -> Vec<f64> + Sync,
+    ) -> Vec<f64> {
         let (first, second) = rayon::join(
-            || of(&first(), Part::Half(false)),
-            || of(&second(), Part::Half(true)),
+            || of(first, Part::Half(false)),
+            || of(second, Part::Half(true)),
         );
         let pairs = first.into_iter().zip(second);
         pairs.map(|(a, b)| if a.is_nan() { b } else { a }).collect()
+    }
+
+    /// A fit gone on with on either half of the windows alone.
+    pub(crate) fn halves(&self, fit: &Fit) -> [Fit; 2] {
+        let on = |half| {
+            let x = fit.x.clone();
+            self.fit(&fit.hypothesis, x, Part::Half(half), HALF_ITERATIONS)
+        };
+        let (first, second) = rayon::join(|| on(true), || on(false));
+        [first, second]
     }
 
     /// The windows of a part in which the effect that coordinate `i` belongs to acts at either of two points: it changes nothing else.

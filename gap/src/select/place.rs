@@ -46,13 +46,13 @@ pub(super) fn earns_its_place(
     known: &Fit,
     winner: &Rival,
 ) -> Place {
-    let unseen = [held_out(problem, known), held_out(problem, &winner.fit)];
-    let gains = unseen[1].gains(&unseen[0]);
+    let [without, with] = [known, &winner.fit].map(|fit| HeldOut::of(problem, fit));
+    let gains = with.gains(&without);
     let (mean, error) = mean_and_error(&gains);
     // What the model's own numbers need no longer make up for is a gain without an error.
-    let gain = mean + (unseen[0].prior - unseen[1].prior) / gains.len() as f64;
+    let gain = mean + (known.costs.prior - winner.fit.costs.prior) / gains.len() as f64;
     let significance = gain / error.max(f64::MIN_POSITIVE);
-    let excess = (unseen[0].level() - perfect.level).max(0.0);
+    let excess = (without.unseen.level() - perfect.level).max(0.0);
     let least = if gain > LARGE_SHARE * excess {
         LARGE_SIGNIFICANCE
     } else {
@@ -117,14 +117,37 @@ pub(super) fn bounces(name: &str) -> bool {
     name == "backlash"
 }
 
-/// Costs of every window under a fit that has not seen it.
-fn held_out(problem: &Problem<'_>, fit: &Fit) -> Costs {
-    let per_sample = problem.unseen(fit, |fit, half| {
-        problem.costs(&fit.hypothesis, &fit.x, half).per_sample
-    });
-    Costs {
-        per_sample,
-        prior: fit.costs.prior,
+/// Fits to two halves of the windows, and what each costs on the windows of the other.
+struct HeldOut {
+    halves: [Fit; 2],
+    unseen: Costs,
+}
+
+impl HeldOut {
+    fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
+        let halves = problem.halves(fit);
+        let per_sample = Problem::unseen_by(&halves, |fit, half| {
+            problem.costs(&fit.hypothesis, &fit.x, half).per_sample
+        });
+        let prior = fit.costs.prior;
+        Self {
+            halves,
+            unseen: Costs { per_sample, prior },
+        }
+    }
+
+    /// By how much less each window costs here than there, of those of which the other half has learned anything: numbers of
+    /// which it shows nothing stay as they were fitted to all.
+    fn gains(&self, there: &Self) -> Vec<f64> {
+        let learned = [0, 1].map(|half| {
+            let gains = self.halves[half].costs.gains(&there.halves[half].costs);
+            gains.iter().filter(|gain| !gain.is_nan()).sum::<f64>() > HARMLESS_GAIN
+        });
+        let gains = self.unseen.gains(&there.unseen).into_iter().enumerate();
+        let foretold = |w| learned[usize::from(Part::Half(true).has(w))];
+        gains
+            .map(|(w, gain)| if foretold(w) { gain } else { gain.min(0.0) })
+            .collect()
     }
 }
 

@@ -11,7 +11,7 @@ use crate::fit::Fit;
 use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
 use crate::fit::problem::{Part, Problem};
 use crate::floor::mean_and_error;
-use crate::shrink::shrink;
+use crate::shrink::{resampled, shrink};
 use crate::windows::series::Series;
 use columns::Columns;
 use host_sim::effects::Kind;
@@ -108,6 +108,17 @@ impl Match {
             free: free.map(coordinate).collect(),
             sensor_on_load: false,
         }
+    }
+}
+
+impl Match {
+    /// The moments of the session in which it happens; none of what is there all the time.
+    fn moments_s(&self) -> Vec<f64> {
+        if !self.kind.is_event(&self.values) {
+            return Vec::new();
+        }
+        let instants = (0..).map_while(|i| self.values.get(self.kind.event_place(i)));
+        instants.copied().collect()
     }
 }
 
@@ -214,7 +225,14 @@ fn compared(
     let difference = disagreement(&columns.tracks);
     let before = mean_square(&difference);
     let like = likely(&columns, &difference);
-    let share = share(problem, &both, [own.clone(), other.clone()]);
+    let whole = share(problem, &both, [own.clone(), other.clone()]);
+    let moments_s = like.as_ref().map_or(Vec::new(), Match::moments_s);
+    let share = if moments_s.is_empty() {
+        whole
+    } else {
+        // A device does not jump, whatever else the model misses of it.
+        less_by(&[&own, &other].map(|column| jumps(column, &moments_s)))
+    };
     let outcome = match like {
         None if before < MOST_NOISE * columns.variance => Outcome::Agree,
         Some(like) if share[0] > DECISIVE && share[1] > 0.0 => Outcome::PositionWrong(like),
@@ -234,7 +252,7 @@ fn compared(
         before: before.sqrt(),
         floor: columns.variance.sqrt(),
         outcome,
-        share,
+        share: whole,
     })
 }
 
@@ -322,14 +340,42 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
     let [position, other] = series;
     let (position_left, position) = left(position, &both[0]);
     let (other_left, other) = left(other, &both[1]);
-    let share = crate::shrink::resampled(position.len(), |sum| {
-        let [before, after] = [&position, &other].map(|squares| sum(squares).max(0.0));
-        ((before - after) / before.max(after).max(f64::MIN_POSITIVE)).min(1.0)
-    });
+    let share = less_by(&[position, other]);
     match share[0] * (position_left - other_left) < 0.0 {
         true => [0.0; 3],
         false => share,
     }
+}
+
+/// Share by which the squares of the second of two columns are less than those of the first, with its 95 % interval.
+fn less_by(columns: &[Vec<f64>; 2]) -> [f64; 3] {
+    resampled(columns[0].len(), |sum| {
+        let [before, after] = columns.each_ref().map(|squares| sum(squares).max(0.0));
+        ((before - after) / before.max(after).max(f64::MIN_POSITIVE)).min(1.0)
+    })
+}
+
+/// Samples across a jump, as many as before and after it: one that is a mean may be of both.
+const ACROSS: usize = 3;
+
+/// Square of what a column goes at each of some moments of the session beyond what it goes right before and after.
+fn jumps(column: &[Series], moments_s: &[f64]) -> Vec<f64> {
+    let jump = |at_s: &f64| {
+        let within = |series: &&Series| {
+            let last = series.time.len().saturating_sub(1);
+            !series.time.is_empty() && (series.session(0)..=series.session(last)).contains(at_s)
+        };
+        let series = column.iter().find(within)?;
+        let after = (0..series.time.len()).position(|i| series.session(i) >= *at_s)?;
+        let from = after.checked_sub(ACROSS + ACROSS / 2 + 1)?;
+        let around = series.position.get(from..=from + 3 * ACROSS)?;
+        let way = |part: usize| around[(part + 1) * ACROSS] - around[part * ACROSS];
+        Some((way(1) - 0.5 * (way(0) + way(2))).powi(2))
+    };
+    moments_s
+        .iter()
+        .map(|at_s| jump(at_s).unwrap_or(0.0))
+        .collect()
 }
 
 #[cfg(test)]
@@ -442,6 +488,20 @@ mod tests {
         assert_eq!(found.kind.name, "lost_counts");
         assert_eq!(found.values[2..], [0.0; 2]);
         assert!((found.values[0] - 3.2).abs() < PERIOD_S && (found.values[1] - 0.04).abs() < 0.002);
+    }
+
+    #[test]
+    fn a_jump_shows_which_column_is_wrong_however_wrong_the_model() {
+        let jump = "lost_counts:time=3.2,jump=0.04";
+        assert_eq!(
+            blamed("viscous:coefficient=0.004", jump).kind.name,
+            "lost_counts"
+        );
+        let comparison = compared("viscous:coefficient=0.004", "", jump);
+        assert!(
+            matches!(comparison.outcome, Outcome::OtherWrong),
+            "{comparison:?}"
+        );
     }
 
     #[test]

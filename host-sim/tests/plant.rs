@@ -414,6 +414,37 @@ fn farthest([exact, quick]: &[Vec<f64>; 2]) -> f64 {
 }
 
 #[test]
+fn a_spring_that_hardens_keeps_its_energy_and_is_followed_by_long_steps() {
+    let [stiffness, zero, hardening] = [0.4, 0.05, 8.0];
+    let mechanics = Mechanics {
+        stiffness,
+        stiffness_zero: zero,
+        hardening,
+        ..Mechanics::inertia(5.755e-4)
+    };
+    let energy = |x: f64, v: f64| {
+        let square = (x - zero).powi(2);
+        let spring = stiffness * square * (0.5 + 0.25 * hardening * square);
+        0.5 * mechanics.inertia * v * v + spring
+    };
+    let plant = Plant::new(mechanics.clone());
+    let mut state = plant.state(0.0, 0.5, 0.0);
+    let first = energy(0.5, 0.0);
+    for _ in 0..2000 {
+        plant.advance(&mut state, Torque::held(0.0), 1e-3);
+        let now = energy(state.position, state.velocity);
+        assert!((now / first - 1.0).abs() < 1e-4, "{now} of {first}");
+    }
+    let rubbing = Mechanics {
+        stiffness,
+        hardening,
+        ..paddle()
+    };
+    let error = error_of_quick(&rubbing);
+    assert!(error < 1e-3, "{error}");
+}
+
+#[test]
 fn bristles_that_bend_suddenly_are_followed_by_long_steps() {
     for distance in [2e-4, 1e-3, 5e-3] {
         for elastic in [0.0, 0.5, 0.8, 0.9] {

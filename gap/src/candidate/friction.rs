@@ -4,7 +4,7 @@ use super::Evidence;
 use super::regression::{Moment, moments, regress, regress_in};
 use super::start::{guessed, linear, log, term, terms};
 use super::waves;
-use crate::fit::hypothesis::Term;
+use crate::fit::hypothesis::{Coordinate, Term};
 use crate::windows::motion::quantile;
 use crate::windows::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
@@ -109,26 +109,19 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     }
 }
 
-/// The same friction with more of its shape free, where that was given: how suddenly static friction falls and how long it
-/// lasts, and how steep the flanks of a spot that rubs are.
-pub(crate) fn loosened(given: &Term) -> Option<Term> {
-    let is_free = |parameter: usize| given.free.iter().any(|c| c.parameter == parameter);
-    let shape = match given.kind.name {
-        "stribeck" if !is_free(EXPONENT) => vec![
+/// More of a friction's shape, where that was given: how suddenly static friction falls and how long it lasts, and how steep
+/// the flanks of a spot that rubs are.
+pub(super) fn shape(given: &Term) -> Option<Vec<Coordinate>> {
+    match given.kind.name {
+        "stribeck" if !given.is_free(EXPONENT) => Some(vec![
             log(EXPONENT, given.values[EXPONENT]),
             linear(TAIL, SOME_TAIL, SOME_TAIL),
-        ],
-        "position_dependent_coulomb" if is_free(SPOT) && !is_free(SPOT_EXPONENT) => {
-            vec![log(SPOT_EXPONENT, STEEP)]
+        ]),
+        "position_dependent_coulomb" if given.is_free(SPOT) && !given.is_free(SPOT_EXPONENT) => {
+            Some(vec![log(SPOT_EXPONENT, STEEP)])
         }
-        _ => return None,
-    };
-    let mut loosened = given.clone();
-    for coordinate in &shape {
-        loosened.values[coordinate.parameter] = coordinate.start;
+        _ => None,
     }
-    loosened.free.extend(shape);
-    Some(loosened)
 }
 
 /// Rise of static friction over the sliding level without which what was seen at rest would have slid.

@@ -4,8 +4,12 @@ use super::Evidence;
 use super::regression::regress;
 use super::start::{guessed, linear, log, terms};
 use super::{stops, transmission};
-use crate::fit::hypothesis::Term;
+use crate::fit::hypothesis::{Coordinate, Term};
 use host_sim::effects::Kind;
+
+/// Which of a spring's numbers says how it hardens, and the share by which it may at the ends of the motion.
+const HARDENING: usize = 2;
+const HARDENED: f64 = 0.3;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -54,4 +58,10 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "compliance" => transmission::springs(kind, e),
         _ => Vec::new(),
     }
+}
+
+/// How a spring hardens, where that was given.
+pub(super) fn shape(given: &Term, half_span: f64) -> Option<Vec<Coordinate>> {
+    let is_spring = given.kind.name == "spring" && !given.is_free(HARDENING);
+    is_spring.then(|| vec![log(HARDENING, HARDENED / (half_span * half_span))])
 }

@@ -16,7 +16,6 @@ mod transmission;
 mod waves;
 
 pub(crate) use cogging::waves_short;
-pub(crate) use friction::loosened;
 pub(crate) use overspeed::loses_all_along;
 #[cfg(test)]
 pub(crate) use start::term;
@@ -50,6 +49,15 @@ pub(crate) struct Evidence<'a> {
 pub(crate) struct Candidate {
     pub kind: &'static Kind,
     pub starts: Vec<Term>,
+}
+
+/// The same effect with more of its shape free, of a motion that goes `half_span` to either side; none if there is no more.
+pub(crate) fn loosened(given: &Term, half_span: f64) -> Option<Term> {
+    let shape = friction::shape(given).or_else(|| mechanics::shape(given, half_span))?;
+    let starts: Vec<(usize, f64)> = shape.iter().map(|c| (c.parameter, c.start)).collect();
+    let mut loosened = given.begun(&starts);
+    loosened.free.extend(shape);
+    Some(loosened)
 }
 
 /// Every effect that the recording could show, in the order of the vocabulary.

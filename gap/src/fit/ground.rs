@@ -286,9 +286,8 @@ impl Ground {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale, Term};
+    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
-    use host_sim::effects;
 
     /// A spring relaxed in the middle.
     fn spring(stiffness: f64) -> Hypothesis {
@@ -298,12 +297,7 @@ mod tests {
             scale: Scale::Log,
         };
         Hypothesis {
-            terms: vec![Term {
-                kind: effects::kind("spring").unwrap(),
-                values: vec![stiffness, 0.0],
-                free: vec![stiff],
-                sensor_on_load: false,
-            }],
+            terms: vec![made::term("spring", &[stiff])],
         }
     }
 

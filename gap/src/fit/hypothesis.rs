@@ -101,12 +101,16 @@ impl Term {
         free.map_or(0.0, |i| self.free[i].spread(x[i], std[i]))
     }
 
+    /// True if a fit moves one of its numbers.
+    pub(crate) fn is_free(&self, parameter: usize) -> bool {
+        self.free.iter().any(|c| c.parameter == parameter)
+    }
+
     /// True if nothing that a fit leaves as it is tells it from another.
     pub(crate) fn is_same_variant(&self, other: &Self) -> bool {
         let fixed = |term: &Self| -> Vec<(usize, u64)> {
             let values = term.values.iter().map(|v| v.to_bits()).enumerate();
-            let is_free = |i: usize| term.free.iter().any(|c| c.parameter == i);
-            values.filter(|(i, _)| !is_free(*i)).collect()
+            values.filter(|(i, _)| !term.is_free(*i)).collect()
         };
         self.kind.name == other.kind.name && fixed(self) == fixed(other)
     }

@@ -139,7 +139,9 @@ impl Search<'_> {
     /// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
     /// is worth.
     fn loosened(&self, known: &Fit, given: &Fit) -> Option<Fit> {
-        let (hypothesis, x) = given.loosened(loosened)?;
+        let [low, high] = self.problem.extremes();
+        let half_span = 0.5 * (high - low);
+        let (hypothesis, x) = given.loosened(|term| loosened(term, half_span))?;
         if self.problem.is_at_floor(given) {
             return None;
         }
@@ -218,6 +220,9 @@ impl Search<'_> {
             let is_open = level(&rival.fit) > self.quiet() || is_far_likelier(&best, rival);
             if contains(best.name, rival.name) && is_open && level(&rival.fit) <= most {
                 rival.fit = self.problem.polished(&rival.fit, POLISHING_ITERATIONS);
+                if let Some(loosened) = self.loosened(known, &rival.fit) {
+                    rival.fit = loosened;
+                }
             }
         }
         rivals
@@ -422,6 +427,26 @@ mod tests {
             };
             Some([exponent, tail])
         })
+    }
+
+    #[test]
+    fn how_a_spring_hardens_is_freed_where_it_does() {
+        let hardening = |hidden: f64| {
+            let spring = format!("spring:stiffness=0.06,zero=0,hardening={hidden}");
+            let free = Coordinate {
+                parameter: 0,
+                start: 0.05,
+                scale: Scale::Log,
+            };
+            on(&made::recording(&[&spring]), |search, null| {
+                let term = made::term("spring", &[free]);
+                let given = search.given(null, &term).so_far;
+                Some(search.loosened(null, &given)?.last_term()?.values[2])
+            })
+        };
+        assert_eq!(hardening(0.0), None);
+        let found = hardening(2.0).unwrap();
+        assert!((found / 2.0 - 1.0).abs() < 0.02, "{found}");
     }
 
     #[test]

@@ -60,7 +60,7 @@ impl Motion {
             let without_friction_nm = m.inertia * a
                 + (m.viscous + m.drag * v.abs()) * v
                 + m.gravity * (x - m.gravity_zero).sin()
-                + m.stiffness * (x - m.stiffness_zero)
+                - m.spring(x)
                 - m.offset_nm
                 - motion.drive_nm[i];
             let [missing_nm, held_nm] = if known {

@@ -2,12 +2,12 @@
 
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
 
-/// `T = −K (x − x_K)`.
+/// `T = −K (1 + h (x − x_K)²) (x − x_K)`.
 pub const KIND: Kind = Kind {
     name: "spring",
     channel: Channel::Mechanics,
     about: "A spring towards some position",
-    equation: "T = −K (x − x_K)",
+    equation: "T = −K (1 + h (x − x_K)²) (x − x_K)",
     parameters: &[
         Parameter {
             name: "stiffness",
@@ -25,10 +25,19 @@ pub const KIND: Kind = Kind {
             typical: [-0.3, 0.3],
             about: "where it is relaxed",
         },
+        Parameter {
+            name: "hardening",
+            quantity: Quantity::PerPositionSquared,
+            range: NOT_NEGATIVE,
+            default: 0.0,
+            typical: [0.0, 2.0],
+            about: "by how much it gets stiffer away from there",
+        },
     ],
     events: None,
     install: |device, p| {
         device.mechanics.stiffness = p[0];
         device.mechanics.stiffness_zero = p[1];
+        device.mechanics.hardening = p[2];
     },
 };

@@ -71,6 +71,8 @@ pub struct Mechanics {
     pub stiffness: f64,
     /// Where the spring is relaxed, rad.
     pub stiffness_zero: f64,
+    /// Share by which the spring pulls more the square of a unit away from there, 1/rad².
+    pub hardening: f64,
     /// Constant torque, N m.
     pub offset_nm: f64,
     /// Dry friction.
@@ -96,6 +98,7 @@ impl Mechanics {
             gravity_zero: 0.0,
             stiffness: 0.0,
             stiffness_zero: 0.0,
+            hardening: 0.0,
             offset_nm: 0.0,
             friction: Friction::coulomb(0.0),
             presliding: None,
@@ -107,9 +110,34 @@ impl Mechanics {
 
     /// Of the smooth part, the link apart, 1/s: natural frequencies plus dampings.
     fn fastest_rate(&self) -> f64 {
-        let cogging = self.cogging.map_or(0.0, |cogging| cogging.stiffness());
-        let stiffness = self.gravity.abs() + self.stiffness.abs() + cogging;
+        let stiffness = self.stiffness.abs() + self.bent_stiffness();
         (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia
+    }
+
+    /// Of what does not pull in proportion, N m/rad: what a spring has hardened by is taken to be less than the spring.
+    fn bent_stiffness(&self) -> f64 {
+        let cogging = self.cogging.map_or(0.0, |cogging| cogging.stiffness());
+        let hardened = if self.hardening == 0.0 {
+            0.0
+        } else {
+            self.stiffness.abs()
+        };
+        self.gravity.abs() + cogging + hardened
+    }
+
+    /// What the spring pulls at a position beyond what it would in proportion, N m.
+    #[inline]
+    fn hardened(&self, position: f64) -> f64 {
+        if self.hardening == 0.0 {
+            return 0.0;
+        }
+        -self.stiffness * self.hardening * (position - self.stiffness_zero).powi(3)
+    }
+
+    /// What the spring pulls at a position, N m.
+    #[inline]
+    pub fn spring(&self, position: f64) -> f64 {
+        -self.stiffness * (position - self.stiffness_zero) + self.hardened(position)
     }
 }
 

@@ -33,7 +33,7 @@ impl Plant {
         velocity: f64,
     ) -> f64 {
         let m = &self.mechanics;
-        let mut torque = -m.stiffness * (position - m.stiffness_zero);
+        let mut torque = m.spring(position);
         if m.gravity != 0.0 {
             torque -= m.gravity * pendulum.sin(position - m.gravity_zero);
         }

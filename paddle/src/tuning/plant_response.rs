@@ -27,7 +27,8 @@ pub fn response(setup: &LoopSetup, at_rad: f64, omega_rad_s: f64) -> Complex64 {
 /// Position where the sensor sits per torque at the joint, rad/(N m).
 fn mechanics(device: &Device, at_rad: f64, s: Complex64) -> Complex64 {
     let m = &device.mechanics;
-    let stiffness = m.stiffness + m.gravity * (at_rad - m.gravity_zero).cos();
+    let hardened = 1.0 + 3.0 * m.hardening * (at_rad - m.stiffness_zero).powi(2);
+    let stiffness = m.stiffness * hardened + m.gravity * (at_rad - m.gravity_zero).cos();
     let Some(link) = m.link else {
         return 1.0 / (m.inertia * s * s + m.viscous * s + stiffness);
     };

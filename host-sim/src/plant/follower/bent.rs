@@ -48,15 +48,16 @@ impl<'a> Bent<'a> {
         torque
     }
 
-    /// N m.
+    /// Where the load is, N m.
     #[inline]
-    pub(super) fn gravity(&self, pendulum: &mut Pendulum, position: f64) -> f64 {
+    pub(super) fn load(&self, pendulum: &mut Pendulum, position: f64) -> f64 {
         let m = &self.plant.mechanics;
+        let hardened = m.hardened(position);
         if m.gravity == 0.0 {
-            return 0.0;
+            return hardened;
         }
         let angle = position - m.gravity_zero;
         pendulum.follow(angle);
-        -m.gravity * pendulum.sin(angle)
+        hardened - m.gravity * pendulum.sin(angle)
     }
 }

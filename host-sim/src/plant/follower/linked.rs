@@ -60,8 +60,7 @@ impl Follower<'_> {
             }
             [
                 bent[0].motor(x[0], x[1], time_s, drive_nm),
-                bent[1].gravity(&mut pendulum, x[2])
-                    - bent[1].resists(x[2], x[3], time_s, drive_nm),
+                bent[1].load(&mut pendulum, x[2]) - bent[1].resists(x[2], x[3], time_s, drive_nm),
             ]
         };
         // Whether what is held stays so, with what is `bent` there.

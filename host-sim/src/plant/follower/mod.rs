@@ -52,12 +52,12 @@ impl<'a> Follower<'a> {
     /// Of steps that mostly take `step_s`.
     pub fn new(plant: &'a Plant, step_s: f64) -> Self {
         let m = &plant.mechanics;
-        let cogging = m.cogging.map_or(0.0, |cogging| cogging.stiffness());
-        let bent_rate = ((m.gravity.abs() + cogging) * plant.highest_mobility()).sqrt();
+        let bent_rate = (m.bent_stiffness() * plant.highest_mobility()).sqrt();
         Self {
             plant,
             step_s,
             is_linear: m.gravity == 0.0
+                && m.hardening == 0.0
                 && m.cogging.is_none()
                 && m.drag == 0.0
                 && (plant.plain || !plant.dry),

@@ -48,8 +48,7 @@ impl Follower<'_> {
             let mut force = constant_nm + mean_nm;
             if !is_linear {
                 let mut bent = |x: &[f64; 2], time_s: f64| {
-                    bent.motor(x[0], x[1], time_s, mean_nm)
-                        + bent.gravity(&mut state.pendulum, x[0])
+                    bent.motor(x[0], x[1], time_s, mean_nm) + bent.load(&mut state.pendulum, x[0])
                 };
                 let before_nm = bent_nm.unwrap_or_else(|| bent(&x, state.time_s));
                 let midway = flow.half.of(&x, &[force + before_nm]);

@@ -70,6 +70,8 @@ pub(crate) struct Mechanics {
     pub gravity_zero: f64,
     pub stiffness: f64,
     pub stiffness_zero: f64,
+    /// Share by which the spring pulls more the square of a unit away from there.
+    pub hardening: f64,
     pub stops: Vec<Stop>,
     pub coupling: Option<Coupling>,
 }
@@ -88,6 +90,7 @@ impl Mechanics {
             gravity_zero: model.gravity_zero,
             stiffness: model.stiffness,
             stiffness_zero: model.stiffness_zero,
+            hardening: 0.0,
             stops: model.travel.map_or(Vec::new(), |[low, high]| {
                 vec![stop(low, -1.0), stop(high, 1.0)]
             }),
@@ -97,7 +100,8 @@ impl Mechanics {
 
     /// Torque of gravity, spring and stops, with the base tilted by `tilt_rad`.
     pub fn torque(&self, motion: Motion, tilt_rad: f64) -> f64 {
-        let mut torque = -self.stiffness * (motion.x - self.stiffness_zero);
+        let stretch = motion.x - self.stiffness_zero;
+        let mut torque = -self.stiffness * stretch * (1.0 + self.hardening * stretch * stretch);
         if self.gravity != 0.0 {
             torque -= self.gravity * (motion.x - self.gravity_zero - tilt_rad).sin();
         }

@@ -273,6 +273,9 @@ impl Hidden {
             "spring" => {
                 mechanics.stiffness += s * torque / half_span;
                 mechanics.stiffness_zero = middle + self.between(0, -0.3, 0.3) * half_span;
+                if !self.first_form() {
+                    mechanics.hardening = self.between(1, 0.1, 0.4) / (half_span * half_span);
+                }
             }
             "end_stop" => {
                 let stiffness = torque / (half_span * self.log_between(0, 0.004, 0.04));

@@ -139,17 +139,21 @@ impl Search<'_> {
     /// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
     /// is worth.
     fn loosened(&self, known: &Fit, given: &Fit) -> Option<Fit> {
-        let [low, high] = self.problem.extremes();
-        let half_span = 0.5 * (high - low);
-        let (hypothesis, x) = given.loosened(|term| loosened(term, half_span))?;
         if self.problem.is_at_floor(given) {
             return None;
         }
-        let fit = self
-            .problem
-            .fit(&hypothesis, x, Part::All, POLISHING_ITERATIONS);
+        let fit = self.with_more_free(given)?;
         (level(given) > enough(known, &fit))
             .then(|| self.problem.polished(&fit, POLISHING_ITERATIONS))
+    }
+
+    /// A fit with what its last effect was given freed, if anything was.
+    fn with_more_free(&self, given: &Fit) -> Option<Fit> {
+        let [low, high] = self.problem.extremes();
+        let half_span = 0.5 * (high - low);
+        let (hypothesis, x) = given.loosened(|term| loosened(term, half_span))?;
+        let part = Part::All;
+        Some(self.problem.fit(&hypothesis, x, part, POLISHING_ITERATIONS))
     }
 
     /// Level up to which nothing is missing.
@@ -220,8 +224,13 @@ impl Search<'_> {
             let is_open = level(&rival.fit) > self.quiet() || is_far_likelier(&best, rival);
             if contains(best.name, rival.name) && is_open && level(&rival.fit) <= most {
                 rival.fit = self.problem.polished(&rival.fit, POLISHING_ITERATIONS);
-                if let Some(loosened) = self.loosened(known, &rival.fit) {
-                    rival.fit = loosened;
+                // What it is to give way to may do no more than a shape that it was not free to take.
+                if is_far_likelier(&best, rival)
+                    && let Some(fit) = self.with_more_free(&rival.fit)
+                    && let freed = (Rival { fit, ..*rival })
+                    && !is_far_likelier(&best, &freed)
+                {
+                    *rival = freed;
                 }
             }
         }

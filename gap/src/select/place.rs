@@ -139,10 +139,11 @@ impl HeldOut {
     /// By how much less each window costs here than there, of those of which the other half has learned anything: numbers of
     /// which it shows nothing stay as they were fitted to all.
     fn gains(&self, there: &Self) -> Vec<f64> {
-        let learned = [0, 1].map(|half| {
-            let gains = self.halves[half].costs.gains(&there.halves[half].costs);
-            gains.iter().filter(|gain| !gain.is_nan()).sum::<f64>() > HARMLESS_GAIN
-        });
+        let saved = |half: usize| {
+            let [own, other] = [self, there].map(|held| held.halves[half].costs.sum());
+            other - own
+        };
+        let learned = [0, 1].map(|half| saved(half) > HARMLESS_GAIN);
         let gains = self.unseen.gains(&there.unseen).into_iter().enumerate();
         let foretold = |w| learned[usize::from(Part::Half(true).has(w))];
         gains

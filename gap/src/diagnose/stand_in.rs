@@ -19,7 +19,7 @@ pub(super) enum StandIn {
     Wave { travelled: f64 },
     /// A soft transmission behind a drive that is late, or before a sensor that is: so is any drive with dynamics of its own.
     Drive { late: &'static str },
-    /// A spring beside another weight: together they bend, as a spring does that hardens.
+    /// A spring beside another weight: together they bend, as a spring does that softens.
     Restoring,
     /// So many effects that together they bend to any cause: of seven times that three were named on nine blind and outside sets
     /// four had another cause, and three had two.
@@ -99,7 +99,7 @@ impl fmt::Display for StandIn {
                  record once with nothing near it to tell"
             ),
             Self::Restoring => f.write_str(
-                "a spring and another weight together act as a spring that hardens or softens would: take one of them off to tell",
+                "a spring and another weight together act as a spring that softens would: take one of them off to tell",
             ),
         }
     }
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spring_beside_another_weight_may_be_one_that_hardens() {
+    fn a_spring_beside_another_weight_may_be_one_that_softens() {
         let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
         assert!(is_doubted(named(&["spring", "gravity"]), 0));
         assert!(!is_doubted(named(&["spring", "viscous"]), 0));

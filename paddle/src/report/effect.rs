@@ -171,7 +171,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             let held = "something outside that holds it from {from} to {to}";
             filled(held, finding).unwrap_or_else(|| (*noun).to_owned())
         }
-        "friction_drift" if value("anew") == Some(1.0) => {
+        "friction_drift" if value("anew") == Some(1.0) && labels.runs.len() > 1 => {
             let anew = "dry friction that changes by {rate} in every run";
             filled(anew, finding).unwrap_or_else(|| (*noun).to_owned())
         }

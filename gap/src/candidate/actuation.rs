@@ -79,9 +79,13 @@ fn is_limited(e: &Evidence<'_>) -> bool {
 fn lags(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let longer = late(kind, e);
     let has_one = e.device.drive.lag_s > 0.0;
-    let further = longer.iter().filter(|_| has_one);
-    let further: Vec<Term> = further.map(|lag| lag.begun(&[(APART, 1.0)])).collect();
-    [longer, further].concat()
+    let behind: Vec<Term> = longer.iter().filter(|_| has_one).map(further).collect();
+    [longer, behind].concat()
+}
+
+/// The same lag as another one behind the model's.
+pub(crate) fn further(lag: &Term) -> Term {
+    lag.begun(&[(APART, 1.0)])
 }
 
 /// Dead bands that let all through beyond them: each sample comes through at a width of its own.

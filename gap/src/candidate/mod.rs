@@ -15,6 +15,7 @@ mod stops;
 mod transmission;
 mod waves;
 
+pub(crate) use actuation::further;
 pub(crate) use cogging::waves_short;
 pub(crate) use overspeed::loses_all_along;
 #[cfg(test)]

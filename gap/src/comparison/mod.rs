@@ -109,9 +109,7 @@ impl Match {
             sensor_on_load: false,
         }
     }
-}
 
-impl Match {
     /// The moments of the session in which it happens; none of what is there all the time.
     fn moments_s(&self) -> Vec<f64> {
         if !self.kind.is_event(&self.values) {

@@ -2,6 +2,7 @@
 
 use super::ranking::is_special;
 use super::rival::Rival;
+use crate::candidate::further;
 use crate::fit::hypothesis::Term;
 use recording::Model;
 
@@ -69,9 +70,8 @@ fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
         return is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]));
     }
     if let ("lag", "sensor_lag") = (own.kind.name, other.kind.name) {
-        const APART: usize = 1;
         // Behind a lag of the model's own that of a sensor is another one.
-        return (model.lag > 0.0).then(|| own.begun(&[(0, other.values[0]), (APART, 1.0)]));
+        return (model.lag > 0.0).then(|| further(&own.begun(&[(0, other.values[0])])));
     }
     // How many times as much it moves.
     let size = |term: &Term| match term.kind.name {

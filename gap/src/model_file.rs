@@ -33,6 +33,9 @@ const FORMAT: u32 = 1;
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
     format: u32,
+    /// [`Model::angle_rad`], if it is not 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    angle_rad: Option<f64>,
     model: Model,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     effects: Vec<Entry>,
@@ -123,6 +126,7 @@ impl ModelFile {
         };
         Self {
             format: FORMAT,
+            angle_rad: Some(corrected.model.angle_rad).filter(|angle_rad| *angle_rad != 1.0),
             model: corrected.model,
             effects: effects.into_iter().map(entry).collect(),
             moments: moments.into_iter().map(moment).collect(),
@@ -153,7 +157,11 @@ impl ModelFile {
         &self,
         here: Option<&str>,
     ) -> Result<(CorrectedModel, Vec<LeftOut>), ModelFileError> {
-        check(&self.model)?;
+        let model = Model {
+            angle_rad: self.angle_rad.unwrap_or(1.0),
+            ..self.model
+        };
+        check(&model)?;
         let mut all = Vec::new();
         for entry in &self.effects {
             all.push(CorrectedEffect {
@@ -177,7 +185,7 @@ impl ModelFile {
             }
         }
         let corrected = CorrectedModel {
-            model: self.model,
+            model,
             effects: all,
         };
         Ok((corrected, left_out))
@@ -262,11 +270,12 @@ fn check(model: &Model) -> Result<(), ModelFileError> {
     {
         return Err(number("travel", low, "below its upper end"));
     }
-    if model.inertia > 0.0 {
-        Ok(())
-    } else {
-        Err(number("inertia", model.inertia, "above 0"))
+    for (name, value) in [("inertia", model.inertia), ("angle_rad", model.angle_rad)] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(number(name, value, "above 0"));
+        }
     }
+    Ok(())
 }
 
 /// Tells recordings apart whatever they are called: a hash of all times and positions (FNV-1a, G. Fowler, L. C. Noll

@@ -38,6 +38,7 @@ impl Device {
                 viscous: model.viscous,
                 gravity: model.gravity,
                 gravity_zero: model.gravity_zero,
+                angle_rad: model.angle_rad,
                 stiffness: model.stiffness,
                 stiffness_zero: model.stiffness_zero,
                 offset_nm: model.offset,

@@ -30,6 +30,14 @@ impl Units {
         let lengths = ["m", "dm", "cm", "mm", "µm", "um", "in", "inch"];
         lengths.contains(&self.position.trim())
     }
+
+    /// Angle of one unit of position, rad, for what depends on the sine of it: of degrees what it is, else 1.
+    pub fn angle_rad(&self) -> f64 {
+        match self.position.trim() {
+            "deg" | "°" | "degree" | "degrees" => 1f64.to_radians(),
+            _ => 1.0,
+        }
+    }
 }
 
 impl Default for Units {

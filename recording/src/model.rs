@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 /// The `[model]` table: a single axis in SI units, rotary (rad, N m) or linear (m, N).
 ///
-/// Joint torque is `ratio * input - viscous * v - gravity * sin(x - gravity_zero) - stiffness * (x - stiffness_zero)
-/// + offset`, less dry friction and the stops; acceleration is that over `inertia`.
+/// Joint torque is `ratio * input - viscous * v - gravity * sin(angle_rad * (x - gravity_zero))
+/// - stiffness * (x - stiffness_zero) + offset`, less dry friction and the stops; acceleration is that over `inertia`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
@@ -55,6 +55,10 @@ pub struct Model {
     /// Damping of the stops while in contact, N m s/rad; 0.02 if left out.
     #[serde(default = "default_stop_damping")]
     pub stop_damping: f64,
+    /// Angle of one unit of position, rad: 1, or less for a recording in degrees. It is no number of the table, its recording's
+    /// units say it.
+    #[serde(skip, default = "one")]
+    pub angle_rad: f64,
 }
 
 fn one() -> f64 {
@@ -107,6 +111,7 @@ impl Model {
             travel: None,
             stop_stiffness: default_stop_stiffness(),
             stop_damping: default_stop_damping(),
+            angle_rad: one(),
         }
     }
 

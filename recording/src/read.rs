@@ -8,7 +8,7 @@ use crate::error::{Error, Fault};
 use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
 use crate::validate;
-use crate::{Oddity, Recording, Run};
+use crate::{Model, Oddity, Recording, Run};
 
 impl Recording {
     /// Reads and validates the recording in `folder`.
@@ -40,8 +40,11 @@ impl Recording {
             title: manifest.title,
             horizon: manifest.horizon,
             restart_half_width: manifest.restart_half_width,
+            model: Model {
+                angle_rad: manifest.units.angle_rad(),
+                ..manifest.model
+            },
             units: manifest.units,
-            model: manifest.model,
             tolerance,
             sensors: manifest.sensor,
             runs: Vec::with_capacity(manifest.runs.len()),

@@ -21,16 +21,20 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             terms(kind, guess, [vec![log(0, m.inertia)]])
         }
         "gravity" => {
-            let guess = regress(e, |m| [-m.position.sin(), m.position.cos()]);
+            let angle_rad = m.angle_rad;
+            let guess = regress(e, |m| {
+                let (sin, cos) = (angle_rad * m.position).sin_cos();
+                [-sin, cos]
+            });
             let guess = guess.map(|[a, b]| {
-                let (sin, cos) = m.gravity_zero.sin_cos();
+                let (sin, cos) = (angle_rad * m.gravity_zero).sin_cos();
                 let (a, b) = (a + m.gravity * cos, b + m.gravity * sin);
                 let weight = guessed(0, a.hypot(b), 0.1 * s.torque);
-                vec![weight, linear(1, b.atan2(a), 0.1)]
+                vec![weight, linear(1, b.atan2(a) / angle_rad, 0.1 / angle_rad)]
             });
             let hanging = vec![
                 linear(0, m.gravity, 0.1 * s.torque),
-                linear(1, m.gravity_zero, 0.1 * s.span().min(1.0)),
+                linear(1, m.gravity_zero, 0.1 * s.span().min(1.0 / angle_rad)),
             ];
             terms(kind, guess, [hanging])
         }

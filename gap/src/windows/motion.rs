@@ -59,7 +59,7 @@ impl Motion {
             let known = v.abs() > KNOWN_DIRECTION * noise * fit.covariance[1][1].sqrt();
             let without_friction_nm = m.inertia * a
                 + (m.viscous + m.drag * v.abs()) * v
-                + m.gravity * (x - m.gravity_zero).sin()
+                + m.gravity * m.from_hanging_rad(x).sin()
                 - m.spring(x)
                 - m.offset_nm
                 - motion.drive_nm[i];

@@ -118,8 +118,9 @@ impl Plant {
         } else {
             state.position
         };
-        let from_hanging = load_position - self.mechanics.gravity_zero;
-        state.pendulum.follow(from_hanging);
+        state
+            .pendulum
+            .follow(self.mechanics.from_hanging_rad(load_position));
         let regime = Regime::<N>::of(self, state, torque, h, closed);
         let [direction, load_direction] = regime.directions();
         let tolerance = watch.then_some(self.pace.event_tolerance);

@@ -30,7 +30,7 @@ impl Plant {
         if dt_s > self.longest_on_slope(state, drive_nm, MIDPOINT_ON_SLOPE) {
             return false;
         }
-        state.pendulum.follow(state.position - m.gravity_zero);
+        state.pendulum.follow(m.from_hanging_rad(state.position));
         let constant_friction_nm = self.constant_friction_nm(0, direction);
         let acceleration = |position: f64, velocity: f64, t_s: f64| {
             let motor = self.motor_side(drive_nm, position);

@@ -67,6 +67,8 @@ pub struct Mechanics {
     pub gravity: f64,
     /// Where it hangs at rest, rad.
     pub gravity_zero: f64,
+    /// Angle of one unit of position, rad.
+    pub angle_rad: f64,
     /// N m/rad.
     pub stiffness: f64,
     /// Where the spring is relaxed, rad.
@@ -96,6 +98,7 @@ impl Mechanics {
             drag: 0.0,
             gravity: 0.0,
             gravity_zero: 0.0,
+            angle_rad: 1.0,
             stiffness: 0.0,
             stiffness_zero: 0.0,
             hardening: 0.0,
@@ -122,7 +125,13 @@ impl Mechanics {
         } else {
             self.stiffness.abs()
         };
-        self.gravity.abs() + cogging + hardened
+        self.gravity.abs() * self.angle_rad + cogging + hardened
+    }
+
+    /// Angle from where it hangs at rest, rad.
+    #[inline]
+    pub fn from_hanging_rad(&self, position: f64) -> f64 {
+        self.angle_rad * (position - self.gravity_zero)
     }
 
     /// What the spring pulls at a position beyond what it would in proportion, N m.
@@ -330,7 +339,7 @@ impl Plant {
             phase: Phase::Stick,
             load_phase: Phase::Stick,
             touch: [Touch::Free; BARRIERS],
-            pendulum: Pendulum::about(position - self.mechanics.gravity_zero),
+            pendulum: Pendulum::about(self.mechanics.from_hanging_rad(position)),
             rest: Rest::UNKNOWN,
         };
         self.enter(&mut state);

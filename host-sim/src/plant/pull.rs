@@ -35,7 +35,7 @@ impl Plant {
         let m = &self.mechanics;
         let mut torque = m.spring(position);
         if m.gravity != 0.0 {
-            torque -= m.gravity * pendulum.sin(position - m.gravity_zero);
+            torque -= m.gravity * pendulum.sin(m.from_hanging_rad(position));
         }
         for (barrier, touch) in self.parts.barriers.iter().zip(touch) {
             torque += barrier.torque(*touch, position, velocity);

@@ -56,7 +56,7 @@ impl<'a> Bent<'a> {
         if m.gravity == 0.0 {
             return hardened;
         }
-        let angle = position - m.gravity_zero;
+        let angle = m.from_hanging_rad(position);
         pendulum.follow(angle);
         hardened - m.gravity * pendulum.sin(angle)
     }

@@ -43,7 +43,7 @@ impl Follower<'_> {
                 x += way;
                 bent.go(way_due + way);
                 let z = bent.deflection();
-                state.pendulum.follow(x - m.gravity_zero);
+                state.pendulum.follow(m.from_hanging_rad(x));
                 let level = m.friction.sliding(
                     1f64.copysign(z),
                     x,

@@ -44,7 +44,7 @@ const STEEP: f64 = 4.0;
 /// Time constants with which a friction settles, over the duration.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
 /// Place among the parameters of its drift of whether every run starts with it.
-const ANEW: usize = 3;
+const ANEW: usize = 2;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -285,23 +285,21 @@ fn drifts_since(
         let friction = sliding_nm(e, m);
         [friction * since_s(m), friction]
     });
-    let guess =
-        guess.map(|[rate, more]| vec![guessed(0, rate, 0.3 / duration_s), log(1, times(more))]);
+    let guess = guess.map(|[rate, _]| vec![guessed(0, rate, 0.3 / duration_s)]);
     let settling = |share: f64| {
         let settling_s = share * duration_s;
         let found = regress(e, |m| {
             let friction = sliding_nm(e, m);
             [friction * -(-since_s(m) / settling_s).exp_m1(), friction]
         });
-        let [all, more] = found?;
+        let [all, _] = found?;
         Some(vec![
             linear(0, all / settling_s, 0.5 / settling_s),
-            log(1, times(more)),
-            log(2, settling_s),
+            log(1, settling_s),
         ])
     };
     let settling = SETTLINGS.into_iter().filter_map(settling);
-    let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s), log(1, 1.0)];
+    let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s)];
     terms(kind, guess, settling.chain([0.3, -0.3].map(steady)))
 }
 

@@ -1,14 +1,14 @@
 //! Dry friction that changes over the session.
 
-use super::{ANY, Channel, Kind, LEVEL, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 use crate::plant::Drift;
 
-/// `F = F_c (l + d t) sign(v)`, or with τ (1 − e^(−t/τ)) in the place of t.
+/// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)) in the place of t.
 pub const KIND: Kind = Kind {
     name: "friction_drift",
     channel: Channel::Friction,
     about: "Dry friction that changes over the session",
-    equation: "F = F_c (l + d τ (1 − exp(−t/τ))) sign(v), without τ F_c (l + d t) sign(v)",
+    equation: "F = F_c (1 + d τ (1 − exp(−t/τ))) sign(v), without τ F_c (1 + d t) sign(v)",
     parameters: &[
         Parameter {
             name: "rate",
@@ -16,15 +16,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.05,
             typical: [-0.1, 0.5],
-            about: "growth per second, relative to the model's level",
-        },
-        Parameter {
-            name: "level",
-            quantity: Quantity::Ratio,
-            range: LEVEL,
-            default: 1.0,
-            typical: [0.5, 2.0],
-            about: "at the start, over the model's",
+            about: "growth per second, relative to the level at the start",
         },
         Parameter {
             name: "settling",
@@ -45,13 +37,11 @@ pub const KIND: Kind = Kind {
     ],
     events: None,
     install: |device, p| {
-        let level = p[1];
-        device.mechanics.friction.scale(level);
         device.mechanics.friction.drift = Some(Drift {
-            rate_per_s: p[0] / level,
-            settling_s: Some(p[2]).filter(|settling_s| *settling_s > 0.0),
+            rate_per_s: p[0],
+            settling_s: Some(p[1]).filter(|settling_s| *settling_s > 0.0),
             start_s: 0.0,
-            anew: p[3] > 0.5,
+            anew: p[2] > 0.5,
         });
     },
 };

@@ -3,7 +3,7 @@
 use super::Evidence;
 use super::start::{count, geometric, linear, log, term, terms};
 use super::{actuation, jumps, overspeed, ripple};
-use crate::fit::hypothesis::Term;
+use crate::fit::hypothesis::{Coordinate, Term};
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 
@@ -21,6 +21,9 @@ const BENDS: [[f64; 2]; 5] = [
     [0.0, 0.3],
     [0.0, -0.15],
 ];
+/// Which of a curve's numbers are its cube and the place around which it is bent.
+const CUBIC: usize = 1;
+const MIDDLE: usize = 6;
 /// Periods of a ripple over the span of the motion.
 const RIPPLES: [f64; 3] = [0.5, 1.0, 2.0];
 
@@ -42,6 +45,13 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     }
 }
 
+/// A curve that is bent around another place, where that was given.
+pub(super) fn shape(given: &Term, half_span: f64) -> Option<Vec<Coordinate>> {
+    let is_bent = given.kind.name == "sensor_nonlinearity" && given.is_free(CUBIC);
+    let middle = || linear(MIDDLE, given.values[MIDDLE], 0.2 * half_span);
+    (is_bent && !given.is_free(MIDDLE)).then(|| vec![middle()])
+}
+
 /// Curves that bend, and an eccentric disk or poles, which show as a ripple of which one period or a few are passed.
 fn curves(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -53,7 +63,7 @@ fn curves(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             linear(0, square / reach, 0.2 / reach),
             linear(1, cube / (reach * reach), 0.2 / (reach * reach)),
         ];
-        term(kind, free, &[(6, middle)])
+        term(kind, free, &[(MIDDLE, middle)])
     };
     let rippled = |turns: f64| {
         let wave_number = turns * TAU / s.span();

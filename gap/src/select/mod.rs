@@ -24,6 +24,7 @@ use crate::stage::Stage;
 #[cfg(test)]
 pub(crate) use place::Place;
 use place::bounces;
+use ranking::is_far_likelier;
 pub(crate) use ranking::{luck, others, ties};
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;
@@ -56,6 +57,8 @@ const HOPELESS: f64 = 0.75;
 /// Share of the excess that may be left where nothing else of its size is missing: as much as a further effect must close
 /// to earn its place. Several wrong names together may bring the gap of a foreign cause near the floor, not this.
 pub(crate) const MOST_LEFT_EXPLAINED: f64 = 0.1;
+/// Effects that may do together what a ripple that was not seen to repeat does.
+const MOST_PULLS: usize = 2;
 /// Share of the excess that the better of two effects closes by itself at least, or robust cost that it saves, as for 18 % of
 /// the gap, in each window or of the whole: far above the floor a share is more than one of two may close.
 const LEAST_GAIN_ALONE: f64 = 0.1;
@@ -68,6 +71,7 @@ const LEAST_PROMISED_AT_FLOOR: f64 = 0.5;
 const MOST_LEFT_BY_ONE: f64 = 0.9;
 
 /// What is known before the search.
+#[derive(Clone)]
 pub(crate) struct Given<'a> {
     /// True if there is more than noise and restarts leave.
     pub is_gap: bool,
@@ -101,6 +105,12 @@ impl Selection {
     /// The fit with all effects.
     pub(crate) fn fit(&self) -> &Fit {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
+    }
+
+    /// False if a ripple is among the effects of which less than a wave was travelled.
+    fn repeats(&self, problem: &Problem<'_>) -> bool {
+        let mut fits = self.rounds.iter().map(|round| &round.rivals[0].fit);
+        fits.all(|fit| round::repeats(problem, fit))
     }
 
     /// Effects that were given: they are there whatever they close.
@@ -263,7 +273,24 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let x = vec![0.0; bare.dimensions(&problem.nudges)];
     let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
     let far = problem.nominal_afar(&null, NULL_ITERATIONS);
-    select_beyond(far.unwrap_or(null), problem, given, progress)
+    let null = far.unwrap_or(null);
+    let found = select_beyond(null.clone(), problem, given, progress);
+    if found.repeats(problem) {
+        return found;
+    }
+    // What a ripple of less than a wave does, pulls may do together.
+    let mut pulls = given.clone();
+    pulls.excluded.push("cogging");
+    let pulls = select_beyond(null, problem, &pulls, progress);
+    let do_as_much = match [&found, &pulls].map(|s| s.rounds.last()) {
+        [Some(ripple), Some(last)] => {
+            let [ripple, pulls] = [ripple, last].map(|round| &round.rivals[0]);
+            !is_far_likelier(ripple, pulls)
+        }
+        _ => false,
+    };
+    let suffice = pulls.rounds.len() <= MOST_PULLS && pulls.suffices(problem, pulls.fit());
+    if suffice && do_as_much { pulls } else { found }
 }
 
 /// The same beyond what the nominal model leaves.
@@ -361,5 +388,33 @@ fn select_beyond(
         pair
     } else {
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+
+    /// What is found of some effects, in the order of the alphabet.
+    fn found(hidden: &[&str]) -> Vec<&'static str> {
+        let recording = made::recording(hidden);
+        let given = Given {
+            is_gap: true,
+            measured: None,
+            certain: false,
+            excluded: Vec::new(),
+        };
+        let selection = select(&made::problem(&recording), &given, |_| {});
+        let rounds = selection.rounds.iter();
+        let mut names: Vec<&str> = rounds.map(|round| round.rivals[0].name).collect();
+        names.sort_unstable();
+        names
+    }
+
+    #[test]
+    fn friction_that_drifts_from_another_level_is_another_level_too() {
+        let friction = found(&["coulomb:level=0.007", "friction_drift:rate=0.1,settling=0"]);
+        assert_eq!(friction, ["coulomb", "friction_drift"]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, Round, Search};
-use super::{Given, LEAST_PROMISED_AT_FLOOR, Selection};
+use super::{Given, LEAST_PROMISED, LEAST_PROMISED_AT_FLOOR, LOUD_GAP, Selection};
 use crate::fit::Fit;
 use crate::fit::problem::{Part, Problem};
 use crate::floor::Perfect;
@@ -49,7 +49,13 @@ impl Selection {
             progress,
             perfect: refined.perfect,
         };
-        let second = search.round(&so_far, &only.screened, LEAST_PROMISED_AT_FLOOR)?;
+        // Far above the floor something is missing, however little of it screening finds.
+        let promised = if exact.gap_over_floor(&so_far) > LOUD_GAP {
+            LEAST_PROMISED
+        } else {
+            LEAST_PROMISED_AT_FLOOR
+        };
+        let second = search.round(&so_far, &only.screened, promised)?;
         if !second.place.earned {
             return None;
         }

@@ -23,6 +23,8 @@ pub(super) const FITTING_ITERATIONS: usize = 8;
 const POLISHING_ITERATIONS: usize = 15;
 /// Spread, in scales, of a search around the winner where slopes lead nowhere.
 const NARROWLY: f64 = 0.15;
+/// Share of the inertia below which a side of a transmission is none.
+const LIGHTEST_SIDE: f64 = 0.05;
 /// Share of the excess that the model's own numbers alone must make up for to be taken from beside an effect.
 const LEAST_MADE_UP: f64 = 0.5;
 
@@ -163,7 +165,8 @@ impl Search<'_> {
 
     /// True if the last effect of a fit does not act as its name says: a hand with which something is missing and that never
     /// goes, or of which no stiffness can be told; a counter that loses of any motion; a stop that is hardly ever left; or a
-    /// transmission whose spring takes longer than a prediction to come back through its damper, so that what it makes is a lag.
+    /// transmission whose spring takes longer than a prediction to come back through its damper, so that what it makes is a lag,
+    /// or one side of which weighs nothing, so that its friction bends.
     pub(super) fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
@@ -178,20 +181,13 @@ impl Search<'_> {
                 let predictor = self.problem.predictor(&fit.hypothesis, &fit.x);
                 let link = &predictor.device().mechanics.link;
                 let horizon_s = self.problem.recording.horizon;
-                link.is_some_and(|link| link.damping > horizon_s * link.stiffness)
+                link.is_some_and(|link| {
+                    let lighter = link.load_share.min(1.0 - link.load_share);
+                    link.damping > horizon_s * link.stiffness || lighter < LIGHTEST_SIDE
+                })
             }
             _ => false,
         }
-    }
-
-    /// False if the last effect of a fit is a ripple of which less than a wave was travelled: a pull that bends does as much.
-    fn repeats(&self, fit: &Fit) -> bool {
-        const WAVE_NUMBER: usize = 1;
-        let ripple = fit.last_term().filter(|term| term.kind.name == "cogging");
-        ripple.is_none_or(|ripple| {
-            let wave_number = ripple.values[WAVE_NUMBER];
-            waves_short(wave_number, self.problem.extremes()).is_none()
-        })
     }
 
     /// True if the last effect of a fit does no more than a special case of it that is not to be named.
@@ -263,7 +259,7 @@ impl Search<'_> {
         let short_by = |share: f64| best + share * (level(known) - best);
         let halfway = short_by(0.5);
         // Of a ripple that was not seen to repeat a pull may be all; where it leaves nothing, that must leave next to nothing.
-        let pulls = (!self.repeats(&rivals[0].fit)).then(|| {
+        let pulls = (!repeats(self.problem, &rivals[0].fit)).then(|| {
             if best > self.quiet() {
                 halfway
             } else {
@@ -385,6 +381,16 @@ impl Search<'_> {
     }
 }
 
+/// False if the last effect of a fit is a ripple of which less than a wave was travelled: a pull that bends does as much.
+pub(super) fn repeats(problem: &Problem<'_>, fit: &Fit) -> bool {
+    const WAVE_NUMBER: usize = 1;
+    let ripple = fit.last_term().filter(|term| term.kind.name == "cogging");
+    ripple.is_none_or(|ripple| {
+        let wave_number = ripple.values[WAVE_NUMBER];
+        waves_short(wave_number, problem.extremes()).is_none()
+    })
+}
+
 /// What a search for one more effect on top of a bare nominal model comes to.
 #[cfg(test)]
 pub(super) fn on<T>(
@@ -470,6 +476,40 @@ mod tests {
         };
         let latest = 0.5 * recording.horizon;
         assert!(!is_misnamed(0.5 * latest) && is_misnamed(2.0 * latest));
+    }
+
+    #[test]
+    fn a_spring_with_next_to_nothing_behind_it_is_no_transmission() {
+        let recording = made::recording(&[]);
+        let is_misnamed = |load_share: f64| {
+            let mut stiff = made::term("compliance", &[]);
+            stiff.values[2] = load_share;
+            on(&recording, |search, null| {
+                search.is_misnamed(&search.given(null, &stiff).so_far)
+            })
+        };
+        assert_eq!([0.02, 0.2, 0.98].map(is_misnamed), [true, false, true]);
+    }
+
+    #[test]
+    fn around_which_place_a_sensor_bends_is_freed_where_it_is_another() {
+        const BENT: &str = "sensor_nonlinearity:quadratic=0.3,cubic=1.5,middle=0.08";
+        // Two places make one curve: its slope at zero tells of either.
+        let steeper =
+            |[square, cube, middle]: [f64; 3]| middle * (3.0 * cube * middle - 2.0 * square);
+        let free = [0, 1].map(|parameter| Coordinate {
+            parameter,
+            start: 0.0,
+            scale: Scale::Linear(1.0),
+        });
+        let found = on(&made::recording(&[BENT]), |search, null| {
+            let around_zero = made::term("sensor_nonlinearity", &free);
+            let given = search.given(null, &around_zero).so_far;
+            let freed = search.loosened(null, &given)?.last_term()?;
+            Some(steeper([0, 1, 6].map(|place| freed.values[place])))
+        });
+        let hidden = steeper([0.3, 1.5, 0.08]);
+        assert!((found.unwrap() / hidden - 1.0).abs() < 0.1, "{found:?}");
     }
 
     /// Whether play is taken for a twist that is not to be named.

@@ -72,7 +72,7 @@ pub const KIND: Kind = Kind {
             cosine: p[3],
             wave_number: p[4],
         };
-        device.sensing.offset = p[5] + m * m * (a - b * m);
+        device.sensing.offset += p[5] + m * m * (a - b * m);
     },
 };
 

@@ -2,6 +2,7 @@
 //!
 //! ```toml
 //! format = 1
+//! angle_rad = 0.0174533     # of one unit of position; left out if it is 1
 //!
 //! [model]                   # as in a recording
 //! inertia = 5.755e-4

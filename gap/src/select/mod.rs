@@ -275,22 +275,26 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let far = problem.nominal_afar(&null, NULL_ITERATIONS);
     let null = far.unwrap_or(null);
     let found = select_beyond(null.clone(), problem, given, progress);
-    if found.repeats(problem) {
-        return found;
-    }
-    // What a ripple of less than a wave does, pulls may do together.
-    let mut pulls = given.clone();
-    pulls.excluded.push("cogging");
-    let pulls = select_beyond(null, problem, &pulls, progress);
-    let do_as_much = match [&found, &pulls].map(|s| s.rounds.last()) {
-        [Some(ripple), Some(last)] => {
-            let [ripple, pulls] = [ripple, last].map(|round| &round.rivals[0]);
-            !is_far_likelier(ripple, pulls)
-        }
-        _ => false,
-    };
-    let suffice = pulls.rounds.len() <= MOST_PULLS && pulls.suffices(problem, pulls.fit());
-    if suffice && do_as_much { pulls } else { found }
+    let pulls = || pulls(&found, null, problem, given, progress);
+    let repeats = found.repeats(problem);
+    (!repeats).then(pulls).flatten().unwrap_or(found)
+}
+
+/// What is found without a ripple of which less than a wave was travelled, if that does as much.
+fn pulls(
+    found: &Selection,
+    null: Fit,
+    problem: &Problem<'_>,
+    given: &Given<'_>,
+    progress: fn(Stage),
+) -> Option<Selection> {
+    let mut without = given.clone();
+    without.excluded.push("cogging");
+    let pulls = select_beyond(null, problem, &without, progress);
+    let [rippled, pulled] = [found.rounds.last()?, pulls.rounds.last()?];
+    let suffice = pulls.rounds.len() <= MOST_PULLS && pulls.suffices(problem, &pulled.so_far);
+    let do_as_much = !is_far_likelier(&rippled.rivals[0], &pulled.rivals[0]);
+    (suffice && do_as_much).then_some(pulls)
 }
 
 /// The same beyond what the nominal model leaves.

@@ -254,26 +254,26 @@ fn effect(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Effect, Mode
 }
 
 fn check(model: &Model) -> Result<(), ModelFileError> {
-    let number = |name: &str, value: f64, mend| ModelFileError::Number {
-        name: format!("model.{name}"),
-        value,
-        mend,
-    };
+    let number = |name: String, value, mend| ModelFileError::Number { name, value, mend };
     for name in Model::NAMES {
         if let Some(value) = model.get(name)
             && !value.is_finite()
         {
-            return Err(number(name, value, "finite"));
+            return Err(number(format!("model.{name}"), value, "finite"));
         }
     }
     if let Some([low, high]) = model.travel
         && (low >= high || !(high - low).is_finite())
     {
-        return Err(number("travel", low, "below its upper end"));
+        return Err(number("model.travel".into(), low, "below its upper end"));
     }
-    for (name, value) in [("inertia", model.inertia), ("angle_rad", model.angle_rad)] {
+    let sizes = [
+        ("model.inertia", model.inertia),
+        ("angle_rad", model.angle_rad),
+    ];
+    for (name, value) in sizes {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(number(name, value, "above 0"));
+            return Err(number(name.into(), value, "above 0"));
         }
     }
     Ok(())

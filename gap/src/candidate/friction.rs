@@ -281,6 +281,7 @@ fn drifts_since(
     since_s: impl Fn(&Moment) -> f64,
 ) -> Vec<Term> {
     let duration_s = e.scales.duration_s;
+    // Another level is an effect of its own, but must not bend the drift.
     let guess = regress(e, |m| {
         let friction = sliding_nm(e, m);
         [friction * since_s(m), friction]

@@ -83,6 +83,17 @@ pub(crate) struct Given<'a> {
     pub certain: bool,
 }
 
+#[cfg(test)]
+impl Given<'_> {
+    /// That there is a gap.
+    pub(crate) const A_GAP: Self = Self {
+        is_gap: true,
+        excluded: Vec::new(),
+        measured: None,
+        certain: false,
+    };
+}
+
 /// The outcome: the null, and a round for each effect.
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
@@ -275,9 +286,10 @@ pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stag
     let far = problem.nominal_afar(&null, NULL_ITERATIONS);
     let null = far.unwrap_or(null);
     let found = select_beyond(null.clone(), problem, given, progress);
-    let pulls = || pulls(&found, null, problem, given, progress);
-    let repeats = found.repeats(problem);
-    (!repeats).then(pulls).flatten().unwrap_or(found)
+    if found.repeats(problem) {
+        return found;
+    }
+    pulls(&found, null, problem, given, progress).unwrap_or(found)
 }
 
 /// What is found without a ripple of which less than a wave was travelled, if that does as much.
@@ -403,13 +415,7 @@ mod tests {
     /// What is found of some effects, in the order of the alphabet.
     fn found(hidden: &[&str]) -> Vec<&'static str> {
         let recording = made::recording(hidden);
-        let given = Given {
-            is_gap: true,
-            measured: None,
-            certain: false,
-            excluded: Vec::new(),
-        };
-        let selection = select(&made::problem(&recording), &given, |_| {});
+        let selection = select(&made::problem(&recording), &Given::A_GAP, |_| {});
         let rounds = selection.rounds.iter();
         let mut names: Vec<&str> = rounds.map(|round| round.rivals[0].name).collect();
         names.sort_unstable();

@@ -89,12 +89,7 @@ mod tests {
         let bare = Hypothesis { terms: Vec::new() };
         let nominal = problem.fit(&bare, Vec::new(), Part::All, 0);
         problem.modelling = 0.2 * problem.plain_gap(&problem.series, &nominal);
-        let given = Given {
-            is_gap: true,
-            excluded: Vec::new(),
-            measured: None,
-            certain: false,
-        };
+        let given = Given::A_GAP;
         let coarse = select(&problem, &given, |_| {});
         let refined = coarse.refined(&problem, &given, |_| {});
         let names = |selection: &Selection| {

@@ -23,7 +23,7 @@ pub(super) const FITTING_ITERATIONS: usize = 8;
 const POLISHING_ITERATIONS: usize = 15;
 /// Spread, in scales, of a search around the winner where slopes lead nowhere.
 const NARROWLY: f64 = 0.15;
-/// Share of the inertia below which a side of a transmission is none.
+/// Share of the inertia below which a side of a transmission is none: half of the least that is typical.
 const LIGHTEST_SIDE: f64 = 0.05;
 /// Share of the excess that the model's own numbers alone must make up for to be taken from beside an effect.
 const LEAST_MADE_UP: f64 = 0.5;
@@ -400,15 +400,9 @@ pub(super) fn on<T>(
     let problem = crate::made::problem(recording);
     let bare = Hypothesis { terms: Vec::new() };
     let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-    let given = Given {
-        is_gap: true,
-        excluded: Vec::new(),
-        measured: None,
-        certain: false,
-    };
     let search = Search {
         problem: &problem,
-        given: &given,
+        given: &Given::A_GAP,
         progress: |_| {},
         perfect: Perfect::of(&problem, &null).bounded(),
     };
@@ -524,10 +518,8 @@ mod tests {
         on(&recording, |search, null| {
             let found = search.given(null, &backlash).so_far;
             let given = Given {
-                is_gap: true,
                 excluded: vec!["compliance"],
-                measured: None,
-                certain: false,
+                ..Given::A_GAP
             };
             let search = Search {
                 given: &given,

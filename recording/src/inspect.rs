@@ -185,13 +185,7 @@ fn saturated(run: &Run) -> Option<Oddity> {
 
 fn spikes(run: &Run) -> Option<Oddity> {
     let x = &run.position;
-    let beside = |five: &[f64]| (five[2] - 0.5 * (five[1] + five[3])).abs();
-    let steps: Vec<f64> = x.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-    let smallest = quantile(
-        steps.into_iter().filter(|step| *step > 0.0).collect(),
-        QUANTUM_QUANTILE,
-    );
-    let usual = quantile(x.windows(5).map(beside).collect(), MOST).max(smallest);
+    let usual = usual(x);
     let is_spike = |five: &[f64]| {
         let near = [five[1] - five[0], five[3] - five[1], five[4] - five[3]];
         let near = near.iter().fold(usual, |most, step| step.abs().max(most));
@@ -205,6 +199,31 @@ fn spikes(run: &Run) -> Option<Oddity> {
         count: spikes().count(),
         farthest,
         at_s: run.time[at],
+    })
+}
+
+/// How far sample `five[2]` is from the middle of its neighbours.
+fn beside(five: &[f64]) -> f64 {
+    (five[2] - 0.5 * (five[1] + five[3])).abs()
+}
+
+/// How far most samples are from the middle of their neighbours, at least one of the smallest steps.
+fn usual(x: &[f64]) -> f64 {
+    let steps = x.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let smallest = quantile(steps.filter(|step| *step > 0.0).collect(), QUANTUM_QUANTILE);
+    quantile(x.windows(5).map(beside).collect(), MOST).max(smallest)
+}
+
+/// Whether the first sample is [`SPIKE`] times farther from the line through the next two than these and the ones after are
+/// from one another: a motion has no such start.
+pub(crate) fn stale_start(run: &Run) -> Option<Oddity> {
+    let next = run.position.get(1..5)?;
+    let off = (run.position[0] - (2.0 * next[0] - next[1])).abs();
+    let steps = next.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let near = steps.fold(usual(&run.position), f64::max);
+    (off > SPIKE * near).then(|| Oddity::StaleStart {
+        file: run.file.clone(),
+        off,
     })
 }
 

@@ -90,6 +90,14 @@ pub enum Oddity {
         /// Its time, s.
         at_s: f64,
     },
+    /// A first sample far from where the next ones come from: a sensor that was read before it was ready.
+    #[error("{file}: the first `position` stands {off} apart from where the next ones come from; the first row is left out: begin the log when the sensor is ready", off = short(*off))]
+    StaleStart {
+        /// The run.
+        file: String,
+        /// How far, in units of position.
+        off: f64,
+    },
     /// Two runs claim the same stretch of session time.
     #[error("{first} and {second} overlap in time; they are taken as separate runs")]
     Overlap {

@@ -51,9 +51,13 @@ impl Recording {
             oddities,
         };
         for entry in manifest.runs {
-            let (run, frozen) = read_run(folder, entry)?;
+            let (mut run, frozen) = read_run(folder, entry)?;
             validate::run(&run, &recording)
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
+            if let Some(stale) = inspect::stale_start(&run) {
+                recording.oddities.push(stale);
+                run.drop_first();
+            }
             let stated = recording.sensor("position");
             recording
                 .oddities

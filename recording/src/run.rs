@@ -99,6 +99,24 @@ impl Run {
         self.time.is_empty()
     }
 
+    /// Without its first row, if it has any.
+    pub(crate) fn drop_first(&mut self) {
+        if self.is_empty() {
+            return;
+        }
+        self.time.remove(0);
+        self.input.remove(0);
+        self.position.remove(0);
+        let further = self.positions.values_mut();
+        for column in self.setpoint.iter_mut().chain(further) {
+            column.remove(0);
+        }
+        let narrow = [&mut self.current, &mut self.supply, &mut self.temperature];
+        for column in narrow.into_iter().flatten() {
+            column.remove(0);
+        }
+    }
+
     /// Time from the first to the last sample, s.
     pub fn duration_s(&self) -> f64 {
         match (self.time.first(), self.time.last()) {

@@ -36,10 +36,14 @@ fn recording(runs: Vec<Run>) -> Recording {
     recording
 }
 
-fn oddities_of(recording: &Recording) -> Vec<Oddity> {
+fn reread(recording: &Recording) -> Recording {
     let folder = Folder::empty();
     recording.write(folder.path()).unwrap();
-    folder.read().unwrap().oddities
+    folder.read().unwrap()
+}
+
+fn oddities_of(recording: &Recording) -> Vec<Oddity> {
+    reread(recording).oddities
 }
 
 /// The only oddity of a run that was changed by `edit`.
@@ -183,6 +187,31 @@ fn a_step_an_impact_and_a_count_that_flickers_are_no_spikes() {
     let found = oddities_of(&recording(vec![run]));
     let is_spikes = |oddity: &Oddity| matches!(oddity, Oddity::Spikes { .. });
     assert!(!found.iter().any(is_spikes), "{found:?}");
+}
+
+#[test]
+fn a_first_sample_that_stands_apart_is_left_out() {
+    let mut run = run("a.csv");
+    let rows = run.len();
+    run.position[0] += 0.2;
+    let read = reread(&recording(vec![run]));
+    let [Oddity::StaleStart { off, .. }] = read.oddities[..] else {
+        panic!("{:?}", read.oddities)
+    };
+    assert!((off - 0.2).abs() < 2.0 * RESOLUTION, "{off}");
+    assert_eq!(read.runs[0].len(), rows - 1);
+}
+
+#[test]
+fn a_start_from_rest_and_one_amid_a_motion_are_not_stale() {
+    for start in [0, 137] {
+        let mut run = run("a.csv");
+        for (k, position) in run.position.iter_mut().enumerate() {
+            let t = 1e-3 * (k + start) as f64;
+            *position = ((0.5 - 0.5 * (20.0 * t).cos()) / RESOLUTION).round() * RESOLUTION;
+        }
+        assert_eq!(oddities_of(&recording(vec![run])), []);
+    }
 }
 
 #[test]

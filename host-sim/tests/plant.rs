@@ -124,6 +124,27 @@ fn the_static_level_is_settable_apart_from_the_sliding_one() {
 }
 
 #[test]
+fn what_is_carried_beside_the_drive_adds_to_what_holds() {
+    let breaks_away_at = |load_passive: f64, position: f64| {
+        let plant = Plant::new(Mechanics {
+            stiffness: 0.1,
+            friction: Friction {
+                load_share: 0.5,
+                load_passive,
+                ..Friction::coulomb(0.015)
+            },
+            ..Mechanics::inertia(5.755e-4)
+        });
+        let mut state = plant.state(0.0, position, 0.0);
+        plant.advance(&mut state, Torque::held(0.0), 1e-4);
+        state.phase != Phase::Stick
+    };
+    // 0.015 N m hold by themselves, and half of what the spring pulls.
+    assert!(breaks_away_at(0.0, 0.151) && !breaks_away_at(0.0, 0.149));
+    assert!(breaks_away_at(1.0, 0.301) && !breaks_away_at(1.0, 0.299));
+}
+
+#[test]
 fn coasts_to_rest_where_mechanics_says() {
     let mechanics = Mechanics {
         friction: Friction::coulomb(0.015),
@@ -503,6 +524,7 @@ proptest! {
         exponent in prop_oneof![Just(1.0), Just(2.0), 1.2..3.0f64],
         slope in -2.0..2.0f64,
         load_share in 0.0..0.3f64,
+        load_passive in -1.0..1.0f64,
         from_s in 0.0..0.2f64,
         side in prop_oneof![Just(1.0), Just(0.0)],
     ) {
@@ -513,6 +535,7 @@ proptest! {
         friction.stribeck.exponent = exponent;
         friction.position_slope = slope;
         friction.load_share = load_share;
+        friction.load_passive = load_passive;
         friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None, start_s: 0.0, anew: false });
         paddle.barriers[0] = Some(Barrier {
             at: 0.01,

@@ -41,6 +41,8 @@ const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
 const SPOT: usize = 6;
 const SPOT_EXPONENT: usize = 9;
 const STEEP: f64 = 4.0;
+/// Part of the pull of gravity and springs that a friction that grows with load may grow with, beside that of the drive.
+const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
 /// Time constants with which a friction settles, over the duration.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
 /// Place among the parameters of its drift of whether every run starts with it.
@@ -102,7 +104,12 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "load_dependent_friction" => {
             let guess = regress(e, |m| [-m.drive_nm.abs() * m.velocity.signum()]);
             let guess = guess.map(|[share]| vec![log(0, share.max(0.01))]);
-            terms(kind, guess, [0.05, 0.2].map(|share| vec![log(0, share)]))
+            let mut starts = terms(kind, guess, [0.05, 0.2].map(|share| vec![log(0, share)]));
+            if m.gravity != 0.0 || m.stiffness != 0.0 {
+                let carried = PASSIVE.map(|part| vec![log(0, 0.1), linear(1, part, 1.0)]);
+                starts.extend(terms(kind, None, carried));
+            }
+            starts
         }
         "friction_drift" if is_dry => drifts(kind, e),
         _ => Vec::new(),

@@ -8,7 +8,7 @@ use crate::ripple::Ripple;
 ///
 /// `F(x, v, t, T) = s · p(x) · d(t) · [1 + (r − 1) e^−|v/v_s|ⁿ] + µ |T|`
 ///
-/// with the level `s` of the direction of motion, a [`Stribeck`] factor and a share µ of the driving torque.
+/// with the level `s` of the direction of motion, a [`Stribeck`] factor and a share µ of the torque T that is transmitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Sliding level against positive and against negative motion, N m.
@@ -23,8 +23,10 @@ pub struct Friction {
     pub position_ripple: Ripple,
     /// Likewise, the last term.
     pub position_spot: Spot,
-    /// Share of the driving torque that is added to the level.
+    /// Share of the torque that is transmitted, which is added to the level.
     pub load_share: f64,
+    /// Part of what gravity and springs pull that is transmitted beside the driving torque.
+    pub load_passive: f64,
     /// Dependence on time, if any: `d = max(0, 1 + growth(t))`.
     pub drift: Option<Drift>,
 }
@@ -65,6 +67,7 @@ impl Friction {
             position_ripple: Ripple::NONE,
             position_spot: Spot::NONE,
             load_share: 0.0,
+            load_passive: 0.0,
             drift: None,
         }
     }
@@ -110,17 +113,17 @@ impl Friction {
         position: f64,
         speed: f64,
         t_s: f64,
-        drive_nm: f64,
+        transmitted_nm: f64,
     ) -> f64 {
         let stribeck = self.stribeck.factor(speed);
-        self.scaled(direction, position, t_s) * stribeck + self.load_share * drive_nm.abs()
+        self.scaled(direction, position, t_s) * stribeck + self.load_share * transmitted_nm.abs()
     }
 
     /// Level that holds against a push in `direction` (±1) at rest, N m.
     #[inline]
-    pub fn holding(&self, direction: f64, position: f64, t_s: f64, drive_nm: f64) -> f64 {
+    pub fn holding(&self, direction: f64, position: f64, t_s: f64, transmitted_nm: f64) -> f64 {
         self.scaled(direction, position, t_s) * self.stribeck.ratio
-            + self.load_share * drive_nm.abs()
+            + self.load_share * transmitted_nm.abs()
     }
 
     #[inline]

@@ -9,6 +9,22 @@ impl Mechanics {
     pub(super) fn drag(&self, velocity: f64) -> f64 {
         (self.viscous + self.drag * velocity.abs()) * velocity
     }
+
+    /// What is transmitted under a drive, by which dry friction may grow, N m.
+    #[inline]
+    pub(super) fn transmitted(&self, drive_nm: f64, position: f64) -> f64 {
+        let passive = self.friction.load_passive;
+        if passive == 0.0 {
+            return drive_nm;
+        }
+        drive_nm + passive * self.passive(position)
+    }
+
+    /// What gravity and springs pull at a position, N m.
+    #[inline]
+    pub fn passive(&self, position: f64) -> f64 {
+        self.spring(position) - self.gravity * self.from_hanging_rad(position).sin()
+    }
 }
 
 impl Plant {

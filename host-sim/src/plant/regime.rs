@@ -136,9 +136,10 @@ impl<'a, const N: usize> Regime<'a, N> {
         let m = &self.plant.mechanics;
         let (position, velocity) = (x[0], x[1]);
         let sliding = |direction: f64| {
-            let time_s = self.time_s + t;
+            let (speed, time_s) = (velocity.abs(), self.time_s + t);
+            let transmitted_nm = m.transmitted(drive_nm, position);
             m.friction
-                .sliding(direction, position, velocity.abs(), time_s, drive_nm)
+                .sliding(direction, position, speed, time_s, transmitted_nm)
         };
         if has_bristles(N) && self.direction == 0.0 && self.plant.dry {
             let bristles = &self.plant.parts.bristles;
@@ -160,9 +161,11 @@ impl<'a, const N: usize> Regime<'a, N> {
     fn load_friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> f64 {
         self.load.constant_friction_nm.unwrap_or_else(|| {
             let direction = self.load.direction;
-            let friction = &self.plant.mechanics.friction;
-            let time_s = self.time_s + t;
-            let level = friction.sliding(direction, x[2], x[3].abs(), time_s, drive_nm);
+            let (m, time_s) = (&self.plant.mechanics, self.time_s + t);
+            let transmitted_nm = m.transmitted(drive_nm, x[2]);
+            let level = m
+                .friction
+                .sliding(direction, x[2], x[3].abs(), time_s, transmitted_nm);
             self.plant.friction_share[1] * direction * level
         })
     }

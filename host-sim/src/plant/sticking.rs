@@ -29,9 +29,12 @@ impl Plant {
     #[inline]
     pub(super) fn load_holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
         let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-        let friction = &self.mechanics.friction;
-        self.friction_share[1]
-            * friction.holding(direction, state.load_position, state.time_s, drive_nm)
+        let (m, position) = (&self.mechanics, state.load_position);
+        let transmitted_nm = m.transmitted(drive_nm, position);
+        let level = m
+            .friction
+            .holding(direction, position, state.time_s, transmitted_nm);
+        self.friction_share[1] * level
     }
 
     /// True if the load side has dry friction of its own.
@@ -43,13 +46,15 @@ impl Plant {
     /// Level that holds against `pull` at rest, N m.
     #[inline]
     pub(super) fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
-        let friction = &self.mechanics.friction;
+        let m = &self.mechanics;
         self.friction_share[0]
             * if self.plain {
-                friction.level(pull)
+                m.friction.level(pull)
             } else {
                 let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-                friction.holding(direction, state.position, state.time_s, drive_nm)
+                let transmitted_nm = m.transmitted(drive_nm, state.position);
+                m.friction
+                    .holding(direction, state.position, state.time_s, transmitted_nm)
             }
     }
 

@@ -25,6 +25,8 @@ impl Display {
         let (factor, suffix) = match unit {
             "rad" => (1f64.to_degrees(), "°".into()),
             "deg" | "°" => (1.0, "°".into()),
+            "deg/s" | "°/s" => (1.0, " °/s".into()),
+            "deg/s²" | "°/s²" => (1.0, " °/s²".into()),
             "rad/s" => (1f64.to_degrees(), " °/s".into()),
             "rad/s²" => (1f64.to_degrees(), " °/s²".into()),
             "s" | "m" | "N m" | "N" | "A" | "V" | "m/s" if small => (1e3, format!(" m{unit}")),
@@ -148,6 +150,7 @@ mod tests {
     fn angles_are_said_in_degrees_and_short_times_in_milliseconds() {
         assert_eq!(show(0.01, "rad"), "0.57°");
         assert_eq!(show(-0.5, "rad/s"), "−29 °/s");
+        assert_eq!(show(-29.0, "deg/s"), "−29 °/s");
         assert_eq!(show(0.0031, "s"), "3.1 ms");
         assert_eq!(show(2.0, "s"), "2.0 s");
         assert_eq!(show(0.05, "1/s"), "5.0 % per second");

@@ -49,7 +49,7 @@ impl Follower<'_> {
                     x,
                     v.abs(),
                     state.time_s + (part as f64 + 0.5) * part_s,
-                    mean_nm,
+                    m.transmitted(mean_nm, x),
                 );
                 let torque = plant.motor_side(mean_nm, x)
                     + plant.load_side(&state.pendulum, &state.touch, x, v)

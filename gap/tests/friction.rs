@@ -1,0 +1,58 @@
+//! What dry friction grows with is found: a place, what is carried, or nothing.
+
+mod made;
+
+use gap::diagnosis::Finding;
+use gap::{Options, Recording, diagnose};
+use host_sim::device::Device;
+use host_sim::effects::Effect;
+use made::{paddle, recorded, recording};
+use recording::Model;
+
+#[test]
+fn a_spot_that_rubs_is_found_where_it_is() {
+    assert_found(
+        "position_dependent_coulomb:slope=0,spot=1.5,spot_position=0.05,spot_width=0.12",
+        &[("spot", 1.5), ("spot_position", 0.05), ("spot_width", 0.12)],
+    );
+}
+
+#[test]
+fn what_grows_with_the_weight_as_with_the_drive_is_found() {
+    assert_found(
+        "load_dependent_friction:share=0.2,passive=1",
+        &[("share", 0.2), ("passive", 1.0)],
+    );
+}
+
+#[test]
+fn what_rubs_more_everywhere_is_another_level() {
+    let more = Model {
+        coulomb: 1.5 * paddle().coulomb,
+        ..paddle()
+    };
+    let found = only(&recording(&more, paddle(), 5e-5, 0.0, 11));
+    assert_eq!(found.name, "coulomb");
+}
+
+/// Asserts that an effect is the only one that is named, with the numbers that are expected.
+#[track_caller]
+fn assert_found(written: &str, expected: &[(&str, f64)]) {
+    let effect: Effect = written.parse().unwrap();
+    let mut device = Device::nominal(&paddle());
+    effect.install(&mut device);
+    let found = only(&recorded(&device, paddle(), 5e-5, 0.0, 11));
+    assert_eq!(found.name, effect.kind.name);
+    for (name, expected) in expected {
+        let fitted = &found.parameters[*name];
+        let ratio = fitted.value / expected;
+        assert!((ratio - 1.0).abs() < 0.03, "{name}: {fitted:?}");
+    }
+}
+
+/// The only effect that is named.
+fn only(recording: &Recording) -> Finding {
+    let found = diagnose(recording, &Options::default()).diagnosis;
+    let [finding] = found.effects.try_into().unwrap();
+    finding
+}

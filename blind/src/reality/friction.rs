@@ -87,6 +87,8 @@ pub(crate) struct Friction {
     pub warm_up: Option<WarmUp>,
     /// Further dry friction per unit of torque that the transmission carries.
     pub load_share: f64,
+    /// Whether that is what gravity and springs pull, too.
+    pub carries_all: bool,
     pub bristle: Option<Bristle>,
 }
 
@@ -116,12 +118,13 @@ impl Friction {
             profile: None,
             warm_up: None,
             load_share: 0.0,
+            carries_all: false,
             bristle: None,
         }
     }
 
-    /// The dry levels for this motion under this driving torque.
-    pub fn level(&self, motion: Motion, drive: f64, time_s: f64) -> Level {
+    /// The dry levels for this motion under this torque that is carried.
+    pub fn level(&self, motion: Motion, carried: f64, time_s: f64) -> Level {
         let mut factor = 1.0;
         if self.static_ratio != 1.0 {
             let ratio = motion.v.abs() / self.stribeck_velocity;
@@ -133,10 +136,10 @@ impl Friction {
         if let Some(warm_up) = self.warm_up {
             factor *= warm_up.factor(time_s);
         }
-        let carried = self.load_share * drive.abs();
+        let loaded = self.load_share * carried.abs();
         Level {
-            forward: self.forward * factor + carried,
-            backward: self.backward * factor + carried,
+            forward: self.forward * factor + loaded,
+            backward: self.backward * factor + loaded,
         }
     }
 

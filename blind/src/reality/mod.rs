@@ -155,10 +155,15 @@ impl Reality {
                 .torque(&mut state.actuator, input, time_s, driven.x, dt)
             + self.foreign.torque(&mut state.foreign, time_s, load, dt);
         let mut on_load = self.mechanics.torque(load, self.foreign.tilt(time_s));
+        let carried = if self.friction.carries_all {
+            drive + on_load
+        } else {
+            drive
+        };
         if let Some(contact) = &self.contact {
             on_load += contact.torque(load, run, time_s);
         }
-        let level = self.friction.level(load, drive, time_s);
+        let level = self.friction.level(load, carried, time_s);
         let inertia = self.mechanics.inertia * self.foreign.inertia_factor(time_s);
 
         match coupling {

@@ -246,7 +246,10 @@ impl Hidden {
                     },
                 });
             }
-            "load_dependent_friction" => friction.load_share = s,
+            "load_dependent_friction" => {
+                friction.load_share = s;
+                friction.carries_all = !self.first_form();
+            }
             "friction_drift" => {
                 let amount = if self.sign > 0.0 { s } else { -s.min(0.85) };
                 let session_s = scale.session_s();

@@ -45,8 +45,9 @@ const STEEP: f64 = 4.0;
 const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
 /// Time constants with which a friction settles, over the duration.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
-/// Place among the parameters of its drift of whether every run starts with it.
+/// Places among the parameters of its drift of whether every run starts with it, and whether it settles at the model's level.
 const ANEW: usize = 2;
+const SETTLED: usize = 3;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -301,14 +302,16 @@ fn drifts_since(
             [friction * -(-since_s(m) / settling_s).exp_m1(), friction]
         });
         let [all, _] = found?;
-        Some(vec![
+        let free = vec![
             linear(0, all / settling_s, 0.5 / settling_s),
             log(1, settling_s),
-        ])
+        ];
+        Some([0.0, 1.0].map(|settled| term(kind, free.clone(), &[(SETTLED, settled)])))
     };
-    let settling = SETTLINGS.into_iter().filter_map(settling);
+    let settling = SETTLINGS.into_iter().filter_map(settling).flatten();
     let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s)];
-    terms(kind, guess, settling.chain([0.3, -0.3].map(steady)))
+    let steady = terms(kind, guess, [0.3, -0.3].map(steady));
+    steady.into_iter().chain(settling).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::Evidence;
 use super::regression::regress;
-use super::start::{guessed, linear, log, terms};
+use super::start::{guessed, linear, log, term, terms};
 use super::{stops, transmission};
 use crate::fit::hypothesis::{Coordinate, Term};
 use host_sim::effects::Kind;
@@ -10,6 +10,8 @@ use host_sim::effects::Kind;
 /// Which of a spring's numbers says how it hardens, and the share by which it may at the ends of the motion.
 const HARDENING: usize = 2;
 const HARDENED: f64 = 0.3;
+/// The same of one that hardens strongly.
+const STEEP: f64 = 3.0;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -55,13 +57,37 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 linear(0, m.stiffness + 0.05 * stiffness, 0.1 * stiffness),
                 linear(1, zero, 0.2 * s.span()),
             ];
-            terms(kind, guess, [soft])
+            let mut starts = terms(kind, guess, [soft]);
+            if m.stiffness == 0.0 {
+                starts.extend(hardening(kind, e, stiffness));
+            }
+            starts
         }
         "end_stop" => stops::starts(kind, e),
         "backlash" => transmission::plays(kind, e),
         "compliance" => transmission::springs(kind, e),
         _ => Vec::new(),
     }
+}
+
+/// A spring that hardens as strongly as it pulls about the middle of the motion, about there.
+fn hardening(kind: &'static Kind, e: &Evidence<'_>, stiffness: f64) -> Option<Term> {
+    let s = e.scales;
+    let half_span = 0.5 * s.span();
+    let middle = 0.5 * (s.position[0] + s.position[1]);
+    let hardening = STEEP / (half_span * half_span);
+    let [pull, offset_nm] = regress(e, |m| {
+        let away = m.position - middle;
+        [-away * (1.0 + hardening * away * away), 1.0]
+    })?;
+    let pull = pull.max(0.02 * stiffness);
+    let zero = middle + (offset_nm / pull).clamp(-half_span, half_span);
+    let free = vec![
+        guessed(0, pull, 0.05 * stiffness),
+        linear(1, zero, 0.2 * s.span()),
+        log(HARDENING, hardening),
+    ];
+    Some(term(kind, free, &[]))
 }
 
 /// How a spring hardens, where that was given.

@@ -97,9 +97,9 @@ impl Search<'_> {
                 } else {
                     BEGUN
                 };
-                let variants = variants(&candidate.starts).into_iter();
-                let starts: Vec<Term> = variants.flat_map(|v| field.promising(&v, kept)).collect();
-                field.begun(&starts, STARTS_KEPT)
+                let fits = variants(&candidate.starts).into_par_iter();
+                let fits = fits.flat_map(|v| field.begun(&field.promising(&v, kept), STARTS_KEPT));
+                sorted(fits.collect())
             }
         });
         let mut rivals = Vec::new();

@@ -3,7 +3,7 @@
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 use crate::plant::Drift;
 
-/// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)) in the place of t.
+/// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)), or −τ e^(−t/τ), in the place of t.
 pub const KIND: Kind = Kind {
     name: "friction_drift",
     channel: Channel::Friction,
@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.05,
             typical: [-0.1, 0.5],
-            about: "growth per second, relative to the level at the start",
+            about: "growth per second at the start, relative to the model's level",
         },
         Parameter {
             name: "settling",
@@ -34,6 +34,14 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 1.0],
             about: "1 if it starts anew with a run's clock, 0 if it goes on through the session",
         },
+        Parameter {
+            name: "settled",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "1 if the model's level is where it settles, 0 if it is where it starts",
+        },
     ],
     events: None,
     install: |device, p| {
@@ -42,6 +50,7 @@ pub const KIND: Kind = Kind {
             settling_s: Some(p[1]).filter(|settling_s| *settling_s > 0.0),
             start_s: 0.0,
             anew: p[2] > 0.5,
+            settled: p[3] > 0.5,
         });
     },
 };

@@ -31,13 +31,16 @@ pub struct Friction {
     pub drift: Option<Drift>,
 }
 
-/// Growth of a level as something warms up: `r τ (1 − e^(−t/τ))`, or `r t` where it never settles.
+/// Growth of a level as something warms up: `r τ (1 − e^(−t/τ))`, or `r t` where it never settles; from a cold device to the one
+/// that the level is of, `−r τ e^(−t/τ)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
     /// Relative, at the start, 1/s.
     pub rate_per_s: f64,
     /// Time constant with which it settles, s.
     pub settling_s: Option<f64>,
+    /// Whether the level is that where it settles, and not that at the start.
+    pub settled: bool,
     /// When it starts, s of the session.
     pub start_s: f64,
     /// Whether it starts anew with a run whose clock does.
@@ -48,11 +51,12 @@ impl Drift {
     #[inline]
     fn growth(&self, t_s: f64) -> f64 {
         let since_s = t_s - self.start_s;
-        let since_s = match self.settling_s {
+        let grown_s = match self.settling_s {
+            Some(settling_s) if self.settled => -settling_s * (-since_s / settling_s).exp(),
             Some(settling_s) => -settling_s * (-since_s / settling_s).exp_m1(),
             None => since_s,
         };
-        self.rate_per_s * since_s
+        self.rate_per_s * grown_s
     }
 }
 
@@ -163,10 +167,11 @@ mod tests {
 
     #[test]
     fn a_level_that_drifts_grows_on_or_settles() {
-        let level = |settling_s, t_s| {
+        let level = |settling_s, settled, t_s| {
             let drift = Some(Drift {
                 rate_per_s: 0.1,
                 settling_s,
+                settled,
                 start_s: 5.0,
                 anew: false,
             });
@@ -176,8 +181,11 @@ mod tests {
             };
             friction.holding(1.0, 0.0, 5.0 + t_s, 0.0)
         };
-        assert!((level(None, 30.0) - 8.0).abs() < 1e-12);
-        assert!((level(Some(10.0), 10.0) - 2.0 * (2.0 - (-1.0f64).exp())).abs() < 1e-12);
-        assert!((level(Some(10.0), 1e3) - 4.0).abs() < 1e-12);
+        let left = (-1.0f64).exp();
+        assert!((level(None, false, 30.0) - 8.0).abs() < 1e-12);
+        assert!((level(Some(10.0), false, 10.0) - 2.0 * (2.0 - left)).abs() < 1e-12);
+        assert!((level(Some(10.0), false, 1e3) - 4.0).abs() < 1e-12);
+        assert!((level(Some(10.0), true, 10.0) - 2.0 * (1.0 - left)).abs() < 1e-12);
+        assert!((level(Some(10.0), true, 1e3) - 2.0).abs() < 1e-12);
     }
 }

@@ -1,4 +1,4 @@
-//! What dry friction grows with is found: a place, what is carried, or nothing.
+//! An effect of another form than the simplest is found as that effect alone, with the numbers of its form.
 
 mod made;
 
@@ -22,6 +22,22 @@ fn what_grows_with_the_weight_as_with_the_drive_is_found() {
     assert_found(
         "load_dependent_friction:share=0.2,passive=1",
         &[("share", 0.2), ("passive", 1.0)],
+    );
+}
+
+#[test]
+fn what_settles_at_the_level_of_the_model_is_no_other_level() {
+    assert_found(
+        "friction_drift:rate=-0.5,settling=1.5,settled=1",
+        &[("rate", -0.5), ("settling", 1.5), ("settled", 1.0)],
+    );
+}
+
+#[test]
+fn a_spring_that_hardens_at_once_is_no_stop() {
+    assert_found(
+        "spring:stiffness=0.005,zero=0.02,hardening=20",
+        &[("stiffness", 0.005), ("hardening", 20.0)],
     );
 }
 

@@ -42,6 +42,14 @@ fn a_spring_that_hardens_at_once_is_no_stop() {
 }
 
 #[test]
+fn a_dead_band_that_lies_off_zero_is_no_offset() {
+    assert_found(
+        "deadband:width=2e-4,skew=0.5",
+        &[("width", 2e-4), ("skew", 0.5)],
+    );
+}
+
+#[test]
 fn what_rubs_more_everywhere_is_another_level() {
     let more = Model {
         coulomb: 1.5 * paddle().coulomb,

@@ -55,6 +55,8 @@ pub struct Drive {
     /// Share of the dead band by which the input jumps at its edge: from 0, the torque starts from zero,
     /// to 1, beyond the dead band nothing is missing.
     pub deadband_jump: f64,
+    /// Share of the dead band, from −1 to 1, by which its middle lies off zero.
+    pub deadband_skew: f64,
     /// True if limit and saturation are of what the dead band leaves.
     pub deadband_first: bool,
     /// Pure delay, s.
@@ -74,6 +76,7 @@ impl Drive {
             saturation: Saturation::NONE,
             deadband: 0.0,
             deadband_jump: 0.0,
+            deadband_skew: 0.0,
             deadband_first: false,
             delay_s: 0.0,
             lag_s: 0.0,
@@ -102,21 +105,24 @@ impl Drive {
     /// Joint torque once delay and lag have passed, N m.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {
-        let magnitude = if self.deadband_first {
-            self.taken(self.beyond_deadband(input.abs()))
+        let taken = |input: f64| self.taken(input).copysign(input);
+        let left = if self.deadband_first {
+            taken(self.beyond_deadband(input))
         } else {
-            self.beyond_deadband(self.taken(input))
+            self.beyond_deadband(taken(input))
         };
-        self.ratio * magnitude.copysign(input)
+        self.ratio * left
     }
 
-    /// What the dead band leaves of a magnitude.
+    /// What the dead band leaves of an input.
     #[inline]
-    fn beyond_deadband(&self, magnitude: f64) -> f64 {
-        if magnitude <= self.deadband {
+    fn beyond_deadband(&self, input: f64) -> f64 {
+        let off = input - self.deadband_skew * self.deadband;
+        if off.abs() <= self.deadband {
             return 0.0;
         }
-        magnitude - (1.0 - self.deadband_jump) * self.deadband
+        let edge = (off.signum() + self.deadband_skew) * self.deadband;
+        input - (1.0 - self.deadband_jump) * edge
     }
 
     /// Joint torque once delay and lag have passed, per unit of `input`.
@@ -287,6 +293,18 @@ mod tests {
         };
         assert_eq!(jumping.settled(-0.1), 0.0);
         assert!((jumping.settled(-0.3) + 3.0).abs() < 1e-12);
+        let skewed = Drive {
+            deadband_skew: 0.5,
+            ..jumping.clone()
+        };
+        assert_eq!([skewed.settled(0.15), skewed.settled(-0.05)], [0.0; 2]);
+        assert!((skewed.settled(0.2) - 2.0).abs() < 1e-12);
+        let starting = Drive {
+            deadband_jump: 0.0,
+            ..skewed
+        };
+        assert!((starting.settled(0.3) - 1.5).abs() < 1e-12);
+        assert!((starting.settled(-0.3) + 2.5).abs() < 1e-12);
         let first = Drive {
             deadband_first: true,
             ..drive

@@ -4,7 +4,7 @@ use super::Evidence;
 use super::cogging;
 use super::regression::regress;
 use super::start::{geometric, guessed, linear, log, term, terms};
-use crate::fit::hypothesis::Term;
+use crate::fit::hypothesis::{Coordinate, Term};
 use crate::windows::motion::quantile;
 use host_sim::effects::Kind;
 
@@ -13,6 +13,9 @@ const GATES: [f64; 2] = [0.03, 1.5];
 const GATE_STARTS: usize = 40;
 /// Which of a dead band's numbers says that it is before the limit.
 const BEFORE_LIMIT: usize = 2;
+/// Which says how far it lies off zero, and how far it well may.
+const SKEW: usize = 3;
+const SKEWED: f64 = 0.5;
 /// Which of a lag's numbers says that it is one by itself.
 const APART: usize = 1;
 /// Knee from which that of a clipping that sets in little by little is looked for.
@@ -38,7 +41,9 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let before_limit = missing.iter().filter(|_| is_limited(e));
             let before_limit = before_limit.map(|start| start.begun(&[(BEFORE_LIMIT, 1.0)]));
             let before_limit: Vec<Term> = before_limit.collect();
-            [missing, before_limit, gates(kind, e)].concat()
+            let skewed = [0.2, 0.6].map(|f| vec![log(0, f * s.input), linear(SKEW, 0.0, SKEWED)]);
+            let skewed = terms(kind, None, skewed);
+            [missing, skewed, before_limit, gates(kind, e)].concat()
         }
         "saturation" => {
             let inputs = e.series.iter().flat_map(|s| &s.input);
@@ -86,6 +91,12 @@ fn lags(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 /// The same lag as another one behind the model's.
 pub(crate) fn further(lag: &Term) -> Term {
     lag.begun(&[(APART, 1.0)])
+}
+
+/// How far a dead band lies off zero, where that was given.
+pub(super) fn shape(given: &Term) -> Option<Vec<Coordinate>> {
+    let is_even = given.kind.name == "deadband" && !given.is_free(SKEW);
+    is_even.then(|| vec![linear(SKEW, 0.0, SKEWED)])
 }
 
 /// Dead bands that let all through beyond them: each sample comes through at a width of its own.

@@ -54,7 +54,8 @@ pub(crate) struct Candidate {
 
 /// The same effect with more of its shape free, of a motion that goes `half_span` to either side; none if there is no more.
 pub(crate) fn loosened(given: &Term, half_span: f64) -> Option<Term> {
-    let shape = friction::shape(given)
+    let shape = actuation::shape(given)
+        .or_else(|| friction::shape(given))
         .or_else(|| mechanics::shape(given, half_span))
         .or_else(|| sensing::shape(given, half_span))?;
     let starts: Vec<(usize, f64)> = shape.iter().map(|c| (c.parameter, c.start)).collect();

@@ -3,6 +3,7 @@
 use super::kin::relatives;
 use super::level;
 use super::place::is_local;
+use super::ranking::luck;
 use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, SHORT_ITERATIONS, Search};
 use crate::fit::Fit;
@@ -117,10 +118,11 @@ pub(super) fn join_all(rivals: &mut Vec<Rival>, others: Vec<Rival>) {
     }
 }
 
-/// Adds a rival, or puts it in the place of one of the same name that leaves more.
+/// Adds a rival, or puts it in the place of one of the same name that leaves more, by more than what its numbers are worth.
 pub(super) fn join(rivals: &mut Vec<Rival>, rival: Rival) {
+    let leaves = |r: &Rival| level(&r.fit) + r.parameters() as f64 * luck(&r.fit);
     match rivals.iter_mut().find(|other| other.name == rival.name) {
-        Some(same) if level(&same.fit) <= level(&rival.fit) => {}
+        Some(same) if leaves(same) <= leaves(&rival) => {}
         Some(same) => *same = rival,
         None => rivals.push(rival),
     }

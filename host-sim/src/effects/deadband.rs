@@ -2,12 +2,12 @@
 
 use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 
-/// `T = ratio · sign(u) (|u| − (1 − j) w) for |u| > w, else 0`.
+/// `T = ratio · (u − (1 − j) (s ± 1) w)` beyond the edges `(s ± 1) w`, between them 0.
 pub const KIND: Kind = Kind {
     name: "deadband",
     channel: Channel::Actuation,
     about: "Small inputs do nothing",
-    equation: "T = ratio · sign(u) (|u| − (1 − j) w) for |u| > w, else 0",
+    equation: "T = ratio · (u − (1 − j) (s ± 1) w) beyond (s ± 1) w, else 0",
     parameters: &[
         Parameter {
             name: "width",
@@ -15,7 +15,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 2e-4,
             typical: [5e-5, 1e-3],
-            about: "input up to which nothing happens",
+            about: "input up to which nothing happens, half of what lies between its edges",
         },
         Parameter {
             name: "jump",
@@ -33,11 +33,20 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 1.0],
             about: "1 if the input's limit is of what is left, 0 if the dead band is behind it",
         },
+        Parameter {
+            name: "skew",
+            quantity: Quantity::Ratio,
+            range: [-1.0, 1.0],
+            default: 0.0,
+            typical: [-1.0, 1.0],
+            about: "share of the width by which its middle lies off zero",
+        },
     ],
     events: None,
     install: |device, p| {
         device.drive.deadband = p[0];
         device.drive.deadband_jump = p[1];
         device.drive.deadband_first = p[2] > 0.5;
+        device.drive.deadband_skew = p[3];
     },
 };

@@ -127,6 +127,7 @@ impl Predictor {
         let mut follower = Follower::new(&self.plant, series.step_s());
         let low_passes = [
             self.device.sensing.lag_s > 0.0,
+            self.device.sensing.further_lag_s > 0.0,
             self.sensor.cutoff_hz.is_some(),
         ];
         let low_passes = low_passes.into_iter().filter(|there| *there).count();
@@ -242,7 +243,8 @@ impl Predictor {
         let rings_s = mechanics
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
-        let windows = (SETTLED * rings_s.max(sensing.lag_s) / series.window_s()).ceil();
+        let lags_s = sensing.lag_s + sensing.further_lag_s;
+        let windows = (SETTLED * rings_s.max(lags_s) / series.window_s()).ceil();
         // How fast the sensor lags more and more is known a window after the speed is.
         let speed = usize::from(sensing.lag_s > 0.0);
         (windows as usize + speed).clamp(1, MOST_LEAD)
@@ -272,10 +274,10 @@ impl Predictor {
         let session_s = fit.time_s + series.session_offset_s;
         let logged_s = self.logged_lag_s(series);
         // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
-        let ([lag, lag_rate], lost) = if follows {
+        let ([lag, lag_rate, further], lost) = if follows {
             (self.sensor_lag(running), running.reading.lost)
         } else {
-            ([0.0; 2], 0.0)
+            ([0.0; 3], 0.0)
         };
         let lagged = value + logged_s * slope - sensing.jumped(session_s) + lost;
         let behind = lagged + lag;
@@ -299,20 +301,31 @@ impl Predictor {
         } else {
             rate / sensing.slope(x)
         };
-        running.reading = Reading::resumed(behind, lagged, lost);
+        running.reading = Reading::resumed(behind, [lagged + further, lagged], lost);
         running.state = self.plant.restart(&running.state, session_s, x, v);
         x
     }
 
-    /// How far the sensor lags, and how fast that grows.
-    fn sensor_lag(&self, running: &Running) -> [f64; 2] {
+    /// How far the sensor lags, how fast that grows, and how far its further lag alone does.
+    fn sensor_lag(&self, running: &Running) -> [f64; 3] {
         let sensing = &self.device.sensing;
         if sensing.lag_s <= 0.0 {
-            return [0.0; 2];
+            return [0.0; 3];
         }
         let (x, v) = self.plant.seen(&running.state);
-        let lag = running.reading.middle - running.reading.lagged;
-        [lag, sensing.slope(x) * v - lag / sensing.lag_s]
+        let Reading {
+            middle,
+            between,
+            lagged,
+            ..
+        } = running.reading;
+        let [lag, further] = [middle - lagged, between - lagged];
+        let follows_at = if sensing.further_lag_s > 0.0 {
+            further / sensing.further_lag_s
+        } else {
+            lag / sensing.lag_s
+        };
+        [lag, sensing.slope(x) * v - follows_at, further]
     }
 
     /// What the column shows of a position at an instant of the run.

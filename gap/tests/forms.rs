@@ -50,6 +50,13 @@ fn a_dead_band_that_lies_off_zero_is_no_offset() {
 }
 
 #[test]
+fn two_lags_in_a_row_are_no_delay() {
+    let form = [("time", 0.004), ("twice", 1.0)];
+    assert_found("lag:time=0.004,twice=1", &form);
+    assert_found("sensor_lag:time=0.004,twice=1", &form);
+}
+
+#[test]
 fn what_rubs_more_everywhere_is_another_level() {
     let more = Model {
         coulomb: 1.5 * paddle().coulomb,

@@ -67,6 +67,8 @@ pub struct Sensing {
     pub hysteresis: f64,
     /// Time constant of the lag, s.
     pub lag_s: f64,
+    /// Of another one behind it, s.
+    pub further_lag_s: f64,
     /// In the order of time.
     pub jumps: Vec<Jump>,
     /// Of what is before the lag.
@@ -84,6 +86,7 @@ impl Sensing {
             offset: 0.0,
             hysteresis: 0.0,
             lag_s: 0.0,
+            further_lag_s: 0.0,
             jumps: Vec::new(),
             overspeed: Overspeed::NONE,
         }
@@ -169,12 +172,14 @@ const INVERSE_ITERATIONS: usize = 6;
 /// Share of the gain below which a slope is taken as flat.
 const FLATTEST: f64 = 0.1;
 
-/// The sensor at work: where the play stands, the lag, and what was lost.
+/// The sensor at work: where the play stands, the lags, and what was lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Middle of the play, in units of the reading.
     pub middle: f64,
-    /// Behind the lag.
+    /// Behind the first lag.
+    pub between: f64,
+    /// Behind both.
     pub lagged: f64,
     /// By turning too fast.
     pub lost: f64,
@@ -187,16 +192,18 @@ impl Reading {
         let y = sensing.curve(x);
         Self {
             middle: y,
+            between: y,
             lagged: y,
             lost: 0.0,
             before: y,
         }
     }
 
-    /// Where play and lag are known to stand and what was lost, in units of the reading.
-    pub fn resumed(middle: f64, lagged: f64, lost: f64) -> Self {
+    /// Where play and lags are known to stand and what was lost, in units of the reading.
+    pub fn resumed(middle: f64, [between, lagged]: [f64; 2], lost: f64) -> Self {
         Self {
             middle,
+            between,
             lagged,
             lost,
             before: middle,
@@ -216,18 +223,27 @@ impl Reading {
         if !sensing.overspeed.is_none() {
             self.lost += sensing.overspeed.lost(slope()) * dt_s;
         }
-        if sensing.lag_s > 0.0 {
-            // Exact for a reading that runs straight between the two calls.
-            let slope = slope();
-            let decay = (-dt_s / sensing.lag_s).exp();
-            let behind = self.lagged - self.before + slope * sensing.lag_s;
-            self.lagged = y - slope * sensing.lag_s + behind * decay;
-        } else {
-            self.lagged = y;
-        }
+        let between = lagging(self.between, [self.before, y], dt_s, sensing.lag_s);
+        let through = [self.between, between];
+        self.lagged = lagging(self.lagged, through, dt_s, sensing.further_lag_s);
+        self.between = between;
         self.before = y;
         self.lagged - self.lost
     }
+}
+
+/// What a lag that stands at `lagged` makes of what goes straight from one value to another.
+#[inline]
+fn lagging(lagged: f64, [before, after]: [f64; 2], dt_s: f64, lag_s: f64) -> f64 {
+    if lag_s == 0.0 {
+        return after;
+    }
+    if dt_s <= 0.0 {
+        return lagged;
+    }
+    let behind = (after - before) / dt_s * lag_s;
+    let decay = (-dt_s / lag_s).exp();
+    after - behind + (lagged - before + behind) * decay
 }
 
 #[cfg(test)]
@@ -259,6 +275,25 @@ mod tests {
             y = reading.follow(&sensing, 2.0 * f64::from(i) * 1e-3, 1e-3);
         }
         assert!((y - (0.2 - 2.0 * 5e-3)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn two_lags_answer_a_step_as_their_equation_says() {
+        // y = 1 − (1 + t/τ) e^(−t/τ)
+        let lag_s = 5e-3;
+        let sensing = Sensing {
+            lag_s,
+            further_lag_s: lag_s,
+            ..Sensing::ideal()
+        };
+        let mut reading = Reading::at_rest(&sensing, 0.0);
+        reading.follow(&sensing, 1.0, 1e-9);
+        for i in 1..=40 {
+            let y = reading.follow(&sensing, 1.0, 5e-4);
+            let t = f64::from(i) * 5e-4 / lag_s;
+            let expected = 1.0 - (1.0 + t) * (-t).exp();
+            assert!((y - expected).abs() < 1e-3, "{y} {expected}");
+        }
     }
 
     #[test]

@@ -16,8 +16,9 @@ const BEFORE_LIMIT: usize = 2;
 /// Which says how far it lies off zero, and how far it well may.
 const SKEW: usize = 3;
 const SKEWED: f64 = 0.5;
-/// Which of a lag's numbers says that it is one by itself.
+/// Which of a lag's numbers says that it is one by itself, and which that there are two of it.
 const APART: usize = 1;
+const TWICE: usize = 2;
 /// Knee from which that of a clipping that sets in little by little is looked for.
 const KNEE: f64 = 0.5;
 
@@ -80,12 +81,19 @@ fn is_limited(e: &Evidence<'_>) -> bool {
     inputs.any(|input| e.device.drive.taken(input) < input)
 }
 
-/// A longer lag than the model's, or another one behind that.
+/// A longer lag than the model's, or another one behind that, or both.
 fn lags(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let longer = late(kind, e);
     let has_one = e.device.drive.lag_s > 0.0;
     let behind: Vec<Term> = longer.iter().filter(|_| has_one).map(further).collect();
-    [longer, behind].concat()
+    let both = twice(&longer, TWICE);
+    [longer, behind, both].concat()
+}
+
+/// Two such lags that together take as long as each by itself; the number at `place` says that they are two.
+pub(super) fn twice(lags: &[Term], place: usize) -> Vec<Term> {
+    let halved = |lag: &Term| lag.begun(&[(0, 0.5 * lag.values[0]), (place, 1.0)]);
+    lags.iter().map(halved).collect()
 }
 
 /// The same lag as another one behind the model's.

@@ -24,6 +24,8 @@ const BENDS: [[f64; 2]; 5] = [
 /// Which of a curve's numbers are its cube and the place around which it is bent.
 const CUBIC: usize = 1;
 const MIDDLE: usize = 6;
+/// Which of a lag's numbers says that there are two of it.
+const TWICE: usize = 1;
 /// Periods of a ripple over the span of the motion.
 const RIPPLES: [f64; 3] = [0.5, 1.0, 2.0];
 
@@ -39,7 +41,11 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let widths = geometric(sizes, count(sizes, PLAY_RATIO));
             terms(kind, None, widths.map(|width| vec![log(0, width)]))
         }
-        "sensor_lag" => actuation::late(kind, e),
+        "sensor_lag" => {
+            let once = actuation::late(kind, e);
+            let twice = actuation::twice(&once, TWICE);
+            [once, twice].concat()
+        }
         "lost_counts" => [jumps::starts(kind, e), overspeed::starts(kind, e)].concat(),
         _ => Vec::new(),
     }

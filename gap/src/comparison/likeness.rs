@@ -165,8 +165,11 @@ impl<'a> Scope<'a> {
                 vec![vec![lowest(range, |w| self.left(kind, &[w]))]]
             }
             "sensor_lag" => {
-                let range = LAGS.map(|f| f * self.window_s);
-                vec![vec![lowest(range, |tau| self.left(kind, &[tau]))]]
+                let lag = |twice: f64| {
+                    let range = LAGS.map(|f| f * self.window_s);
+                    vec![lowest(range, |tau| self.left(kind, &[tau, twice])), twice]
+                };
+                vec![lag(0.0), lag(1.0)]
             }
             _ => self
                 .jumps(kind)

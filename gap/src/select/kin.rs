@@ -190,7 +190,7 @@ mod tests {
             let own = made::term(own.0, &[]).begun(&[(0, own.1)]);
             equal(&own, &term(other.0, &[other.1]), &model)
         };
-        assert_eq!(behind(0.002).unwrap().values, [0.003, 1.0]);
+        assert_eq!(behind(0.002).unwrap().values, [0.003, 1.0, 0.0]);
         assert!(behind(0.0).is_none());
     }
 

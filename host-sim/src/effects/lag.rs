@@ -25,12 +25,22 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 1.0],
             about: "1 if it is another lag behind the model's, 0 if that one is longer",
         },
+        Parameter {
+            name: "twice",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "1 if it is both",
+        },
     ],
     events: None,
     install: |device, p| {
-        if p[1] > 0.5 {
+        let [is_apart, is_twice] = [p[1] > 0.5, p[2] > 0.5];
+        if is_apart || is_twice {
             device.drive.further_lag_s = p[0];
-        } else {
+        }
+        if !is_apart || is_twice {
             device.drive.lag_s += p[0];
         }
     },

@@ -1,6 +1,6 @@
 //! The sensor follows through a first-order lag.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 
 /// `τ y' + y = x`.
 pub const KIND: Kind = Kind {
@@ -8,16 +8,29 @@ pub const KIND: Kind = Kind {
     channel: Channel::Sensing,
     about: "The sensor follows through a first-order lag",
     equation: "τ y' + y = x",
-    parameters: &[Parameter {
-        name: "time",
-        quantity: Quantity::Time,
-        range: NOT_NEGATIVE,
-        default: 0.004,
-        typical: [0.0005, 0.02],
-        about: "time constant",
-    }],
+    parameters: &[
+        Parameter {
+            name: "time",
+            quantity: Quantity::Time,
+            range: NOT_NEGATIVE,
+            default: 0.004,
+            typical: [0.0005, 0.02],
+            about: "time constant",
+        },
+        Parameter {
+            name: "twice",
+            quantity: Quantity::Ratio,
+            range: SHARE,
+            default: 0.0,
+            typical: [0.0, 1.0],
+            about: "1 if another such lag follows on it",
+        },
+    ],
     events: None,
     install: |device, p| {
         device.sensing.lag_s = p[0];
+        if p[1] > 0.5 {
+            device.sensing.further_lag_s = p[0];
+        }
     },
 };

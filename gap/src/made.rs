@@ -68,7 +68,7 @@ pub(crate) fn recorded(effects: &[&str], seed: u64) -> Recording {
             time.push(start_s + t);
             input.push(u);
             position.push(device.sensing.curve(plant.seen(&state).0) + noise.next(NOISE));
-            line.command(&device.drive, t, u);
+            line.command(&device.drive, t, u, state.velocity);
             let (torque, dt_s) = line.piece(t, PERIOD_S);
             plant.advance(&mut state, torque, dt_s);
         }

@@ -57,6 +57,14 @@ fn two_lags_in_a_row_are_no_delay() {
 }
 
 #[test]
+fn a_limit_that_falls_with_speed_is_a_saturation() {
+    assert_found(
+        "saturation:limit=0.002,no_load=1.5",
+        &[("limit", 0.002), ("no_load", 1.5)],
+    );
+}
+
+#[test]
 fn what_rubs_more_everywhere_is_another_level() {
     let more = Model {
         coulomb: 1.5 * paddle().coulomb,

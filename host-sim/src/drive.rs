@@ -10,6 +10,9 @@ pub struct Saturation {
     pub limit: f64,
     /// Share of the limit, from 0 to 1, on either side of it over which a parabola leads from all of the input to the limit.
     pub knee: f64,
+    /// Velocity the way of the input at which nothing acts any more, as the motor's own voltage takes up all of the supply's:
+    /// the limit falls to there in proportion; infinite if it is the same at any velocity.
+    pub no_load_velocity: f64,
 }
 
 impl Saturation {
@@ -17,7 +20,21 @@ impl Saturation {
     pub const NONE: Self = Self {
         limit: f64::INFINITY,
         knee: 0.0,
+        no_load_velocity: f64::INFINITY,
     };
+
+    /// The same for what moves the way of the input at a velocity.
+    #[inline]
+    fn moving(self, velocity: f64) -> Self {
+        if self.no_load_velocity.is_infinite() {
+            return self;
+        }
+        let left = (1.0 - velocity / self.no_load_velocity).max(0.0);
+        Self {
+            limit: left * self.limit,
+            ..self
+        }
+    }
 
     /// Magnitude up to which all of it acts.
     #[inline]
@@ -87,7 +104,12 @@ impl Drive {
     /// True if inputs up to this magnitude come to a torque in proportion.
     #[inline]
     pub fn is_linear(&self, largest: f64) -> bool {
-        self.deadband == 0.0 && largest <= self.limit.min(self.saturation.proportional())
+        let acts = if self.saturation.no_load_velocity.is_infinite() {
+            self.limit.min(self.saturation.proportional())
+        } else {
+            0.0
+        };
+        self.deadband == 0.0 && largest <= acts
     }
 
     /// Time after which an input that another has followed makes no difference that rounding shows, s.
@@ -96,16 +118,25 @@ impl Drive {
         self.delay_s + LAGS * (self.lag_s + self.further_lag_s)
     }
 
-    /// Magnitude of what it takes of an input.
+    /// Magnitude of what it takes of an input at rest.
     #[inline]
     pub fn taken(&self, input: f64) -> f64 {
         self.saturation.of(input.abs().min(self.limit))
     }
 
-    /// Joint torque once delay and lag have passed, N m.
+    /// Joint torque once delay and lag have passed of an input at rest, N m.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {
-        let taken = |input: f64| self.taken(input).copysign(input);
+        self.settled_at(input, 0.0)
+    }
+
+    /// The same of an input at a velocity.
+    #[inline]
+    pub fn settled_at(&self, input: f64, velocity: f64) -> f64 {
+        let taken = |input: f64| {
+            let saturation = self.saturation.moving(velocity * input.signum());
+            saturation.of(input.abs().min(self.limit)).copysign(input)
+        };
         let left = if self.deadband_first {
             taken(self.beyond_deadband(input))
         } else {
@@ -125,15 +156,15 @@ impl Drive {
         input - (1.0 - self.deadband_jump) * edge
     }
 
-    /// Joint torque once delay and lag have passed, per unit of `input`.
+    /// Joint torque once delay and lag have passed, per unit of `input` at a velocity.
     #[inline]
-    pub fn gain(&self, input: f64) -> f64 {
+    pub fn gain(&self, input: f64, velocity: f64) -> f64 {
         if self.is_linear(input.abs()) {
             self.ratio
         } else if input == 0.0 {
             0.0
         } else {
-            self.settled(input) / input
+            self.settled_at(input, velocity) / input
         }
     }
 }
@@ -170,10 +201,10 @@ impl DriveLine {
         }
     }
 
-    /// From `now_s` on the drive is told `input`; call with times that do not go back.
+    /// From `now_s` on the drive, which turns at `velocity`, is told `input`; call with times that do not go back.
     #[inline]
-    pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64) {
-        self.command_settled(now_s, drive.settled(input));
+    pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64, velocity: f64) {
+        self.command_settled(now_s, drive.settled_at(input, velocity));
     }
 
     /// As [`Self::command`], by the torque that comes of it once delay and lag have passed, N m.
@@ -187,8 +218,15 @@ impl DriveLine {
     /// Limit and dead band go by what it is told, as they do without a motor. A lag behind the motor's own is taken as
     /// one of the two time constants together.
     #[inline]
-    pub fn command_through(&mut self, drive: &Drive, now_s: f64, input: f64, made: Torque) {
-        self.receive(now_s, made.scaled(drive.gain(input)));
+    pub fn command_through(
+        &mut self,
+        drive: &Drive,
+        now_s: f64,
+        input: f64,
+        velocity: f64,
+        made: Torque,
+    ) {
+        self.receive(now_s, made.scaled(drive.gain(input, velocity)));
     }
 
     #[inline]
@@ -267,7 +305,7 @@ mod tests {
         for (i, &input) in inputs.iter().enumerate() {
             let mut now = i as f64 * tick_s;
             let end = now + tick_s;
-            line.command(drive, now, input);
+            line.command(drive, now, input, 0.0);
             while end - now > 1e-12 {
                 let (torque, piece) = line.piece(now, end - now);
                 pieces.push((now, torque));
@@ -318,6 +356,7 @@ mod tests {
         let soft = Saturation {
             limit: 2.0,
             knee: 0.5,
+            ..Saturation::NONE
         };
         let hard = Saturation { knee: 0.0, ..soft };
         for (input, bent, clipped) in [
@@ -337,6 +376,28 @@ mod tests {
             ..Drive::ideal(1.0)
         };
         assert!(drive.is_linear(1.0) && !drive.is_linear(1.1));
+    }
+
+    #[test]
+    fn a_limit_of_voltage_falls_with_the_velocity_the_way_of_the_input() {
+        let drive = Drive {
+            saturation: Saturation {
+                limit: 2.0,
+                no_load_velocity: 10.0,
+                ..Saturation::NONE
+            },
+            ..Drive::ideal(3.0)
+        };
+        assert!(!drive.is_linear(0.1));
+        for (input, velocity, torque) in [
+            (1.0, 4.0, 3.0),
+            (5.0, 4.0, 3.6),
+            (-5.0, -4.0, -3.6),
+            (-5.0, 5.0, -9.0),
+            (1.0, 12.0, 0.0),
+        ] {
+            assert!((drive.settled_at(input, velocity) - torque).abs() < 1e-12);
+        }
     }
 
     #[test]
@@ -362,7 +423,7 @@ mod tests {
         };
         let mut line = DriveLine::at_rest(&drive);
         let (mut now, mut impulse) = (0.0, 0.0);
-        line.command(&drive, now, 1.0);
+        line.command(&drive, now, 1.0, 0.0);
         while now < 0.02 {
             let (torque, piece_s) = line.piece(now, 1e-3);
             let left = |lag_s: f64| lag_s * (-now / lag_s).exp();

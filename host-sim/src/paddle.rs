@@ -175,7 +175,8 @@ impl Paddle {
         if let Some(winding) = &mut self.winding {
             winding.open();
         }
-        self.line.command(&self.drive, self.state.time_s, 0.0);
+        let (now_s, velocity) = (self.state.time_s, self.state.velocity);
+        self.line.command(&self.drive, now_s, 0.0, velocity);
         self.carry(self.tick_s);
     }
 
@@ -185,13 +186,14 @@ impl Paddle {
         let now_s = self.state.time_s;
         let duty = f64::from(command.duty.0);
         let torque_nm = f64::from(command.torque_nm);
-        let before_rad_s = self.ratio * self.state.velocity;
+        let velocity = self.state.velocity;
+        let before_rad_s = self.ratio * velocity;
         match &self.winding {
-            None => self.line.command(&self.drive, now_s, torque_nm),
+            None => self.line.command(&self.drive, now_s, torque_nm, velocity),
             Some(winding) => {
                 let made = winding.torque(duty, before_rad_s);
                 self.line
-                    .command_through(&self.drive, now_s, torque_nm, made);
+                    .command_through(&self.drive, now_s, torque_nm, velocity, made);
             }
         }
         self.carry(self.tick_s * self.share_of_part);

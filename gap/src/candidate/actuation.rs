@@ -21,6 +21,11 @@ const APART: usize = 1;
 const TWICE: usize = 2;
 /// Knee from which that of a clipping that sets in little by little is looked for.
 const KNEE: f64 = 0.5;
+/// Which of its numbers is the speed at which nothing acts any more, and that over the fastest: what is as fast for all but a
+/// few samples.
+const NO_LOAD_SPEED: usize = 2;
+const NO_LOAD: [f64; 2] = [1.2, 3.0];
+const FASTEST: f64 = 0.99;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -55,13 +60,25 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let limits = limits.map(|limit| log(0, 0.9 * limit.max(0.1 * s.input)));
             let clipped = limits.map(|limit| term(kind, vec![limit], &[(1, 0.0)]));
             let rounded = limits.map(|limit| term(kind, vec![limit, log(1, KNEE)], &[]));
-            clipped.into_iter().chain(rounded).collect()
+            let falling = falling(kind, e, &limits);
+            clipped.into_iter().chain(rounded).chain(falling).collect()
         }
         "lag" => lags(kind, e),
         "delay" => late(kind, e),
         "cogging" => cogging::starts(kind, e),
         _ => Vec::new(),
     }
+}
+
+/// Limits of a voltage, which fall with speed.
+fn falling(kind: &'static Kind, e: &Evidence<'_>, limits: &[Coordinate]) -> Vec<Term> {
+    let speeds = e.motions.iter().flat_map(|m| &m.velocity).map(|v| v.abs());
+    let fastest = quantile(&speeds.collect::<Vec<f64>>(), FASTEST);
+    let no_load = NO_LOAD.map(|f| log(NO_LOAD_SPEED, f * fastest));
+    let falling = limits
+        .iter()
+        .flat_map(|limit| no_load.map(|no_load| term(kind, vec![*limit, no_load], &[(1, 0.0)])));
+    falling.collect()
 }
 
 /// What comes later than it should, here or at the sensor.

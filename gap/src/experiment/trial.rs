@@ -40,7 +40,7 @@ pub(super) fn readings(device: &Device, excitation: &Excitation, at: &Setting) -
         // A ramp ends once the device has broken away.
         let input = generator.next(shown as f32).unwrap_or(0.0);
         let (mut now_s, end_s) = (tick as f64 * at.tick_s, (tick + 1) as f64 * at.tick_s);
-        line.command(&device.drive, now_s, f64::from(input));
+        line.command(&device.drive, now_s, f64::from(input), state.velocity);
         while now_s < end_s {
             let (torque, piece_s) = line.piece(now_s, end_s - now_s);
             plant.advance(&mut state, torque, piece_s);

@@ -18,13 +18,19 @@ pub(crate) struct Inputs {
 #[derive(Clone, Copy, Debug)]
 struct Part {
     input: f64,
+    velocity: f64,
     share: f64,
 }
 
 impl Inputs {
     /// Inputs that are held from some times on, the last for ever, put together between instants, the first of which is not
-    /// before the first of them.
-    pub(crate) fn between(instants_s: &[f64], time: &[f64], input: &[f64]) -> Self {
+    /// before the first of them; with the measured velocity at each.
+    pub(crate) fn between(
+        instants_s: &[f64],
+        time: &[f64],
+        input: &[f64],
+        velocity: &[f64],
+    ) -> Self {
         let mut all = Self::default();
         let mut row = 0;
         for ends in instants_s.windows(2) {
@@ -42,6 +48,7 @@ impl Inputs {
                 let to_s = until_s(row).min(end_s);
                 let part = Part {
                     input: input[row],
+                    velocity: velocity[row],
                     share: (to_s - now_s) / (end_s - start_s),
                 };
                 mean += part.share * part.input;
@@ -85,7 +92,7 @@ impl Inputs {
         }
         let parts = self.parts[self.start(i)..self.ends[i]].iter();
         parts
-            .map(|part| part.share * drive.settled(part.input))
+            .map(|part| part.share * drive.settled_at(part.input, part.velocity))
             .sum()
     }
 }
@@ -99,7 +106,7 @@ mod tests {
     #[test]
     fn inputs_are_put_together_by_how_long_they_are_held() {
         let (time, input) = ([0.0, 1.0, 2.0, 3.0], [4.0, 0.0, -8.0, 2.0]);
-        let inputs = Inputs::between(&[0.5, 2.5, 2.5, 4.0, 5.0], &time, &input);
+        let inputs = Inputs::between(&[0.5, 2.5, 2.5, 4.0, 5.0], &time, &input, &[0.0; 4]);
         assert_eq!(inputs.time, [0.5, 2.5, 4.0]);
         let limited = Model {
             input_limit: Some(2.0),

@@ -16,7 +16,7 @@ impl Series {
     pub(crate) fn resample_inputs(&mut self, pid: &Pid, sensor_noise: f64) {
         let noise = told_noise(pid, sensor_noise);
         let mut draw = Noise::new(SEED);
-        let (mut times, mut inputs) = (Vec::new(), Vec::new());
+        let (mut times, mut inputs, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
         for row in 0..self.input.len() {
             let [start_s, mean] = [self.input_time[row], self.input[row]];
             let neighbours = row.checked_sub(1).zip(self.input_time.get(row + 1));
@@ -25,6 +25,7 @@ impl Series {
             let (Some((before, end_s)), Some(ticks @ 2.0..)) = (neighbours, ticks) else {
                 times.push(start_s);
                 inputs.push(mean);
+                velocities.push(self.velocity[row]);
                 continue;
             };
             let [before, after] = [self.input[before], self.input[row + 1]];
@@ -34,10 +35,11 @@ impl Series {
             for (tick, (told, added)) in told.iter().zip(added).enumerate() {
                 times.push(start_s + (end_s - start_s) * tick as f64 / ticks);
                 inputs.push(told + added - drift);
+                velocities.push(self.velocity[row]);
             }
         }
         self.largest_input = largest(&inputs);
-        (self.input_time, self.input) = (times, inputs);
+        (self.input_time, self.input, self.velocity) = (times, inputs, velocities);
         self.courses = Courses::default();
     }
 }

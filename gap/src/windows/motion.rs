@@ -45,7 +45,7 @@ impl Motion {
         for (i, noise) in (0..n).zip(noises) {
             let now = series.time[i];
             let from = series.input_time[i];
-            line.command_settled(from, device.drive.settled(series.input[i]));
+            line.command(&device.drive, from, series.input[i], series.velocity[i]);
             let dt = series.input_time.get(i + 1).map_or(0.0, |next| next - from);
             let (torque, _) = line.piece(from, dt);
             motion.drive_nm.push(torque.at(0.5 * dt));

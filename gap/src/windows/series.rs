@@ -35,6 +35,8 @@ pub struct Series {
     pub input_time: Vec<f64>,
     /// One a position, held up to the next: the mean where samples are put together.
     pub input: Vec<f64>,
+    /// Measured at each of these inputs.
+    pub(crate) velocity: Vec<f64>,
     /// Largest magnitude of what was told.
     pub(crate) largest_input: f64,
     /// What was told from sample to sample, where samples are put together.
@@ -78,6 +80,7 @@ impl Series {
             position: run.position.clone(),
             input_time: run.time.clone(),
             input: run.input.clone(),
+            velocity: velocities(&run.time, &run.position, recording.restart_half_width),
             largest_input: largest(&run.input),
             told: None,
             span_s: 0.0,
@@ -150,6 +153,7 @@ impl Series {
             position: self.position[rows.clone()].to_vec(),
             input_time: self.input_time[rows.clone()].to_vec(),
             input: self.input[rows.clone()].to_vec(),
+            velocity: self.velocity[rows.clone()].to_vec(),
             averaging: self.averaging.part(rows.clone()),
             largest_input: self.largest_input,
             told,
@@ -175,6 +179,7 @@ impl Series {
             position: Vec::new(),
             input_time: Vec::new(),
             input: Vec::new(),
+            velocity: Vec::new(),
             told: None,
             span_s: group as f64 * period,
             correlation: self.correlation.powi(group as i32),
@@ -223,11 +228,39 @@ impl Series {
             let all_s: f64 = (first..end).map(held_s).sum();
             let told = (first..end).map(|row| held_s(row) * self.input[row]);
             coarse.input.push(told.sum::<f64>() / all_s);
+            coarse.velocity.push(mean(&self.velocity[first..end]));
         }
         instants_s.extend(self.time.last().map(|last_s| last_s + period));
-        coarse.told = Some(Inputs::between(&instants_s, &self.time, &self.input));
+        coarse.told = Some(Inputs::between(
+            &instants_s,
+            &self.time,
+            &self.input,
+            &self.velocity,
+        ));
         coarse
     }
+}
+
+/// Measured velocity at each sample: from as far before as behind, over twice `half_width_s` or so.
+fn velocities(time: &[f64], position: &[f64], half_width_s: f64) -> Vec<f64> {
+    let [mut first, mut last] = [0; 2];
+    let within = |from: usize, to: usize| time[to] - time[from] <= half_width_s;
+    let velocities = (0..time.len()).map(|i| {
+        while !within(first, i) {
+            first += 1;
+        }
+        while last + 1 < time.len() && (last < i + 1 || within(i, last + 1)) {
+            last += 1;
+        }
+        let before = first.min(i.saturating_sub(1));
+        let passed_s = time[last] - time[before];
+        if passed_s > 0.0 {
+            (position[last] - position[before]) / passed_s
+        } else {
+            0.0
+        }
+    });
+    velocities.collect()
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -56,7 +56,7 @@ pub fn recorded(
         } else {
             seen
         });
-        line.command(&device.drive, t, u);
+        line.command(&device.drive, t, u, state.velocity);
         let mut left_s = PERIOD_S;
         while left_s > 0.0 {
             let (torque, piece_s) = line.piece(t + PERIOD_S - left_s, left_s);

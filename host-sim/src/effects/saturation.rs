@@ -4,12 +4,13 @@ use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 use crate::drive::Saturation;
 
 /// `T = ratio · sign(u) s(|u|)`: with the limit L and the knee k, `s = v` up to `(1 − k) L`, `L` from `(1 + k) L` on, and
-/// `v − (v − (1 − k) L)² / (4 k L)` between.
+/// `v − (v − (1 − k) L)² / (4 k L)` between. With a speed v₀ L is `L₀ (1 − x'/v₀)` towards positive inputs, `L₀ (1 + x'/v₀)` towards
+/// negative ones.
 pub const KIND: Kind = Kind {
     name: "saturation",
     channel: Channel::Actuation,
     about: "Large inputs are clipped earlier than the model knows",
-    equation: "T = ratio · clamp(u, ±limit), rounded off within ±knee · limit of the limit",
+    equation: "T = ratio · clamp(u, ±limit), rounded off within ±knee · limit of the limit, which falls to 0 at no_load",
     parameters: &[
         Parameter {
             name: "limit",
@@ -27,12 +28,21 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 1.0],
             about: "share of the limit, below and above it, over which the clipping sets in",
         },
+        Parameter {
+            name: "no_load",
+            quantity: Quantity::Velocity,
+            range: NOT_NEGATIVE,
+            default: 0.0,
+            typical: [0.0, 100.0],
+            about: "speed at which nothing acts, as under a limited voltage; 0 if the limit is the same at any speed",
+        },
     ],
     events: None,
     install: |device, p| {
         device.drive.saturation = Saturation {
             limit: p[0],
             knee: p[1],
+            no_load_velocity: if p[2] > 0.0 { p[2] } else { f64::INFINITY },
         };
     },
 };

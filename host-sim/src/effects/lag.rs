@@ -1,13 +1,13 @@
-//! The torque follows the input through a first-order lag.
+//! The torque follows the input through a first-order lag, or two.
 
 use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 
-/// `τ T' + T = ratio · u`.
+/// `τ T' + T = ratio · u`, or this of what comes of it.
 pub const KIND: Kind = Kind {
     name: "lag",
     channel: Channel::Actuation,
-    about: "The torque follows the input through a first-order lag",
-    equation: "τ T' + T = ratio · u",
+    about: "The torque follows the input through a first-order lag, or two",
+    equation: "τ T' + T = ratio · u, or (τ d/dt + 1)² T = ratio · u",
     parameters: &[
         Parameter {
             name: "time",

@@ -1,13 +1,13 @@
-//! The sensor follows through a first-order lag.
+//! The sensor follows through a first-order lag, or two.
 
 use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
 
-/// `τ y' + y = x`.
+/// `τ y' + y = x`, or this of what comes of it.
 pub const KIND: Kind = Kind {
     name: "sensor_lag",
     channel: Channel::Sensing,
-    about: "The sensor follows through a first-order lag",
-    equation: "τ y' + y = x",
+    about: "The sensor follows through a first-order lag, or two",
+    equation: "τ y' + y = x, or (τ d/dt + 1)² y = x",
     parameters: &[
         Parameter {
             name: "time",

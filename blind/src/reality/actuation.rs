@@ -1,5 +1,6 @@
 //! From the input to the torque at the joint.
 
+use super::Motion;
 use recording::Model;
 
 /// What was commanded, held until the next entry.
@@ -36,10 +37,10 @@ impl InputSeries {
     }
 }
 
-/// The two usual dead bands: what is left starts at zero, or at the edge with a jump.
+/// The usual dead bands: what is left starts at zero, on either side from where that is, or at the edge with a jump.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Deadband {
-    Subtracted(f64),
+    Subtracted { below: f64, above: f64 },
     Gated(f64),
 }
 
@@ -59,6 +60,8 @@ pub(crate) struct Actuator {
     pub ratio: f64,
     /// Beyond this the input does not act; infinite for none.
     pub limit: f64,
+    /// Speed the way of the input at which the limit has fallen to nothing; infinite for none.
+    pub no_load: f64,
     /// Width over which the limit rounds off, relative to it.
     pub knee: f64,
     pub deadband: Option<Deadband>,
@@ -86,6 +89,7 @@ impl Actuator {
         Self {
             ratio: model.ratio,
             limit: model.input_limit.unwrap_or(f64::INFINITY),
+            no_load: f64::INFINITY,
             knee: 0.0,
             deadband: None,
             delay_s: model.delay,
@@ -97,19 +101,20 @@ impl Actuator {
         }
     }
 
-    /// Torque in the middle of a step of `dt`, at the session's `time_s` and position `x`.
+    /// Torque in the middle of a step of `dt`, at the session's `time_s` and in a `motion`.
     pub fn torque(
         &self,
         memory: &mut Memory,
         input: &InputSeries,
         time_s: f64,
-        x: f64,
+        motion: Motion,
         dt: f64,
     ) -> f64 {
-        let mut u = self.limited(input.at(time_s - self.delay_s, &mut memory.cursor));
+        let told = input.at(time_s - self.delay_s, &mut memory.cursor);
+        let mut u = self.limited(told, motion.v);
         u = match self.deadband {
             None => u,
-            Some(Deadband::Subtracted(width)) => u.signum() * (u.abs() - width).max(0.0),
+            Some(Deadband::Subtracted { below, above }) => u - u.clamp(-below, above),
             Some(Deadband::Gated(width)) => {
                 if u.abs() < width {
                     0.0
@@ -123,13 +128,17 @@ impl Actuator {
         let u = behind(&mut memory.lagged, memory.slewed, self.lag_s, dt);
         let u = behind(&mut memory.further, u, self.further_lag_s, dt);
         let ripple = self.cogging.map_or(0.0, |c| {
-            let angle = c.wave_number * x + c.phase_rad;
+            let angle = c.wave_number * motion.x + c.phase_rad;
             c.first * angle.sin() + c.second * (2.0 * angle).sin()
         });
         self.ratio * u + self.offset + ripple
     }
 
-    fn limited(&self, u: f64) -> f64 {
+    fn limited(&self, u: f64, v: f64) -> f64 {
+        if self.no_load.is_finite() {
+            let most = |along: f64| self.limit * (1.0 - along / self.no_load).max(0.0);
+            return u.clamp(-most(-v), most(v));
+        }
         if self.knee == 0.0 {
             return u.clamp(-self.limit, self.limit);
         }

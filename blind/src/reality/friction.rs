@@ -45,6 +45,11 @@ pub(crate) enum WarmUp {
         amount: f64,
         time_constant_s: f64,
     },
+    /// So much more at first, and gone in the end.
+    FromCold {
+        amount: f64,
+        time_constant_s: f64,
+    },
 }
 
 impl WarmUp {
@@ -55,6 +60,10 @@ impl WarmUp {
                 amount,
                 time_constant_s,
             } => amount * -(-time_s / time_constant_s).exp_m1(),
+            Self::FromCold {
+                amount,
+                time_constant_s,
+            } => amount * (-time_s / time_constant_s).exp(),
         };
         (1.0 + factor).max(0.0)
     }

@@ -152,7 +152,7 @@ impl Reality {
         let drive = self.foreign.fade(&mut state.foreign, time_s, dt)
             * self
                 .actuator
-                .torque(&mut state.actuator, input, time_s, driven.x, dt)
+                .torque(&mut state.actuator, input, time_s, driven, dt)
             + self.foreign.torque(&mut state.foreign, time_s, load, dt);
         let mut on_load = self.mechanics.torque(load, self.foreign.tilt(time_s));
         let carried = if self.friction.carries_all {

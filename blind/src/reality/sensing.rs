@@ -68,6 +68,8 @@ pub(crate) struct Sensing {
     /// Half the width of the play between position and reading.
     pub half_play: f64,
     pub lag_s: f64,
+    /// Of another lag behind that one.
+    pub further_lag_s: f64,
     pub jumps: Vec<Jump>,
     pub slip: Option<Slip>,
     /// Disturbance of the reading in time: amplitude and frequency. Outside the vocabulary.
@@ -78,6 +80,7 @@ pub(crate) struct Sensing {
 pub(crate) struct Memory {
     played: f64,
     lagged: f64,
+    further: f64,
     missed: f64,
     before: f64,
 }
@@ -89,6 +92,7 @@ impl Sensing {
         Memory {
             played: shaped,
             lagged: shaped,
+            further: shaped,
             missed: 0.0,
             before: shaped,
         }
@@ -111,13 +115,18 @@ impl Sensing {
             } else {
                 memory.played
             };
+            memory.further = if self.further_lag_s > 0.0 {
+                memory.lagged + (memory.further - memory.lagged) * (-dt / self.further_lag_s).exp()
+            } else {
+                memory.lagged
+            };
         }
     }
 
     /// The clean reading at `x`.
     pub fn reading(&self, memory: &Memory, x: f64, run: usize, time_s: f64) -> f64 {
         let base = if self.half_play > 0.0 || self.lag_s > 0.0 {
-            memory.lagged
+            memory.further
         } else {
             self.shaped(x)
         };
@@ -138,7 +147,9 @@ impl Sensing {
         let shaped = self.shaped(x);
         let carried = (shaped - memory.played) * v > 0.0
             && (shaped - memory.played).abs() >= self.half_play * (1.0 - PLAY_TAKEN_UP);
-        let base = if self.lag_s > 0.0 {
+        let base = if self.further_lag_s > 0.0 {
+            (memory.lagged - memory.further) / self.further_lag_s
+        } else if self.lag_s > 0.0 {
             (memory.played - memory.lagged) / self.lag_s
         } else if self.half_play > 0.0 && !carried {
             0.0
@@ -161,6 +172,7 @@ impl Sensing {
     pub fn displace(&self, memory: &mut Memory, dx: f64) {
         memory.played += dx;
         memory.lagged += dx;
+        memory.further += dx;
         memory.before += dx;
     }
 

@@ -125,6 +125,11 @@ impl Hidden {
         self.variant.is_multiple_of(2)
     }
 
+    /// Whether a lag is two in a row.
+    fn is_twice(&self) -> bool {
+        self.variant == 4
+    }
+
     /// Whether counts are lost at speed and not all at once.
     fn slips(&self) -> bool {
         self.variant.is_multiple_of(3)
@@ -159,15 +164,26 @@ impl Hidden {
             "torque_offset" => actuator.offset += signed * torque,
             "deadband" => {
                 let width = s * scale.input;
-                actuator.deadband = Some(if self.first_form() {
-                    Deadband::Subtracted(width)
-                } else {
-                    Deadband::Gated(width)
+                let (below, above) = (width, width);
+                actuator.deadband = Some(match self.variant {
+                    0 | 2 => Deadband::Subtracted { below, above },
+                    4 => Deadband::Subtracted {
+                        below: width * self.between(0, 0.2, 0.8),
+                        above,
+                    },
+                    _ => Deadband::Gated(width),
                 });
             }
             "saturation" => {
                 actuator.limit = scale.input * (1.0 - s);
                 actuator.knee = self.knee();
+                if self.variant == 3 {
+                    actuator.no_load = speed * self.log_between(0, 1.5, 6.0);
+                }
+            }
+            "lag" if self.is_twice() => {
+                actuator.lag_s += 0.5 * s / (TAU * hz);
+                actuator.further_lag_s = 0.5 * s / (TAU * hz);
             }
             "lag" if self.first_form() => actuator.lag_s += s / (TAU * hz),
             "lag" => actuator.further_lag_s = s / (TAU * hz),
@@ -253,16 +269,20 @@ impl Hidden {
             "friction_drift" => {
                 let amount = if self.sign > 0.0 { s } else { -s.min(0.85) };
                 let session_s = scale.session_s();
-                friction.warm_up = Some(if self.first_form() {
-                    WarmUp::Linear {
+                let time_constant_s = session_s * self.between(0, 0.2, 0.5);
+                friction.warm_up = Some(match self.variant % 3 {
+                    0 => WarmUp::Linear {
                         amount,
                         over_s: session_s,
-                    }
-                } else {
-                    WarmUp::Exponential {
+                    },
+                    1 => WarmUp::Exponential {
                         amount: amount * 1.1,
-                        time_constant_s: session_s * self.between(0, 0.2, 0.5),
-                    }
+                        time_constant_s,
+                    },
+                    _ => WarmUp::FromCold {
+                        amount,
+                        time_constant_s,
+                    },
                 });
             }
             "inertia" => mechanics.inertia *= self.factor(),
@@ -276,9 +296,12 @@ impl Hidden {
             "spring" => {
                 mechanics.stiffness += s * torque / half_span;
                 mechanics.stiffness_zero = middle + self.between(0, -0.3, 0.3) * half_span;
-                if !self.first_form() {
-                    mechanics.hardening = self.between(1, 0.1, 0.4) / (half_span * half_span);
-                }
+                let hardens = match self.variant {
+                    0 | 2 | 4 => 0.0,
+                    1 | 3 => self.between(1, 0.1, 0.4),
+                    _ => self.log_between(1, 1.0, 6.0),
+                };
+                mechanics.hardening = hardens / (half_span * half_span);
             }
             "end_stop" => {
                 let stiffness = torque / (half_span * self.log_between(0, 0.004, 0.04));
@@ -320,6 +343,10 @@ impl Hidden {
                 });
             }
             "sensor_hysteresis" => sensing.half_play = s * half_span,
+            "sensor_lag" if self.is_twice() => {
+                sensing.lag_s = 0.5 * s / (TAU * hz);
+                sensing.further_lag_s = 0.5 * s / (TAU * hz);
+            }
             "sensor_lag" => sensing.lag_s = s / (TAU * hz),
             "lost_counts" if self.slips() => {
                 sensing.slip = Some(Slip {

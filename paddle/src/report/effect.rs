@@ -175,18 +175,39 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             let anew = "dry friction that changes by {rate} in every run";
             filled(anew, finding).unwrap_or_else(|| (*noun).to_owned())
         }
-        "position_dependent_coulomb" if fitted("spot").is_some() => {
-            let spot = "dry friction that differs around {spot_position}";
-            filled(spot, finding).unwrap_or_else(|| (*noun).to_owned())
-        }
-        "lost_counts" if fitted("share").is_some() => {
-            let falls = "a sensor that loses {share} of the speed beyond {speed}";
-            filled(falls, finding).unwrap_or_else(|| (*noun).to_owned())
-        }
-        "lost_counts" if !finding.parameters.contains_key("jump") => {
+        "lost_counts" if fitted("share").is_none() && !finding.parameters.contains_key("jump") => {
             format!("a sensor that jumps {} times", times("jump"))
         }
-        _ => filled(template, finding).unwrap_or_else(|| (*noun).to_owned()),
+        _ => {
+            let template = of_form(name, fitted, value).unwrap_or(template);
+            filled(template, finding).unwrap_or_else(|| (*noun).to_owned())
+        }
+    }
+}
+
+/// The template of an effect that has another form than the simplest, by what was `fitted` of it and its values.
+fn of_form<'a>(
+    name: &str,
+    fitted: impl Fn(&str) -> Option<&'a Estimate>,
+    value: impl Fn(&str) -> Option<f64>,
+) -> Option<&'static str> {
+    let is_twice = || value("twice") == Some(1.0);
+    match name {
+        "position_dependent_coulomb" if fitted("spot").is_some() => {
+            Some("dry friction that differs around {spot_position}")
+        }
+        "load_dependent_friction" if fitted("passive").is_some() => Some(
+            "dry friction that grows by {share} of what the drive and {passive} times the weight or spring pull together",
+        ),
+        "saturation" if fitted("no_load").is_some() => {
+            Some("an input that saturates at {limit} at rest, and at nothing at {no_load}")
+        }
+        "lag" if is_twice() => Some("a torque that lags by {time}, and by as much again"),
+        "sensor_lag" if is_twice() => Some("a sensor that lags by {time}, and by as much again"),
+        "lost_counts" if fitted("share").is_some() => {
+            Some("a sensor that loses {share} of the speed beyond {speed}")
+        }
+        _ => None,
     }
 }
 
@@ -302,6 +323,26 @@ mod tests {
 
     fn names<'a>(parameters: &[Named<'a>]) -> Vec<&'a str> {
         parameters.iter().map(|(name, _)| name.as_str()).collect()
+    }
+
+    #[test]
+    fn another_form_is_said_as_what_it_is() {
+        let carried = finding(
+            "load_dependent_friction",
+            &[("share", 0.54, 0.04, "1"), ("passive", -0.87, 0.04, "1")],
+        );
+        assert_eq!(
+            phrase(&carried, &labels()),
+            "dry friction that grows by 0.54 of what the drive and −0.87 times the weight or spring pull together"
+        );
+        let twice = finding(
+            "lag",
+            &[("time", 0.004, 1e-4, "s"), ("twice", 1.0, 0.0, "1")],
+        );
+        assert_eq!(
+            phrase(&twice, &labels()),
+            "a torque that lags by 4.0 ms, and by as much again"
+        );
     }
 
     #[test]

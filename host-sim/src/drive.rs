@@ -133,6 +133,9 @@ impl Drive {
     /// The same of an input at a velocity.
     #[inline]
     pub fn settled_at(&self, input: f64, velocity: f64) -> f64 {
+        if self.is_linear(input.abs()) {
+            return self.ratio * input;
+        }
         let taken = |input: f64| {
             let saturation = self.saturation.moving(velocity * input.signum());
             saturation.of(input.abs().min(self.limit)).copysign(input)

@@ -8,7 +8,7 @@ pub const KIND: Kind = Kind {
     name: "friction_drift",
     channel: Channel::Friction,
     about: "Dry friction that changes over the session",
-    equation: "F = F_c (1 + d τ (1 − exp(−t/τ))) sign(v), without τ F_c (1 + d t) sign(v)",
+    equation: "F = F_c (1 + d τ (1 − exp(−t/τ))) sign(v), settled F_c (1 − d τ exp(−t/τ)) sign(v), without τ F_c (1 + d t) sign(v)",
     parameters: &[
         Parameter {
             name: "rate",

@@ -35,7 +35,7 @@ pub struct Series {
     pub input_time: Vec<f64>,
     /// One a position, held up to the next: the mean where samples are put together.
     pub input: Vec<f64>,
-    /// Measured at each of these inputs.
+    /// Measured at each of these inputs, in units of position a second.
     pub(crate) velocity: Vec<f64>,
     /// Largest magnitude of what was told.
     pub(crate) largest_input: f64,
@@ -241,7 +241,7 @@ impl Series {
     }
 }
 
-/// Measured velocity at each sample: from as far before as behind, over twice `half_width_s` or so.
+/// Measured velocity at each sample, from the first to the last within `half_width_s`, or from neighbour to neighbour.
 fn velocities(time: &[f64], position: &[f64], half_width_s: f64) -> Vec<f64> {
     let [mut first, mut last] = [0; 2];
     let within = |from: usize, to: usize| time[to] - time[from] <= half_width_s;
@@ -465,6 +465,19 @@ mod tests {
             let acting = sign * LIMIT * (3.0 * PERIOD_S + 0.5 * (HORIZON_S - 3.0 * PERIOD_S));
             assert!((impulse - acting).abs() < 1e-9, "{impulse} {acting}");
         }
+    }
+
+    #[test]
+    fn a_ramp_has_one_velocity_also_at_its_ends_and_beside_a_gap() {
+        const VELOCITY: f64 = -3.0;
+        let time = [0.0, 0.001, 0.002, 0.003, 0.05, 0.051, 0.052];
+        let position = time.map(|t| VELOCITY * t);
+        let is_right = |v: &f64| (v - VELOCITY).abs() < 1e-9;
+        for half_width_s in [0.0, 0.0015, 1.0] {
+            let found = velocities(&time, &position, half_width_s);
+            assert!(found.len() == time.len() && found.iter().all(is_right));
+        }
+        assert_eq!(velocities(&time[..1], &position[..1], 0.01), [0.0]);
     }
 
     #[test]

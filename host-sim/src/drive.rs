@@ -121,7 +121,14 @@ impl Drive {
     /// Magnitude of what it takes of an input at rest.
     #[inline]
     pub fn taken(&self, input: f64) -> f64 {
-        self.saturation.of(input.abs().min(self.limit))
+        self.taken_at(input, 0.0)
+    }
+
+    /// The same at a velocity.
+    #[inline]
+    fn taken_at(&self, input: f64, velocity: f64) -> f64 {
+        let saturation = self.saturation.moving(velocity * input.signum());
+        saturation.of(input.abs().min(self.limit))
     }
 
     /// Joint torque once delay and lag have passed of an input at rest, N m.
@@ -136,10 +143,7 @@ impl Drive {
         if self.is_linear(input.abs()) {
             return self.ratio * input;
         }
-        let taken = |input: f64| {
-            let saturation = self.saturation.moving(velocity * input.signum());
-            saturation.of(input.abs().min(self.limit)).copysign(input)
-        };
+        let taken = |input: f64| self.taken_at(input, velocity).copysign(input);
         let left = if self.deadband_first {
             taken(self.beyond_deadband(input))
         } else {

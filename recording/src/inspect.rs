@@ -219,9 +219,9 @@ fn usual(x: &[f64]) -> f64 {
 pub(crate) fn stale_start(run: &Run) -> Option<Oddity> {
     let next = run.position.get(1..5)?;
     let off = (run.position[0] - (2.0 * next[0] - next[1])).abs();
-    let steps = next.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let near = steps.fold(usual(&run.position), f64::max);
-    (off > SPIKE * near).then(|| Oddity::StaleStart {
+    let mut steps = next.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let is_apart = steps.all(|step| off > SPIKE * step) && off > SPIKE * usual(&run.position);
+    is_apart.then(|| Oddity::StaleStart {
         file: run.file.clone(),
         off,
     })

@@ -1,6 +1,6 @@
 //! From the input to the torque at the joint.
 
-use super::Motion;
+use super::{Motion, relaxed};
 use recording::Model;
 
 /// What was commanded, held until the next entry.
@@ -154,11 +154,11 @@ impl Actuator {
 
 /// What a lag makes of a target over a step of `dt`, in the middle of it.
 fn behind(lagged: &mut f64, target: f64, lag_s: f64, dt: f64) -> f64 {
-    if lag_s <= 0.0 {
-        *lagged = target;
-        return target;
-    }
     let before = *lagged;
-    *lagged = target + (before - target) * (-dt / lag_s).exp();
-    0.5 * (before + *lagged)
+    *lagged = relaxed(before, target, lag_s, dt);
+    if lag_s > 0.0 {
+        0.5 * (before + *lagged)
+    } else {
+        target
+    }
 }

@@ -41,6 +41,15 @@ pub(crate) struct Motion {
     pub v: f64,
 }
 
+/// What a first-order lag that stands at `from` comes to within `dt` under a held target: the target itself without a lag.
+fn relaxed(from: f64, target: f64, lag_s: f64, dt: f64) -> f64 {
+    if lag_s > 0.0 {
+        target + (from - target) * (-dt / lag_s).exp()
+    } else {
+        target
+    }
+}
+
 /// Everything that a device remembers. `load` is the whole device if its transmission is rigid.
 #[derive(Clone, Debug)]
 pub(crate) struct State {

@@ -1,5 +1,6 @@
 //! From the true position to the clean reading: gain and curve, play, lag, lost counts, low-pass.
 
+use super::relaxed;
 use std::f64::consts::TAU;
 
 /// Share of the play within which it counts as taken up: rounding, no more.
@@ -110,16 +111,8 @@ impl Sensing {
             memory.played = memory
                 .played
                 .clamp(shaped - self.half_play, shaped + self.half_play);
-            memory.lagged = if self.lag_s > 0.0 {
-                memory.played + (memory.lagged - memory.played) * (-dt / self.lag_s).exp()
-            } else {
-                memory.played
-            };
-            memory.further = if self.further_lag_s > 0.0 {
-                memory.lagged + (memory.further - memory.lagged) * (-dt / self.further_lag_s).exp()
-            } else {
-                memory.lagged
-            };
+            memory.lagged = relaxed(memory.lagged, memory.played, self.lag_s, dt);
+            memory.further = relaxed(memory.further, memory.lagged, self.further_lag_s, dt);
         }
     }
 

@@ -49,7 +49,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
                 vec![pull, linear(1, zero, 0.2 * s.span())]
             });
             let zero = if m.stiffness == 0.0 {
-                0.5 * (s.position[0] + s.position[1])
+                s.middle()
             } else {
                 m.stiffness_zero
             };
@@ -74,7 +74,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 fn hardening(kind: &'static Kind, e: &Evidence<'_>, stiffness: f64) -> Option<Term> {
     let s = e.scales;
     let half_span = 0.5 * s.span();
-    let middle = 0.5 * (s.position[0] + s.position[1]);
+    let middle = s.middle();
     let hardening = STEEP / (half_span * half_span);
     let [pull, offset_nm] = regress(e, |m| {
         let away = m.position - middle;

@@ -62,7 +62,7 @@ pub(super) fn shape(given: &Term, half_span: f64) -> Option<Vec<Coordinate>> {
 fn curves(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let reach = s.position[0].abs().max(s.position[1].abs());
-    let middle = 0.5 * (s.position[0] + s.position[1]);
+    let middle = s.middle();
     // A curve that is right at zero, or in the middle of what is passed.
     let bent = |middle: f64, reach: f64, [square, cube]: [f64; 2]| {
         let free = vec![

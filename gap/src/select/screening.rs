@@ -15,7 +15,7 @@ use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
 use std::cell::LazyCell;
 
-/// Starts of an effect that a fit begins from, those that promise most; more where there are many optima, of each variant.
+/// Starts of each variant of an effect that a fit begins from, those that promise most; more where there are many optima.
 pub(super) const BEGUN: usize = 2;
 const VARIANT_BEGUN: usize = 3;
 /// Those that go on from there.
@@ -82,25 +82,19 @@ impl Search<'_> {
             few.into_iter().partition(|c| is_scanned(c.kind.name));
         let has_two_masses = self.has_two_masses(known);
         let fitted = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
-            // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
-            if is_local(candidate.kind.name) {
-                let variants = variants(&candidate.starts);
-                let fits = variants.par_iter().flat_map(|starts| {
-                    let starts = as_fitted.promising(starts, VARIANT_BEGUN);
-                    as_fitted.begun(&starts, VARIANT_KEPT)
-                });
-                sorted(fits.collect())
-            } else {
+            let name = candidate.kind.name;
+            let (field, begun, kept) = if is_local(name) {
+                // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
+                (&as_fitted, VARIANT_BEGUN, VARIANT_KEPT)
+            } else if bends(name) && !has_two_masses {
                 // A form that promises more from afar may still lead to less; beside two masses trying all takes too long.
-                let kept = if bends(candidate.kind.name) && !has_two_masses {
-                    candidate.starts.len()
-                } else {
-                    BEGUN
-                };
-                let fits = variants(&candidate.starts).into_par_iter();
-                let fits = fits.flat_map(|v| field.begun(&field.promising(&v, kept), STARTS_KEPT));
-                sorted(fits.collect())
-            }
+                (field, candidate.starts.len(), STARTS_KEPT)
+            } else {
+                (field, BEGUN, STARTS_KEPT)
+            };
+            let fits = variants(&candidate.starts).into_par_iter();
+            let fits = fits.flat_map(|v| field.begun(&field.promising(&v, begun), kept));
+            sorted(fits.collect())
         });
         let mut rivals = Vec::new();
         join_all(&mut rivals, fitted);

@@ -163,6 +163,10 @@ impl Scales {
         TAU / (self.velocity * self.period_s * SAMPLES_A_PERIOD)
     }
 
+    pub(crate) fn middle(&self) -> f64 {
+        0.5 * (self.position[0] + self.position[1])
+    }
+
     pub(crate) fn span(&self) -> f64 {
         (self.position[1] - self.position[0]).max(f64::MIN_POSITIVE)
     }

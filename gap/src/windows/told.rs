@@ -189,7 +189,6 @@ impl<'a> Listener<'a> {
         let Self { drive, series, .. } = self;
         let settled_nm = match &series.told {
             Some(told) => told.settled_nm(drive, self.is_linear, self.next),
-            None if self.is_linear => drive.ratio * series.input[self.next],
             None => drive.settled_at(series.input[self.next], series.velocity[self.next]),
         };
         match &mut self.line {

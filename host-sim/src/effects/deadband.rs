@@ -1,6 +1,6 @@
 //! Small inputs do nothing.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
 
 /// `T = ratio · (u − (1 − j) (s ± 1) w)` beyond the edges `(s ± 1) w`, between them 0.
 pub const KIND: Kind = Kind {
@@ -17,22 +17,14 @@ pub const KIND: Kind = Kind {
             typical: [5e-5, 1e-3],
             about: "input up to which nothing happens, half of what lies between its edges",
         },
-        Parameter {
-            name: "jump",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "share of the width by which the input jumps at its edge",
-        },
-        Parameter {
-            name: "first",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "1 if the input's limit is of what is left, 0 if the dead band is behind it",
-        },
+        share(
+            "jump",
+            "share of the width by which the input jumps at its edge",
+        ),
+        share(
+            "first",
+            "1 if the input's limit is of what is left, 0 if the dead band is behind it",
+        ),
         Parameter {
             name: "skew",
             quantity: Quantity::Ratio,

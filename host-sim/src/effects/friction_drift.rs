@@ -1,6 +1,6 @@
 //! Dry friction that changes over the session.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
 use crate::plant::Drift;
 
 /// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)), or −τ e^(−t/τ), in the place of t.
@@ -26,22 +26,14 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 20.0],
             about: "time constant with which it settles; 0 if it does not",
         },
-        Parameter {
-            name: "anew",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "1 if it starts anew with a run's clock, 0 if it goes on through the session",
-        },
-        Parameter {
-            name: "settled",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "1 if the model's level is where it settles, 0 if it is where it starts",
-        },
+        share(
+            "anew",
+            "1 if it starts anew with a run's clock, 0 if it goes on through the session",
+        ),
+        share(
+            "settled",
+            "1 if the model's level is where it settles, 0 if it is where it starts",
+        ),
     ],
     events: None,
     install: |device, p| {

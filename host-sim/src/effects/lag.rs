@@ -1,6 +1,6 @@
 //! The torque follows the input through a first-order lag, or two.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
 
 /// `τ T' + T = ratio · u`, or this of what comes of it.
 pub const KIND: Kind = Kind {
@@ -17,22 +17,11 @@ pub const KIND: Kind = Kind {
             typical: [0.0005, 0.02],
             about: "time constant on top of the model's",
         },
-        Parameter {
-            name: "apart",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "1 if it is another lag behind the model's, 0 if that one is longer",
-        },
-        Parameter {
-            name: "twice",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "1 if it is both",
-        },
+        share(
+            "apart",
+            "1 if it is another lag behind the model's, 0 if that one is longer",
+        ),
+        share("twice", "1 if it is both"),
     ],
     events: None,
     install: |device, p| {

@@ -48,15 +48,20 @@ const INERTIA_SHARE: [f64; 2] = [0.01, 0.99];
 /// Of the level of a dry friction that varies, over the model's.
 const LEVEL: [f64; 2] = [0.01, f64::INFINITY];
 
+/// A share of something, or a choice between none and all of it, that is none by default.
+const fn share(name: &'static str, about: &'static str) -> Parameter {
+    Parameter {
+        name,
+        quantity: Quantity::Ratio,
+        range: SHARE,
+        default: 0.0,
+        typical: [0.0, 1.0],
+        about,
+    }
+}
+
 /// Of a transmission between two masses.
-const LOAD_FRICTION: Parameter = Parameter {
-    name: "load_friction",
-    quantity: Quantity::Ratio,
-    range: SHARE,
-    default: 0.0,
-    typical: [0.0, 1.0],
-    about: "share of the friction on the load side",
-};
+const LOAD_FRICTION: Parameter = share("load_friction", "share of the friction on the load side");
 /// Of a [`Ripple`](crate::ripple::Ripple).
 const WAVE_NUMBER: Parameter = Parameter {
     name: "wave_number",

@@ -1,6 +1,6 @@
 //! Large inputs are clipped earlier than the model knows, at once or little by little.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
 use crate::drive::Saturation;
 
 /// `T = ratio · sign(u) s(|u|)`: with the limit L and the knee k, `s = v` up to `(1 − k) L`, `L` from `(1 + k) L` on, and
@@ -20,14 +20,10 @@ pub const KIND: Kind = Kind {
             typical: [0.003, 0.03],
             about: "largest input that acts",
         },
-        Parameter {
-            name: "knee",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "share of the limit, below and above it, over which the clipping sets in",
-        },
+        share(
+            "knee",
+            "share of the limit, below and above it, over which the clipping sets in",
+        ),
         Parameter {
             name: "no_load",
             quantity: Quantity::Velocity,

@@ -1,6 +1,6 @@
 //! The sensor follows through a first-order lag, or two.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
 
 /// `τ y' + y = x`, or this of what comes of it.
 pub const KIND: Kind = Kind {
@@ -17,14 +17,7 @@ pub const KIND: Kind = Kind {
             typical: [0.0005, 0.02],
             about: "time constant",
         },
-        Parameter {
-            name: "twice",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "1 if another such lag follows on it",
-        },
+        share("twice", "1 if another such lag follows on it"),
     ],
     events: None,
     install: |device, p| {

@@ -1,6 +1,6 @@
 //! Static friction above the sliding level.
 
-use super::{Channel, Kind, POSITIVE, Parameter, Quantity, SHARE};
+use super::{Channel, Kind, POSITIVE, Parameter, Quantity, share};
 use crate::plant::Stribeck;
 
 /// Below, the level would fall infinitely fast at rest; above, all at once.
@@ -40,14 +40,10 @@ pub const KIND: Kind = Kind {
             typical: [1.0, 2.0],
             about: "n, how suddenly it falls, 1 or more",
         },
-        Parameter {
-            name: "tail",
-            quantity: Quantity::Ratio,
-            range: SHARE,
-            default: 0.0,
-            typical: [0.0, 1.0],
-            about: "t, how slowly the last of it goes: 0 as an exponential, 1 as a hyperbola",
-        },
+        share(
+            "tail",
+            "t, how slowly the last of it goes: 0 as an exponential, 1 as a hyperbola",
+        ),
     ],
     events: None,
     install: |device, p| {

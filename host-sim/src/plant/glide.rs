@@ -37,11 +37,7 @@ impl Plant {
             let load = self.load_side(&state.pendulum, &state.touch, position, velocity);
             let friction = constant_friction_nm.unwrap_or_else(|| {
                 let (speed, time_s) = (velocity.abs(), state.time_s + t_s);
-                let transmitted_nm = m.transmitted(drive_nm, position);
-                let level = m
-                    .friction
-                    .sliding(direction, position, speed, time_s, transmitted_nm);
-                direction * level
+                direction * m.sliding(direction, position, speed, time_s, drive_nm)
             });
             (motor + load - m.drag(velocity) - friction) * self.inverse_inertia[0]
         };

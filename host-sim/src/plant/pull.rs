@@ -10,9 +10,32 @@ impl Mechanics {
         (self.viscous + self.drag * velocity.abs()) * velocity
     }
 
+    /// Level of dry friction against motion in `direction` (±1) under a drive, N m.
+    #[inline]
+    pub(super) fn sliding(
+        &self,
+        direction: f64,
+        position: f64,
+        speed: f64,
+        time_s: f64,
+        drive_nm: f64,
+    ) -> f64 {
+        let transmitted_nm = self.transmitted(drive_nm, position);
+        self.friction
+            .sliding(direction, position, speed, time_s, transmitted_nm)
+    }
+
+    /// Level that holds against a push in `direction` (±1) at rest under a drive, N m.
+    #[inline]
+    pub(super) fn holding(&self, direction: f64, position: f64, time_s: f64, drive_nm: f64) -> f64 {
+        let transmitted_nm = self.transmitted(drive_nm, position);
+        self.friction
+            .holding(direction, position, time_s, transmitted_nm)
+    }
+
     /// What is transmitted under a drive, by which dry friction may grow, N m.
     #[inline]
-    pub(super) fn transmitted(&self, drive_nm: f64, position: f64) -> f64 {
+    fn transmitted(&self, drive_nm: f64, position: f64) -> f64 {
         let passive = self.friction.load_passive;
         if passive == 0.0 {
             return drive_nm;

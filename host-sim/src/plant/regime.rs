@@ -137,9 +137,7 @@ impl<'a, const N: usize> Regime<'a, N> {
         let (position, velocity) = (x[0], x[1]);
         let sliding = |direction: f64| {
             let (speed, time_s) = (velocity.abs(), self.time_s + t);
-            let transmitted_nm = m.transmitted(drive_nm, position);
-            m.friction
-                .sliding(direction, position, speed, time_s, transmitted_nm)
+            m.sliding(direction, position, speed, time_s, drive_nm)
         };
         if has_bristles(N) && self.direction == 0.0 && self.plant.dry {
             let bristles = &self.plant.parts.bristles;
@@ -162,10 +160,7 @@ impl<'a, const N: usize> Regime<'a, N> {
         self.load.constant_friction_nm.unwrap_or_else(|| {
             let direction = self.load.direction;
             let (m, time_s) = (&self.plant.mechanics, self.time_s + t);
-            let transmitted_nm = m.transmitted(drive_nm, x[2]);
-            let level = m
-                .friction
-                .sliding(direction, x[2], x[3].abs(), time_s, transmitted_nm);
+            let level = m.sliding(direction, x[2], x[3].abs(), time_s, drive_nm);
             self.plant.friction_share[1] * direction * level
         })
     }

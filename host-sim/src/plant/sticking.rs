@@ -29,12 +29,11 @@ impl Plant {
     #[inline]
     pub(super) fn load_holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
         let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-        let (m, position) = (&self.mechanics, state.load_position);
-        let transmitted_nm = m.transmitted(drive_nm, position);
-        let level = m
-            .friction
-            .holding(direction, position, state.time_s, transmitted_nm);
-        self.friction_share[1] * level
+        let (position, time_s) = (state.load_position, state.time_s);
+        self.friction_share[1]
+            * self
+                .mechanics
+                .holding(direction, position, time_s, drive_nm)
     }
 
     /// True if the load side has dry friction of its own.
@@ -52,9 +51,7 @@ impl Plant {
                 m.friction.level(pull)
             } else {
                 let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-                let transmitted_nm = m.transmitted(drive_nm, state.position);
-                m.friction
-                    .holding(direction, state.position, state.time_s, transmitted_nm)
+                m.holding(direction, state.position, state.time_s, drive_nm)
             }
     }
 

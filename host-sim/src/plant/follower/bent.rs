@@ -30,10 +30,7 @@ impl<'a> Bent<'a> {
         let mut torque = m.drag * velocity.abs() * velocity;
         if self.varies {
             let speed = velocity.abs();
-            let transmitted_nm = m.transmitted(drive_nm, position);
-            let level = m
-                .friction
-                .sliding(self.direction, position, speed, time_s, transmitted_nm);
+            let level = m.sliding(self.direction, position, speed, time_s, drive_nm);
             torque += self.direction * level;
         }
         share * torque

@@ -44,12 +44,12 @@ impl Follower<'_> {
                 bent.go(way_due + way);
                 let z = bent.deflection();
                 state.pendulum.follow(m.from_hanging_rad(x));
-                let level = m.friction.sliding(
+                let level = m.sliding(
                     1f64.copysign(z),
                     x,
                     v.abs(),
                     state.time_s + (part as f64 + 0.5) * part_s,
-                    m.transmitted(mean_nm, x),
+                    mean_nm,
                 );
                 let torque = plant.motor_side(mean_nm, x)
                     + plant.load_side(&state.pendulum, &state.touch, x, v)

@@ -133,12 +133,14 @@ struct Listener<'a> {
     is_linear: bool,
     series: &'a Series,
     times: &'a [f64],
+    /// From when on the first input has been told for ever, s.
+    start_s: f64,
     line: Line,
     now_s: f64,
     next: usize,
 }
 
-/// What becomes of what a drive is told.
+/// What becomes of what a drive is told once its delay has passed.
 enum Line {
     /// It acts at once, N m.
     Instant(f64),
@@ -149,16 +151,19 @@ enum Line {
         /// Over the pieces of a step in turn, which recur.
         decays: [Decay; 2],
     },
-    /// Through a delay, or one lag behind another.
-    Late(DriveLine),
+    /// Through one lag behind another.
+    Behind(DriveLine),
 }
 
 impl<'a> Listener<'a> {
     /// From an instant on, at which it has known nothing but the first input for ever: what the first sample, which may lie a
     /// little later, says is the nearest.
     fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
-        let line = if drive.delay_s > 0.0 || drive.further_lag_s > 0.0 {
-            Line::Late(DriveLine::at_rest(drive))
+        let line = if drive.further_lag_s > 0.0 {
+            Line::Behind(DriveLine::at_rest(&Drive {
+                delay_s: 0.0,
+                ..drive.clone()
+            }))
         } else if drive.lag_s > 0.0 {
             Line::Lagging {
                 acting_nm: 0.0,
@@ -169,23 +174,21 @@ impl<'a> Listener<'a> {
             Line::Instant(0.0)
         };
         let told = series.told.as_ref();
-        let mut told = Self {
+        Self {
             drive,
             is_linear: drive.is_linear(series.largest_input),
             series,
             times: told.map_or(&series.input_time, |told| &told.time),
+            start_s,
             line,
             now_s: start_s,
             next: 0,
-        };
-        told.command(start_s);
-        told.next = 0;
-        told
+        }
     }
 
-    /// Tells the drive the next input.
+    /// Takes the next input, which has come through the delay by now.
     #[inline(always)]
-    fn command(&mut self, at_s: f64) {
+    fn take(&mut self) {
         let Self { drive, series, .. } = self;
         let settled_nm = match &series.told {
             Some(told) => told.settled_nm(drive, self.is_linear, self.next),
@@ -194,23 +197,31 @@ impl<'a> Listener<'a> {
         match &mut self.line {
             Line::Instant(acting_nm) => *acting_nm = settled_nm,
             Line::Lagging { target_nm, .. } => *target_nm = settled_nm,
-            Line::Late(line) => line.command_settled(at_s, settled_nm),
+            Line::Behind(line) => line.command_settled(self.now_s, settled_nm),
         }
         self.next += 1;
     }
 
-    /// When it is told the next input, s.
+    /// When the next input comes through the delay, s.
     #[inline(always)]
-    fn heard_at_s(&self) -> f64 {
-        let next = self.times.get(self.next);
-        next.copied().unwrap_or(f64::INFINITY)
+    fn arrival_s(&self) -> f64 {
+        let Some(&told_s) = self.times.get(self.next) else {
+            return f64::INFINITY;
+        };
+        let known_s = if self.next == 0 {
+            told_s.min(self.start_s)
+        } else {
+            told_s
+        };
+        known_s + self.drive.delay_s
     }
 
-    /// Tells the drive what it is told by now.
+    /// Takes all that has come by now.
     #[inline(always)]
     fn listen(&mut self) {
-        while self.heard_at_s() <= self.now_s {
-            self.command(self.heard_at_s());
+        // Within rounding of now is now: pieces must not become empty.
+        while self.arrival_s() <= self.now_s + rounding_s(self.now_s) {
+            self.take();
         }
     }
 
@@ -221,7 +232,7 @@ impl<'a> Listener<'a> {
         let told = self.times.partition_point(|&at| at <= forgotten_s);
         if let Some(last) = told.checked_sub(1).filter(|&i| i > self.next) {
             self.next = last;
-            self.now_s = self.times[last];
+            self.now_s = self.arrival_s();
         }
         self.run_to(to_s, |_, _, _| {});
         self.listen();
@@ -231,7 +242,7 @@ impl<'a> Listener<'a> {
     fn course(&mut self, window: &Window) -> WindowCourse {
         let restart_s = window.restart.time_s;
         let samples = window.samples.clone();
-        // What a step between two samples is told falls within it, or is late.
+        // What comes of the input falls between two samples where it is late.
         let pieces = 1 + usize::from(self.drive.delay_s > 0.0);
         let mut lead = Course::default();
         let mut steps = Course::with_room(samples.len(), pieces);
@@ -262,7 +273,9 @@ impl<'a> Listener<'a> {
         let mut piece = 0;
         loop {
             self.listen();
-            let until = self.heard_at_s().min(to_s);
+            let arrival_s = self.arrival_s();
+            let comes_before = arrival_s < to_s - rounding_s(to_s);
+            let until = if comes_before { arrival_s } else { to_s };
             while self.now_s < until {
                 let left_s = until - self.now_s;
                 let (torque, piece_s, decay) = match &mut self.line {
@@ -277,7 +290,7 @@ impl<'a> Listener<'a> {
                         (*acting_nm, _) = torque.end_and_mean(left_s, decay);
                         (torque, left_s, Some(decay))
                     }
-                    Line::Late(line) => {
+                    Line::Behind(line) => {
                         let (torque, piece_s) = line.piece(self.now_s, left_s);
                         (torque, piece_s, None)
                     }
@@ -293,4 +306,9 @@ impl<'a> Listener<'a> {
             }
         }
     }
+}
+
+/// What two ways to one instant may differ by, s.
+fn rounding_s(at_s: f64) -> f64 {
+    f64::EPSILON * at_s.abs()
 }

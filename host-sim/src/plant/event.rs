@@ -60,13 +60,13 @@ pub(super) fn advance<const N: usize>(
                 None => flow.carried(x, &rate, t).0,
             };
             if is_over {
-                return locate(flow, x, between, (h, end), tolerance);
+                return cut_short(flow, x, between, (h, end), tolerance);
             }
             for i in 1..DIP_SAMPLES {
                 let t = h * i as f64 / DIP_SAMPLES as f64;
                 let x_t = between(t);
                 if flow.guard(t, &x_t) < 0.0 {
-                    return locate(flow, x, between, (t, x_t), tolerance);
+                    return cut_short(flow, x, between, (t, x_t), tolerance);
                 }
             }
         }
@@ -112,20 +112,40 @@ enum End {
     High,
 }
 
-/// An instant past which the guard is negative, up to one that is with its state, `past`, and to a share `tolerance` of that
-/// or of the guard's fall, by the Illinois variant of regula falsi (Dowell and Jarratt, BIT 11, 1971) with bisection where
-/// it stalls.
+/// The step up to the first state past the regime's end, before one that is `past` it.
 #[cold]
-fn locate<const N: usize>(
+fn cut_short<const N: usize>(
     flow: &impl Flow<N>,
     x: &[f64; N],
     between: impl Fn(f64) -> [f64; N],
-    past: (f64, [f64; N]),
+    (h, end): (f64, [f64; N]),
     tolerance: f64,
 ) -> Step<N> {
-    let (h, mut x_high) = past;
+    let past = (flow.guard(h, &end), end);
+    let guarded = |t: f64| {
+        let x_t = between(t);
+        (flow.guard(t, &x_t), x_t)
+    };
+    let (taken, x) = locate(guarded, flow.guard(0.0, x), (h, past), tolerance);
+    Step {
+        taken,
+        x,
+        event: true,
+    }
+}
+
+/// An instant past which a guard is negative, up to one that is, with what comes with it, `past`, and to a share `tolerance`
+/// of that or of the guard's fall, by the Illinois variant of regula falsi (Dowell and Jarratt, BIT 11, 1971) with bisection
+/// where it stalls.
+pub(super) fn locate<T>(
+    guarded: impl Fn(f64) -> (f64, T),
+    g_start: f64,
+    past: (f64, (f64, T)),
+    tolerance: f64,
+) -> (f64, T) {
+    let (h, (g_end, mut x_high)) = past;
     let (mut low, mut high) = (0.0, h);
-    let (g_start, g_end) = (flow.guard(0.0, x).max(0.0), flow.guard(h, &x_high));
+    let g_start = g_start.max(0.0);
     // It is sought as far past the end as it may miss, so that what comes from before it will do as well.
     let within = 0.5 * tolerance * (g_start - g_end);
     let (mut g_low, mut g_high) = (g_start + within, g_end + within);
@@ -141,8 +161,8 @@ fn locate<const N: usize>(
         } else {
             secant
         };
-        let x_t = between(t);
-        let g = flow.guard(t, &x_t) + within;
+        let (guard, x_t) = guarded(t);
+        let g = guard + within;
         if g.abs() < within {
             (high, x_high) = (t, x_t);
             break;
@@ -161,9 +181,5 @@ fn locate<const N: usize>(
             moved = Some(End::High);
         }
     }
-    Step {
-        taken: high,
-        x: x_high,
-        event: true,
-    }
+    (high, x_high)
 }

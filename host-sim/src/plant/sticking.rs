@@ -1,5 +1,6 @@
 //! Dry friction at rest: what holds a joint, and what breaks it away.
 
+use super::event::locate;
 use super::{Phase, Plant, Rest, State, Torque};
 
 impl Plant {
@@ -83,28 +84,27 @@ impl Plant {
 
     /// At rest: until the end of the step, or until a drive that grows within it breaks away.
     pub(super) fn hold(&self, state: &State, torque: &Torque, left: f64) -> f64 {
-        let breaks_at = |t: f64| {
+        let still_nm = self.pull(state, 0.0, self.through(state));
+        let left_to_break_nm = |t: f64| {
             let later = State {
                 time_s: state.time_s + t,
                 ..*state
             };
-            self.phase_at_rest(&later, torque.at(t)) != Phase::Stick
+            let drive_nm = torque.at(t);
+            let pull = still_nm + drive_nm;
+            self.holding(&later, pull, drive_nm) - pull.abs()
         };
-        if !breaks_at(left) {
+        let at_end = left_to_break_nm(left);
+        if at_end >= 0.0 {
             return left;
         }
         // The drive is monotone within a step, so that it breaks away once at most.
-        let (mut held, mut broken) = (0.0, left);
-        loop {
-            let t = 0.5 * (held + broken);
-            if t <= held || t >= broken {
-                return broken;
-            }
-            if breaks_at(t) {
-                broken = t;
-            } else {
-                held = t;
-            }
-        }
+        let (breaks, ()) = locate(
+            |t| (left_to_break_nm(t), ()),
+            left_to_break_nm(0.0),
+            (left, (at_end, ())),
+            self.pace.event_tolerance,
+        );
+        breaks
     }
 }

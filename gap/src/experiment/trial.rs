@@ -23,7 +23,7 @@ pub(super) struct Setting {
 /// none at this tick.
 pub(super) fn readings(device: &Device, excitation: &Excitation, at: &Setting) -> Option<Vec<f64>> {
     let mut generator = Generator::new(excitation, at.tick_s as f32).ok()?;
-    let plant = Plant::new(device.mechanics.clone());
+    let plant = Plant::quick(device.mechanics.clone());
     let mut state = plant.state(at.start_s, at.rest, 0.0);
     let mut line = DriveLine::at_rest(&device.drive);
     let mut reading = Reading::at_rest(&device.sensing, at.rest);

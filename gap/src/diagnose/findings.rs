@@ -63,7 +63,7 @@ pub(super) fn findings(
             name: term.kind.name,
             channel: term.kind.channel.name(),
             confidence: confidence(round, selection.perfect.level).min(most_sure),
-            not_separable_from: select::ties(round),
+            not_separable_from: select::inseparable(round),
             basis: PREDICTION,
             held_out: !round.place.by_few,
             parameters,

@@ -25,7 +25,7 @@ use crate::stage::Stage;
 pub(crate) use place::Place;
 use place::bounces;
 use ranking::is_far_likelier;
-pub(crate) use ranking::{luck, others, ties};
+pub(crate) use ranking::{inseparable, luck, others, ties};
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;
 use round::Search;

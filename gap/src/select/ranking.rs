@@ -140,6 +140,18 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     tied.map(|rival| rival.name).collect()
 }
 
+/// Names in a round that may as well be the winner's: those that this recording cannot tell from it, and what no recording
+/// can, as a reading that comes late by a dead time is that of a device that is driven late.
+pub(crate) fn inseparable(round: &Round) -> Vec<&'static str> {
+    let mut names = ties(round);
+    let is_late = round.rivals[0].name == "delay";
+    let reading = round.rivals.iter().find(|rival| rival.name == "sensor_lag");
+    if let Some(reading) = reading.filter(|reading| is_late && !names.contains(&reading.name)) {
+        names.push(reading.name);
+    }
+    names
+}
+
 /// The rivals of the winner of a round that do not contain it.
 pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
     let winner = round.rivals[0].name;
@@ -242,6 +254,23 @@ mod tests {
         let worth = price(200) / 200.0;
         assert!(ties(0.8 * worth).is_empty());
         assert_eq!(ties(1.2 * worth), ["gravity"]);
+    }
+
+    #[test]
+    fn a_reading_that_comes_late_is_not_separable_from_an_input_that_does() {
+        let names = |winner: &'static str, other: &'static str| {
+            let winner = rival(winner, 1, BEST);
+            inseparable(&Round {
+                known: fit("coulomb", 0, KNOWN),
+                so_far: winner.fit.clone(),
+                rivals: vec![winner, rival(other, 1, KNOWN)],
+                screened: Vec::new(),
+                place: Place::given(false),
+            })
+        };
+        assert_eq!(names("delay", "sensor_lag"), ["sensor_lag"]);
+        assert!(names("delay", "lag").is_empty());
+        assert!(names("lag", "sensor_lag").is_empty());
     }
 
     #[test]

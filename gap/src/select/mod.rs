@@ -392,15 +392,27 @@ fn select_beyond(
     if !settled || selection.given {
         return found;
     }
+    // What leaves little of the excess may still stand in for two that leave less of the gap, or at the floor for two that are
+    // far likelier.
     let left = problem.gap_over_floor(found.fit());
-    if left <= QUIET_GAP {
+    let is_near = left <= QUIET_GAP;
+    if is_near && (found.rounds.len() > 1 || found.suffices(problem, found.fit())) {
         return found;
     }
-    // What leaves little of the excess may still stand in for two that leave less of the gap.
-    let Some(pair) = pair(true).map(|rounds| selection.with(rounds)) else {
+    let Some(pair) = pair(!is_near).map(|rounds| selection.with(rounds)) else {
         return found;
     };
-    if problem.gap_over_floor(pair.fit()) < left {
+    let is_likelier = || {
+        let [pair, found] = [&pair, &found].map(|s| s.rounds.last());
+        pair.zip(found)
+            .is_some_and(|(pair, found)| is_far_likelier(&pair.rivals[0], &found.rivals[0]))
+    };
+    let is_better = if is_near {
+        pair.rounds.len() > 1 && is_likelier()
+    } else {
+        problem.gap_over_floor(pair.fit()) < left
+    };
+    if is_better {
         pair
     } else {
         found

@@ -3,8 +3,8 @@
 use super::finals::join;
 use super::level;
 use super::place::{bounces, earns_its_place};
-use super::ranking::{enough, ranked};
-use super::rival::{Rival, turned};
+use super::ranking::{contains, enough, ranked};
+use super::rival::{Rival, extended, turned};
 use super::round::{FITTING_ITERATIONS, Round, Search};
 use crate::fit::Fit;
 use crate::fit::problem::Part;
@@ -109,6 +109,9 @@ impl Search<'_> {
             return Some(vec![alone]);
         }
         let both = &second.rivals[0];
+        if let Some(simpler) = self.with_special_first(first, both) {
+            return self.each_anew(first, &simpler, &[], &first.screened);
+        }
         if level(&both.fit) <= self.quiet() {
             return None;
         }
@@ -117,6 +120,44 @@ impl Search<'_> {
         rounds.retain(|round| round.place.earned);
         let leaves_less = second.leaves_more_than(&rounds.last()?.so_far);
         leaves_less.then_some(rounds)
+    }
+
+    /// Two effects with a special case of the first in its place, which does as much beside the second: what it had more stood in
+    /// for that.
+    fn with_special_first(&self, first: &Round, both: &Rival) -> Option<Rival> {
+        let [general, second] = &both.fit.hypothesis.terms[..] else {
+            return None;
+        };
+        let general = general.kind.name;
+        let second_alone = {
+            let (hypothesis, x) = both.fit.without(0);
+            self.problem
+                .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
+        };
+        let specials = first.rivals.iter().filter(|r| contains(general, r.name));
+        let instead = specials.filter_map(|special| {
+            let special_alone = [&special.fit.last_term()?];
+            let (hypothesis, x) = extended(&second_alone, special_alone);
+            let fit = self
+                .problem
+                .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
+            let name = special.name;
+            Some(Rival { name, fit })
+        });
+        let instead: Vec<Rival> = instead.collect();
+        if instead.is_empty() {
+            return None;
+        }
+        let as_found = Rival {
+            name: general,
+            fit: both.fit.clone(),
+        };
+        let all = core::iter::once(as_found).chain(instead).collect();
+        let best = ranked(all, &second_alone, self.quiet())?.swap_remove(0);
+        let name = second.kind.name;
+        let simpler = (best.name != general).then(|| turned(&best))??;
+        debug_assert_eq!(simpler.name, name);
+        Some(simpler)
     }
 
     /// The rounds of two effects of which each in turn is looked for anew beside the other. If one of them then earns no place, the

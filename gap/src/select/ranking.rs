@@ -10,8 +10,9 @@ use crate::fit::problem::PRIOR_WEIGHT;
 const PARSIMONY: f64 = 0.04;
 /// Within this share of the gain, a special case wins over what contains it.
 const SPECIAL_PARSIMONY: f64 = 0.08;
-/// A name is not separable from the winner within this share of the winner's gain.
-const TIE_SHARE: f64 = 0.04;
+/// A name is not separable from the winner within this share of the winner's gain: of 413 single effects on nine outside sets
+/// 99.3 % were named or among those then, with 1.28 names, and 98.8 % with half of it and 1.23.
+const TIE_SHARE: f64 = 0.08;
 
 /// A squared standard deviation costs half in the logarithm of a probability, and a half of that in a fit.
 const PRIOR_SHARE: f64 = 0.5 / PRIOR_WEIGHT;

@@ -69,8 +69,12 @@ pub(crate) fn recorded(effects: &[&str], seed: u64) -> Recording {
             input.push(u);
             position.push(device.sensing.curve(plant.seen(&state).0) + noise.next(NOISE));
             line.command(&device.drive, t, u, state.velocity);
-            let (torque, dt_s) = line.piece(t, PERIOD_S);
-            plant.advance(&mut state, torque, dt_s);
+            let mut left_s = PERIOD_S;
+            while left_s > 0.0 {
+                let (torque, piece_s) = line.piece(t + PERIOD_S - left_s, left_s);
+                plant.advance(&mut state, torque, piece_s);
+                left_s -= piece_s;
+            }
         }
         let file = format!("run-{run}.csv");
         recording

@@ -2,6 +2,7 @@
 
 mod bins;
 mod evidence;
+mod grown;
 mod innovation;
 mod level;
 mod spectrum;
@@ -14,6 +15,7 @@ use crate::predict::Predictor;
 use crate::windows::series::{MOST_SAMPLES, Series, fine, thinned};
 use bins::Stretch;
 use evidence::{Evidence, LEAST_SURPLUS, span};
+use grown::grown;
 use host_sim::effects::Channel;
 use innovation::innovations;
 use recording::Recording;
@@ -22,11 +24,11 @@ use recording::Recording;
 const MOST: f64 = 0.5;
 /// What a channel's even share would be: there are five, and every sample passes through each.
 const ONE_CHANNEL: f64 = 0.2;
-/// Axes that are told.
+/// Axes along which the gap arises that are told.
 const AXES: usize = 3;
 
-/// Parts of the data that carry more of the gap than their share of the samples, the most telling first: three
-/// different axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
+/// Parts of the data that carry more of the gap than their share of the samples, the most telling first: different
+/// axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
 pub(crate) fn regions(
     problem: &Problem<'_>,
     null: &Fit,
@@ -60,10 +62,10 @@ fn sensing(comparison: &Comparison) -> Option<Region> {
     })
 }
 
-/// Three axes and what else stands out on them.
+/// Axes, two of which tell where the gap arises and the third where it has come to be largest, and what else stands out on them.
 ///
-/// An axis speaks by a stretch that carries more than its share, and by how much of the missing
-/// acceleration is a function of it, beyond a constant and a level of friction. Motion couples the axes, so
+/// It arises along an axis of which a stretch carries more than its share, and of which the missing
+/// acceleration is a function, beyond a constant and a level of friction. Motion couples the axes, so
 /// that the next best ones are told too.
 fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let recording = problem.recording;
@@ -85,6 +87,14 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
     let mut axes = evidence::Axes::new(&all, series).ranked(&predictions, recording.horizon);
     axes.truncate(AXES);
+    let third = axes.split_off(axes.len().min(AXES - 1));
+    let half_width_s = recording.restart_half_width;
+    axes.extend(grown(series, &predictions, half_width_s, &axes));
+    for other in third {
+        if axes.iter().all(|told| told.axis != other.axis) {
+            axes.push(other);
+        }
+    }
     // Runs do not lie beside one another.
     let second = axes.iter().filter(|e| e.axis != "run").filter_map(|e| {
         let stretch = e.bins.best(Some(&e.stretch))?;

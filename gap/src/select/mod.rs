@@ -412,11 +412,7 @@ fn select_beyond(
     } else {
         problem.gap_over_floor(pair.fit()) < left
     };
-    if is_better {
-        pair
-    } else {
-        found
-    }
+    if is_better { pair } else { found }
 }
 
 #[cfg(test)]

@@ -125,39 +125,28 @@ impl Search<'_> {
     /// Two effects with a special case of the first in its place, which does as much beside the second: what it had more stood in
     /// for that.
     fn with_special_first(&self, first: &Round, both: &Rival) -> Option<Rival> {
-        let [general, second] = &both.fit.hypothesis.terms[..] else {
-            return None;
-        };
-        let general = general.kind.name;
-        let second_alone = {
-            let (hypothesis, x) = both.fit.without(0);
+        let fit = |hypothesis, x| {
             self.problem
                 .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
         };
+        let general = both.fit.hypothesis.terms.first()?.kind.name;
+        let (hypothesis, x) = both.fit.without(0);
+        let second_alone = fit(hypothesis, x);
         let specials = first.rivals.iter().filter(|r| contains(general, r.name));
         let instead = specials.filter_map(|special| {
-            let special_alone = [&special.fit.last_term()?];
-            let (hypothesis, x) = extended(&second_alone, special_alone);
-            let fit = self
-                .problem
-                .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
-            let name = special.name;
-            Some(Rival { name, fit })
+            let (hypothesis, x) = extended(&second_alone, [&special.fit.last_term()?]);
+            Some(Rival {
+                name: special.name,
+                fit: fit(hypothesis, x),
+            })
         });
-        let instead: Vec<Rival> = instead.collect();
-        if instead.is_empty() {
-            return None;
-        }
         let as_found = Rival {
             name: general,
             fit: both.fit.clone(),
         };
-        let all = core::iter::once(as_found).chain(instead).collect();
+        let all = instead.chain([as_found]).collect();
         let best = ranked(all, &second_alone, self.quiet())?.swap_remove(0);
-        let name = second.kind.name;
-        let simpler = (best.name != general).then(|| turned(&best))??;
-        debug_assert_eq!(simpler.name, name);
-        Some(simpler)
+        (best.name != general).then(|| turned(&best))?
     }
 
     /// The rounds of two effects of which each in turn is looked for anew beside the other. If one of them then earns no place, the
@@ -336,6 +325,34 @@ mod tests {
 
     const DEAD: &str = "deadband:width=2e-4,jump=0";
     const MORE: &str = "coulomb:level=0.006";
+
+    #[test]
+    fn what_a_first_had_more_than_a_special_case_goes_once_the_second_is_found() {
+        let free = |parameter, start, scale| Coordinate {
+            parameter,
+            start,
+            scale,
+        };
+        let varying = [free(0, 0.0, Scale::Linear(0.2)), free(2, 1.4, Scale::Log)];
+        let terms = [
+            made::term("position_dependent_coulomb", &varying),
+            term("viscous", 5e-4),
+        ];
+        let names = |hidden: &[&str]| {
+            told(hidden, &terms, |search, rounds| {
+                let [mut first, second] = [rounds[0].clone(), rounds[1].clone()];
+                let plain = search.given(&first.known, &term("coulomb", 0.006));
+                first.rivals.extend(plain.rivals);
+                let both = search.with_special_first(&first, &second.rivals[0])?;
+                let names = both.fit.hypothesis.terms.iter().map(|t| t.kind.name);
+                Some(names.collect::<Vec<_>>())
+            })
+        };
+        let drag = "viscous:coefficient=6e-4";
+        assert_eq!(names(&[MORE, drag]).unwrap(), ["coulomb", "viscous"]);
+        let varies = "position_dependent_coulomb:slope=2,level=1.4";
+        assert_eq!(names(&[varies, drag]), None);
+    }
 
     #[test]
     fn what_stood_in_for_another_goes_once_that_is_found() {

@@ -80,7 +80,7 @@ impl Series {
             position: run.position.clone(),
             input_time: run.time.clone(),
             input: run.input.clone(),
-            velocity: velocities(&run.time, &run.position, recording.restart_half_width),
+            velocity: slopes(&run.time, &run.position, recording.restart_half_width),
             largest_input: largest(&run.input),
             told: None,
             span_s: 0.0,
@@ -241,11 +241,11 @@ impl Series {
     }
 }
 
-/// Measured velocity at each sample, from the first to the last within `half_width_s`, or from neighbour to neighbour.
-fn velocities(time: &[f64], position: &[f64], half_width_s: f64) -> Vec<f64> {
+/// Slope of a column at each sample, from the first to the last within `half_width_s`, or from neighbour to neighbour, per s.
+pub(crate) fn slopes(time: &[f64], column: &[f64], half_width_s: f64) -> Vec<f64> {
     let [mut first, mut last] = [0; 2];
     let within = |from: usize, to: usize| time[to] - time[from] <= half_width_s;
-    let velocities = (0..time.len()).map(|i| {
+    let slopes = (0..time.len()).map(|i| {
         while !within(first, i) {
             first += 1;
         }
@@ -255,12 +255,12 @@ fn velocities(time: &[f64], position: &[f64], half_width_s: f64) -> Vec<f64> {
         let before = first.min(i.saturating_sub(1));
         let passed_s = time[last] - time[before];
         if passed_s > 0.0 {
-            (position[last] - position[before]) / passed_s
+            (column[last] - column[before]) / passed_s
         } else {
             0.0
         }
     });
-    velocities.collect()
+    slopes.collect()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -474,10 +474,10 @@ mod tests {
         let position = time.map(|t| VELOCITY * t);
         let is_right = |v: &f64| (v - VELOCITY).abs() < 1e-9;
         for half_width_s in [0.0, 0.0015, 1.0] {
-            let found = velocities(&time, &position, half_width_s);
+            let found = slopes(&time, &position, half_width_s);
             assert!(found.len() == time.len() && found.iter().all(is_right));
         }
-        assert_eq!(velocities(&time[..1], &position[..1], 0.01), [0.0]);
+        assert_eq!(slopes(&time[..1], &position[..1], 0.01), [0.0]);
     }
 
     #[test]

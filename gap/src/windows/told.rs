@@ -312,3 +312,39 @@ impl<'a> Listener<'a> {
 fn rounding_s(at_s: f64) -> f64 {
     f64::EPSILON * at_s.abs()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::made;
+    use crate::predict::Predictor;
+    use crate::windows::motion::rms;
+    use crate::windows::series;
+    use host_sim::device::Device;
+    use host_sim::effects::Effect;
+
+    /// What a right model leaves of a device with some effects.
+    fn left(effects: &[&str]) -> f64 {
+        let recording = made::recording(effects);
+        let mut device = Device::nominal(&recording.model);
+        for effect in effects {
+            effect.parse::<Effect>().unwrap().install(&mut device);
+        }
+        let series = &series::coarse(&recording, recording.horizon)[0];
+        let predicted = Predictor::new(device, &recording).predict(series);
+        let missed = series.position.iter().zip(predicted);
+        rms(&missed.map(|(seen, said)| seen - said).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_late_input_and_what_lags_behind_it_are_told_as_the_device_is_driven() {
+        let at_once = left(&[]);
+        for late in [
+            &["delay:time=0.0037"][..],
+            &["delay:time=0.005"],
+            &["delay:time=0.0037", "lag:time=0.004"],
+            &["delay:time=0.0037", "lag:time=0.004,twice=1"],
+        ] {
+            assert!(left(late) < 1.1 * at_once, "{late:?}");
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Where the gap has grown largest, wherever it has arisen.
+
+use super::bins::{Bins, Point};
+use super::evidence::{BINS, Evidence, LEAST_SURPLUS, UNEVEN_WEIGHT};
+use crate::windows::series::{Series, slopes};
+
+/// A column of a series, one value a sample.
+type Column<'a> = Box<dyn Fn(&Series) -> Vec<f64> + 'a>;
+
+/// The axis, of others than what was `told`, along which what `predictions` over the whole horizon miss stands out most; slopes
+/// of the motion are taken over `half_width_s` to either side.
+pub(super) fn grown(
+    series: &[Series],
+    predictions: &[Vec<f64>],
+    half_width_s: f64,
+    told: &[Evidence],
+) -> Option<Evidence> {
+    let velocity = move |s: &Series| slopes(&s.time, &s.position, half_width_s);
+    let acceleration = move |s: &Series| slopes(&s.time, &velocity(s), half_width_s);
+    let session = |s: &Series| (0..s.time.len()).map(|i| s.session(i)).collect();
+    let axes: [(&str, f64, Column<'_>); 5] = [
+        ("velocity", 1.0, Box::new(velocity)),
+        ("position", 1.0, Box::new(|s| s.position.clone())),
+        ("input", 1.0, Box::new(|s| s.input.clone())),
+        ("acceleration", 1.0, Box::new(acceleration)),
+        ("time", UNEVEN_WEIGHT, Box::new(session)),
+    ];
+    let others = axes
+        .into_iter()
+        .filter(|(axis, ..)| told.iter().all(|t| t.axis != *axis));
+    let standing_out = others.filter_map(|(axis, weight, column)| {
+        let bins = Bins::new(points(series, predictions, column), BINS)?;
+        let stretch = bins.best(None)?;
+        let strength = weight * stretch.surplus();
+        let evidence = Evidence::new(axis, bins, stretch, strength);
+        Some(if axis == "time" {
+            evidence.cut_to_one_run(series)
+        } else {
+            evidence
+        })
+    });
+    let best = standing_out.max_by(|a, b| a.strength.total_cmp(&b.strength))?;
+    (best.strength > LEAST_SURPLUS).then_some(best)
+}
+
+/// The squares of what is missed, sample by sample, along a column.
+fn points(
+    series: &[Series],
+    predictions: &[Vec<f64>],
+    column: impl Fn(&Series) -> Vec<f64>,
+) -> Vec<Point> {
+    let mut points = Vec::new();
+    let mut block = 0;
+    for (series, predicted) in series.iter().zip(predictions) {
+        let at = column(series);
+        for window in &series.windows {
+            for i in window.samples.clone() {
+                points.push(Point {
+                    at: at[i],
+                    index: points.len(),
+                    block,
+                    weight: 1.0,
+                    excess: (series.position[i] - predicted[i]).powi(2),
+                });
+            }
+            block += 1;
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use crate::windows::series;
+
+    #[test]
+    fn what_grows_with_the_speed_is_told_of_the_velocity_unless_that_is_told_already() {
+        let recording = made::recording(&[]);
+        let half_width_s = recording.restart_half_width;
+        let series = series::fine(&recording, recording.horizon);
+        let missed = |s: &Series| {
+            let velocity = slopes(&s.time, &s.position, half_width_s);
+            let missed = s.position.iter().zip(velocity);
+            missed.map(|(x, v)| x + 0.01 * v * v.abs()).collect()
+        };
+        let predictions: Vec<Vec<f64>> = series.iter().map(missed).collect();
+        let first = grown(&series, &predictions, half_width_s, &[]).unwrap();
+        assert_eq!(first.axis, "velocity");
+        let other = grown(&series, &predictions, half_width_s, &[first]);
+        assert!(other.is_none_or(|other| other.axis != "velocity"));
+    }
+}

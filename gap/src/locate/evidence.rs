@@ -14,9 +14,8 @@ const TIME_BINS: usize = 80;
 const COARSE_TIME_BINS: usize = 8;
 /// A surplus below this is no place: the gap then goes with the axis all along.
 pub(super) const LEAST_SURPLUS: f64 = 0.1;
-/// Weight of a band of frequencies, of a run, or of the time where the gap has grown: some of them always stand out, as
-/// excitation is uneven.
-pub(super) const UNEVEN_WEIGHT: f64 = 0.5;
+/// Weight of a band of frequencies or of a run: some of them always stand out, as excitation is uneven.
+const UNEVEN_WEIGHT: f64 = 0.5;
 /// Weight of the acceleration: it follows from the input and the place, and stands out wherever they do.
 const SHADOW_WEIGHT: f64 = 0.7;
 /// Bins of time that the moments of a recording take, wherever they lie.
@@ -54,24 +53,6 @@ impl Evidence {
             reach: 0.0,
             after_rest: false,
             strength,
-        }
-    }
-
-    /// A stretch of time, cut to one run if the runs' own times overlap.
-    pub(super) fn cut_to_one_run(self, series: &[Series]) -> Self {
-        if series.iter().all(|s| s.session_offset_s == 0.0) {
-            return self;
-        }
-        let cut = series.iter().map(|s| {
-            let (from, to) = span(s);
-            let stretch = &self.stretch;
-            self.bins
-                .stretch(from.max(stretch.from), to.min(stretch.to))
-        });
-        let stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap));
-        Self {
-            stretch: stretch.unwrap_or(self.stretch),
-            ..self
         }
     }
 }
@@ -272,18 +253,25 @@ impl<'a> Axes<'a> {
         })
     }
 
-    /// Time, on the clock of the session.
+    /// Time, on the clock of the session, the best stretch cut to one run if the runs' own times overlap.
     fn time(&self) -> Option<Evidence> {
         let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
         let coarse = self.bins(|i| i.session_s, |i| i.excess, COARSE_TIME_BINS)?;
-        let stretch = bins.best(None)?;
+        let mut stretch = bins.best(None)?;
         let surplus = if self.event {
             stretch.surplus() + EVENT_STRENGTH
         } else {
             self.surplus_of_time()
         };
         let strength = surplus + COURSE_WEIGHT * self.explained_along(&coarse);
-        Some(Evidence::new("time", bins, stretch, strength).cut_to_one_run(self.series))
+        if self.series.iter().any(|s| s.session_offset_s != 0.0) {
+            let cut = self.series.iter().map(|s| {
+                let (from, to) = span(s);
+                bins.stretch(from.max(stretch.from), to.min(stretch.to))
+            });
+            stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
+        }
+        Some(Evidence::new("time", bins, stretch, strength))
     }
 
     /// Surplus of times beyond what each of the other axes makes of them: where the motion is livelier, the

@@ -1,14 +1,14 @@
 //! Where the gap has grown largest, wherever it has arisen.
 
 use super::bins::{Bins, Point};
-use super::evidence::{BINS, Evidence, LEAST_SURPLUS, UNEVEN_WEIGHT};
+use super::evidence::{BINS, Evidence, LEAST_SURPLUS};
 use crate::windows::series::{Series, slopes};
 
 /// A column of a series, one value a sample.
-type Column<'a> = Box<dyn Fn(&Series) -> Vec<f64> + 'a>;
+type Column<'a> = &'a dyn Fn(&Series) -> Vec<f64>;
 
-/// The axis, of others than what was `told`, along which what `predictions` over the whole horizon miss stands out most; slopes
-/// of the motion are taken over `half_width_s` to either side.
+/// The axis of the motion, other than what was `told`, along which what `predictions` over the whole horizon miss stands out
+/// most; slopes are taken over `half_width_s` to either side. Over time a gap is uneven whatever its cause.
 pub(super) fn grown(
     series: &[Series],
     predictions: &[Vec<f64>],
@@ -17,38 +17,26 @@ pub(super) fn grown(
 ) -> Option<Evidence> {
     let velocity = move |s: &Series| slopes(&s.time, &s.position, half_width_s);
     let acceleration = move |s: &Series| slopes(&s.time, &velocity(s), half_width_s);
-    let session = |s: &Series| (0..s.time.len()).map(|i| s.session(i)).collect();
-    let axes: [(&str, f64, Column<'_>); 5] = [
-        ("velocity", 1.0, Box::new(velocity)),
-        ("position", 1.0, Box::new(|s| s.position.clone())),
-        ("input", 1.0, Box::new(|s| s.input.clone())),
-        ("acceleration", 1.0, Box::new(acceleration)),
-        ("time", UNEVEN_WEIGHT, Box::new(session)),
+    let axes: [(&str, Column<'_>); 4] = [
+        ("velocity", &velocity),
+        ("position", &|s| s.position.clone()),
+        ("input", &|s| s.input.clone()),
+        ("acceleration", &acceleration),
     ];
     let others = axes
         .into_iter()
-        .filter(|(axis, ..)| told.iter().all(|t| t.axis != *axis));
-    let standing_out = others.filter_map(|(axis, weight, column)| {
+        .filter(|(axis, _)| told.iter().all(|t| t.axis != *axis));
+    let standing_out = others.filter_map(|(axis, column)| {
         let bins = Bins::new(points(series, predictions, column), BINS)?;
         let stretch = bins.best(None)?;
-        let strength = weight * stretch.surplus();
-        let evidence = Evidence::new(axis, bins, stretch, strength);
-        Some(if axis == "time" {
-            evidence.cut_to_one_run(series)
-        } else {
-            evidence
-        })
+        Some(Evidence::new(axis, bins, stretch, stretch.surplus()))
     });
     let best = standing_out.max_by(|a, b| a.strength.total_cmp(&b.strength))?;
     (best.strength > LEAST_SURPLUS).then_some(best)
 }
 
 /// The squares of what is missed, sample by sample, along a column.
-fn points(
-    series: &[Series],
-    predictions: &[Vec<f64>],
-    column: impl Fn(&Series) -> Vec<f64>,
-) -> Vec<Point> {
+fn points(series: &[Series], predictions: &[Vec<f64>], column: Column<'_>) -> Vec<Point> {
     let mut points = Vec::new();
     let mut block = 0;
     for (series, predicted) in series.iter().zip(predictions) {

@@ -109,15 +109,18 @@ impl Search<'_> {
             return Some(vec![alone]);
         }
         let both = &second.rivals[0];
+        let anew = |both: &Rival, looked: &[(Rival, Vec<Rival>)]| {
+            let mut rounds = self.each_anew(first, both, looked, &first.screened)?;
+            rounds.retain(|round| round.place.earned);
+            Some(rounds)
+        };
         if let Some(simpler) = self.with_special_first(first, both) {
-            return self.each_anew(first, &simpler, &[], &first.screened);
+            return anew(&simpler, &[]);
         }
         if level(&both.fit) <= self.quiet() {
             return None;
         }
-        let looked = [(first.rivals[0].clone(), second.screened.clone())];
-        let mut rounds = self.each_anew(first, both, &looked, &first.screened)?;
-        rounds.retain(|round| round.place.earned);
+        let rounds = anew(both, &[(first.rivals[0].clone(), second.screened.clone())])?;
         let leaves_less = second.leaves_more_than(&rounds.last()?.so_far);
         leaves_less.then_some(rounds)
     }
@@ -130,9 +133,11 @@ impl Search<'_> {
                 .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
         };
         let general = both.fit.hypothesis.terms.first()?.kind.name;
+        let specials = first.rivals.iter().filter(|r| contains(general, r.name));
+        let mut specials = specials.peekable();
+        specials.peek()?;
         let (hypothesis, x) = both.fit.without(0);
         let second_alone = fit(hypothesis, x);
-        let specials = first.rivals.iter().filter(|r| contains(general, r.name));
         let instead = specials.filter_map(|special| {
             let (hypothesis, x) = extended(&second_alone, [&special.fit.last_term()?]);
             Some(Rival {

@@ -44,9 +44,8 @@ fn recording(rate_hz: f64) -> Recording {
         time.push(now_s);
         input.push(told);
         position.push((plant.seen(&state).0 / RESOLUTION).round() * RESOLUTION);
-        line.command(&device.drive, now_s, told, state.velocity);
-        let (torque, dt_s) = line.piece(now_s, 1.0 / rate_hz);
-        plant.advance(&mut state, torque, dt_s);
+        line.command(&device.drive, state.time_s, told, state.velocity);
+        line.carry(&plant, &mut state, 1.0 / rate_hz);
     }
     let mut recording = Recording::new("Made for timing", HORIZON_S, model);
     let encoder = Sensor {

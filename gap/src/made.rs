@@ -68,13 +68,8 @@ pub(crate) fn recorded(effects: &[&str], seed: u64) -> Recording {
             time.push(start_s + t);
             input.push(u);
             position.push(device.sensing.curve(plant.seen(&state).0) + noise.next(NOISE));
-            line.command(&device.drive, t, u, state.velocity);
-            let mut left_s = PERIOD_S;
-            while left_s > 0.0 {
-                let (torque, piece_s) = line.piece(t + PERIOD_S - left_s, left_s);
-                plant.advance(&mut state, torque, piece_s);
-                left_s -= piece_s;
-            }
+            line.command(&device.drive, state.time_s, u, state.velocity);
+            line.carry(&plant, &mut state, PERIOD_S);
         }
         let file = format!("run-{run}.csv");
         recording

@@ -1,6 +1,6 @@
 //! From the input that the actuator was told to the torque at the joint.
 
-use crate::plant::Torque;
+use crate::plant::{Plant, State, Torque};
 use std::collections::VecDeque;
 
 /// Where larger inputs cease to act in proportion.
@@ -284,6 +284,17 @@ impl DriveLine {
         }
         self.age_s = piece_s;
         (self.torque, piece_s)
+    }
+
+    /// Carries a plant over `dt_s` under what comes of the commands, which are told on the clock of its `state`.
+    #[inline]
+    pub fn carry(&mut self, plant: &Plant, state: &mut State, dt_s: f64) {
+        let mut left_s = dt_s;
+        while left_s > 0.0 {
+            let (torque, piece_s) = self.piece(state.time_s, left_s);
+            plant.advance(state, torque, piece_s);
+            left_s -= piece_s;
+        }
     }
 
     /// What comes of the next `piece_s` of the torque behind the further lag, and for how long that is one piece.

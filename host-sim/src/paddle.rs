@@ -206,12 +206,7 @@ impl Paddle {
 
     #[inline]
     fn carry(&mut self, dt_s: f64) {
-        let mut left = dt_s;
-        while left > 0.0 {
-            let (torque, piece_s) = self.line.piece(self.state.time_s, left);
-            self.plant.advance(&mut self.state, torque, piece_s);
-            left -= piece_s;
-        }
+        self.line.carry(&self.plant, &mut self.state, dt_s);
     }
 
     /// Since the start of the session, s.

@@ -39,15 +39,9 @@ pub(super) fn readings(device: &Device, excitation: &Excitation, at: &Setting) -
         readings.push(shown);
         // A ramp ends once the device has broken away.
         let input = generator.next(shown as f32).unwrap_or(0.0);
-        let (mut now_s, end_s) = (tick as f64 * at.tick_s, (tick + 1) as f64 * at.tick_s);
+        let now_s = state.time_s;
         line.command(&device.drive, now_s, f64::from(input), state.velocity);
-        while now_s < end_s {
-            let (torque, piece_s) = line.piece(now_s, end_s - now_s);
-            plant.advance(&mut state, torque, piece_s);
-            let next_s = now_s + piece_s;
-            // The last piece ends on the tick itself, not beside it.
-            now_s = if next_s > now_s { next_s } else { end_s };
-        }
+        line.carry(&plant, &mut state, at.tick_s);
     }
     Some(readings)
 }

@@ -87,14 +87,11 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
     let mut axes = evidence::Axes::new(&all, series).ranked(&predictions, recording.horizon);
     axes.truncate(AXES);
-    let third = axes.split_off(axes.len().min(AXES - 1));
+    let third = (axes.len() == AXES).then(|| axes.pop()).flatten();
     let half_width_s = recording.restart_half_width;
     axes.extend(grown(series, &predictions, half_width_s, &axes));
-    for other in third {
-        if axes.iter().all(|told| told.axis != other.axis) {
-            axes.push(other);
-        }
-    }
+    let third = third.filter(|third| axes.iter().all(|told| told.axis != third.axis));
+    axes.extend(third);
     // Runs do not lie beside one another.
     let second = axes.iter().filter(|e| e.axis != "run").filter_map(|e| {
         let stretch = e.bins.best(Some(&e.stretch))?;

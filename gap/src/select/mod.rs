@@ -402,15 +402,10 @@ fn select_beyond(
     let Some(pair) = pair(!is_near).map(|rounds| selection.with(rounds)) else {
         return found;
     };
-    let is_likelier = || {
-        let [pair, found] = [&pair, &found].map(|s| s.rounds.last());
-        pair.zip(found)
-            .is_some_and(|(pair, found)| is_far_likelier(&pair.rivals[0], &found.rivals[0]))
-    };
-    let is_better = if is_near {
-        pair.rounds.len() > 1 && is_likelier()
-    } else {
-        problem.gap_over_floor(pair.fit()) < left
+    let is_better = match (&pair.rounds[..], &found.rounds[..]) {
+        _ if !is_near => problem.gap_over_floor(pair.fit()) < left,
+        ([_, both], [one]) => is_far_likelier(&both.rivals[0], &one.rivals[0]),
+        _ => false,
     };
     if is_better { pair } else { found }
 }

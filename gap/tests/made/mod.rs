@@ -56,13 +56,8 @@ pub fn recorded(
         } else {
             seen
         });
-        line.command(&device.drive, t, u, state.velocity);
-        let mut left_s = PERIOD_S;
-        while left_s > 0.0 {
-            let (torque, piece_s) = line.piece(t + PERIOD_S - left_s, left_s);
-            plant.advance(&mut state, torque, piece_s);
-            left_s -= piece_s;
-        }
+        line.command(&device.drive, state.time_s, u, state.velocity);
+        line.carry(&plant, &mut state, PERIOD_S);
     }
     let mut recording = Recording::new("made for a test", 0.3, nominal);
     recording.sensors.insert(

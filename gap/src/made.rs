@@ -8,12 +8,14 @@ use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use host_sim::effects::{self, Effect};
 use host_sim::plant::Plant;
+use host_sim::sensing::Reading;
 use host_sim::sensors::Noise;
 use recording::{Drive, Model, Recording, Run, Sensor};
 
 const PERIOD_S: f64 = 1e-3;
 const RUN_S: f64 = 6.0;
 const NOISE: f64 = 1e-4;
+const BEGIN: f64 = 0.05;
 
 /// `recording` with its model's numbers taken as exact.
 pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
@@ -29,6 +31,15 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
 /// An effect that begins at some numbers that are free, the others as they are by default.
 pub(crate) fn term(name: &str, free: &[Coordinate]) -> Term {
     candidate::term(effects::kind(name).unwrap(), free.to_vec(), &[])
+}
+
+/// The effect that is written so, nothing of it free.
+pub(crate) fn written(effect: &str) -> Term {
+    let Effect { kind, values } = effect.parse().unwrap();
+    Term {
+        values,
+        ..term(kind.name, &[])
+    }
 }
 
 /// Two runs of a paddle under two sines, with the effects written in `effects`.
@@ -59,7 +70,8 @@ pub(crate) fn recorded(effects: &[&str], seed: u64) -> Recording {
     let mut noise = Noise::new(seed);
     for run in 0..2 {
         let start_s = f64::from(run) * RUN_S;
-        let mut state = plant.state(start_s, 0.05, 0.0);
+        let mut state = plant.state(start_s, BEGIN, 0.0);
+        let mut reading = Reading::at_rest(&device.sensing, BEGIN);
         let mut line = DriveLine::at_rest(&device.drive);
         let (mut time, mut input, mut position) = (vec![], vec![], vec![]);
         for i in 0..(RUN_S / PERIOD_S) as usize {
@@ -67,7 +79,9 @@ pub(crate) fn recorded(effects: &[&str], seed: u64) -> Recording {
             let u = 0.0011 * (9.0 * t).sin() + 0.0008 * (4.3 * t + f64::from(run)).cos();
             time.push(start_s + t);
             input.push(u);
-            position.push(device.sensing.curve(plant.seen(&state).0) + noise.next(NOISE));
+            let since_s = if i == 0 { 0.0 } else { PERIOD_S };
+            let read = reading.follow(&device.sensing, plant.seen(&state).0, since_s);
+            position.push(read + noise.next(NOISE));
             line.command(&device.drive, state.time_s, u, state.velocity);
             line.carry(&plant, &mut state, PERIOD_S);
         }

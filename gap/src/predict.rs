@@ -250,12 +250,6 @@ impl Predictor {
         (windows as usize + speed).clamp(1, MOST_LEAD)
     }
 
-    /// How far the column's own low-pass is behind a ramp, s.
-    fn logged_lag_s(&self, series: &Series) -> f64 {
-        let a = low_pass_gain(self.sensor.cutoff_hz, series.period_s);
-        series.period_s * (1.0 - a) / a
-    }
-
     /// Puts the device where the sensor shows it, and says where that is; what the sensor does not show goes on as it was if this
     /// follows the last window.
     fn restart(
@@ -272,7 +266,7 @@ impl Predictor {
         let slope = fit.slope + shift[1] * sd(1);
         let sensing = &self.device.sensing;
         let session_s = fit.time_s + series.session_offset_s;
-        let logged_s = self.logged_lag_s(series);
+        let logged_s = series.logged_lag_s(self.sensor.cutoff_hz);
         // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
         let ([lag, lag_rate, further], lost) = if follows {
             (self.sensor_lag(running), running.reading.lost)
@@ -354,7 +348,7 @@ impl Predictor {
         if dt_s <= 0.0 {
             return running.filtered;
         }
-        let behind = self.logged_lag_s(series) * (y - running.shown) / dt_s;
+        let behind = series.logged_lag_s(self.sensor.cutoff_hz) * (y - running.shown) / dt_s;
         let bent = running.filtered - (running.shown - behind);
         let left = || 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
         y - behind + bent * running.fading.over(dt_s, || left().ln() / series.period_s)

@@ -330,7 +330,7 @@ mod tests {
         let recording = made::recording(effects);
         let series = &made::problem(&recording).series;
         let device = Device::nominal(&recording.model);
-        let motion = |s| Motion::of(s, &device, recording.restart_half_width);
+        let motion = |s| Motion::of(s, &device, None, recording.restart_half_width);
         let mut motions: Vec<Motion> = series.iter().map(motion).collect();
         change(&mut motions);
         told(&Evidence {

@@ -222,8 +222,10 @@ impl Search<'_> {
         let device = known
             .hypothesis
             .device(&recording.model, &self.problem.nudges, &known.x);
+        let cutoff_hz = recording.sensor("position").cutoff_hz;
+        let half_width_s = recording.restart_half_width;
         let motions = series.par_iter();
-        let motions = motions.map(|s| Motion::of(s, &device, recording.restart_half_width));
+        let motions = motions.map(|s| Motion::of(s, &device, cutoff_hz, half_width_s));
         let motions: Vec<Motion> = motions.collect();
         let mut tried = candidates(&Evidence {
             series,
@@ -231,7 +233,7 @@ impl Search<'_> {
             scales: &Scales::of(series, &motions, &device, recording.horizon),
             device: &device,
             model: &recording.model,
-            cutoff_hz: recording.sensor("position").cutoff_hz,
+            cutoff_hz,
             window_costs: &window_costs(self.problem, known),
         });
         let terms = &known.hypothesis.terms;

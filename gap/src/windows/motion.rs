@@ -7,7 +7,7 @@ use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use std::collections::BTreeMap;
 
-/// Smoothed motion at each coarse sample of a series.
+/// Smoothed motion at each coarse sample of a series, what the device's sensor makes of it undone but for its play.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub position: Vec<f64>,
@@ -26,8 +26,18 @@ pub(crate) struct Motion {
 const KNOWN_DIRECTION: f64 = 4.0;
 
 impl Motion {
-    pub(crate) fn of(series: &Series, device: &Device, half_width_s: f64) -> Self {
+    /// Of a series whose column has a low-pass at `cutoff_hz`, if any.
+    pub(crate) fn of(
+        series: &Series,
+        device: &Device,
+        cutoff_hz: Option<f64>,
+        half_width_s: f64,
+    ) -> Self {
+        let sensing = &device.sensing;
+        let behind_s = sensing.lag_s + sensing.further_lag_s + series.logged_lag_s(cutoff_hz);
         let n = series.time.len();
+        let read = |i: usize| series.position[i] - sensing.jumped(series.session(i));
+        let position: Vec<f64> = (0..n).map(|i| sensing.inverse(read(i))).collect();
         let mut motion = Self {
             position: Vec::with_capacity(n),
             velocity: Vec::with_capacity(n),
@@ -49,7 +59,9 @@ impl Motion {
             let dt = series.input_time.get(i + 1).map_or(0.0, |next| next - from);
             let (torque, _) = line.piece(from, dt);
             motion.drive_nm.push(torque.at(0.5 * dt));
-            let Some(fit) = Restart::fit(&series.time, &series.position, now, half_width_s) else {
+            // What is as far behind shows the motion of now.
+            let shown_s = (now + behind_s).min(series.time[n - 1]);
+            let Some(fit) = Restart::fit(&series.time, &position, shown_s, half_width_s) else {
                 continue;
             };
             let (x, v, a) = (fit.value, fit.slope, fit.curvature);
@@ -196,4 +208,36 @@ pub(crate) fn quantile(values: &[f64], share: f64) -> f64 {
     }
     let at = ((sorted.len() - 1) as f64 * share).round() as usize;
     *sorted.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use host_sim::effects::Effect;
+
+    #[test]
+    fn nothing_is_missing_of_a_device_whose_sensor_is_known() {
+        let missed = |hidden: &str, known: &[&str]| {
+            let recording = made::recording(&[hidden]);
+            let mut device = Device::nominal(&recording.model);
+            for effect in known {
+                effect.parse::<Effect>().unwrap().install(&mut device);
+            }
+            let problem = made::problem(&recording);
+            let half_width_s = recording.restart_half_width;
+            let motion = Motion::of(&problem.series[0], &device, None, half_width_s);
+            let known = motion.missing_nm.into_iter().filter(|nm| nm.is_finite());
+            rms(&known.collect::<Vec<f64>>())
+        };
+        for hidden in [
+            "sensor_lag:time=0.02",
+            "sensor_gain:gain=1.6",
+            "sensor_nonlinearity:quadratic=0.3,cubic=1.5",
+            "sensor_nonlinearity:quadratic=0,ripple_sine=0.03,wave_number=20",
+        ] {
+            let [unknown, known] = [missed(hidden, &[]), missed(hidden, &[hidden])];
+            assert!(known < 0.6 * unknown, "{hidden}: {known} {unknown}");
+        }
+    }
 }

@@ -5,7 +5,7 @@ use super::inputs::Inputs;
 use super::noise;
 use super::restart::Restart;
 use super::told::Courses;
-use recording::{Recording, Run};
+use recording::{Recording, Run, low_pass_gain};
 use std::ops::Range;
 
 /// One prediction window.
@@ -102,6 +102,12 @@ impl Series {
     /// From a position to the next, mostly, s.
     pub(crate) fn step_s(&self) -> f64 {
         self.span_s.max(self.period_s)
+    }
+
+    /// How far the low-pass of the position column, once a sampling period, is behind a ramp, s.
+    pub(crate) fn logged_lag_s(&self, cutoff_hz: Option<f64>) -> f64 {
+        let gain = low_pass_gain(cutoff_hz, self.period_s);
+        self.period_s * (1.0 - gain) / gain
     }
 
     /// From a restart to the next, mostly, s; infinite if there is one restart only.

@@ -107,7 +107,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     });
     let model = corrected(&problem, selection.fit());
     let (after, _) = measure(recording, &model.device());
-    let floor = after.floor.min(before);
+    // A model that could not come below what there was before closes nothing of it.
+    let comes_below = after.floor < before || selection.rounds.is_empty();
+    let floor = if comes_below {
+        after.floor
+    } else {
+        measure(recording, &nominal).0.floor
+    };
     // What the model leaves of the very recording that it was fitted to is the least that it leaves of others.
     if before > floor {
         Step::bounded(&mut steps, (before - after.before) / (before - floor));

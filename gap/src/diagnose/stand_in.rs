@@ -3,6 +3,7 @@
 use super::findings::confidence;
 use crate::candidate::{contact, waves_short};
 use crate::fit::Fit;
+use crate::fit::hypothesis::Term;
 use crate::fit::problem::Problem;
 use crate::select::{Round, Selection};
 use std::fmt;
@@ -26,6 +27,8 @@ pub(super) enum StandIn {
     Many { effects: usize },
     /// A hand that comes more than once and is not for sure: so does any torque that comes and goes.
     Hand { stays: usize },
+    /// A hand that comes as a run begins and goes as it ends: so does whatever is another in that run.
+    Run { index: usize },
 }
 
 impl StandIn {
@@ -33,9 +36,13 @@ impl StandIn {
     pub(super) fn of(problem: &Problem<'_>, selection: &Selection) -> Option<Self> {
         let of_effects = Self::of_effects(problem, selection.fit(), selection.kept());
         let of_hand = |round: &Round| {
-            let stays = returning(round)?;
+            let hand = hand(round)?;
+            if let Some(index) = whole_run(problem, &hand) {
+                return Some(Self::Run { index });
+            }
+            let stays = contact::stays(&hand);
             let is_sure = confidence(round, selection.perfect.level) >= SURE_HAND;
-            (!is_sure).then_some(Self::Hand { stays })
+            (stays > 1 && !is_sure).then_some(Self::Hand { stays })
         };
         of_effects.or_else(|| selection.rounds.iter().find_map(of_hand))
     }
@@ -69,11 +76,25 @@ impl StandIn {
     }
 }
 
-/// How often the hand comes that a round is about, if that is more than once.
-fn returning(round: &Round) -> Option<usize> {
-    let hand = round.rivals[0].fit.last_term()?;
-    let stays = (hand.kind.name == "contact").then(|| contact::stays(&hand))?;
-    (stays > 1).then_some(stays)
+/// The hand that a round is about, if it is about one.
+fn hand(round: &Round) -> Option<Term> {
+    let last = round.rivals[0].fit.last_term()?;
+    (last.kind.name == "contact").then_some(last)
+}
+
+/// The run that the last stay of a hand begins and ends with, to within a window.
+fn whole_run(problem: &Problem<'_>, hand: &Term) -> Option<usize> {
+    let [from_s, to_s] = contact::instants(hand);
+    let horizon_s = problem.recording.horizon;
+    let lasts = |run: &usize| {
+        let parts = problem.series.iter().filter(|s| s.run == *run);
+        let parts = parts.map(|s| [s.session(0), s.session(s.time.len() - 1)]);
+        let whole = parts.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        whole.is_some_and(|[first_s, last_s]| {
+            from_s <= first_s + horizon_s && last_s - horizon_s <= to_s
+        })
+    };
+    (0..problem.recording.runs.len()).find(lasts)
 }
 
 impl fmt::Display for StandIn {
@@ -98,6 +119,12 @@ impl fmt::Display for StandIn {
                 "what pushes back {stays} times may be any torque that comes and goes, such as a drive that loses its power: \
                  record once with nothing near it to tell"
             ),
+            Self::Run { index } => write!(
+                f,
+                "what pushes back from the beginning of run {} to its end may be whatever else is another in that run: \
+                 record it again to tell",
+                index + 1
+            ),
             Self::Restoring => f.write_str(
                 "a spring and another weight together act as a spring that softens would: take one of them off to tell",
             ),
@@ -108,12 +135,11 @@ impl fmt::Display for StandIn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Hypothesis, Term};
+    use crate::fit::hypothesis::Hypothesis;
     use crate::fit::problem::Part;
     use crate::made;
     use crate::select::{Place, Rival};
     use core::f64::consts::TAU;
-    use host_sim::effects::Effect;
 
     /// Whether these terms, the first ones `certain`, may stand in for something else.
     fn is_doubted(terms: Vec<Term>, certain: usize) -> bool {
@@ -164,32 +190,38 @@ mod tests {
         ));
     }
 
-    /// How often the hand that is written so is taken to come.
-    fn taken(written: &str) -> Option<usize> {
-        let recording = made::recording(&[]);
-        let problem = made::problem(&recording);
-        let Effect { kind, values } = written.parse().unwrap();
-        let term = Term {
-            values,
-            ..made::term(kind.name, &[])
-        };
-        let hypothesis = Hypothesis { terms: vec![term] };
-        let fit = problem.fit(&hypothesis, Vec::new(), Part::All, 0);
-        let name = kind.name;
-        returning(&Round {
-            known: fit.clone(),
-            so_far: fit.clone(),
-            rivals: vec![Rival { name, fit }],
-            screened: Vec::new(),
-            place: Place::given(true),
-        })
-    }
-
     #[test]
     fn a_hand_that_comes_again_may_be_what_comes_and_goes() {
-        assert_eq!(taken("contact:from=1,to=2"), None);
+        let recording = made::recording(&[]);
+        let problem = made::problem(&recording);
+        let taken = |effect: &str| {
+            let hypothesis = Hypothesis {
+                terms: vec![made::written(effect)],
+            };
+            let fit = problem.fit(&hypothesis, Vec::new(), Part::All, 0);
+            let name = hypothesis.terms[0].kind.name;
+            let hand = hand(&Round {
+                known: fit.clone(),
+                so_far: fit.clone(),
+                rivals: vec![Rival { name, fit }],
+                screened: Vec::new(),
+                place: Place::given(true),
+            });
+            hand.map(|hand| contact::stays(&hand))
+        };
+        assert_eq!(taken("contact:from=1,to=2"), Some(1));
         let twice = taken("contact:from_1=1,to_1=2,from_2=4,to_2=5");
         assert_eq!(twice, Some(2));
         assert_eq!(taken("viscous"), None);
+    }
+
+    #[test]
+    fn a_hand_that_stays_for_a_whole_run_may_be_whatever_is_another_there() {
+        let recording = made::recording(&[]);
+        let problem = made::problem(&recording);
+        let run = |hand: &str| whole_run(&problem, &made::written(hand));
+        assert_eq!(run("contact:from=5.9,to=12.1"), Some(1));
+        assert_eq!(run("contact:from=7,to=12.1"), None);
+        assert_eq!(run("contact:from=1,to=7"), None);
     }
 }

@@ -35,6 +35,8 @@ fn span(values: &[f64]) -> f64 {
     (high - low).max(f64::MIN_POSITIVE)
 }
 
+/// Share of a speed that shows down to which the slope of the reading tells it.
+const LEAST_SHOWN: f64 = 0.5;
 /// Time constants after which what is carried over has died away, to a thousandth: gaps of as many floors are met.
 const SETTLED: f64 = 7.0;
 /// Windows that lead up to a wanted one at most, and how many are gone through for each that is wanted.
@@ -204,7 +206,7 @@ impl Predictor {
         let mechanics = &self.device.mechanics;
         mechanics.link.is_some()
             || mechanics.presliding.is_some()
-            || self.device.sensing.hysteresis > 0.0
+            || !self.device.sensing.hysteresis.is_none()
             || self.device.sensing.lag_s > 0.0
             || !self.device.sensing.overspeed.is_none()
     }
@@ -235,7 +237,8 @@ impl Predictor {
         }
         let mechanics = &self.device.mechanics;
         let sensing = &self.device.sensing;
-        let plays = sensing.hysteresis > 0.0 || mechanics.link.is_some_and(|link| link.play > 0.0);
+        let plays =
+            !sensing.hysteresis.is_none() || mechanics.link.is_some_and(|link| link.play > 0.0);
         if plays || mechanics.presliding.is_some() || !sensing.overspeed.is_none() {
             // Where a play or a bristle stands, or a counter, is known once the device has been followed for a while.
             return MOST_LEAD;
@@ -280,22 +283,29 @@ impl Predictor {
         running.shown = value + logged_s * slope;
         running.filtered = value;
 
-        let half = 0.5 * sensing.hysteresis;
-        let (seen, seen_rate) = self.plant.seen(&running.state);
-        // Where in the play the position stands cannot be seen; what moves takes it along.
-        let inside = if follows {
-            (sensing.curve(seen) - running.reading.middle).clamp(-half, half)
+        let hysteresis = &sensing.hysteresis;
+        let (_, seen_rate) = self.plant.seen(&running.state);
+        // How far the reading stays behind cannot be seen; what moves comes to the farthest.
+        let (inside, direction) = if follows {
+            (running.reading.behind, seen_rate)
         } else {
-            half.copysign(rate)
+            (hysteresis.half_width.copysign(rate), rate)
         };
         let x = sensing.inverse(behind + inside);
-        // Within the play the reading says nothing of the speed, and its slope is bent where the play is crossed.
-        let v = if inside.abs() < half {
+        // Of what hardly shows of the speed the slope of the reading says little, and within play nothing.
+        let shown = hysteresis.shown(inside, direction);
+        let v = if shown < LEAST_SHOWN {
             seen_rate
         } else {
-            rate / sensing.slope(x)
+            rate / (sensing.slope(x) * shown)
         };
-        running.reading = Reading::resumed(behind, [lagged + further, lagged], lost);
+        running.reading = Reading {
+            followed: behind,
+            behind: inside,
+            between: lagged + further,
+            lagged,
+            lost,
+        };
         running.state = self.plant.restart(&running.state, session_s, x, v);
         x
     }
@@ -308,12 +318,12 @@ impl Predictor {
         }
         let (x, v) = self.plant.seen(&running.state);
         let Reading {
-            middle,
+            followed,
             between,
             lagged,
             ..
         } = running.reading;
-        let [lag, further] = [middle - lagged, between - lagged];
+        let [lag, further] = [followed - lagged, between - lagged];
         let follows_at = if sensing.further_lag_s > 0.0 {
             further / sensing.further_lag_s
         } else {
@@ -358,6 +368,8 @@ impl Predictor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::problem::Part;
     use crate::made;
     use crate::windows::series;
 
@@ -384,6 +396,24 @@ mod tests {
         let lag = farthest(&device(0.0).predict(series));
         let unsettled = farthest(&lagging.predict(series));
         assert!(unsettled < 0.02 * lag, "{unsettled} {lag}");
+    }
+
+    #[test]
+    fn what_a_sensor_keeps_back_is_carried_on() {
+        for hidden in [
+            "sensor_hysteresis:width=0.03",
+            "sensor_hysteresis:width=0.03,reach=0.045",
+        ] {
+            let recording = made::recording(&[hidden]);
+            let problem = made::problem(&recording);
+            let left = |known: &[&str]| {
+                let terms = known.iter().map(|effect| made::written(effect)).collect();
+                let fit = problem.fit(&Hypothesis { terms }, Vec::new(), Part::All, 0);
+                problem.plain_gap(&problem.series, &fit)
+            };
+            let [unknown, known] = [left(&[]), left(&[hidden])];
+            assert!(known < 0.2 * unknown, "{hidden}: {known} {unknown}");
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ pub mod device;
 pub mod drive;
 pub mod effects;
 pub mod experiment;
+pub mod hysteresis;
 pub mod lab_model;
 pub mod motor;
 pub mod paddle;

@@ -1,5 +1,6 @@
 //! From the position to its reading, before noise and quantising.
 
+use crate::hysteresis::Hysteresis;
 use crate::ripple::Ripple;
 
 /// A reading that jumps and stays off.
@@ -50,7 +51,7 @@ impl Overspeed {
     }
 }
 
-/// `y = jumps(t) − lost(x) + lag(play(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o))`.
+/// `y = jumps(t) − lost(x) + lag(hysteresis(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensing {
     /// g.
@@ -63,8 +64,8 @@ pub struct Sensing {
     pub ripple: Ripple,
     /// o, in units of position.
     pub offset: f64,
-    /// Width of the play, in units of position.
-    pub hysteresis: f64,
+    /// Of what the curve reads.
+    pub hysteresis: Hysteresis,
     /// Time constant of the lag, s.
     pub lag_s: f64,
     /// Of another one behind it, s.
@@ -84,7 +85,7 @@ impl Sensing {
             cubic: 0.0,
             ripple: Ripple::NONE,
             offset: 0.0,
-            hysteresis: 0.0,
+            hysteresis: Hysteresis::NONE,
             lag_s: 0.0,
             further_lag_s: 0.0,
             jumps: Vec::new(),
@@ -172,18 +173,19 @@ const INVERSE_ITERATIONS: usize = 6;
 /// Share of the gain below which a slope is taken as flat.
 const FLATTEST: f64 = 0.1;
 
-/// The sensor at work: where the play stands, the lags, and what was lost.
+/// The sensor at work: where hysteresis and lags stand, and what was lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Middle of the play, in units of the reading.
-    pub middle: f64,
+    /// Behind the hysteresis.
+    pub followed: f64,
+    /// How far the hysteresis is behind the curve.
+    pub behind: f64,
     /// Behind the first lag.
     pub between: f64,
     /// Behind both.
     pub lagged: f64,
     /// By turning too fast.
     pub lost: f64,
-    before: f64,
 }
 
 impl Reading {
@@ -191,43 +193,32 @@ impl Reading {
     pub fn at_rest(sensing: &Sensing, x: f64) -> Self {
         let y = sensing.curve(x);
         Self {
-            middle: y,
+            followed: y,
+            behind: 0.0,
             between: y,
             lagged: y,
             lost: 0.0,
-            before: y,
-        }
-    }
-
-    /// Where play and lags are known to stand and what was lost, in units of the reading.
-    pub fn resumed(middle: f64, [between, lagged]: [f64; 2], lost: f64) -> Self {
-        Self {
-            middle,
-            between,
-            lagged,
-            lost,
-            before: middle,
         }
     }
 
     /// Follows the position to `x`, `dt_s` after the last call; the reading, jumps apart.
     #[inline]
     pub fn follow(&mut self, sensing: &Sensing, x: f64, dt_s: f64) -> f64 {
-        let y = sensing.curve(x);
-        let half = 0.5 * sensing.hysteresis;
-        // Not `clamp`: a position that has run away may be no number.
-        self.middle = self.middle.max(y - half).min(y + half);
-        let y = self.middle;
-        let step = y - self.before;
+        let curve = sensing.curve(x);
+        let before = self.followed;
+        let step = curve - (before + self.behind);
+        self.behind = sensing.hysteresis.after(self.behind, step);
+        let y = curve - self.behind;
+        self.followed = y;
+        let step = y - before;
         let slope = || if dt_s > 0.0 { step / dt_s } else { 0.0 };
         if !sensing.overspeed.is_none() {
             self.lost += sensing.overspeed.lost(slope()) * dt_s;
         }
-        let between = lagging(self.between, [self.before, y], dt_s, sensing.lag_s);
+        let between = lagging(self.between, [before, y], dt_s, sensing.lag_s);
         let through = [self.between, between];
         self.lagged = lagging(self.lagged, through, dt_s, sensing.further_lag_s);
         self.between = between;
-        self.before = y;
         self.lagged - self.lost
     }
 }
@@ -320,7 +311,10 @@ mod tests {
     #[test]
     fn the_play_holds_on_reversal() {
         let sensing = Sensing {
-            hysteresis: 0.02,
+            hysteresis: Hysteresis {
+                half_width: 0.01,
+                ..Hysteresis::NONE
+            },
             ..Sensing::ideal()
         };
         let mut reading = Reading::at_rest(&sensing, 0.0);

@@ -13,6 +13,8 @@ const LEAST_PLAY: f64 = 3.0;
 const LEAST_PLAY_SHARE: f64 = 1e-4;
 const WIDEST_PLAY: f64 = 0.2;
 const PLAY_RATIO: f64 = 2.0;
+/// Way after a turn, over that width, within which a reading softly comes to stay behind: at first it moves by a third.
+const SOFT_REACH: f64 = 1.5;
 /// Square and cube by which a sensor's curve departs at the ends of the motion, over half of its span.
 const BENDS: [[f64; 2]; 5] = [
     [0.0, 0.0],
@@ -39,7 +41,9 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let least = LEAST_PLAY * s.noise;
             let sizes = [least.clamp(LEAST_PLAY_SHARE * widest, 0.5 * widest), widest];
             let widths = geometric(sizes, count(sizes, PLAY_RATIO));
-            terms(kind, None, widths.map(|width| vec![log(0, width)]))
+            let play = widths.clone().map(|width| vec![log(0, width)]);
+            let soft = widths.map(|width| vec![log(0, width), log(1, SOFT_REACH * width)]);
+            [terms(kind, None, play), terms(kind, None, soft)].concat()
         }
         "sensor_lag" => {
             let once = actuation::late(kind, e);

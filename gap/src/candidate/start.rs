@@ -54,7 +54,7 @@ pub(super) fn terms(
 }
 
 /// `count` values by equal ratios.
-pub(super) fn geometric([low, high]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
+pub(super) fn geometric([low, high]: [f64; 2], count: usize) -> impl Iterator<Item = f64> + Clone {
     let ratio = (high / low).powf(1.0 / (count - 1) as f64);
     (0..count).map(move |k| low * ratio.powi(k as i32))
 }

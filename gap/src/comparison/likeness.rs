@@ -16,6 +16,8 @@ const NARROWINGS: usize = 24;
 const WIDTHS: [f64; 2] = [1e-4, 0.5];
 const LAGS: [f64; 2] = [1e-4, 1.0];
 const TURNS: [f64; 2] = [0.25, 4.0];
+/// Ways after a turn within which a reading comes to stay behind, over that width; none for play.
+const REACHES: [f64; 3] = [0.0, 1.5, 3.0];
 /// Over the fastest motion.
 const SPEEDS: [f64; 2] = [0.02, 0.98];
 /// More jumps than this are no lost counts.
@@ -161,8 +163,12 @@ impl<'a> Scope<'a> {
                 .collect(),
             "sensor_nonlinearity" => self.curves(kind),
             "sensor_hysteresis" => {
-                let range = WIDTHS.map(|f| f * self.span);
-                vec![vec![lowest(range, |w| self.left(kind, &[w]))]]
+                let of_reach = |reach: f64| {
+                    let range = WIDTHS.map(|f| f * self.span);
+                    let values = |width: f64| vec![width, reach * width];
+                    values(lowest(range, |width| self.left(kind, &values(width))))
+                };
+                REACHES.map(of_reach).to_vec()
             }
             "sensor_lag" => {
                 let lag = |twice: f64| {

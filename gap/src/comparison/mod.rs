@@ -467,6 +467,7 @@ mod tests {
             ("sensor_gain:gain=1.1", 0, 0.002),
             ("sensor_nonlinearity:quadratic=0.3", 0, 0.02),
             ("sensor_hysteresis:width=0.01", 0, 0.05),
+            ("sensor_hysteresis:width=0.01,reach=0.03", 0, 0.05),
             ("sensor_lag:time=0.006", 0, 0.03),
             ("lost_counts:jump=0,share=0.2,speed=2", 2, 0.03),
         ] {

@@ -1,23 +1,37 @@
-//! The sensor follows with play.
+//! The sensor stays behind where the motion turns.
 
 use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use crate::hysteresis::Hysteresis;
 
-/// `y = x held within ± w/2`.
+/// `y = x − h`, `h` held within ± w/2 where r is 0, otherwise `h' = |x'| (sgn(x') w/2 − h) / r`.
 pub const KIND: Kind = Kind {
     name: "sensor_hysteresis",
     channel: Channel::Sensing,
-    about: "The sensor follows with play",
-    equation: "y = x held within ± w/2",
-    parameters: &[Parameter {
-        name: "width",
-        quantity: Quantity::Position,
-        range: NOT_NEGATIVE,
-        default: 0.005,
-        typical: [0.0005, 0.03],
-        about: "of the play",
-    }],
+    about: "The sensor stays behind where the motion turns",
+    equation: "y = x − h, |h| ≤ w/2 for r = 0, or else h' = |x'| (sgn(x') w/2 − h)/r",
+    parameters: &[
+        Parameter {
+            name: "width",
+            quantity: Quantity::Position,
+            range: NOT_NEGATIVE,
+            default: 0.005,
+            typical: [0.0005, 0.03],
+            about: "w, from one side to the other",
+        },
+        Parameter {
+            name: "reach",
+            quantity: Quantity::Position,
+            range: NOT_NEGATIVE,
+            default: 0.0,
+            typical: [0.0, 0.05],
+            about: "r, way after a turn over which it comes to stay behind; 0 for play",
+        },
+    ],
     events: None,
     install: |device, p| {
-        device.sensing.hysteresis = p[0];
+        device.sensing.hysteresis = Hysteresis {
+            half_width: 0.5 * p[0],
+            reach: p[1],
+        };
     },
 };

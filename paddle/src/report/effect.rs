@@ -105,8 +105,8 @@ const WORDS: [(&str, &str, &str); 28] = [
     ),
     (
         "sensor_hysteresis",
-        "play in the sensor",
-        "a sensor that follows with {width} of play",
+        "hysteresis of the sensor",
+        "a sensor that stays {width} behind from one side to the other",
     ),
     (
         "sensor_lag",

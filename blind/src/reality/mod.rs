@@ -15,7 +15,7 @@ pub(crate) use actuation::{Actuator, Cogging, Deadband, InputSeries};
 pub(crate) use foreign::{Creep, Disturbance, Foreign, Window};
 pub(crate) use friction::{Bristle, Friction, Profile, WarmUp};
 pub(crate) use mechanics::{Coupling, Mechanics, Side, Stop};
-pub(crate) use sensing::{Curve, Jump, Sensing, Slip};
+pub(crate) use sensing::{Curve, Jump, Play, Sensing, Slip};
 pub(crate) use surroundings::Contact;
 
 use recording::Model;

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 
 /// Share of the play within which it counts as taken up: rounding, no more.
 const PLAY_TAKEN_UP: f64 = 1e-6;
+/// Plays side by side that make a soft one, by their width over its own.
+const PLAYS: [f64; 4] = [0.25, 0.75, 1.25, 1.75];
 
 /// A departure from the straight line, in units of position.
 #[derive(Clone, Copy, Debug)]
@@ -60,14 +62,36 @@ impl Slip {
     }
 }
 
+/// A reading that stays behind on reversal.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Play {
+    /// Half the way that it stays behind.
+    pub half_width: f64,
+    /// None for a hard play; otherwise how much wider than that are the plays side by side, of which each stays behind in
+    /// its share of the reading, after Prandtl and Ishlinskii.
+    pub softness: Option<f64>,
+}
+
+impl Play {
+    /// Half the width of each of the plays, and the share of the reading that it is in.
+    fn parts(self) -> [[f64; 2]; PLAYS.len()] {
+        match self.softness {
+            None => core::array::from_fn(|i| [self.half_width, if i == 0 { 1.0 } else { 0.0 }]),
+            Some(wider) => PLAYS.map(|width| {
+                let share = 1.0 / (wider * PLAYS.len() as f64);
+                [self.half_width * wider * width, share]
+            }),
+        }
+    }
+}
+
 /// A sensor of the position; the default is perfect.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sensing {
     /// Departure of the gain from 1.
     pub gain_error: f64,
     pub curve: Option<Curve>,
-    /// Half the width of the play between position and reading.
-    pub half_play: f64,
+    pub play: Option<Play>,
     pub lag_s: f64,
     /// Of another lag behind that one.
     pub further_lag_s: f64,
@@ -79,6 +103,10 @@ pub(crate) struct Sensing {
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Memory {
+    /// How far each play is behind.
+    behind: [f64; PLAYS.len()],
+    /// What the curve made of the position.
+    shaped: f64,
     played: f64,
     lagged: f64,
     further: f64,
@@ -91,6 +119,8 @@ impl Sensing {
     pub fn settled(&self, x: f64) -> Memory {
         let shaped = self.shaped(x);
         Memory {
+            behind: [0.0; PLAYS.len()],
+            shaped,
             played: shaped,
             lagged: shaped,
             further: shaped,
@@ -106,11 +136,15 @@ impl Sensing {
             memory.missed += slip.missed(shaped - memory.before, dt);
             memory.before = shaped;
         }
-        if self.half_play > 0.0 || self.lag_s > 0.0 {
+        if self.play.is_some() || self.lag_s > 0.0 {
             let shaped = self.shaped(x);
-            memory.played = memory
-                .played
-                .clamp(shaped - self.half_play, shaped + self.half_play);
+            let step = shaped - memory.shaped;
+            memory.shaped = shaped;
+            memory.played = shaped;
+            for (behind, [half_width, share]) in memory.behind.iter_mut().zip(self.plays()) {
+                *behind = (*behind + step).clamp(-half_width, half_width);
+                memory.played -= share * *behind;
+            }
             memory.lagged = relaxed(memory.lagged, memory.played, self.lag_s, dt);
             memory.further = relaxed(memory.further, memory.lagged, self.further_lag_s, dt);
         }
@@ -118,7 +152,7 @@ impl Sensing {
 
     /// The clean reading at `x`.
     pub fn reading(&self, memory: &Memory, x: f64, run: usize, time_s: f64) -> f64 {
-        let base = if self.half_play > 0.0 || self.lag_s > 0.0 {
+        let base = if self.play.is_some() || self.lag_s > 0.0 {
             memory.further
         } else {
             self.shaped(x)
@@ -137,23 +171,31 @@ impl Sensing {
 
     /// How fast the clean reading changes at position `x` and velocity `v`.
     pub fn rate(&self, memory: &Memory, x: f64, v: f64, time_s: f64) -> f64 {
-        let shaped = self.shaped(x);
-        let carried = (shaped - memory.played) * v > 0.0
-            && (shaped - memory.played).abs() >= self.half_play * (1.0 - PLAY_TAKEN_UP);
         let base = if self.further_lag_s > 0.0 {
             (memory.lagged - memory.further) / self.further_lag_s
         } else if self.lag_s > 0.0 {
             (memory.played - memory.lagged) / self.lag_s
-        } else if self.half_play > 0.0 && !carried {
-            0.0
         } else {
-            self.slope(x) * v
+            self.carried(memory, v) * self.slope(x) * v
         };
         let hum = self.hum.map_or(0.0, |(amplitude, hz)| {
             amplitude * TAU * hz * (TAU * hz * time_s).cos()
         });
         let missed = self.slip.map_or(0.0, |slip| slip.missed(base, 1.0));
         base - missed + hum
+    }
+
+    fn plays(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.play.into_iter().flat_map(Play::parts)
+    }
+
+    /// Share of the reading that moves with the curve at velocity `v`: where the plays are taken up.
+    fn carried(&self, memory: &Memory, v: f64) -> f64 {
+        let slack = memory.behind.iter().zip(self.plays());
+        let slack = slack.filter(|(behind, [half_width, _])| {
+            *behind * v.signum() < half_width * (1.0 - PLAY_TAKEN_UP)
+        });
+        1.0 - slack.map(|(_, [_, share])| share).sum::<f64>()
     }
 
     /// Reading per unit of position around `x`.
@@ -163,6 +205,7 @@ impl Sensing {
 
     /// Shifts the memory by `dx` of reading.
     pub fn displace(&self, memory: &mut Memory, dx: f64) {
+        memory.shaped += dx;
         memory.played += dx;
         memory.lagged += dx;
         memory.further += dx;

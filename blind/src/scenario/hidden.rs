@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use crate::draw::Draw;
 use crate::reality::{
-    Bristle, Cogging, Contact, Coupling, Curve, Deadband, Jump, Profile, Reality, Side, Slip, Stop,
-    WarmUp,
+    Bristle, Cogging, Contact, Coupling, Curve, Deadband, Jump, Play, Profile, Reality, Side, Slip,
+    Stop, WarmUp,
 };
 use crate::truth::Place;
 
@@ -342,7 +342,13 @@ impl Hidden {
                     },
                 });
             }
-            "sensor_hysteresis" => sensing.half_play = s * half_span,
+            "sensor_hysteresis" => {
+                let soft = self.variant.is_multiple_of(3);
+                sensing.play = Some(Play {
+                    half_width: s * half_span,
+                    softness: soft.then(|| self.between(0, 1.0, 3.0)),
+                });
+            }
             "sensor_lag" if self.is_twice() => {
                 sensing.lag_s = 0.5 * s / (TAU * hz);
                 sensing.further_lag_s = 0.5 * s / (TAU * hz);

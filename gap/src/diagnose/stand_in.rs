@@ -82,16 +82,19 @@ fn hand(round: &Round) -> Option<Term> {
     (last.kind.name == "contact").then_some(last)
 }
 
-/// The run that the last stay of a hand begins and ends with, to within a window.
+/// The run that a stay of a hand begins and ends with, to within a window.
 fn whole_run(problem: &Problem<'_>, hand: &Term) -> Option<usize> {
-    let [from_s, to_s] = contact::instants(hand);
     let horizon_s = problem.recording.horizon;
+    let stays = hand.kind.meanwhile(&hand.values).unwrap_or_default();
     let lasts = |run: &usize| {
         let parts = problem.series.iter().filter(|s| s.run == *run);
         let parts = parts.map(|s| [s.session(0), s.session(s.time.len() - 1)]);
         let whole = parts.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         whole.is_some_and(|[first_s, last_s]| {
-            from_s <= first_s + horizon_s && last_s - horizon_s <= to_s
+            let spans = |[from_s, to_s]: &[f64; 2]| {
+                *from_s <= first_s + horizon_s && last_s - horizon_s <= *to_s
+            };
+            stays.iter().any(spans)
         })
     };
     (0..problem.recording.runs.len()).find(lasts)
@@ -223,5 +226,7 @@ mod tests {
         assert_eq!(run("contact:from=5.9,to=12.1"), Some(1));
         assert_eq!(run("contact:from=7,to=12.1"), None);
         assert_eq!(run("contact:from=1,to=7"), None);
+        let again = "contact:from_1=5.9,to_1=12.1,from_2=6,to_2=7";
+        assert_eq!(run(again), Some(1));
     }
 }

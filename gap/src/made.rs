@@ -1,8 +1,9 @@
 //! Recordings that tests are made with.
 
-use crate::candidate;
+use crate::candidate::{self, Evidence};
 use crate::fit::hypothesis::{Coordinate, Term};
 use crate::fit::problem::Problem;
+use crate::windows::motion::{Motion, Scales};
 use crate::windows::series;
 use host_sim::device::Device;
 use host_sim::drive::DriveLine;
@@ -31,6 +32,29 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
 /// An effect that begins at some numbers that are free, the others as they are by default.
 pub(crate) fn term(name: &str, free: &[Coordinate]) -> Term {
     candidate::term(effects::kind(name).unwrap(), free.to_vec(), &[])
+}
+
+/// What is `told` of what is seen of some effects, once the motions are `changed`.
+pub(crate) fn seen<T>(
+    effects: &[&str],
+    change: impl Fn(&mut [Motion]),
+    told: impl Fn(&Evidence<'_>) -> T,
+) -> T {
+    let recording = recording(effects);
+    let series = &problem(&recording).series;
+    let device = Device::nominal(&recording.model);
+    let motion = |s| Motion::of(s, &device, None, recording.restart_half_width);
+    let mut motions: Vec<Motion> = series.iter().map(motion).collect();
+    change(&mut motions);
+    told(&Evidence {
+        series,
+        motions: &motions,
+        scales: &Scales::of(series, &motions, &device, recording.horizon),
+        device: &device,
+        model: &recording.model,
+        cutoff_hz: None,
+        window_costs: &[],
+    })
 }
 
 /// The effect that is written so, nothing of it free.

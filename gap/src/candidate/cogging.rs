@@ -1,15 +1,18 @@
 //! Torque ripple over position: a search over wave numbers before any fit.
 
 use super::Evidence;
-use super::regression::moments;
+use super::regression::{Moment, moments};
 use super::start::{linear, log, term};
 use super::waves;
 use crate::fit::hypothesis::Term;
+use crate::windows::motion::quantile;
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 
-/// Wave numbers from which a fit starts.
+/// Wave numbers from which a fit starts, of those that most of the motion follows and of finer ones.
 const PEAKS: usize = 3;
+/// Share of the moments that are slow.
+const SLOW_SHARE: f64 = 0.25;
 
 /// Waves that were travelled at least for a ripple to be seen to repeat.
 const LEAST_WAVES: f64 = 1.0;
@@ -24,8 +27,20 @@ pub(crate) fn waves_short(wave_number: f64, [low, high]: [f64; 2]) -> Option<f64
 /// cosine over position explain.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
-    let known = moments(e).map(|m| (m.position, m.velocity > 0.0, m.missing_nm));
-    let peaks = waves::strongest(known.collect(), s).into_iter().take(PEAKS);
+    let known: Vec<Moment> = moments(e).collect();
+    let speeds: Vec<f64> = known.iter().map(|m| m.velocity.abs()).collect();
+    let slow = quantile(&speeds, SLOW_SHARE);
+    let strongest = |fastest: f64, range: [f64; 2]| {
+        let some = known.iter().filter(|m| m.velocity.abs() <= fastest);
+        let some = some.map(|m| (m.position, m.velocity > 0.0, m.missing_nm));
+        waves::strongest(some.collect(), range, s.span())
+    };
+    let all = strongest(f64::INFINITY, s.wave_numbers());
+    // What passes too fast most of the time shows where the motion is slow.
+    let finer = [s.finest_wave_number(), s.finest_wave_number_at(slow)];
+    let fine = strongest(slow, finer);
+    let peaks = all.into_iter().take(PEAKS);
+    let peaks = peaks.chain(fine.into_iter().take(PEAKS));
     peaks
         .map(|(n, [a, b])| {
             let amplitude = a.hypot(b).max(1e-3 * s.torque);
@@ -41,4 +56,28 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             term(kind, free, &[])
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+
+    #[test]
+    fn a_ripple_that_most_of_the_motion_is_too_fast_for_is_looked_for_where_it_is_slow() {
+        const WAVE_NUMBER: f64 = 120.0;
+        let kind = host_sim::effects::kind("cogging").unwrap();
+        let hidden = format!("cogging:amplitude=0.004,wave_number={WAVE_NUMBER},phase=0");
+        let nearest = made::seen(
+            &[&hidden],
+            |_| (),
+            |e| {
+                assert!(WAVE_NUMBER > e.scales.finest_wave_number());
+                let starts = starts(kind, e).into_iter();
+                let off = starts.map(|start| (start.values[1] - WAVE_NUMBER).abs());
+                off.fold(f64::INFINITY, f64::min) / (TAU / e.scales.span())
+            },
+        );
+        assert!(nearest < 0.5, "{nearest} turns off");
+    }
 }

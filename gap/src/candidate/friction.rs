@@ -204,7 +204,7 @@ fn position_dependent(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         let resisting_nm = -m.missing_nm * m.velocity.signum();
         (m.position, m.velocity > 0.0, resisting_nm)
     });
-    let fine = waves::strongest(resistance.collect(), s).into_iter();
+    let fine = waves::strongest(resistance.collect(), s.wave_numbers(), s.span()).into_iter();
     let fine = fine.map(|(wave_number, _)| wave_number);
     let fine = fine.filter(|wave_number| *wave_number > coarse);
     let ripples = RIPPLES.into_iter().map(|turns| turns * turn);
@@ -318,31 +318,7 @@ fn drifts_since(
 mod tests {
     use super::*;
     use crate::made;
-    use crate::windows::motion::{Motion, Scales};
-    use host_sim::device::Device;
-
-    /// What is `told` of what is seen of some effects.
-    fn seen<T>(
-        effects: &[&str],
-        change: impl Fn(&mut [Motion]),
-        told: impl Fn(&Evidence<'_>) -> T,
-    ) -> T {
-        let recording = made::recording(effects);
-        let series = &made::problem(&recording).series;
-        let device = Device::nominal(&recording.model);
-        let motion = |s| Motion::of(s, &device, None, recording.restart_half_width);
-        let mut motions: Vec<Motion> = series.iter().map(motion).collect();
-        change(&mut motions);
-        told(&Evidence {
-            series,
-            motions: &motions,
-            scales: &Scales::of(series, &motions, &device, recording.horizon),
-            device: &device,
-            model: &recording.model,
-            cutoff_hz: None,
-            window_costs: &[],
-        })
-    }
+    use crate::windows::motion::Motion;
 
     /// What is said of static friction where so much was held, N m, while the joint was accelerated so.
     fn told(held: &[(f64, f64)]) -> Option<f64> {
@@ -355,7 +331,7 @@ mod tests {
                 motions[0].acceleration[i] = *acceleration;
             }
         };
-        seen(&[], hold, held_rise)
+        made::seen(&[], hold, held_rise)
     }
 
     #[test]
@@ -371,7 +347,7 @@ mod tests {
             let mut off = fine.map(|start| (start.values[5] - WAVE_NUMBER).abs());
             off.any(|off| off < 0.3 * turn)
         };
-        assert!(seen(&[&rippled], |_| (), near));
+        assert!(made::seen(&[&rippled], |_| (), near));
     }
 
     #[test]

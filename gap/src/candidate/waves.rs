@@ -1,6 +1,5 @@
 //! Sine waves over position, of one wave number after the other.
 
-use crate::windows::motion::Scales;
 use core::f64::consts::TAU;
 
 /// Wave numbers tried.
@@ -42,14 +41,13 @@ impl Waves {
     }
 }
 
-/// The wave numbers of which a sine and a cosine make most of what varies over position in each direction, with their
-/// amplitudes, the strongest first: from position, direction and value at each moment.
+/// The wave numbers in a range of which a sine and a cosine make most of what varies over position in each direction, with
+/// their amplitudes, the strongest first: from position, direction and value at each moment.
 pub(super) fn strongest(
     mut moments: Vec<(f64, bool, f64)>,
-    scales: &Scales,
+    [lowest, highest]: [f64; 2],
+    span: f64,
 ) -> Vec<(f64, [f64; 2])> {
-    let lowest = TAU / scales.span();
-    let highest = scales.finest_wave_number();
     if moments.len() < FEWEST_MOMENTS || highest <= lowest {
         return Vec::new();
     }
@@ -62,7 +60,7 @@ pub(super) fn strongest(
         }
     }
     // Resolution is 2π over the span; on many turns whole numbers a turn are enough.
-    let step = ((highest - lowest) / GRID as f64).max(0.25 * lowest);
+    let step = ((highest - lowest) / GRID as f64).max(0.25 * TAU / span);
     let count = ((highest - lowest) / step) as usize + 1;
     let stride = (moments.len() / MOST_MOMENTS).max(1);
     let some: Vec<(f64, bool, f64)> = moments.into_iter().step_by(stride).collect();

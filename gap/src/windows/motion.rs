@@ -172,7 +172,17 @@ impl Scales {
 
     /// The highest wave number over position that samples follow.
     pub(crate) fn finest_wave_number(&self) -> f64 {
-        TAU / (self.velocity * self.period_s * SAMPLES_A_PERIOD)
+        self.finest_wave_number_at(self.velocity)
+    }
+
+    /// The same at a speed.
+    pub(crate) fn finest_wave_number_at(&self, speed: f64) -> f64 {
+        TAU / (speed * self.period_s * SAMPLES_A_PERIOD)
+    }
+
+    /// The wave numbers from one period over the span to the finest that samples follow.
+    pub(crate) fn wave_numbers(&self) -> [f64; 2] {
+        [TAU / self.span(), self.finest_wave_number()]
     }
 
     pub(crate) fn middle(&self) -> f64 {

@@ -61,11 +61,11 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     // A counter may also start anew with every run.
     let mut anew = Vec::new();
     for (index, series) in e.series.iter().enumerate() {
-        let Some(last) = series.time.len().checked_sub(1) else {
+        let Some([from, to]) = series.session_span_s() else {
             continue;
         };
-        let within = |t: f64| t >= series.session(0) && t <= series.session(last);
-        let mine: Vec<_> = jumps.iter().copied().filter(|j| within(j.0)).collect();
+        let within = |j: &Found| (from..=to).contains(&j.0);
+        let mine: Vec<_> = jumps.iter().copied().filter(within).collect();
         let sum: f64 = mine.iter().map(|j| j.2).sum();
         anew.extend(mine);
         let mut next = e.series[index + 1..].iter().filter(|s| !s.time.is_empty());

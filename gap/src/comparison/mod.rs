@@ -360,8 +360,8 @@ const ACROSS: usize = 3;
 fn jumps(column: &[Series], moments_s: &[f64]) -> Vec<f64> {
     let jump = |at_s: &f64| {
         let within = |series: &&Series| {
-            let last = series.time.len().saturating_sub(1);
-            !series.time.is_empty() && (series.session(0)..=series.session(last)).contains(at_s)
+            let span = series.session_span_s();
+            span.is_some_and(|[from, to]| (from..=to).contains(at_s))
         };
         let series = column.iter().find(within)?;
         let after = (0..series.time.len()).position(|i| series.session(i) >= *at_s)?;

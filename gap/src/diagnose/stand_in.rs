@@ -6,6 +6,7 @@ use crate::fit::Fit;
 use crate::fit::hypothesis::Term;
 use crate::fit::problem::Problem;
 use crate::select::{Round, Selection};
+use crate::windows::series::Series;
 use std::fmt;
 
 /// Effects that are many.
@@ -88,8 +89,8 @@ fn whole_run(problem: &Problem<'_>, hand: &Term) -> Option<usize> {
     let stays = hand.kind.meanwhile(&hand.values).unwrap_or_default();
     let lasts = |run: &usize| {
         let parts = problem.series.iter().filter(|s| s.run == *run);
-        let parts = parts.map(|s| [s.session(0), s.session(s.time.len() - 1)]);
-        let whole = parts.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+        let spans = parts.filter_map(Series::session_span_s);
+        let whole = spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         whole.is_some_and(|[first_s, last_s]| {
             let spans = |[from_s, to_s]: &[f64; 2]| {
                 *from_s <= first_s + horizon_s && last_s - horizon_s <= *to_s

@@ -88,7 +88,7 @@ fn closed_beside(problem: &Problem<'_>, selection: &Selection, place: usize) -> 
     let all = selection.fit();
     let others = self::without(problem, selection, place);
     let [without, with] = [&others, all].map(|fit| problem.window_squares(fit, Part::All));
-    let nominal = problem.window_squares(&bare(problem, selection), Part::All);
+    let nominal = problem.window_squares(&selection.null.as_stated(), Part::All);
     shrink(&without, &with, &problem.floor_squares(all), &nominal)[0]
 }
 
@@ -166,18 +166,10 @@ fn hardly_closes(floor: &[f64], nominal: &[f64], before: &[f64], after: &[f64]) 
     shrink(before, after, floor, nominal)[0] < LEAST_SHRINK
 }
 
-/// The nominal model as it is stated.
-fn bare(problem: &Problem<'_>, selection: &Selection) -> Fit {
-    Fit {
-        x: vec![0.0; problem.nudges.len()],
-        ..selection.null.clone()
-    }
-}
-
 /// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
 /// have not seen.
 fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
-    let nominal = problem.window_squares(&bare(problem, selection), Part::All);
+    let nominal = problem.window_squares(&selection.null.as_stated(), Part::All);
     let left = selection.rounds.iter().map(|round| {
         if round.place.by_few {
             problem.window_squares(&round.so_far, Part::All)

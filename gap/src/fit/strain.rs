@@ -13,6 +13,13 @@ impl Fit {
         &self.x[..self.x.len() - self.hypothesis.free()]
     }
 
+    /// The same with the model's own numbers as they are stated.
+    pub(crate) fn as_stated(&self) -> Self {
+        let mut stated = self.clone();
+        stated.x[..self.moves().len()].fill(0.0);
+        stated
+    }
+
     /// True if the model's own numbers have moved no farther than their tolerances let one expect.
     pub(crate) fn is_likely(&self) -> bool {
         let moves = self.moves();

@@ -265,10 +265,9 @@ impl<'a> Axes<'a> {
         };
         let strength = surplus + COURSE_WEIGHT * self.explained_along(&coarse);
         if self.series.iter().any(|s| s.session_offset_s != 0.0) {
-            let cut = self.series.iter().map(|s| {
-                let (from, to) = span(s);
-                bins.stretch(from.max(stretch.from), to.min(stretch.to))
-            });
+            let spans = self.series.iter().filter_map(Series::session_span_s);
+            let cut =
+                spans.map(|[from, to]| bins.stretch(from.max(stretch.from), to.min(stretch.to)));
             stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
         }
         Some(Evidence::new("time", bins, stretch, strength))
@@ -321,12 +320,6 @@ impl<'a> Axes<'a> {
         let strength = UNEVEN_WEIGHT * stretch.surplus() + self.explained(&change);
         Some(Evidence::new("frequency", bins, stretch, strength))
     }
-}
-
-/// First and last time of a series on the clock of the session, s.
-pub(super) fn span(series: &Series) -> (f64, f64) {
-    let last = series.time.len().saturating_sub(1);
-    (series.session(0), series.session(last))
 }
 
 #[cfg(test)]

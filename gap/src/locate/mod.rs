@@ -11,10 +11,9 @@ use crate::comparison::{Comparison, Outcome};
 use crate::diagnosis::{AFTER_REST, Region};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::predict::Predictor;
 use crate::windows::series::{MOST_SAMPLES, Series, fine, thinned};
 use bins::Stretch;
-use evidence::{Evidence, LEAST_SURPLUS, span};
+use evidence::{Evidence, LEAST_SURPLUS};
 use grown::grown;
 use host_sim::effects::Channel;
 use innovation::innovations;
@@ -70,13 +69,9 @@ fn sensing(comparison: &Comparison) -> Option<Region> {
 fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let recording = problem.recording;
     // Numbers that have gone to make up for the gap hide where it lies.
-    let stated = || vec![0.0; problem.nudges.len()];
-    let numbers = Some(&null.x).filter(|_| !null.is_strained()).cloned();
-    let numbers = numbers.unwrap_or_else(stated);
-    let device = null
-        .hypothesis
-        .device(&recording.model, &problem.nudges, &numbers);
-    let predictor = Predictor::new(device, recording);
+    let stated = null.is_strained().then(|| null.as_stated());
+    let nominal = stated.as_ref().unwrap_or(null);
+    let predictor = problem.predictor(&nominal.hypothesis, &nominal.x);
     // A kink is seen in short windows only, of samples that are close.
     let series = &thinned(fine(recording, recording.horizon), MOST_SAMPLES);
     let all = innovations(
@@ -133,8 +128,8 @@ fn region(
         }
         "time" => {
             let inside = series.iter().find(|s| {
-                let (from, to) = span(s);
-                stretch.from >= from && stretch.to <= to
+                let span = s.session_span_s();
+                span.is_some_and(|[from, to]| stretch.from >= from && stretch.to <= to)
             });
             if let Some(series) = inside {
                 region.run = Some(series.run);

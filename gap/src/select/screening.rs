@@ -64,11 +64,7 @@ impl Search<'_> {
         let as_fitted = Field::new(problem, known, chosen);
         // Where the model's own numbers have gone to make up for an effect is no place to look for it.
         let have_gone = known.hypothesis.terms.is_empty() || known.is_strained();
-        let given = have_gone.then(|| {
-            let mut given = known.clone();
-            given.x[..problem.nudges.len()].fill(0.0);
-            given
-        });
+        let given = have_gone.then(|| known.as_stated());
         let as_given = given
             .as_ref()
             .map(|given| Field::new(problem, given, chosen));

@@ -138,11 +138,9 @@ impl Scales {
         let positions = all(|m| &m.position);
         let torque = rms(&all(|m| &m.drive_nm)).max(f64::MIN_POSITIVE);
         let levels = device.mechanics.friction.level_nm;
-        let clock = series
-            .iter()
-            .map(|s| (s.session(0), s.session(s.time.len() - 1)));
-        let (from, to) = clock.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (c, d)| {
-            (a.min(c), b.max(d))
+        let spans = series.iter().filter_map(Series::session_span_s);
+        let [from, to] = spans.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], [c, d]| {
+            [a.min(c), b.max(d)]
         });
         let noise: Vec<f64> = series
             .iter()

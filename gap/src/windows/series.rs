@@ -99,6 +99,12 @@ impl Series {
         self.time[i] + self.session_offset_s
     }
 
+    /// First and last time on the session's clock, s; none of a series without samples.
+    pub(crate) fn session_span_s(&self) -> Option<[f64; 2]> {
+        let last = self.time.len().checked_sub(1)?;
+        Some([self.session(0), self.session(last)])
+    }
+
     /// From a position to the next, mostly, s.
     pub(crate) fn step_s(&self) -> f64 {
         self.span_s.max(self.period_s)
@@ -491,7 +497,7 @@ mod tests {
         let mut recording = stepping();
         recording.runs.push(recording.runs[0].clone());
         let series = full(&recording, HORIZON_S);
-        let last = series[0].session(series[0].time.len() - 1);
+        let [_, last] = series[0].session_span_s().unwrap();
         assert!((series[1].session(0) - last - PERIOD_S).abs() < 1e-9);
     }
 }

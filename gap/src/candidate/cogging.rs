@@ -11,8 +11,6 @@ use host_sim::effects::Kind;
 
 /// Wave numbers from which a fit starts, of those that most of the motion follows and of finer ones.
 const PEAKS: usize = 3;
-/// More periods over the span of those finer ones: steps over as many are no wider than what tells two apart.
-const MOST_TURNS: f64 = 600.0;
 /// Share of the moments that are slow.
 const SLOW_SHARE: f64 = 0.25;
 
@@ -40,8 +38,9 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let all = strongest(f64::INFINITY, s.wave_numbers());
     // What passes too fast most of the time shows where the motion is slow.
     let finest = s.finest_wave_number();
-    let finer = finest + MOST_TURNS * TAU / s.span();
-    let fine = strongest(slow, [finest, s.finest_wave_number_at(slow).min(finer)]);
+    let told_apart = waves::last_told_apart(finest, s.span());
+    let finer = s.finest_wave_number_at(slow).min(told_apart);
+    let fine = strongest(slow, [finest, finer]);
     let peaks = all.into_iter().take(PEAKS);
     let peaks = peaks.chain(fine.into_iter().take(PEAKS));
     peaks

@@ -41,6 +41,11 @@ impl Waves {
     }
 }
 
+/// Wave number up to which, from `lowest` on, steps are no wider than what tells two waves apart over a span.
+pub(super) fn last_told_apart(lowest: f64, span: f64) -> f64 {
+    lowest + GRID as f64 * TAU / span
+}
+
 /// The wave numbers in a range of which a sine and a cosine make most of what varies over position in each direction, with
 /// their amplitudes, the strongest first: from position, direction and value at each moment.
 pub(super) fn strongest(

@@ -98,22 +98,11 @@ mod tests {
     use crate::fit::hypothesis::{Hypothesis, Term};
     use crate::fit::problem::Part;
     use crate::made;
-    use host_sim::effects::Effect;
-
-    fn term(written: &str) -> Term {
-        let Effect { kind, values } = written.parse().unwrap();
-        Term {
-            kind,
-            values,
-            free: Vec::new(),
-            sensor_on_load: false,
-        }
-    }
 
     /// Root of what is left of the windows of some recordings by a model that has the effects that are `known`, over what the
     /// floor of them is.
     fn over_floor(effects: &[&str], known: &[&str]) -> f64 {
-        let terms: Vec<Term> = known.iter().map(|written| term(written)).collect();
+        let terms: Vec<Term> = known.iter().map(|effect| made::written(effect)).collect();
         let (mut left, mut floor) = (0.0, 0.0);
         for seed in 0..16 {
             let recording = made::recorded(effects, seed);

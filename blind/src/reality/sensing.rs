@@ -111,7 +111,6 @@ pub(crate) struct Memory {
     lagged: f64,
     further: f64,
     missed: f64,
-    before: f64,
 }
 
 impl Sensing {
@@ -125,21 +124,18 @@ impl Sensing {
             lagged: shaped,
             further: shaped,
             missed: 0.0,
-            before: shaped,
         }
     }
 
     /// Takes note of the position after a step of `dt`.
     pub fn remember(&self, memory: &mut Memory, x: f64, dt: f64) {
+        let shaped = self.shaped(x);
+        let step = shaped - memory.shaped;
+        memory.shaped = shaped;
         if let Some(slip) = self.slip {
-            let shaped = self.shaped(x);
-            memory.missed += slip.missed(shaped - memory.before, dt);
-            memory.before = shaped;
+            memory.missed += slip.missed(step, dt);
         }
         if self.play.is_some() || self.lag_s > 0.0 {
-            let shaped = self.shaped(x);
-            let step = shaped - memory.shaped;
-            memory.shaped = shaped;
             memory.played = shaped;
             for (behind, [half_width, share]) in memory.behind.iter_mut().zip(self.plays()) {
                 *behind = (*behind + step).clamp(-half_width, half_width);
@@ -209,7 +205,6 @@ impl Sensing {
         memory.played += dx;
         memory.lagged += dx;
         memory.further += dx;
-        memory.before += dx;
     }
 
     fn shaped(&self, x: f64) -> f64 {

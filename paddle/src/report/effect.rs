@@ -106,7 +106,7 @@ const WORDS: [(&str, &str, &str); 28] = [
     (
         "sensor_hysteresis",
         "hysteresis of the sensor",
-        "a sensor that stays {width} behind from one side to the other",
+        "a sensor with {width} of hysteresis",
     ),
     (
         "sensor_lag",

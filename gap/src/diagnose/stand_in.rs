@@ -11,6 +11,8 @@ use std::fmt;
 
 /// Effects that are many.
 const MANY: usize = 3;
+/// Share of a run from which on a hand that stays has hardly come and gone in it.
+const MOST_OF_RUN: f64 = 2.0 / 3.0;
 /// Confidence from which a hand is one that comes more than once.
 const SURE_HAND: f64 = 0.9;
 
@@ -28,7 +30,7 @@ pub(super) enum StandIn {
     Many { effects: usize },
     /// A hand that comes more than once and is not for sure: so does any torque that comes and goes.
     Hand { stays: usize },
-    /// A hand that comes as a run begins and goes as it ends: so does whatever is another in that run.
+    /// A hand that stays for most of a run: so does whatever is another in that run.
     Run { index: usize },
 }
 
@@ -38,7 +40,7 @@ impl StandIn {
         let of_effects = Self::of_effects(problem, selection.fit(), selection.kept());
         let of_hand = |round: &Round| {
             let hand = hand(round)?;
-            if let Some(index) = whole_run(problem, &hand) {
+            if let Some(index) = most_of_run(problem, &hand) {
                 return Some(Self::Run { index });
             }
             let stays = contact::stays(&hand);
@@ -83,22 +85,20 @@ fn hand(round: &Round) -> Option<Term> {
     (last.kind.name == "contact").then_some(last)
 }
 
-/// The run that a stay of a hand begins and ends with, to within a window.
-fn whole_run(problem: &Problem<'_>, hand: &Term) -> Option<usize> {
-    let horizon_s = problem.recording.horizon;
+/// The run of which a stay of a hand is most.
+fn most_of_run(problem: &Problem<'_>, hand: &Term) -> Option<usize> {
     let stays = hand.kind.meanwhile(&hand.values).unwrap_or_default();
-    let lasts = |run: &usize| {
+    let fills = |run: &usize| {
         let parts = problem.series.iter().filter(|s| s.run == *run);
         let spans = parts.filter_map(Series::session_span_s);
         let whole = spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         whole.is_some_and(|[first_s, last_s]| {
-            let spans = |[from_s, to_s]: &[f64; 2]| {
-                *from_s <= first_s + horizon_s && last_s - horizon_s <= *to_s
-            };
-            stays.iter().any(spans)
+            let in_run_s = |[from_s, to_s]: &[f64; 2]| to_s.min(last_s) - from_s.max(first_s);
+            let most_s = MOST_OF_RUN * (last_s - first_s);
+            stays.iter().any(|stay| in_run_s(stay) >= most_s)
         })
     };
-    (0..problem.recording.runs.len()).find(lasts)
+    (0..problem.recording.runs.len()).find(fills)
 }
 
 impl fmt::Display for StandIn {
@@ -125,7 +125,7 @@ impl fmt::Display for StandIn {
             ),
             Self::Run { index } => write!(
                 f,
-                "what pushes back from the beginning of run {} to its end may be whatever else is another in that run: \
+                "what pushes back for most of run {} may be whatever else is another in that run: \
                  record it again to tell",
                 index + 1
             ),
@@ -220,13 +220,14 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_stays_for_a_whole_run_may_be_whatever_is_another_there() {
+    fn a_hand_that_stays_for_most_of_a_run_may_be_whatever_is_another_there() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
-        let run = |hand: &str| whole_run(&problem, &made::written(hand));
+        let run = |hand: &str| most_of_run(&problem, &made::written(hand));
         assert_eq!(run("contact:from=5.9,to=12.1"), Some(1));
-        assert_eq!(run("contact:from=7,to=12.1"), None);
-        assert_eq!(run("contact:from=1,to=7"), None);
+        assert_eq!(run("contact:from=7,to=14"), Some(1));
+        assert_eq!(run("contact:from=8.5,to=14"), None);
+        assert_eq!(run("contact:from=3,to=9"), None);
         let again = "contact:from_1=5.9,to_1=12.1,from_2=6,to_2=7";
         assert_eq!(run(again), Some(1));
     }

@@ -34,6 +34,14 @@ fn what_settles_at_the_level_of_the_model_is_no_other_level() {
 }
 
 #[test]
+fn what_comes_loose_at_once_is_another_friction_from_then_on() {
+    assert_found(
+        "friction_drift:rate=0,step=-0.4,step_at=3",
+        &[("step", -0.4), ("step_at", 3.0)],
+    );
+}
+
+#[test]
 fn a_spring_that_hardens_at_once_is_no_stop() {
     assert_found(
         "spring:stiffness=0.005,zero=0.02,hardening=20",

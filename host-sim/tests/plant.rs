@@ -536,7 +536,7 @@ proptest! {
         friction.position_slope = slope;
         friction.load_share = load_share;
         friction.load_passive = load_passive;
-        friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None, settled: false, start_s: 0.0, anew: false });
+        friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None, settled: false, step: -0.3, step_s: 0.11, start_s: 0.0, anew: false });
         paddle.barriers[0] = Some(Barrier {
             at: 0.01,
             side,

@@ -45,6 +45,12 @@ pub(crate) enum WarmUp {
         amount: f64,
         time_constant_s: f64,
     },
+    /// At `at_s`, over `within_s` to either side.
+    Step {
+        amount: f64,
+        at_s: f64,
+        within_s: f64,
+    },
     /// So much more at first, and gone in the end.
     FromCold {
         amount: f64,
@@ -60,6 +66,11 @@ impl WarmUp {
                 amount,
                 time_constant_s,
             } => amount * -(-time_s / time_constant_s).exp_m1(),
+            Self::Step {
+                amount,
+                at_s,
+                within_s,
+            } => 0.5 * amount * (1.0 + ((time_s - at_s) / within_s).tanh()),
             Self::FromCold {
                 amount,
                 time_constant_s,

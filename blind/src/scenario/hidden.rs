@@ -270,7 +270,7 @@ impl Hidden {
                 let amount = if self.sign > 0.0 { s } else { -s.min(0.85) };
                 let session_s = scale.session_s();
                 let time_constant_s = session_s * self.between(0, 0.2, 0.5);
-                friction.warm_up = Some(match self.variant % 3 {
+                friction.warm_up = Some(match self.variant % 4 {
                     0 => WarmUp::Linear {
                         amount,
                         over_s: session_s,
@@ -279,9 +279,14 @@ impl Hidden {
                         amount: amount * 1.1,
                         time_constant_s,
                     },
-                    _ => WarmUp::FromCold {
+                    2 => WarmUp::FromCold {
                         amount,
                         time_constant_s,
+                    },
+                    _ => WarmUp::Step {
+                        amount,
+                        at_s: session_s * self.between(1, 0.2, 0.8),
+                        within_s: self.log_between(2, 0.01, 0.3),
                     },
                 });
             }

@@ -48,6 +48,10 @@ const SETTLINGS: [f64; 2] = [0.15, 0.5];
 /// Places among the parameters of its drift of whether every run starts with it, and whether it settles at the model's level.
 const ANEW: usize = 2;
 const SETTLED: usize = 3;
+/// And of a step of its level, and of when that comes; and instants at which one is looked for.
+const STEP: usize = 4;
+const STEP_AT: usize = 5;
+const STEPS: usize = 48;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -262,7 +266,7 @@ fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
         .map(|(_, spot)| spot)
 }
 
-/// A friction that grows or falls all the time, or that settles as something warms up: over the session, or in every run
+/// A friction that grows or falls all the time, that settles as something warms up, or that steps: over the session, or in every run
 /// where the clock starts anew. One run cannot tell; what it shows is then taken for what every run will show, so that no
 /// other is predicted from beyond what was seen.
 fn drifts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
@@ -309,9 +313,24 @@ fn drifts_since(
         Some([0.0, 1.0].map(|settled| term(kind, free.clone(), &[(SETTLED, settled)])))
     };
     let settling = SETTLINGS.into_iter().filter_map(settling).flatten();
+    let stepping = (1..STEPS).filter_map(|k| {
+        let at_s = k as f64 * duration_s / STEPS as f64;
+        let found = regress_in(moments(e), |m| {
+            let friction = sliding_nm(e, m);
+            [friction * f64::from(since_s(m) >= at_s), friction]
+        });
+        let ([step, _], explained) = found?;
+        let free = vec![
+            linear(STEP, step, 0.3),
+            linear(STEP_AT, at_s, duration_s / STEPS as f64),
+        ];
+        Some((explained, term(kind, free, &[(0, 0.0)])))
+    });
+    let stepping = stepping.max_by(|a, b| a.0.total_cmp(&b.0));
+    let stepping = stepping.map(|(_, step)| step);
     let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s)];
     let steady = terms(kind, guess, [0.3, -0.3].map(steady));
-    steady.into_iter().chain(settling).collect()
+    steady.into_iter().chain(settling).chain(stepping).collect()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ pub const KIND: Kind = Kind {
     name: "friction_drift",
     channel: Channel::Friction,
     about: "Dry friction that changes over the session",
-    equation: "F = F_c (1 + d τ (1 − exp(−t/τ))) sign(v), settled F_c (1 − d τ exp(−t/τ)) sign(v), without τ F_c (1 + d t) sign(v)",
+    equation: "F = F_c (1 + d τ (1 − exp(−t/τ))) sign(v), settled F_c (1 − d τ exp(−t/τ)) sign(v), without τ F_c (1 + d t) sign(v); with a step s F_c more from its instant on",
     parameters: &[
         Parameter {
             name: "rate",
@@ -34,12 +34,30 @@ pub const KIND: Kind = Kind {
             "settled",
             "1 if the model's level is where it settles, 0 if it is where it starts",
         ),
+        Parameter {
+            name: "step",
+            quantity: Quantity::Ratio,
+            range: ANY,
+            default: 0.0,
+            typical: [-0.5, 0.5],
+            about: "growth at once, relative to the model's level",
+        },
+        Parameter {
+            name: "step_at",
+            quantity: Quantity::Time,
+            range: ANY,
+            default: 0.0,
+            typical: [0.0, 20.0],
+            about: "when that comes, after the start",
+        },
     ],
     events: None,
     install: |device, p| {
         device.mechanics.friction.drift = Some(Drift {
             rate_per_s: p[0],
             settling_s: Some(p[1]).filter(|settling_s| *settling_s > 0.0),
+            step: p[4],
+            step_s: p[5],
             start_s: 0.0,
             anew: p[2] > 0.5,
             settled: p[3] > 0.5,

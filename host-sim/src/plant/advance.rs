@@ -12,7 +12,7 @@ impl Plant {
     /// Carries `state` over `dt_s` under `torque`.
     #[inline]
     pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
-        let rests = !self.passing_barriers && self.stays_at_rest(state, torque.bounds(dt_s));
+        let rests = !self.is_timed && self.stays_at_rest(state, torque.bounds(dt_s));
         if rests || self.glides(state, &torque, dt_s) {
             state.time_s += dt_s;
             return;
@@ -32,7 +32,7 @@ impl Plant {
         let mut left = dt_s;
         let mut events = 0;
         while left > 0.0 {
-            let piece = self.until_barriers_change(state, left);
+            let piece = self.until_change(state, left);
             if state.velocity == 0.0 && self.dry && !has_bristles(N) {
                 state.phase = self.phase_at_rest(state, torque.at(0.0));
             }
@@ -76,11 +76,11 @@ impl Plant {
         state.time_s = end_s;
     }
 
-    /// Time to the next coming or going of a barrier, `left` at most; what has just come or gone is
+    /// Time to the next coming or going of a barrier or step of a friction, `left` at most; what has just come or gone is
     /// taken in.
     #[inline]
-    pub(super) fn until_barriers_change(&self, state: &mut State, left: f64) -> f64 {
-        if !self.passing_barriers {
+    pub(super) fn until_change(&self, state: &mut State, left: f64) -> f64 {
+        if !self.is_timed {
             return left;
         }
         self.touch(state);
@@ -89,7 +89,9 @@ impl Plant {
             .barriers
             .iter()
             .map(|b| b.next_change(state.time_s));
-        let next = changes.fold(f64::INFINITY, f64::min);
+        let drift = self.mechanics.friction.drift.as_ref();
+        let step = drift.map(|d| d.next_step(state.time_s));
+        let next = changes.chain(step).fold(f64::INFINITY, f64::min);
         // An instant that rounding cannot tell from now is stepped over.
         left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
     }

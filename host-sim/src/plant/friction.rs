@@ -32,7 +32,7 @@ pub struct Friction {
 }
 
 /// Growth of a level as something warms up: `r τ (1 − e^(−t/τ))`, or `r t` where it never settles; from a cold device to the one
-/// that the level is of, `−r τ e^(−t/τ)`.
+/// that the level is of, `−r τ e^(−t/τ)`. A step, as of something that comes loose, adds to that from its instant on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
     /// Relative, at the start, 1/s.
@@ -41,6 +41,10 @@ pub struct Drift {
     pub settling_s: Option<f64>,
     /// Whether the level is that where it settles, and not that at the start.
     pub settled: bool,
+    /// Relative growth at once.
+    pub step: f64,
+    /// When that comes, s after the start.
+    pub step_s: f64,
     /// When it starts, s of the session.
     pub start_s: f64,
     /// Whether it starts anew with a run whose clock does.
@@ -48,6 +52,17 @@ pub struct Drift {
 }
 
 impl Drift {
+    /// The instant after `t_s` of the session at which it steps.
+    #[inline]
+    pub(super) fn next_step(&self, t_s: f64) -> f64 {
+        let step_s = self.start_s + self.step_s;
+        if self.step != 0.0 && t_s < step_s {
+            step_s
+        } else {
+            f64::INFINITY
+        }
+    }
+
     #[inline]
     fn growth(&self, t_s: f64) -> f64 {
         let since_s = t_s - self.start_s;
@@ -56,7 +71,12 @@ impl Drift {
             Some(settling_s) => -settling_s * (-since_s / settling_s).exp_m1(),
             None => since_s,
         };
-        self.rate_per_s * grown_s
+        let stepped = if t_s < self.start_s + self.step_s {
+            0.0
+        } else {
+            self.step
+        };
+        self.rate_per_s * grown_s + stepped
     }
 }
 
@@ -165,6 +185,26 @@ mod tests {
         assert!((level(-0.3) - 2.0).abs() < 1e-12);
     }
 
+    const STEP: Drift = Drift {
+        rate_per_s: 0.0,
+        settling_s: None,
+        settled: false,
+        step: -0.5,
+        step_s: 2e3,
+        start_s: 0.0,
+        anew: false,
+    };
+
+    #[test]
+    fn a_level_that_steps_is_another_from_then_on() {
+        let friction = Friction {
+            drift: Some(STEP),
+            ..Friction::coulomb(2.0)
+        };
+        assert_eq!(friction.holding(1.0, 0.0, 1999.0, 0.0), 2.0);
+        assert_eq!(friction.holding(1.0, 0.0, 2001.0, 0.0), 1.0);
+    }
+
     #[test]
     fn a_level_that_drifts_grows_on_or_settles() {
         let level = |settling_s, settled, t_s| {
@@ -173,7 +213,7 @@ mod tests {
                 settling_s,
                 settled,
                 start_s: 5.0,
-                anew: false,
+                ..STEP
             });
             let friction = Friction {
                 drift,

@@ -20,7 +20,7 @@ impl Plant {
         if self.dry && direction * state.velocity <= 0.0 {
             return false;
         }
-        let changes = self.until_barriers_change(state, dt_s) < dt_s;
+        let changes = self.until_change(state, dt_s) < dt_s;
         if changes || state.touch.contains(&Touch::Pushing) {
             return false;
         }

@@ -234,7 +234,8 @@ pub struct Plant {
     friction_share: [f64; 2],
     plain: bool,
     parts: Parts,
-    passing_barriers: bool,
+    /// Whether barriers come and go, or a friction steps, at instants.
+    is_timed: bool,
     /// Whether what holds a joint at rest depends on position and drive alone, barriers that come and go apart.
     rest_is_steady: bool,
     inverse_inertia: [f64; 2],
@@ -262,7 +263,8 @@ impl Plant {
     fn with_pace(mechanics: Mechanics, pace: Pace) -> Self {
         let dry = !mechanics.friction.is_none();
         let parts = Parts::of(&mechanics);
-        let passing_barriers = parts.barriers.iter().any(|b| b.during_s.is_some());
+        let steps = mechanics.friction.drift.is_some_and(|d| d.step != 0.0);
+        let is_timed = steps || parts.barriers.iter().any(|b| b.during_s.is_some());
         let rate = mechanics.fastest_rate();
         let of_link = |rate: fn(&Link, f64) -> f64| {
             let link = mechanics.link.as_ref();
@@ -293,7 +295,7 @@ impl Plant {
             friction_share,
             plain: mechanics.friction.is_plain(),
             parts,
-            passing_barriers,
+            is_timed,
             rest_is_steady: dry
                 && mechanics.link.is_none()
                 && mechanics.presliding.is_none()

@@ -199,6 +199,9 @@ fn of_form<'a>(
         "load_dependent_friction" if fitted("passive").is_some() => Some(
             "dry friction that grows by {share} of what the drive and {passive} times the weight or spring pull together",
         ),
+        "friction_drift" if fitted("step").is_some() => {
+            Some("dry friction that changes by {step} at once, {step_at} after the start")
+        }
         "saturation" if fitted("no_load").is_some() => {
             Some("an input that saturates at {limit} at rest, and at nothing at {no_load}")
         }

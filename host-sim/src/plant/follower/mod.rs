@@ -119,7 +119,7 @@ impl<'a> Follower<'a> {
     /// Time up to which what pulls at rest stays as it is, s.
     #[inline]
     fn rests_until_s(&self, state: &mut State) -> f64 {
-        if !self.plant.passing_barriers {
+        if !self.plant.is_timed {
             return f64::INFINITY;
         }
         state.rest = Rest::UNKNOWN;
@@ -129,7 +129,7 @@ impl<'a> Follower<'a> {
     /// Time at which the flow ends whatever happens, s.
     #[inline]
     fn until_s(&self, state: &mut State) -> f64 {
-        state.time_s + self.plant.until_barriers_change(state, f64::INFINITY)
+        state.time_s + self.plant.until_change(state, f64::INFINITY)
     }
 
     /// The ground that the load side is on, if steps are short enough for it.

@@ -1,4 +1,5 @@
-//! Numbers that a fit left at the end of their reach: it may have stalled there, and their uncertainty counts for nothing.
+//! Numbers that a fit left where its derivative says nothing, at the end of their reach or where nothing depends on them: it may
+//! have stalled there, and their uncertainty counts for nothing.
 
 use super::Fit;
 use super::hypothesis::Nudge;
@@ -7,7 +8,7 @@ use std::fmt;
 /// Share of its reach within which a coordinate is at the end of it.
 const AT_END: f64 = 1e-6;
 
-/// A number at the end of what it can reach.
+/// A number at the end of what it can reach, or on which nothing depends.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Bound {
     /// Of the model itself.
@@ -18,10 +19,12 @@ pub(crate) enum Bound {
         name: String,
         is_upper: bool,
     },
+    /// Of an effect, on which nothing that was recorded depends nearby, such as an instant between two runs.
+    Idle { effect: &'static str, name: String },
 }
 
 impl Fit {
-    /// The numbers of model and effects that stand at the end of their reach.
+    /// The numbers of model and effects that stand at the end of their reach, and those of effects that do nothing where they are.
     pub(crate) fn at_bounds(&self, nudges: &[Nudge]) -> Vec<Bound> {
         let reaches = self.hypothesis.reaches(nudges);
         let mut ends = self
@@ -38,13 +41,23 @@ impl Fit {
             .collect();
         let terms = self.hypothesis.terms.iter();
         let free = terms.flat_map(|term| term.free.iter().map(move |c| (term, c.parameter)));
-        all.extend(free.zip(ends).filter_map(|((term, place), end)| {
-            Some(Bound::Effect {
-                effect: term.kind.name,
-                name: term.kind.value_name(place, term.values.len()),
-                is_upper: end?,
-            })
-        }));
+        let spreads = self.std.iter().skip(nudges.len());
+        all.extend(
+            free.zip(ends)
+                .zip(spreads)
+                .filter_map(|(((term, place), end), std)| {
+                    let effect = term.kind.name;
+                    let name = term.kind.value_name(place, term.values.len());
+                    match end {
+                        Some(is_upper) => Some(Bound::Effect {
+                            effect,
+                            name,
+                            is_upper,
+                        }),
+                        None => (*std == 0.0).then_some(Bound::Idle { effect, name }),
+                    }
+                }),
+        );
         all
     }
 }
@@ -74,6 +87,10 @@ impl fmt::Display for Bound {
                     "the fit of {effect} ends with {name} at its {end} possible value, where fits may stall: its uncertainty is not known"
                 )
             }
+            Self::Idle { effect, name } => write!(
+                f,
+                "nothing that was recorded depends on the {name} of {effect} where it ends: its uncertainty is not known"
+            ),
         }
     }
 }
@@ -109,13 +126,13 @@ mod tests {
             relative: 0.02,
         };
         let nudges = [nudge("inertia"), nudge("viscous")];
-        let at = |x: [f64; 4]| {
+        let at = |x: [f64; 4], std: [f64; 4]| {
             let fit = Fit {
                 hypothesis: Hypothesis {
                     terms: vec![term.clone()],
                 },
                 x: x.to_vec(),
-                std: vec![0.0; 4],
+                std: std.to_vec(),
                 costs: Costs {
                     per_sample: Vec::new(),
                     prior: 0.0,
@@ -124,8 +141,13 @@ mod tests {
             let bounds = fit.at_bounds(&nudges);
             bounds.iter().map(Bound::to_string).collect::<Vec<_>>()
         };
-        assert_eq!(at([1.0, -4.9, 0.1, highest - 0.01]), [""; 0]);
-        let [viscous, elastic] = at([1.0, -5.0, 0.1, highest]).try_into().unwrap();
+        const KNOWN: [f64; 4] = [0.1; 4];
+        let inside = [1.0, -4.9, 0.1, highest - 0.01];
+        assert_eq!(at(inside, KNOWN), [""; 0]);
+        let [idle] = at(inside, [0.1, 0.1, 0.1, 0.0]).try_into().unwrap();
+        assert!(idle.contains("elastic of presliding"), "{idle}");
+        let ends = at([1.0, -5.0, 0.1, highest], KNOWN);
+        let [viscous, elastic] = ends.try_into().unwrap();
         assert!(viscous.contains("moves viscous"), "{viscous}");
         assert!(
             elastic.contains("presliding ends with elastic at its highest"),

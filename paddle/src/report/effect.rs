@@ -200,7 +200,7 @@ fn of_form<'a>(
             "dry friction that grows by {share} of what the drive and {passive} times the weight or spring pull together",
         ),
         "friction_drift" if fitted("step").is_some() => {
-            Some("dry friction that changes by {step} at once, {step_at} after the start")
+            Some("dry friction that steps by {step} at {step_at}")
         }
         "saturation" if fitted("no_load").is_some() => {
             Some("an input that saturates at {limit} at rest, and at nothing at {no_load}")

@@ -261,9 +261,13 @@ fn spot(kind: &'static Kind, e: &Evidence<'_>) -> Option<Term> {
         ];
         Some((explained, term(kind, free, &[(0, 0.0), (1, 0.0)])))
     });
-    tried
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, spot)| spot)
+    most_telling(tried)
+}
+
+/// The term that explains most, (N m)².
+fn most_telling(tried: impl Iterator<Item = (f64, Term)>) -> Option<Term> {
+    let best = tried.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, term)| term)
 }
 
 /// A friction that grows or falls all the time, that settles as something warms up, or that steps: over the session, or in every run
@@ -313,24 +317,26 @@ fn drifts_since(
         Some([0.0, 1.0].map(|settled| term(kind, free.clone(), &[(SETTLED, settled)])))
     };
     let settling = SETTLINGS.into_iter().filter_map(settling).flatten();
-    let stepping = (1..STEPS).filter_map(|k| {
-        let at_s = k as f64 * duration_s / STEPS as f64;
+    let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s)];
+    let steady = terms(kind, guess, [0.3, -0.3].map(steady));
+    let stepping = step(kind, e, &since_s);
+    steady.into_iter().chain(settling).chain(stepping).collect()
+}
+
+/// Another level from an instant on, where one explains most.
+fn step(kind: &'static Kind, e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Option<Term> {
+    let apart_s = e.scales.duration_s / STEPS as f64;
+    let instants = (1..STEPS).map(|k| k as f64 * apart_s);
+    let tried = instants.filter_map(|at_s| {
         let found = regress_in(moments(e), |m| {
             let friction = sliding_nm(e, m);
             [friction * f64::from(since_s(m) >= at_s), friction]
         });
         let ([step, _], explained) = found?;
-        let free = vec![
-            linear(STEP, step, 0.3),
-            linear(STEP_AT, at_s, duration_s / STEPS as f64),
-        ];
+        let free = vec![linear(STEP, step, 0.3), linear(STEP_AT, at_s, apart_s)];
         Some((explained, term(kind, free, &[(0, 0.0)])))
     });
-    let stepping = stepping.max_by(|a, b| a.0.total_cmp(&b.0));
-    let stepping = stepping.map(|(_, step)| step);
-    let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s)];
-    let steady = terms(kind, guess, [0.3, -0.3].map(steady));
-    steady.into_iter().chain(settling).chain(stepping).collect()
+    most_telling(tried)
 }
 
 #[cfg(test)]

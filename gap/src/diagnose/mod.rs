@@ -146,8 +146,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let disagreement = comparison
         .iter()
         .filter_map(|c| c.line(&recording.units.position));
-    let bounds = selection.fit().at_bounds(&problem.nudges);
-    let bounds = bounds.iter().map(ToString::to_string);
+    let stalls = selection.fit().stalls(&problem.nudges);
+    let stalls = stalls.iter().map(ToString::to_string);
     let doubt = stand_in.iter().map(ToString::to_string);
     let small = selection.rounds.iter().zip(&steps);
     let small = small.filter(|(_, step)| step.is_small());
@@ -160,7 +160,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
             effect.name
         )
     });
-    let warnings = oddities.chain(disagreement).chain(bounds);
+    let warnings = oddities.chain(disagreement).chain(stalls);
     let warnings: Vec<String> = warnings.chain(doubt).chain(reliefs).chain(seen).collect();
     let diagnosis = Diagnosis {
         format: 1,

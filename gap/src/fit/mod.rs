@@ -1,12 +1,12 @@
 //! Rival models fitted to the windows of a recording.
 
-pub(crate) mod bounds;
 pub(crate) mod costs;
 pub(crate) mod ground;
 pub(crate) mod hypothesis;
 mod least_squares;
 mod polish;
 pub(crate) mod problem;
+pub(crate) mod stalls;
 mod strain;
 pub(crate) mod whitening;
 

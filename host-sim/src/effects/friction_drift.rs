@@ -3,7 +3,7 @@
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
 use crate::plant::Drift;
 
-/// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)), or −τ e^(−t/τ), in the place of t.
+/// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)), or −τ e^(−t/τ), in the place of t; a step adds to that from its instant on.
 pub const KIND: Kind = Kind {
     name: "friction_drift",
     channel: Channel::Friction,

@@ -52,12 +52,17 @@ pub struct Drift {
 }
 
 impl Drift {
-    /// The instant after `t_s` of the session at which it steps.
+    /// The instant of the session at which it steps.
+    #[inline]
+    fn steps_at_s(&self) -> f64 {
+        self.start_s + self.step_s
+    }
+
+    /// The same if there is a step and it is to come after `t_s`; infinite if not.
     #[inline]
     pub(super) fn next_step(&self, t_s: f64) -> f64 {
-        let step_s = self.start_s + self.step_s;
-        if self.step != 0.0 && t_s < step_s {
-            step_s
+        if self.step != 0.0 && t_s < self.steps_at_s() {
+            self.steps_at_s()
         } else {
             f64::INFINITY
         }
@@ -71,7 +76,7 @@ impl Drift {
             Some(settling_s) => -settling_s * (-since_s / settling_s).exp_m1(),
             None => since_s,
         };
-        let stepped = if t_s < self.start_s + self.step_s {
+        let stepped = if t_s < self.steps_at_s() {
             0.0
         } else {
             self.step

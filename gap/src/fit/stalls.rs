@@ -8,12 +8,12 @@ use std::fmt;
 /// Share of its reach within which a coordinate is at the end of it.
 const AT_END: f64 = 1e-6;
 
-/// A number at the end of what it can reach, or on which nothing depends.
+/// A number that a fit may have stalled at.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Bound {
-    /// Of the model itself.
+pub(crate) enum Stall {
+    /// Of the model itself, at the end of what it can reach.
     Model { name: String },
-    /// Of an effect.
+    /// Of an effect, likewise.
     Effect {
         effect: &'static str,
         name: String,
@@ -25,7 +25,7 @@ pub(crate) enum Bound {
 
 impl Fit {
     /// The numbers of model and effects that stand at the end of their reach, and those of effects that do nothing where they are.
-    pub(crate) fn at_bounds(&self, nudges: &[Nudge]) -> Vec<Bound> {
+    pub(crate) fn stalls(&self, nudges: &[Nudge]) -> Vec<Stall> {
         let reaches = self.hypothesis.reaches(nudges);
         let mut ends = self
             .x
@@ -34,30 +34,27 @@ impl Fit {
             .map(|(x, reach)| end(*x, *reach));
         let of_model = nudges.iter().zip(&mut ends);
         let of_model = of_model.filter(|(_, end)| end.is_some());
-        let mut all: Vec<Bound> = of_model
-            .map(|(nudge, _)| Bound::Model {
+        let mut all: Vec<Stall> = of_model
+            .map(|(nudge, _)| Stall::Model {
                 name: nudge.name.clone(),
             })
             .collect();
         let terms = self.hypothesis.terms.iter();
         let free = terms.flat_map(|term| term.free.iter().map(move |c| (term, c.parameter)));
         let spreads = self.std.iter().skip(nudges.len());
-        all.extend(
-            free.zip(ends)
-                .zip(spreads)
-                .filter_map(|(((term, place), end), std)| {
-                    let effect = term.kind.name;
-                    let name = term.kind.value_name(place, term.values.len());
-                    match end {
-                        Some(is_upper) => Some(Bound::Effect {
-                            effect,
-                            name,
-                            is_upper,
-                        }),
-                        None => (*std == 0.0).then_some(Bound::Idle { effect, name }),
-                    }
+        let of_effects = free.zip(ends).zip(spreads);
+        all.extend(of_effects.filter_map(|(((term, place), end), std)| {
+            let effect = term.kind.name;
+            let name = term.kind.value_name(place, term.values.len());
+            match end {
+                Some(is_upper) => Some(Stall::Effect {
+                    effect,
+                    name,
+                    is_upper,
                 }),
-        );
+                None => (*std == 0.0).then_some(Stall::Idle { effect, name }),
+            }
+        }));
         all
     }
 }
@@ -69,7 +66,7 @@ fn end(x: f64, [low, high]: [f64; 2]) -> Option<bool> {
     (is_upper || x <= low + near).then_some(is_upper)
 }
 
-impl fmt::Display for Bound {
+impl fmt::Display for Stall {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Model { name } => write!(
@@ -138,8 +135,8 @@ mod tests {
                     prior: 0.0,
                 },
             };
-            let bounds = fit.at_bounds(&nudges);
-            bounds.iter().map(Bound::to_string).collect::<Vec<_>>()
+            let stalls = fit.stalls(&nudges);
+            stalls.iter().map(Stall::to_string).collect::<Vec<_>>()
         };
         const KNOWN: [f64; 4] = [0.1; 4];
         let inside = [1.0, -4.9, 0.1, highest - 0.01];

@@ -172,8 +172,9 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             filled(held, finding).unwrap_or_else(|| (*noun).to_owned())
         }
         "friction_drift" if value("anew") == Some(1.0) && labels.runs.len() > 1 => {
-            let anew = "dry friction that changes by {rate} in every run";
-            filled(anew, finding).unwrap_or_else(|| (*noun).to_owned())
+            let once = of_form(name, fitted, value).unwrap_or(template);
+            let anew = filled(once, finding).map(|once| format!("{once} in every run"));
+            anew.unwrap_or_else(|| (*noun).to_owned())
         }
         "lost_counts" if fitted("share").is_none() && !finding.parameters.contains_key("jump") => {
             format!("a sensor that jumps {} times", times("jump"))
@@ -345,6 +346,14 @@ mod tests {
         assert_eq!(
             phrase(&twice, &labels()),
             "a torque that lags by 4.0 ms, and by as much again"
+        );
+        let anew = [("rate", 0.0, 0.0, "1/s"), ("anew", 1.0, 0.0, "1")];
+        let step = [("step", -0.3, 0.01, "1"), ("step_at", 4.0, 0.1, "s")];
+        let stepping = finding("friction_drift", &[anew, step].concat());
+        assert!(labels().runs.len() > 1);
+        assert_eq!(
+            phrase(&stepping, &labels()),
+            "dry friction that steps by −0.30 at 4.0 s in every run"
         );
     }
 

@@ -200,9 +200,11 @@ fn of_form<'a>(
         "load_dependent_friction" if fitted("passive").is_some() => Some(
             "dry friction that grows by {share} of what the drive and {passive} times the weight or spring pull together",
         ),
-        "friction_drift" if fitted("step").is_some() => {
-            Some("dry friction that steps by {step} at {step_at}")
-        }
+        "friction_drift" if fitted("step").is_some() => Some(match fitted("step_at") {
+            Some(_) => "dry friction that steps by {step} at {step_at}",
+            // No sample tells when.
+            None => "dry friction that steps by {step} between two runs",
+        }),
         "saturation" if fitted("no_load").is_some() => {
             Some("an input that saturates at {limit} at rest, and at nothing at {no_load}")
         }
@@ -350,6 +352,11 @@ mod tests {
         let anew = [("rate", 0.0, 0.0, "1/s"), ("anew", 1.0, 0.0, "1")];
         let step = [("step", -0.3, 0.01, "1"), ("step_at", 4.0, 0.1, "s")];
         let stepping = finding("friction_drift", &[anew, step].concat());
+        let pause = [step[0], ("step_at", 4.0, 0.0, "s")];
+        assert_eq!(
+            phrase(&finding("friction_drift", &pause), &labels()),
+            "dry friction that steps by −0.30 between two runs"
+        );
         assert!(labels().runs.len() > 1);
         assert_eq!(
             phrase(&stepping, &labels()),

@@ -102,7 +102,7 @@ pub struct Region {
     pub share_of_gap: f64,
     /// 95 %.
     pub share_of_gap_interval: [f64; 2],
-    /// Of the samples; of the motion's power for a frequency.
+    /// Of the samples; for a frequency, of the power of motion and input.
     pub share_of_samples: f64,
 }
 

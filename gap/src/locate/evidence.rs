@@ -4,7 +4,7 @@ use super::bins::{Bins, Point, Stretch};
 use super::innovation::Innovation;
 use super::level::Level;
 use super::spectrum;
-use crate::windows::series::{Series, median_period};
+use crate::windows::series::Series;
 
 /// Bins of an axis.
 pub(super) const BINS: usize = 40;
@@ -14,8 +14,10 @@ const TIME_BINS: usize = 80;
 const COARSE_TIME_BINS: usize = 8;
 /// A surplus below this is no place: the gap then goes with the axis all along.
 pub(super) const LEAST_SURPLUS: f64 = 0.1;
-/// Weight of a band of frequencies or of a run: some of them always stand out, as excitation is uneven.
-const UNEVEN_WEIGHT: f64 = 0.5;
+/// Weight of a run: some always stand out, as excitation is uneven.
+const RUN_WEIGHT: f64 = 0.5;
+/// Weight of a band of frequencies: what is missing at rests and reversals is never white.
+const BAND_WEIGHT: f64 = 0.75;
 /// Weight of the acceleration: it follows from the input and the place, and stands out wherever they do.
 const SHADOW_WEIGHT: f64 = 0.7;
 /// Bins of time that the moments of a recording take, wherever they lie.
@@ -106,17 +108,13 @@ impl<'a> Axes<'a> {
     }
 
     /// Every axis that says something, the most telling first.
-    pub(super) fn ranked(&self, predictions: &[Vec<f64>], horizon_s: f64) -> Vec<Evidence> {
+    pub(super) fn ranked(&self) -> Vec<Evidence> {
         let of_motion = OF_MOTION.map(|(axis, place, reach)| match axis {
             "velocity" => self.velocity(place, reach),
             "input" => self.input(place, reach),
             _ => self.plain(axis, place, reach),
         });
-        let others = [
-            self.time(),
-            self.run(),
-            self.frequency(predictions, horizon_s),
-        ];
+        let others = [self.time(), self.run(), self.frequency()];
         let mut axes: Vec<Evidence> = of_motion.into_iter().chain(others).flatten().collect();
         axes.sort_by(|a, b| b.strength.total_cmp(&a.strength));
         axes
@@ -302,22 +300,17 @@ impl<'a> Axes<'a> {
             .iter()
             .map(|s| bins.stretch(s.run as f64, s.run as f64));
         let stretch = runs.max_by(|a, b| a.surplus().total_cmp(&b.surplus()))?;
-        let strength = UNEVEN_WEIGHT * stretch.surplus();
+        let strength = RUN_WEIGHT * stretch.surplus();
         (stretch.surplus() > LEAST_SURPLUS).then(|| Evidence::new("run", bins, stretch, strength))
     }
 
     /// A band of frequencies; what goes with the change of the input is an error of phase and belongs here.
-    fn frequency(&self, predictions: &[Vec<f64>], horizon_s: f64) -> Option<Evidence> {
-        let period_s = self
-            .series
-            .iter()
-            .map(|s| median_period(&s.time))
-            .fold(0.0, f64::max);
-        let points = spectrum::points(self.series, predictions, horizon_s, period_s);
+    fn frequency(&self) -> Option<Evidence> {
+        let points = spectrum::points(self.all, &self.level.rest);
         let bins = Bins::new(points, BINS)?;
         let stretch = bins.best(None)?;
         let change = self.bins(|i| i.input_change, |i| i.excess, BINS)?;
-        let strength = UNEVEN_WEIGHT * stretch.surplus() + self.explained(&change);
+        let strength = BAND_WEIGHT * stretch.surplus() + self.explained(&change);
         Some(Evidence::new("frequency", bins, stretch, strength))
     }
 }

@@ -84,7 +84,7 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
         return Vec::new();
     }
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
-    let mut axes = evidence::Axes::new(&all, series).ranked(&predictions, recording.horizon);
+    let mut axes = evidence::Axes::new(&all, series).ranked();
     axes.truncate(AXES);
     let third = (axes.len() == AXES).then(|| axes.pop()).flatten();
     let half_width_s = recording.restart_half_width;

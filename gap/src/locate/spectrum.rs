@@ -1,102 +1,116 @@
-//! The gap over frequency: the acceleration that the predictions miss against that of the motion.
+//! The gap over frequency: the spectrum of the missing acceleration against those of the motion and the input.
 
 use super::bins::Point;
-use crate::windows::series::Series;
+use super::innovation::Innovation;
 use core::f64::consts::{PI, TAU};
 
 /// Frequencies looked at, equidistant on a logarithmic scale.
 const FREQUENCIES: usize = 40;
-/// Highest one, as a share of the sampling rate: above, the noise of a second derivative drowns all.
-const HIGHEST: f64 = 0.1;
-/// Share of the weight that follows the motion's power; the rest is the same for all frequencies, so that
+/// Innovations in a row that have a spectrum.
+const ROW: usize = 64;
+/// Waves in a row at the lowest frequency: fewer leak into one another under Hann's window.
+const FEWEST_WAVES: f64 = 2.0;
+/// A row ends where the next innovation is farther than this many steps.
+const LONGEST_STEP: f64 = 1.5;
+/// Share of the weight that follows the power of each of acceleration and input; the rest is the same for all frequencies, so that
 /// none where nothing moves outweighs the others.
-const MOVED_SHARE: f64 = 0.5;
-/// Fewest samples of a window that has a spectrum.
-const FEWEST_SAMPLES: usize = 8;
-/// A power counts from this multiple of the noise's mean power on; noise alone exceeds it once in 150 times.
-const CLEAR: f64 = 5.0;
-/// Mean square of Hann's window.
-const HANN_POWER: f64 = 0.375;
+const MOVED_SHARE: f64 = 0.25;
 
-/// Power of the missing acceleration beyond what noise gives, by window and frequency, weighted by the
-/// power of the measured acceleration.
-pub(super) fn points(
-    series: &[Series],
-    predictions: &[Vec<f64>],
-    horizon_s: f64,
-    period_s: f64,
-) -> Vec<Point> {
-    let (lowest, highest) = (1.0 / horizon_s, HIGHEST / period_s);
-    if highest <= lowest {
+/// Power of what is `missing`, one number for each innovation in the order of time, by row and frequency, weighted by the powers of
+/// acceleration and input.
+pub(super) fn points(all: &[Innovation], missing: &[f64]) -> Vec<Point> {
+    let Some(step_s) = step_s(all) else {
         return Vec::new();
-    }
-    let step = (highest / lowest).powf(1.0 / (FREQUENCIES - 1) as f64);
-    let frequencies: Vec<f64> = (0..FREQUENCIES)
-        .map(|k| lowest * step.powi(k as i32))
-        .collect();
+    };
+    let frequencies = frequencies(step_s);
     let mut points = Vec::new();
-    let mut moved = vec![0.0; FREQUENCIES];
-    let mut block = 0;
-    for (series, predicted) in series.iter().zip(predictions) {
-        for window in &series.windows {
-            let rows = window.samples.clone();
-            block += 1;
-            if rows.len() < FEWEST_SAMPLES {
-                continue;
-            }
-            let time = &series.time[rows.clone()];
-            let position = &series.position[rows.clone()];
-            let residual: Vec<f64> = position
-                .iter()
-                .zip(&predicted[rows])
-                .map(|(m, p)| m - p)
-                .collect();
-            let noise = window.noise.powi(2) * time.len() as f64 * HANN_POWER;
-            let (residual, position) = (tapered(&residual), tapered(position));
-            for (&hz, moved) in frequencies.iter().zip(&mut moved) {
-                let [missed, of_motion] = powers(time, [&residual, &position], hz);
-                // Twice derived; on a logarithmic scale each line stands for a band as wide as its frequency.
-                let scale = (TAU * hz).powi(4) * hz;
-                *moved += of_motion * scale;
-                points.push(Point {
-                    at: hz,
-                    block: block - 1,
-                    excess: if missed > CLEAR * noise {
-                        (missed - noise) * scale
-                    } else {
-                        0.0
-                    },
-                    ..Point::default()
-                });
-            }
+    let mut moved = [[0.0; 2]; FREQUENCIES];
+    for (block, from) in rows(all, step_s).into_iter().enumerate() {
+        let row = from..from + ROW;
+        let time: Vec<f64> = all[row.clone()].iter().map(|i| i.session_s).collect();
+        let of = |value: &dyn Fn(usize) -> f64| tapered(row.clone().map(value).collect());
+        let records = [
+            of(&|i| missing[i]),
+            of(&|i| all[i].acceleration),
+            of(&|i| all[i].input),
+        ];
+        for (&hz, moved) in frequencies.iter().zip(&mut moved) {
+            // On a logarithmic scale each line stands for a band as wide as its frequency.
+            let [missed, of_motion, of_input] = powers(&time, &records, hz).map(|p| p * hz);
+            *moved = [moved[0] + of_motion, moved[1] + of_input];
+            points.push(Point {
+                at: hz,
+                block,
+                excess: missed,
+                ..Point::default()
+            });
         }
     }
-    let total: f64 = moved.iter().sum();
-    for (point, moved) in points.iter_mut().zip(moved.iter().cycle()) {
-        let even = 1.0 / FREQUENCIES as f64;
-        point.weight =
-            MOVED_SHARE * moved / total.max(f64::MIN_POSITIVE) + (1.0 - MOVED_SHARE) * even;
+    let weights = weights(&frequencies, &moved);
+    for (point, weight) in points.iter_mut().zip(weights.iter().cycle()) {
+        point.weight = *weight;
     }
     points
 }
 
-/// A record freed of its straight part and weighted by Hann's window.
-fn tapered(x: &[f64]) -> Vec<f64> {
-    let n = x.len() as f64;
-    let middle = 0.5 * (n - 1.0);
-    let mean = x.iter().sum::<f64>() / n;
-    let lever = x.iter().enumerate().map(|(i, x)| (i as f64 - middle) * x);
-    let slope = lever.sum::<f64>() / (n * (n * n - 1.0) / 12.0);
-    let weighted = x.iter().enumerate().map(|(i, x)| {
-        let straight = mean + slope * (i as f64 - middle);
-        (PI * (i as f64 + 0.5) / n).sin().powi(2) * (x - straight)
-    });
-    weighted.collect()
+/// Median time from one innovation to the next, s.
+fn step_s(all: &[Innovation]) -> Option<f64> {
+    let pairs = all.windows(2);
+    let mut steps: Vec<f64> = pairs.map(|p| p[1].session_s - p[0].session_s).collect();
+    let middle = steps.len() / 2;
+    steps.sort_by(f64::total_cmp);
+    steps.get(middle).copied().filter(|step| *step > 0.0)
+}
+
+/// From the lowest of which a row holds enough waves to the highest that innovations tell, Hz.
+fn frequencies(step_s: f64) -> [f64; FREQUENCIES] {
+    let lowest = FEWEST_WAVES / (ROW as f64 * step_s);
+    let highest = 0.5 / step_s;
+    let ratio = (highest / lowest).powf(1.0 / (FREQUENCIES - 1) as f64);
+    core::array::from_fn(|k| lowest * ratio.powi(k as i32))
+}
+
+/// Where each row begins; two in a row overlap by half.
+fn rows(all: &[Innovation], step_s: f64) -> Vec<usize> {
+    let follows = |a: &Innovation, b: &Innovation| {
+        a.run == b.run && b.session_s - a.session_s <= LONGEST_STEP * step_s
+    };
+    let mut rows = Vec::new();
+    let mut first = 0;
+    for piece in all.chunk_by(follows) {
+        let end = first + piece.len();
+        rows.extend((first..(end + 1).saturating_sub(ROW)).step_by(ROW / 2));
+        first = end;
+    }
+    rows
+}
+
+/// Weight of each frequency.
+fn weights(
+    frequencies: &[f64; FREQUENCIES],
+    moved: &[[f64; 2]; FREQUENCIES],
+) -> [f64; FREQUENCIES] {
+    let even: f64 = frequencies.iter().sum();
+    let total = moved.iter().fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]);
+    core::array::from_fn(|k| {
+        let shares = [0, 1].map(|of| moved[k][of] / total[of].max(f64::MIN_POSITIVE));
+        MOVED_SHARE * (shares[0] + shares[1]) + (1.0 - 2.0 * MOVED_SHARE) * frequencies[k] / even
+    })
+}
+
+/// A record freed of its mean and weighted by Hann's window.
+fn tapered(mut record: Vec<f64>) -> Vec<f64> {
+    let n = record.len() as f64;
+    let mean = record.iter().sum::<f64>() / n;
+    for (i, x) in record.iter_mut().enumerate() {
+        *x = (PI * (i as f64 + 0.5) / n).sin().powi(2) * (*x - mean);
+    }
+    record
 }
 
 /// Power of each record at one frequency.
-fn powers(time: &[f64], records: [&[f64]; 2], hz: f64) -> [f64; 2] {
-    let mut sums = [[0.0; 2]; 2];
+fn powers(time: &[f64], records: &[Vec<f64>; 3], hz: f64) -> [f64; 3] {
+    let mut sums = [[0.0; 2]; 3];
     for (i, t) in time.iter().enumerate() {
         let (sin, cos) = (TAU * hz * (t - time[0])).sin_cos();
         for (sum, record) in sums.iter_mut().zip(records) {
@@ -104,4 +118,44 @@ fn powers(time: &[f64], records: [&[f64]; 2], hz: f64) -> [f64; 2] {
         }
     }
     sums.map(|[re, im]| re * re + im * im)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bins::Bins;
+    use super::*;
+
+    /// A step of 10 ms, in two runs.
+    fn all(count: usize) -> Vec<Innovation> {
+        let innovation = |i: usize| Innovation {
+            run: usize::from(i >= count / 2),
+            session_s: 0.01 * i as f64,
+            acceleration: if i % 20 < 10 { 1.0 } else { -1.0 },
+            ..Innovation::default()
+        };
+        (0..count).map(innovation).collect()
+    }
+
+    #[test]
+    fn a_resonance_is_told_as_its_band() {
+        let all = all(600);
+        let missing: Vec<f64> = all
+            .iter()
+            .map(|i| (TAU * 12.0 * i.session_s).sin() + 0.3 * i.acceleration)
+            .collect();
+        let bins = Bins::new(points(&all, &missing), FREQUENCIES).unwrap();
+        let band = bins.best(None).unwrap();
+        assert!(band.from > 8.0 && band.from < 12.0, "{band:?}");
+        assert!(band.to > 12.0 && band.to < 16.0, "{band:?}");
+        assert!(band.surplus() > 0.6, "{band:?}");
+    }
+
+    #[test]
+    fn no_row_goes_from_one_run_to_the_next() {
+        let all = all(2 * (ROW + ROW / 2));
+        let run = ROW + ROW / 2;
+        assert_eq!(rows(&all, 0.01), [0, ROW / 2, run, run + ROW / 2]);
+        assert!(points(&all[..ROW - 1], &vec![1.0; ROW - 1]).is_empty());
+        assert!(points(&[], &[]).is_empty());
+    }
 }

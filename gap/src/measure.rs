@@ -3,6 +3,7 @@
 use crate::floor::{LOOKED_AT, floor_squares};
 use crate::predict::Predictor;
 use crate::windows::series::{self, Window};
+use crate::windows::unbroken::Unbroken;
 use host_sim::device::Device;
 use recording::Recording;
 use serde::Serialize;
@@ -36,16 +37,39 @@ const FAR_BEYOND: f64 = 3.0;
 /// Windows that are looked at for that: those of a draw to either side.
 const GLANCE: usize = 1;
 
-/// Measures the gap of `device` on `recording` as the recording format defines it.
+/// Measures the gap of `device` on `recording` as the recording format defines it; where rows are missing for longer than a
+/// restart looks, prediction begins anew.
 pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun>) {
-    let left = Left::of(recording, device);
+    let Unbroken {
+        recording: unbroken,
+        runs,
+    } = &Unbroken::of(recording);
+    let left = Left::of(unbroken, device);
     let gap = Gap {
         before: left.rms,
         // A device that leaves less than an imagined one did was luckier with its restarts.
-        floor: left.floor(recording, LOOKED_AT).min(left.rms),
+        floor: left.floor(unbroken, LOOKED_AT).min(left.rms),
         unit: recording.units.position.clone(),
     };
-    (gap, left.runs)
+    (gap, whole(left.runs, runs))
+}
+
+/// The parts of each run put together; `runs` tells of which each is one.
+fn whole(parts: Vec<PredictedRun>, runs: &[usize]) -> Vec<PredictedRun> {
+    let mut whole: Vec<PredictedRun> = Vec::new();
+    let mut last = None;
+    for (part, run) in parts.into_iter().zip(runs) {
+        match whole.last_mut().filter(|_| last == Some(run)) {
+            Some(before) => {
+                before.time.extend(part.time);
+                before.measured.extend(part.measured);
+                before.predicted.extend(part.predicted);
+            }
+            None => whole.push(part),
+        }
+        last = Some(run);
+    }
+    whole
 }
 
 /// What `device` leaves, in units of position, and whether that is more than `floors` times its floor.

@@ -5,10 +5,6 @@ use crate::{Oddity, Run, Sensor};
 
 /// Jitter: the middle 90 % of the periods spread over more than this share of their median.
 const JITTER: f64 = 0.1;
-/// A gap: a period of this many medians, and of [`GAP_TAILS`] times the 99 % quantile, so that jitter is none.
-const GAP_MEDIANS: f64 = 5.0;
-/// See [`GAP_MEDIANS`].
-const GAP_TAILS: f64 = 2.0;
 /// Saturation: the longest stay on an extreme has this share of the run's samples.
 const STAY: f64 = 0.02;
 /// During the stay the input spans this share of its whole span.
@@ -93,12 +89,8 @@ pub(crate) fn session(runs: &[Run]) -> Vec<Oddity> {
         .collect()
 }
 
-fn periods(run: &Run) -> Vec<f64> {
-    run.time.windows(2).map(|pair| pair[1] - pair[0]).collect()
-}
-
 fn jitter(run: &Run) -> Option<Oddity> {
-    let periods = periods(run);
+    let periods = run.periods();
     let [p05_s, median_s, p95_s] = [0.05, 0.5, 0.95].map(|part| quantile(periods.clone(), part));
     (p95_s - p05_s > JITTER * median_s).then(|| Oddity::Jitter {
         file: run.file.clone(),
@@ -109,23 +101,18 @@ fn jitter(run: &Run) -> Option<Oddity> {
 }
 
 fn gaps(run: &Run) -> Option<Oddity> {
-    let periods = periods(run);
-    let median_s = median(periods.clone());
-    let least_s = (GAP_MEDIANS * median_s).max(GAP_TAILS * quantile(periods.clone(), 0.99));
-    let gaps = || {
-        periods
-            .iter()
-            .enumerate()
-            .filter(|(_, period)| **period > least_s)
-    };
-    let (at, longest_s) = gaps().max_by(|a, b| a.1.total_cmp(b.1))?;
-    let (file, count, at_s) = (run.file.clone(), gaps().count(), run.time[at]);
+    let periods = run.periods();
+    let gaps = run.gaps();
+    let longest = gaps
+        .iter()
+        .max_by(|a, b| periods[**a].total_cmp(&periods[**b]));
+    let &at = longest?;
     Some(Oddity::Gaps {
-        file,
-        count,
-        longest_s: *longest_s,
-        at_s,
-        median_s,
+        file: run.file.clone(),
+        count: gaps.len(),
+        longest_s: periods[at],
+        at_s: run.time[at],
+        median_s: median(periods),
     })
 }
 

@@ -37,7 +37,7 @@ pub enum Oddity {
         p95_s: f64,
     },
     /// Samples are missing.
-    #[error("{file}: {count} gaps in time, the longest {longest_s} s at {at_s} s, where the sample period is {median_s} s", median_s = short(*median_s), longest_s = short(*longest_s), at_s = short(*at_s))]
+    #[error("{file}: {count} {} in time, the longest {longest_s} s at {at_s} s, where the sample period is {median_s} s; prediction begins anew after what a restart cannot bridge", if *count == 1 { "gap" } else { "gaps" }, median_s = short(*median_s), longest_s = short(*longest_s), at_s = short(*at_s))]
     Gaps {
         /// The run.
         file: String,

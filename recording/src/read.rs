@@ -56,7 +56,7 @@ impl Recording {
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
             if let Some(stale) = inspect::stale_start(&run) {
                 recording.oddities.push(stale);
-                run.drop_first();
+                run = run.part(1..run.len());
             }
             let stated = recording.sensor("position");
             recording

@@ -1,8 +1,16 @@
 //! One run: a stretch of recorded samples, by column.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
+
+use crate::statistics::{median, quantile};
+
+/// A gap: a period of this many medians, and of [`GAP_TAILS`] times the 99 % quantile, so that jitter is none.
+const GAP_MEDIANS: f64 = 5.0;
+/// See [`GAP_MEDIANS`].
+const GAP_TAILS: f64 = 2.0;
 
 /// Whether the input was prescribed or came from a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,22 +107,48 @@ impl Run {
         self.time.is_empty()
     }
 
-    /// Without its first row, if it has any.
-    pub(crate) fn drop_first(&mut self) {
-        if self.is_empty() {
-            return;
+    /// Some of its rows.
+    ///
+    /// # Panics
+    /// If they are not all there.
+    #[must_use]
+    pub fn part(&self, rows: Range<usize>) -> Self {
+        let narrow =
+            |column: &Option<Vec<f32>>| column.as_ref().map(|column| column[rows.clone()].to_vec());
+        let of = |column: &Vec<f64>| column[rows.clone()].to_vec();
+        let positions = self.positions.iter();
+        Self {
+            file: self.file.clone(),
+            drive: self.drive,
+            input_time_std: self.input_time_std,
+            controller: self.controller,
+            time: of(&self.time),
+            input: of(&self.input),
+            position: of(&self.position),
+            setpoint: self.setpoint.as_ref().map(of),
+            positions: positions
+                .map(|(name, column)| (name.clone(), of(column)))
+                .collect(),
+            current: narrow(&self.current),
+            supply: narrow(&self.supply),
+            temperature: narrow(&self.temperature),
+            ignored: self.ignored.clone(),
         }
-        self.time.remove(0);
-        self.input.remove(0);
-        self.position.remove(0);
-        let further = self.positions.values_mut();
-        for column in self.setpoint.iter_mut().chain(further) {
-            column.remove(0);
-        }
-        let narrow = [&mut self.current, &mut self.supply, &mut self.temperature];
-        for column in narrow.into_iter().flatten() {
-            column.remove(0);
-        }
+    }
+
+    /// Rows after which others are missing.
+    pub fn gaps(&self) -> Vec<usize> {
+        let periods = self.periods();
+        let least_s = (GAP_MEDIANS * median(periods.clone()))
+            .max(GAP_TAILS * quantile(periods.clone(), 0.99));
+        let periods = periods.iter().enumerate();
+        let gaps = periods.filter(|(_, period)| **period > least_s);
+        gaps.map(|(row, _)| row).collect()
+    }
+
+    /// From each sample to the next, s.
+    pub(crate) fn periods(&self) -> Vec<f64> {
+        self.time.windows(2).map(|pair| pair[1] - pair[0]).collect()
     }
 
     /// Time from the first to the last sample, s.

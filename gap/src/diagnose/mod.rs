@@ -16,6 +16,7 @@ use crate::measure::{exceeds, measure};
 use crate::select::{self, Given};
 use crate::stage::Stage;
 use crate::windows::series;
+use crate::windows::unbroken::Unbroken;
 use crate::{comparison, experiment, locate};
 use corrected::corrected;
 pub use corrected::{CorrectedEffect, CorrectedModel};
@@ -67,6 +68,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
     let progress = options.progress;
     progress(Stage::Windows);
+    let Unbroken { recording, runs } = &Unbroken::of(recording);
     let nominal = Device::nominal(&recording.model);
     // Where noise and restarts alone leave as much, there is hardly anything to name.
     let (before, is_gap) = exceeds(recording, &nominal, FLOOR_DOUBT);
@@ -137,7 +139,11 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let regions = if verdict == Verdict::NoGap {
         Vec::new()
     } else {
-        locate::regions(&problem, &selection.null, comparison.as_ref())
+        let mut regions = locate::regions(&problem, &selection.null, comparison.as_ref());
+        for run in regions.iter_mut().filter_map(|region| region.run.as_mut()) {
+            *run = runs[*run];
+        }
+        regions
     };
     progress(Stage::NextExperiment);
     let next_experiment = experiment::separating(&problem, &selection);

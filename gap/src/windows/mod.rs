@@ -8,3 +8,4 @@ pub(crate) mod noise;
 pub mod restart;
 pub mod series;
 pub(crate) mod told;
+pub(crate) mod unbroken;

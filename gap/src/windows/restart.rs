@@ -3,7 +3,7 @@
 use nalgebra::{Matrix4, Vector4};
 
 /// Fewest samples of a fit.
-const FEWEST: usize = 9;
+pub(crate) const FEWEST: usize = 9;
 /// Unknowns of a cubic.
 const CUBIC: usize = 4;
 

@@ -73,7 +73,7 @@ impl Series {
         let run = &recording.runs[index];
         let period_s = median_period(&run.time);
         let correlation = noise::correlation(recording, run, period_s);
-        let windows = windows(recording, run, horizon_s, period_s, correlation);
+        let windows = windows(recording, index, horizon_s, period_s, correlation);
         Self {
             run: index,
             time: run.time.clone(),
@@ -294,16 +294,25 @@ pub fn median_period(time: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
+/// The run before, if it and another are parts of one: they bear the name of one file, and the other comes later.
+fn part_before(recording: &Recording, index: usize) -> Option<usize> {
+    let before = index.checked_sub(1)?;
+    let [earlier, later] = [&recording.runs[before], &recording.runs[index]];
+    (earlier.file == later.file && earlier.time.last() < later.time.first()).then_some(before)
+}
+
 fn windows(
     recording: &Recording,
-    run: &Run,
+    index: usize,
     horizon_s: f64,
     period_s: f64,
     correlation: f64,
 ) -> Vec<Window> {
+    let run = &recording.runs[index];
     let (Some(&start), Some(&end)) = (run.time.first(), run.time.last()) else {
         return Vec::new();
     };
+    let goes_on = part_before(recording, index).is_some();
     let hair = 1e-6 * period_s;
     let count = ((end - start + 2.0 * hair) / horizon_s).floor() as usize + 1;
     let mut from = 0;
@@ -314,7 +323,9 @@ fn windows(
             .time
             .partition_point(|&t| t < restart_s + horizon_s - hair);
         if to > from {
-            let half_width = recording.restart_half_width;
+            // What begins in motion is seen from one side only, and so for as long as from both.
+            let sides = if k == 0 && goes_on { 2.0 } else { 1.0 };
+            let half_width = sides * recording.restart_half_width;
             if let Some(restart) = Restart::fit(&run.time, &run.position, restart_s, half_width) {
                 windows.push(Window {
                     samples: from..to,
@@ -415,14 +426,18 @@ fn session_offsets(recording: &Recording) -> Vec<f64> {
         return vec![0.0; recording.runs.len()];
     }
     let mut clock = 0.0;
-    let offsets = recording.runs.iter().map(|run| {
-        let offset = clock - run.time.first().copied().unwrap_or(0.0);
+    let mut offsets: Vec<f64> = Vec::with_capacity(recording.runs.len());
+    for (index, run) in recording.runs.iter().enumerate() {
+        let start = run.time.first().copied().unwrap_or(0.0);
+        // A part of the run before goes by its clock.
+        let part_before = part_before(recording, index);
+        let offset = part_before.map_or(clock - start, |before| offsets[before]);
+        offsets.push(offset);
         // The last sample lasts as long as the others: the next run begins after it, not with it.
         let periods = run.time.len().saturating_sub(1).max(1) as f64;
-        clock += run.duration_s() * (1.0 + 1.0 / periods);
-        offset
-    });
-    offsets.collect()
+        clock = start + offset + run.duration_s() * (1.0 + 1.0 / periods);
+    }
+    offsets
 }
 
 #[cfg(test)]

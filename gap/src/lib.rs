@@ -5,9 +5,9 @@
 //! [`Effect`] by simulation and says which ones close it on data that the fit has not seen.
 //!
 //! ```no_run
-//! use gap::{Options, Recording, diagnose};
+//! use gap::{Options, Recording, diagnose, upright};
 //!
-//! let recording = Recording::read("my-recording")?;
+//! let recording = upright(Recording::read("my-recording")?);
 //! let outcome = diagnose(&recording, &Options::default());
 //! for effect in &outcome.diagnosis.effects {
 //!     println!("{} closes {:.0} %", effect.name, 100.0 * effect.shrink);
@@ -32,6 +32,7 @@ mod locate;
 mod made;
 mod measure;
 pub mod model_file;
+mod polarity;
 pub mod predict;
 mod select;
 mod shrink;
@@ -43,6 +44,7 @@ pub use host_sim::device::Device;
 pub use host_sim::effects::Effect;
 pub use measure::{Gap, PredictedRun, measure};
 pub use model_file::ModelFile;
+pub use polarity::upright;
 pub use recording::{self, Model, Recording};
 pub use stage::Stage;
 pub use windows::{restart, series};

@@ -81,16 +81,19 @@ pub(crate) fn exceeds(recording: &Recording, device: &Device, floors: f64) -> (f
 }
 
 /// What a device leaves of a recording at full rate.
-struct Left {
+pub(crate) struct Left {
     predictor: Predictor,
     runs: Vec<PredictedRun>,
     /// With their runs.
     windows: Vec<(usize, Window)>,
-    rms: f64,
+    /// Sums over each window, in units of position squared.
+    pub squares: Vec<f64>,
+    /// Over all samples, in units of position.
+    pub rms: f64,
 }
 
 impl Left {
-    fn of(recording: &Recording, device: &Device) -> Self {
+    pub fn of(recording: &Recording, device: &Device) -> Self {
         let predictor = Predictor::new(device.clone(), recording);
         let (mut squares, mut windows, mut runs) = (Vec::new(), Vec::new(), Vec::new());
         for series in series::full(recording, recording.horizon) {
@@ -107,6 +110,7 @@ impl Left {
         }
         Self {
             rms: rms(&squares, samples(&windows)),
+            squares,
             predictor,
             runs,
             windows,

@@ -127,7 +127,8 @@ impl Drive {
     /// The same at a velocity.
     #[inline]
     fn taken_at(&self, input: f64, velocity: f64) -> f64 {
-        let saturation = self.saturation.moving(velocity * input.signum());
+        let pushed = (self.ratio * input).signum();
+        let saturation = self.saturation.moving(velocity * pushed);
         saturation.of(input.abs().min(self.limit))
     }
 

@@ -115,6 +115,27 @@ impl Model {
         }
     }
 
+    /// The same driven the other way.
+    #[must_use]
+    pub fn turned(self) -> Self {
+        Self {
+            ratio: -self.ratio,
+            ..self
+        }
+    }
+
+    /// The same with positions and torques counted the other way, but not the input.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        Self {
+            gravity_zero: -self.gravity_zero,
+            stiffness_zero: -self.stiffness_zero,
+            offset: -self.offset,
+            travel: self.travel.map(|[lower, upper]| [-upper, -lower]),
+            ..self.turned()
+        }
+    }
+
     /// The number called `name`; `None` for an absent limit, for the pair `travel` and for names that do not exist.
     pub fn get(&self, name: &str) -> Option<f64> {
         let mut copy = *self;

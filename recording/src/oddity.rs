@@ -98,6 +98,20 @@ pub enum Oddity {
         /// How far, in units of position.
         off: f64,
     },
+    /// The position goes the other way than the input drives the model.
+    #[error("`input` and `position` go against each other: the model leaves {told} {unit} with both as they are, {mute} without any input and {turned} with the other sign of `{column}`, which is assumed: correct the sign in the log", told = short(*told), mute = short(*mute), turned = short(*turned))]
+    Turned {
+        /// The one that the other sign suits better.
+        column: &'static str,
+        /// Root mean square of what the model leaves as it is given, in units of position.
+        told: f64,
+        /// The same without any input.
+        mute: f64,
+        /// The same with the other sign.
+        turned: f64,
+        /// Of position.
+        unit: String,
+    },
     /// Two runs claim the same stretch of session time.
     #[error("{first} and {second} overlap in time; they are taken as separate runs")]
     Overlap {

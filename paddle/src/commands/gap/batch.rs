@@ -5,7 +5,6 @@ use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;
 use gap::Options;
-use recording::Recording;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -148,7 +147,7 @@ fn with(path: &Path, extension: &str) -> PathBuf {
 
 /// Diagnoses one recording and leaves its results; the JSON comes last, as it says that the others are there.
 fn diagnosed(case: &Case, options: &Options) -> Result<Value, Failure> {
-    let recording = Recording::read(&case.folder)?;
+    let recording = super::read(&case.folder)?;
     let diagnosis = AssertUnwindSafe(|| gap::diagnose(&recording, options));
     let outcome = catch_unwind(diagnosis).map_err(|_| Failure::Fault)?;
     let line = stamped(json(&outcome), case, options);

@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         return batch::run(&arguments.batch, &arguments.out, &options);
     };
     progress::doing("reading".into());
-    let recording = Recording::read(folder)?;
+    let recording = super::read(folder)?;
     let outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
     if let Some(path) = &arguments.save_model {

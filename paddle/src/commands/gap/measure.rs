@@ -38,7 +38,7 @@ pub struct Arguments {
 /// # Errors
 /// [`Failure`] for a recording or a model that cannot be used.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let recording = Recording::read(&arguments.recording)?;
+    let recording = super::read(&arguments.recording)?;
     let mut warnings: Vec<_> = recording.oddities.iter().map(ToString::to_string).collect();
     let device = match &arguments.model {
         Some(path) => {

@@ -7,7 +7,9 @@ pub mod measure;
 
 use crate::answer::Answer;
 use crate::failure::Failure;
+use ::gap::{Recording, upright};
 use clap::Subcommand;
+use std::path::Path;
 
 /// What can be asked of a recording.
 #[derive(Subcommand)]
@@ -32,4 +34,9 @@ impl Command {
             Self::Blind(arguments) => blind::run(arguments),
         }
     }
+}
+
+/// Reads a recording, its model turned round if input and position go against each other.
+fn read(folder: &Path) -> Result<Recording, Failure> {
+    Ok(upright(Recording::read(folder)?))
 }

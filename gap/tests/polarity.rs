@@ -1,0 +1,77 @@
+//! A column with the wrong sign is found, said and worked around.
+
+mod made;
+
+use gap::recording::Oddity;
+use gap::{Device, Options, Recording, diagnose, measure, upright};
+use made::{paddle, recording};
+use recording::Model;
+
+const NOISE: f64 = 5e-5;
+
+/// A paddle that hangs askew and drags more than its model says.
+fn dragging() -> Recording {
+    let askew = Model {
+        gravity_zero: 0.3,
+        ..paddle()
+    };
+    let device = Model {
+        viscous: 8e-4,
+        ..askew
+    };
+    recording(&device, askew, NOISE, 0.0, 11)
+}
+
+fn negate(column: &mut [f64]) {
+    column.iter_mut().for_each(|x| *x = -*x);
+}
+
+/// The column that a recording's oddities say has the wrong sign.
+fn said(recording: &Recording) -> Option<&str> {
+    recording.oddities.iter().find_map(|oddity| match oddity {
+        Oddity::Turned { column, .. } => Some(*column),
+        _ => None,
+    })
+}
+
+#[test]
+fn the_column_with_the_wrong_sign_is_said_and_makes_no_difference() {
+    let right = dragging();
+    let gap = |recording: &Recording| measure(recording, &Device::nominal(&recording.model)).0;
+    let expected = gap(&right);
+    for (column, turn) in [
+        (
+            "input",
+            (|r| negate(&mut r.runs[0].input)) as fn(&mut Recording),
+        ),
+        ("position", |r| negate(&mut r.runs[0].position)),
+    ] {
+        let mut wrong = right.clone();
+        turn(&mut wrong);
+        let wrong = upright(wrong);
+        assert_eq!(said(&wrong), Some(column));
+        assert!((gap(&wrong).before / expected.before - 1.0).abs() < 1e-9);
+        let found = diagnose(&wrong, &Options::default()).diagnosis;
+        let names: Vec<&str> = found.effects.iter().map(|effect| effect.name).collect();
+        assert_eq!(names, ["viscous"], "with the other sign of {column}");
+        assert!(found.warnings.iter().any(|w| w.contains(column)));
+    }
+}
+
+#[test]
+fn a_right_recording_is_left_as_it_is() {
+    let right = dragging();
+    assert_eq!(upright(right.clone()), right);
+}
+
+#[test]
+fn a_model_that_its_input_makes_worse_is_not_turned_for_that() {
+    // An actuator that has been dead, and a spring that nobody knows of.
+    let device = Model {
+        ratio: 1e-3,
+        stiffness: 0.1,
+        ..paddle()
+    };
+    let dead = recording(&device, paddle(), NOISE, 0.0, 11);
+    assert_eq!(said(&upright(dead)), None);
+}

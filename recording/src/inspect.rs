@@ -1,19 +1,13 @@
 //! Looks for what is merely odd.
 
-use crate::statistics::{extremes, is_constant, median, quantile};
-use crate::{Oddity, Run, Sensor};
+use crate::statistics::{is_constant, median, quantile};
+use crate::{Oddity, Run, Sensor, stays};
 
 /// Jitter: the middle 90 % of the periods spread over more than this share of their median.
 const JITTER: f64 = 0.1;
-/// Saturation: the longest stay on an extreme has this share of the run's samples.
-const STAY: f64 = 0.02;
-/// During the stay the input spans this share of its whole span.
-const STAY_INPUT: f64 = 0.25;
-/// The stay begins at this share of the median step while moving: a sensor clips abruptly, a rest is eased into.
-const STAY_ENTRY: f64 = 0.5;
 /// A spike: a sample is so many times farther from the middle of its neighbours than these are from one another and from the
 /// next ones, than most samples are, and than the smallest steps.
-const SPIKE: f64 = 8.0;
+pub(crate) const SPIKE: f64 = 8.0;
 /// Most samples.
 const MOST: f64 = 0.9;
 /// Quantised: each value comes this many times on average.
@@ -55,7 +49,8 @@ pub(crate) fn run(run: &Run, stated: &Sensor, frozen: &[String]) -> Vec<Oddity> 
         });
     }
     found.extend(frozen_columns(run, frozen));
-    found.extend(saturated(run));
+    found.extend(stays::saturated(run));
+    found.extend(stays::frozen(run));
     found.extend(spikes(run));
     found.extend(resolution(run, stated.resolution));
     found.extend(coarse_supply(run));
@@ -141,35 +136,6 @@ fn frozen_columns(run: &Run, ignored: &[String]) -> Vec<Oddity> {
         .collect()
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a count of samples")]
-fn saturated(run: &Run) -> Option<Oddity> {
-    let (low, high) = extremes(&run.position);
-    let (least_input, most_input) = extremes(&run.input);
-    let steps = || {
-        run.position
-            .windows(2)
-            .map(|pair| (pair[1] - pair[0]).abs())
-            .filter(|step| *step > 0.0)
-    };
-    let typical_step = median(steps().collect());
-    [low, high].into_iter().find_map(|value| {
-        let (from, to) = longest_stay(&run.position, value)?;
-        let (least, most) = extremes(&run.input[from..to]);
-        let entry = (run.position.get(from.checked_sub(2)?)? - run.position.get(from - 1)?).abs();
-        let clipped = (to - from) as f64 >= STAY * run.len() as f64
-            && most - least >= STAY_INPUT * (most_input - least_input)
-            && most > least
-            && entry >= STAY_ENTRY * typical_step;
-        let stay_s = run.time[to - 1] - run.time[from];
-        clipped.then(|| Oddity::Saturated {
-            file: run.file.clone(),
-            value,
-            from_s: run.time[from],
-            stay_s,
-        })
-    })
-}
-
 fn spikes(run: &Run) -> Option<Oddity> {
     let x = &run.position;
     let usual = usual(x);
@@ -195,7 +161,7 @@ fn beside(five: &[f64]) -> f64 {
 }
 
 /// How far most samples are from the middle of their neighbours, at least one of the smallest steps.
-fn usual(x: &[f64]) -> f64 {
+pub(crate) fn usual(x: &[f64]) -> f64 {
     let steps = x.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     let smallest = quantile(steps.filter(|step| *step > 0.0).collect(), QUANTUM_QUANTILE);
     quantile(x.windows(5).map(beside).collect(), MOST).max(smallest)
@@ -212,18 +178,6 @@ pub(crate) fn stale_start(run: &Run) -> Option<Oddity> {
         file: run.file.clone(),
         off,
     })
-}
-
-/// First and one past the last index of the longest stretch of `value`.
-fn longest_stay(column: &[f64], value: f64) -> Option<(usize, usize)> {
-    let mut end = 0;
-    let stays = column.chunk_by(|a, b| a == b).map(|stay| {
-        end += stay.len();
-        (end - stay.len(), end)
-    });
-    stays
-        .filter(|(from, _)| column[*from] == value)
-        .max_by_key(|(from, to)| to - from)
 }
 
 fn resolution(run: &Run, stated: f64) -> Option<Oddity> {

@@ -35,6 +35,7 @@ mod read;
 mod run;
 mod sensor;
 mod statistics;
+mod stays;
 mod validate;
 mod write;
 

@@ -78,6 +78,26 @@ pub enum Oddity {
         /// Its length, s.
         stay_s: f64,
     },
+    /// The position stays amid a motion and then jumps to where that has gone.
+    #[error("{file}: `position` freezes {count} {}, the longest for {stay_s} s from {from_s} s on, and then jumps to where the motion has gone; its samples count as they are: check the sensor and its bus", if *count == 1 { "time" } else { "times" }, from_s = short(*from_s), stay_s = short(*stay_s))]
+    FrozenPosition {
+        /// The run.
+        file: String,
+        /// How often.
+        count: usize,
+        /// Start of the longest, s.
+        from_s: f64,
+        /// Its length, s.
+        stay_s: f64,
+    },
+    /// The position is new in some rows only.
+    #[error("{file}: `position` is new in every {every}{} row only; the rows between are left out: log no faster than the sensor is read", match every { 2 => "nd", 3 => "rd", _ => "th" })]
+    Repeated {
+        /// The run.
+        file: String,
+        /// Rows from one to the next, mostly.
+        every: usize,
+    },
     /// Single samples far from both their neighbours, as no motion makes them.
     #[error("{file}: {count} samples of `position` stand out from both their neighbours, the farthest by {farthest} at {at_s} s; they count as they are: check the sensor and its wiring", farthest = short(*farthest), at_s = short(*at_s))]
     Spikes {

@@ -7,6 +7,7 @@ use crate::columns;
 use crate::error::{Error, Fault};
 use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
+use crate::stays;
 use crate::validate;
 use crate::{Model, Oddity, Recording, Run};
 
@@ -57,6 +58,10 @@ impl Recording {
             if let Some(stale) = inspect::stale_start(&run) {
                 recording.oddities.push(stale);
                 run = run.part(1..run.len());
+            }
+            if let Some((repeated, fresh)) = stays::fresh_rows(&run) {
+                recording.oddities.push(repeated);
+                run = run.rows(&fresh);
             }
             let stated = recording.sensor("position");
             recording

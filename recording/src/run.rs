@@ -107,15 +107,38 @@ impl Run {
         self.time.is_empty()
     }
 
-    /// Some of its rows.
+    /// The rows of a stretch.
     ///
     /// # Panics
     /// If they are not all there.
     #[must_use]
     pub fn part(&self, rows: Range<usize>) -> Self {
-        let narrow =
-            |column: &Option<Vec<f32>>| column.as_ref().map(|column| column[rows.clone()].to_vec());
-        let of = |column: &Vec<f64>| column[rows.clone()].to_vec();
+        let rows: Vec<usize> = rows.collect();
+        self.columns_at(&rows)
+    }
+
+    /// Some of its rows, in their order, the input of each averaged until the next.
+    pub(crate) fn rows(&self, rows: &[usize]) -> Self {
+        let periods = self.periods();
+        let ends = rows.iter().skip(1).copied().chain([self.len()]);
+        let inputs = rows.iter().zip(ends).map(|(&from, to)| {
+            // The last row lasts as long as any.
+            let lasts_s = |row: usize| periods.get(row).or(periods.last()).copied().unwrap_or(1.0);
+            let told: f64 = (from..to).map(|row| lasts_s(row) * self.input[row]).sum();
+            told / (from..to).map(lasts_s).sum::<f64>()
+        });
+        Self {
+            input: inputs.collect(),
+            ..self.columns_at(rows)
+        }
+    }
+
+    fn columns_at(&self, rows: &[usize]) -> Self {
+        let of = |column: &Vec<f64>| rows.iter().map(|&row| column[row]).collect::<Vec<_>>();
+        let narrow = |column: &Option<Vec<f32>>| {
+            let column = column.as_ref();
+            column.map(|column| rows.iter().map(|&row| column[row]).collect())
+        };
         let positions = self.positions.iter();
         Self {
             file: self.file.clone(),

@@ -153,6 +153,58 @@ fn saturation() {
 }
 
 #[test]
+fn a_position_that_freezes_amid_a_motion() {
+    let found = oddity(|run| {
+        for row in [700..820, 1600..1650].into_iter().flatten() {
+            run.position[row] = run.position[row - 1];
+        }
+    });
+    let Oddity::FrozenPosition {
+        count,
+        from_s,
+        stay_s,
+        ..
+    } = found
+    else {
+        panic!("{found}")
+    };
+    assert_eq!(count, 2);
+    assert!((from_s - 0.699).abs() < 2e-3 && (stay_s - 0.121).abs() < 2e-3);
+}
+
+#[test]
+fn rows_that_repeat_the_position_are_left_out() {
+    const EVERY: usize = 4;
+    let mut run = run("a.csv");
+    let rows = run.len();
+    let told: f64 = run.input.iter().sum();
+    for row in 0..rows {
+        run.position[row] = run.position[row - row % EVERY];
+    }
+    let read = reread(&recording(vec![run]));
+    let [Oddity::Repeated { every, .. }] = read.oddities[..] else {
+        panic!("{:?}", read.oddities)
+    };
+    assert_eq!(every, EVERY);
+    let run = &read.runs[0];
+    assert!(run.len().abs_diff(rows / EVERY) < 5, "{}", run.len());
+    let means = run.input.iter().sum::<f64>() * EVERY as f64;
+    assert!(
+        (means - told).abs() < 1e-3 * rows as f64 * 0.01,
+        "{means} {told}"
+    );
+}
+
+#[test]
+fn a_slow_motion_that_steps_from_count_to_count_repeats_nothing() {
+    let mut run = run("a.csv");
+    for (k, position) in run.position.iter_mut().enumerate() {
+        *position = (k / 7) as f64 * RESOLUTION;
+    }
+    assert_eq!(oddities_of(&recording(vec![run])), []);
+}
+
+#[test]
 fn spikes() {
     let found = oddity(|run| {
         for at in [300, 900, 1700] {

@@ -5,9 +5,9 @@
 //! [`Effect`] by simulation and says which ones close it on data that the fit has not seen.
 //!
 //! ```no_run
-//! use gap::{Options, Recording, diagnose, upright};
+//! use gap::{Options, Recording, diagnose, inspected};
 //!
-//! let recording = upright(Recording::read("my-recording")?);
+//! let recording = inspected(Recording::read("my-recording")?)?;
 //! let outcome = diagnose(&recording, &Options::default());
 //! for effect in &outcome.diagnosis.effects {
 //!     println!("{} closes {:.0} %", effect.name, 100.0 * effect.shrink);
@@ -27,12 +27,12 @@ pub mod diagnosis;
 mod experiment;
 mod fit;
 mod floor;
+mod instrument;
 mod locate;
 #[cfg(test)]
 mod made;
 mod measure;
 pub mod model_file;
-mod polarity;
 pub mod predict;
 mod select;
 mod shrink;
@@ -42,9 +42,9 @@ mod windows;
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};
 pub use host_sim::device::Device;
 pub use host_sim::effects::Effect;
+pub use instrument::{UnitMistake, inspected};
 pub use measure::{Gap, PredictedRun, measure};
 pub use model_file::ModelFile;
-pub use polarity::upright;
 pub use recording::{self, Model, Recording};
 pub use stage::Stage;
 pub use windows::{restart, series};

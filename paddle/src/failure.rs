@@ -11,6 +11,14 @@ pub enum Failure {
     /// The recording cannot be used.
     #[error(transparent)]
     Recording(#[from] recording::Error),
+    /// A column of it is in another unit than its model.
+    #[error("{}: {mistake}", .folder.display())]
+    Unit {
+        /// The recording.
+        folder: PathBuf,
+        /// Which.
+        mistake: gap::UnitMistake,
+    },
     /// An effect cannot be understood.
     #[error(transparent)]
     Effect(#[from] host_sim::effects::EffectError),

@@ -7,7 +7,7 @@ pub mod measure;
 
 use crate::answer::Answer;
 use crate::failure::Failure;
-use ::gap::{Recording, upright};
+use ::gap::{Recording, inspected};
 use clap::Subcommand;
 use std::path::Path;
 
@@ -36,7 +36,10 @@ impl Command {
     }
 }
 
-/// Reads a recording, its model turned round if input and position go against each other.
+/// Reads a recording whose columns mean what its model takes them for.
 fn read(folder: &Path) -> Result<Recording, Failure> {
-    Ok(upright(Recording::read(folder)?))
+    inspected(Recording::read(folder)?).map_err(|mistake| Failure::Unit {
+        folder: folder.to_owned(),
+        mistake,
+    })
 }

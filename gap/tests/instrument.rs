@@ -1,9 +1,9 @@
-//! A column with the wrong sign is found, said and worked around.
+//! A column with the wrong sign is found, said and worked around, one in another unit refused.
 
 mod made;
 
 use gap::recording::Oddity;
-use gap::{Device, Options, Recording, diagnose, measure, upright};
+use gap::{Device, Options, Recording, diagnose, inspected, measure};
 use made::{paddle, recording};
 use recording::Model;
 
@@ -48,7 +48,7 @@ fn the_column_with_the_wrong_sign_is_said_and_makes_no_difference() {
     ] {
         let mut wrong = right.clone();
         turn(&mut wrong);
-        let wrong = upright(wrong);
+        let wrong = inspected(wrong).unwrap();
         assert_eq!(said(&wrong), Some(column));
         assert!((gap(&wrong).before / expected.before - 1.0).abs() < 1e-9);
         let found = diagnose(&wrong, &Options::default()).diagnosis;
@@ -61,7 +61,7 @@ fn the_column_with_the_wrong_sign_is_said_and_makes_no_difference() {
 #[test]
 fn a_right_recording_is_left_as_it_is() {
     let right = dragging();
-    assert_eq!(upright(right.clone()), right);
+    assert_eq!(inspected(right.clone()), Ok(right));
 }
 
 #[test]
@@ -73,5 +73,23 @@ fn a_model_that_its_input_makes_worse_is_not_turned_for_that() {
         ..paddle()
     };
     let dead = recording(&device, paddle(), NOISE, 0.0, 11);
-    assert_eq!(said(&upright(dead)), None);
+    assert_eq!(said(&inspected(dead).unwrap()), None);
+}
+
+#[test]
+fn a_column_in_another_unit_is_refused() {
+    let right = dragging();
+    let degrees = 180.0 / std::f64::consts::PI;
+    for (column, factor) in [("position", degrees), ("input", 1e3), ("input", 1e-3)] {
+        let mut wrong = right.clone();
+        let run = &mut wrong.runs[0];
+        let values = match column {
+            "input" => &mut run.input,
+            _ => &mut run.position,
+        };
+        values.iter_mut().for_each(|x| *x *= factor);
+        let mistake = inspected(wrong).unwrap_err();
+        assert_eq!((mistake.column, mistake.factor), (column, factor));
+        assert!(mistake.left < 0.5, "{mistake}");
+    }
 }

@@ -118,6 +118,16 @@ pub enum Oddity {
         /// How far, in units of position.
         off: f64,
     },
+    /// The input of a run that is stated as open-loop is a controller's.
+    #[error(
+        "{file}: {percent:.0} % of what is quick in `input` follows the noise of `position`: it is a controller's own law, and the run is taken as closed-loop; write so in `drive`"
+    )]
+    Controlled {
+        /// The run.
+        file: String,
+        /// Share of the quick part of the input, %.
+        percent: f64,
+    },
     /// The position goes the other way than the input drives the model.
     #[error("`input` and `position` go against each other: the model leaves {told} {unit} with both as they are, {mute} without any input and {turned} with the other sign of `{column}`, which is assumed: correct the sign in the log", told = short(*told), mute = short(*mute), turned = short(*turned))]
     Turned {

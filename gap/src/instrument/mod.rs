@@ -1,16 +1,22 @@
-//! Whether the columns mean what the model takes them for: a wrong sign or unit is no effect.
+//! Whether the columns mean what they are taken for: a wrong sign or unit is no effect, and a controller's output no excitation.
+
+mod law;
 
 use crate::measure::Left;
 use crate::windows::unbroken::Unbroken;
 use core::f64::consts::PI;
 use host_sim::device::Device;
-use recording::{Model, Oddity, Recording};
+use recording::{Drive, Model, Oddity, Recording};
 
 /// Shares of what the model leaves as it is, and of what it leaves without any input, that it leaves at most once a column is read
 /// as it was meant. Of 800 recordings that were right, whatever was hidden in them, none comes below; of the same ones with a
 /// column turned round or in another unit nine in ten do.
 const MOST_OF_TOLD: f64 = 0.5;
 const MOST_OF_MUTE: f64 = 0.7;
+
+/// Share of what is quick in an input that the noise of the position explains from which on it is a controller's. Of 1106 open
+/// loops none comes above 0.7; of as many closed ones half do.
+const LEAST_OF_LAW: f64 = 0.8;
 
 /// A column in another unit than the model takes it for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -34,13 +40,25 @@ fn size(factor: f64) -> String {
     }
 }
 
-/// The recording, its model turned round if `input` and `position` go against each other, with an oddity that says so.
+/// The recording, a run as closed-loop if its input is a controller's, and its model turned round if `input` and `position` go
+/// against each other, with oddities that say so.
 ///
 /// The model then leaves far less, in most windows, and less than without any input.
 ///
 /// # Errors
 /// [`UnitMistake`] if it does so with a column in another unit.
 pub fn inspected(mut recording: Recording) -> Result<Recording, UnitMistake> {
+    for run in &mut recording.runs {
+        if run.drive == Drive::OpenLoop
+            && let Some(share) = law::share_of_law(run).filter(|share| *share > LEAST_OF_LAW)
+        {
+            run.drive = Drive::ClosedLoop;
+            recording.oddities.push(Oddity::Controlled {
+                file: run.file.clone(),
+                percent: 100.0 * share,
+            });
+        }
+    }
     match meant(&recording) {
         None => {}
         Some(Meant::Turned(model, oddity)) => {

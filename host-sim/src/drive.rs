@@ -371,6 +371,24 @@ mod tests {
     }
 
     #[test]
+    fn a_drive_that_pulls_the_other_way_weakens_with_the_motion_that_it_makes() {
+        let drive = |ratio| Drive {
+            saturation: Saturation {
+                limit: 1.0,
+                no_load_velocity: 4.0,
+                ..Saturation::NONE
+            },
+            ..Drive::ideal(ratio)
+        };
+        let [usual, turned] = [2.0, -2.0].map(drive);
+        for velocity in [-3.0, 0.0, 1.0, 3.0] {
+            let mirrored = turned.settled_at(0.8, -velocity);
+            assert_eq!(usual.settled_at(0.8, velocity), -mirrored);
+        }
+        assert!(turned.settled_at(0.8, -3.0).abs() < turned.settled_at(0.8, 3.0).abs());
+    }
+
+    #[test]
     fn a_knee_leads_smoothly_from_all_of_the_input_to_the_limit() {
         let soft = Saturation {
             limit: 2.0,

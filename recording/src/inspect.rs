@@ -1,6 +1,6 @@
 //! Looks for what is merely odd.
 
-use crate::statistics::{is_constant, median, quantile};
+use crate::statistics::{is_constant, median, quantile, sixth_differences};
 use crate::{Oddity, Run, Sensor, stays};
 
 /// Jitter: the middle 90 % of the periods spread over more than this share of their median.
@@ -25,9 +25,7 @@ const ON_GRID_SHARE: f64 = 0.9;
 const PRINTED: f64 = 1e-6;
 /// Noise seen over that stated: beyond this factor something else stirs the reading.
 const NOISIER: f64 = 5.0;
-/// Sixth difference: in it a motion that was sampled some 25 times a period vanishes beside noise.
-const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-/// Median of its size over the standard deviation of white noise: 0.6745 √(12 over 6).
+/// Median size of a sixth difference over the standard deviation of white noise: 0.6745 √(12 over 6).
 const MEDIAN_DIFFERENCE: f64 = 20.5;
 /// A supply that is read in steps of this share of it.
 const SUPPLY: f64 = 0.005;
@@ -196,9 +194,7 @@ fn resolution(run: &Run, stated: f64) -> Option<Oddity> {
 
 fn noisy(run: &Run, sensor: &Sensor) -> Option<Oddity> {
     let stated = sensor.deviation();
-    let difference = |seven: &[f64]| seven.iter().zip(SIXTH).map(|(x, by)| by * x).sum::<f64>();
-    let sizes = run.position.windows(SIXTH.len());
-    let sizes = sizes.map(|seven| difference(seven).abs());
+    let sizes = sixth_differences(&run.position).map(f64::abs);
     let seen = median(sizes.collect()) / MEDIAN_DIFFERENCE;
     (stated > 0.0 && seen > NOISIER * stated).then(|| Oddity::Noisy {
         file: run.file.clone(),

@@ -45,6 +45,7 @@ pub use model::{Model, Tolerance};
 pub use oddity::Oddity;
 pub use run::{Drive, Pid, Run};
 pub use sensor::{Sensor, low_pass_gain};
+pub use statistics::sixth_differences;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

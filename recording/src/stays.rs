@@ -24,6 +24,7 @@ const SMALL: f64 = 0.1;
 /// Fewest changes that tell a pattern.
 const FEWEST_CHANGES: usize = 20;
 
+/// A stay on an extreme that is come to amid a motion.
 #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
 pub(crate) fn saturated(run: &Run) -> Option<Oddity> {
     let (low, high) = extremes(&run.position);
@@ -75,11 +76,15 @@ fn typical_step(column: &[f64], rows: usize) -> f64 {
 #[expect(clippy::cast_precision_loss, reason = "counts of samples")]
 pub(crate) fn frozen(run: &Run) -> Option<Oddity> {
     let x = &run.position;
+    let long = stays(x).filter(|(from, to)| to - from >= BESIDE);
+    let long: Vec<(usize, usize)> = long.collect();
+    if long.is_empty() {
+        return None;
+    }
     let (usual, typical_step) = (usual(x), typical_step(x, BESIDE));
     let is_frozen = |&(from, to): &(usize, usize)| {
         let before = from.checked_sub(BESIDE + 1).map(|first| &x[first..from]);
-        let lasts = to - from >= BESIDE;
-        let (Some(before), Some(after), true) = (before, x.get(to..=to + BESIDE), lasts) else {
+        let (Some(before), Some(after)) = (before, x.get(to..=to + BESIDE)) else {
             return false;
         };
         let jump = (after[0] - x[from]).abs();
@@ -90,7 +95,7 @@ pub(crate) fn frozen(run: &Run) -> Option<Oddity> {
             && jump <= CAUGHT_UP * meanwhile
             && gone(before) >= STAY_ENTRY * typical_step
     };
-    let frozen: Vec<(usize, usize)> = stays(x).filter(is_frozen).collect();
+    let frozen: Vec<(usize, usize)> = long.into_iter().filter(is_frozen).collect();
     let lasts_s = |&(from, to): &(usize, usize)| run.time[to] - run.time[from];
     let longest = frozen.iter().copied();
     let longest = longest.max_by(|a, b| lasts_s(a).total_cmp(&lasts_s(b)))?;

@@ -3,10 +3,8 @@
 use crate::windows::motion::quantile;
 use crate::windows::series::largest;
 use nalgebra::{DMatrix, DVector};
-use recording::Run;
+use recording::{Run, sixth_differences};
 
-/// Sixth difference: in it a motion that was sampled some 25 times a period vanishes beside noise.
-const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 /// Rows before that a controller with a low-pass goes by: of its own output, and of the position, the same row's included.
 const OWN: usize = 2;
 const OTHER: usize = 4;
@@ -22,13 +20,16 @@ const FEWEST: usize = 200;
 /// Share of what is quick in the input, beyond what it foretells of itself, that the noise of the position up to then explains
 /// (Granger, Econometrica 37, 1969). None if nothing is quick in either.
 pub(super) fn share_of_law(run: &Run) -> Option<f64> {
+    let quick = |column: &[f64]| sixth_differences(column).collect::<Vec<f64>>();
     let [input, position] = [&run.input, &run.position].map(|column| quick(column));
     let sizes: Vec<f64> = input.iter().map(|u| u.abs()).collect();
-    let most = STEP * quantile(&sizes, 0.5);
-    let rows: Vec<usize> = (OTHER..input.len())
-        .filter(|&row| (row - OWN..=row).all(|at| input[at].abs() <= most))
-        .collect();
-    if most <= STEP * PRINTED * largest(&run.input) || rows.len() < FEWEST {
+    let typical = quantile(&sizes, 0.5);
+    if typical <= PRINTED * largest(&run.input) {
+        return None;
+    }
+    let is_noise = |&row: &usize| sizes[row - OWN..=row].iter().all(|u| *u <= STEP * typical);
+    let rows: Vec<usize> = (OTHER..input.len()).filter(is_noise).collect();
+    if rows.len() < FEWEST {
         return None;
     }
     let told = DVector::from_iterator(rows.len(), rows.iter().map(|&row| input[row]));
@@ -51,12 +52,6 @@ pub(super) fn share_of_law(run: &Run) -> Option<f64> {
     };
     let alone = left(0)?;
     (alone > 0.0).then_some(1.0 - left(OTHER)? / alone)
-}
-
-fn quick(column: &[f64]) -> Vec<f64> {
-    let differences = column.windows(SIXTH.len());
-    let difference = |seven: &[f64]| seven.iter().zip(SIXTH).map(|(x, by)| by * x).sum();
-    differences.map(difference).collect()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::bins::Point;
 use super::innovation::Innovation;
+use crate::windows::series::median_period;
 use core::f64::consts::{PI, TAU};
 
 /// Frequencies looked at, equidistant on a logarithmic scale.
@@ -19,15 +20,14 @@ const MOVED_SHARE: f64 = 0.25;
 /// Power of what is `missing`, one number for each innovation in the order of time, by row and frequency, weighted by the powers of
 /// acceleration and input.
 pub(super) fn points(all: &[Innovation], missing: &[f64]) -> Vec<Point> {
-    let Some(step_s) = step_s(all) else {
-        return Vec::new();
-    };
+    let times: Vec<f64> = all.iter().map(|i| i.session_s).collect();
+    let step_s = median_period(&times);
     let frequencies = frequencies(step_s);
     let mut points = Vec::new();
     let mut moved = [[0.0; 2]; FREQUENCIES];
     for (block, from) in rows(all, step_s).into_iter().enumerate() {
         let row = from..from + ROW;
-        let time: Vec<f64> = all[row.clone()].iter().map(|i| i.session_s).collect();
+        let time = &times[row.clone()];
         let of = |value: &dyn Fn(usize) -> f64| tapered(row.clone().map(value).collect());
         let records = [
             of(&|i| missing[i]),
@@ -36,7 +36,7 @@ pub(super) fn points(all: &[Innovation], missing: &[f64]) -> Vec<Point> {
         ];
         for (&hz, moved) in frequencies.iter().zip(&mut moved) {
             // On a logarithmic scale each line stands for a band as wide as its frequency.
-            let [missed, of_motion, of_input] = powers(&time, &records, hz).map(|p| p * hz);
+            let [missed, of_motion, of_input] = powers(time, &records, hz).map(|p| p * hz);
             *moved = [moved[0] + of_motion, moved[1] + of_input];
             points.push(Point {
                 at: hz,
@@ -51,15 +51,6 @@ pub(super) fn points(all: &[Innovation], missing: &[f64]) -> Vec<Point> {
         point.weight = *weight;
     }
     points
-}
-
-/// Median time from one innovation to the next, s.
-fn step_s(all: &[Innovation]) -> Option<f64> {
-    let pairs = all.windows(2);
-    let mut steps: Vec<f64> = pairs.map(|p| p[1].session_s - p[0].session_s).collect();
-    let middle = steps.len() / 2;
-    steps.sort_by(f64::total_cmp);
-    steps.get(middle).copied().filter(|step| *step > 0.0)
 }
 
 /// From the lowest of which a row holds enough waves to the highest that innovations tell, Hz.

@@ -189,10 +189,7 @@ fn rows_that_repeat_the_position_are_left_out() {
     let run = &read.runs[0];
     assert!(run.len().abs_diff(rows / EVERY) < 5, "{}", run.len());
     let means = run.input.iter().sum::<f64>() * EVERY as f64;
-    assert!(
-        (means - told).abs() < 1e-3 * rows as f64 * 0.01,
-        "{means} {told}"
-    );
+    assert!((means - told).abs() < 1e-5 * rows as f64, "{means} {told}");
 }
 
 #[test]

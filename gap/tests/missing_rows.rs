@@ -7,30 +7,35 @@ use made::{paddle, recording};
 use recording::Model;
 
 const NOISE: f64 = 5e-5;
-/// First row that is missing, and how many are: 0.6 s.
-const MISSING: [usize; 2] = [5000, 1200];
 
-/// A device that drags more than its model says, with or without all rows.
-fn dragging(is_whole: bool) -> Recording {
+/// Rows that are missing for 0.6 s.
+fn a_hole() -> impl Fn(usize) -> bool {
+    |row| (5000..6200).contains(&row)
+}
+
+/// Rows that are missing for 0.05 s, again and again: one in sixty of those that are left is followed by such a hole.
+fn many_holes() -> impl Fn(usize) -> bool {
+    |row| row % 160 < 100
+}
+
+/// A device that drags more than its model says, without the rows that are missing.
+fn dragging(is_missing: impl Fn(usize) -> bool) -> Recording {
     let device = Model {
         viscous: 8e-4,
         ..paddle()
     };
     let mut recording = recording(&device, paddle(), NOISE, 0.0, 11);
-    let [from, count] = MISSING;
     let run = &mut recording.runs[0];
     for column in [&mut run.time, &mut run.input, &mut run.position] {
-        if !is_whole {
-            column.drain(from..from + count);
-        }
+        let mut rows = 0..;
+        column.retain(|_| rows.next().is_some_and(|row| !is_missing(row)));
     }
     recording
 }
 
 #[test]
 fn missing_rows_neither_make_a_gap_nor_hide_one() {
-    let [whole, broken] = [true, false].map(|is_whole| {
-        let recording = dragging(is_whole);
+    let [whole, broken] = [dragging(|_| false), dragging(a_hole())].map(|recording| {
         let (gap, runs) = measure(&recording, &Device::nominal(&recording.model));
         let [run] = &runs[..] else {
             panic!("{} runs of one", runs.len());
@@ -44,13 +49,14 @@ fn missing_rows_neither_make_a_gap_nor_hide_one() {
 
 #[test]
 fn what_causes_a_gap_is_found_beside_missing_rows() {
-    let recording = dragging(false);
-    let found = diagnose(&recording, &Options::default()).diagnosis;
-    let [effect] = &found.effects[..] else {
-        panic!("{found:?}");
-    };
-    assert_eq!(effect.name, "viscous");
-    assert!(found.gap.shrink > 0.95, "{:?}", found.gap);
-    let runs = found.regions.iter().filter_map(|region| region.run);
-    assert!(runs.max().unwrap_or(0) < recording.runs.len());
+    for recording in [dragging(a_hole()), dragging(many_holes())] {
+        let found = diagnose(&recording, &Options::default()).diagnosis;
+        let [effect] = &found.effects[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!(effect.name, "viscous");
+        assert!(found.gap.shrink > 0.95, "{:?}", found.gap);
+        let runs = found.regions.iter().filter_map(|region| region.run);
+        assert!(runs.max().unwrap_or(0) < recording.runs.len());
+    }
 }

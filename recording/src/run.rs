@@ -7,10 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::statistics::{median, quantile};
 
-/// A gap: a period of this many medians, and of [`GAP_TAILS`] times the 99 % quantile, so that jitter is none.
+/// A gap: a period of this many medians, and of [`GAP_TAILS`] times what jitter reaches, the quantile [`JITTERED`], so that jitter
+/// is none. Where more rows than the rest are followed by a gap, too few are left between two to restart from.
 const GAP_MEDIANS: f64 = 5.0;
 /// See [`GAP_MEDIANS`].
 const GAP_TAILS: f64 = 2.0;
+/// See [`GAP_MEDIANS`].
+const JITTERED: f64 = 0.9;
 
 /// Whether the input was prescribed or came from a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -163,7 +166,7 @@ impl Run {
     pub fn gaps(&self) -> Vec<usize> {
         let periods = self.periods();
         let least_s = (GAP_MEDIANS * median(periods.clone()))
-            .max(GAP_TAILS * quantile(periods.clone(), 0.99));
+            .max(GAP_TAILS * quantile(periods.clone(), JITTERED));
         let periods = periods.iter().enumerate();
         let gaps = periods.filter(|(_, period)| **period > least_s);
         gaps.map(|(row, _)| row).collect()

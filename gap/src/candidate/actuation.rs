@@ -26,6 +26,13 @@ const KNEE: f64 = 0.5;
 const NO_LOAD_SPEED: usize = 2;
 const NO_LOAD: [f64; 2] = [1.2, 3.0];
 const FASTEST: f64 = 0.99;
+/// Shares of a time of the model that an effect which shortens it begins at, and that one unit of its coordinate is: with the
+/// reach of a time it goes from none to all.
+const SHORTENED: [f64; 2] = [0.5, 0.1];
+/// Shares of the way from the model's limit to the largest input at which another limit is looked for, and how many of the
+/// largest inputs a limit is none.
+const RAISED: [f64; 2] = [0.3, 0.9];
+const OUT_OF_REACH: f64 = 10.0;
 
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
@@ -61,10 +68,11 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let clipped = limits.map(|limit| term(kind, vec![limit], &[(1, 0.0)]));
             let rounded = limits.map(|limit| term(kind, vec![limit, log(1, KNEE)], &[]));
             let falling = falling(kind, e, &limits);
-            clipped.into_iter().chain(rounded).chain(falling).collect()
+            let lower = clipped.into_iter().chain(rounded).chain(falling);
+            lower.chain(raised(kind, e)).collect()
         }
-        "lag" => lags(kind, e),
-        "delay" => late(kind, e),
+        "lag" => [lags(kind, e), sooner(kind, e.model.lag)].concat(),
+        "delay" => [late(kind, e), sooner(kind, e.model.delay)].concat(),
         "cogging" => cogging::starts(kind, e),
         _ => Vec::new(),
     }
@@ -79,6 +87,27 @@ fn falling(kind: &'static Kind, e: &Evidence<'_>, limits: &[Coordinate]) -> Vec<
         .iter()
         .flat_map(|limit| no_load.map(|no_load| term(kind, vec![*limit, no_load], &[(1, 0.0)])));
     falling.collect()
+}
+
+/// Limits beyond the model's, where that clips what was told.
+fn raised(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+    let largest = e.series.iter().map(|series| series.largest_input);
+    let largest = largest.fold(0.0, f64::max);
+    let limit = e.device.drive.taken(largest);
+    let is_clipped = e.model.input_limit.is_some() && limit < largest;
+    let raised = RAISED.map(|share| limit + share * (largest - limit));
+    let raised = [OUT_OF_REACH * largest].into_iter().chain(raised);
+    raised
+        .filter(|_| is_clipped)
+        .map(|limit| term(kind, vec![log(0, limit)], &[(1, 0.0)]))
+        .collect()
+}
+
+/// What takes less than the time that the model says, if it says any.
+fn sooner(kind: &'static Kind, modelled_s: f64) -> Vec<Term> {
+    let [start, unit] = SHORTENED.map(|share| share * modelled_s);
+    let shorter = (modelled_s > 0.0).then(|| linear(0, -start, unit));
+    terms(kind, shorter.map(|time| vec![time]), [])
 }
 
 /// What comes later than it should, here or at the sensor.

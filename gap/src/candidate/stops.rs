@@ -6,6 +6,7 @@ use super::start::{linear, log, term};
 use crate::fit::hypothesis::Term;
 use crate::windows::motion::quantile;
 use host_sim::effects::Kind;
+use recording::Model;
 
 /// Shares of the samples that may lie beyond a stop: none where it is touched once.
 const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
@@ -13,17 +14,21 @@ const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
 const HARDNESS: [f64; 2] = [20.0, 200.0];
 /// Its relative damping.
 const STOP_DAMPING: f64 = 0.1;
+/// Shares of the span of the motion by which a stop of the model's is moved.
+const MOVED: f64 = 0.1;
 /// Spans of the motion beyond it at which a stop is none.
 const OUT_OF_REACH: f64 = 10.0;
 
-/// One stop at a time, the other out of reach, then both.
+/// One stop at a time, the other out of reach, then both; those of the model farther out, where the device went past them.
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let inertia = e.device.mechanics.inertia;
     let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
     let positions: Vec<f64> = positions.collect();
     let far = untouched(e.model.travel, s.position);
+    let extremes = [0.0, 1.0].map(|share| quantile(&positions, share));
     let mut all = pushing(kind, e, far);
+    all.extend(farther(kind, e.model, extremes));
     let sizes = STOPPED_SHARES
         .iter()
         .flat_map(|&share| HARDNESS.map(|hardness| (share, hardness)));
@@ -52,6 +57,31 @@ fn places([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
     places.retain(|place| *place != far);
     places.dedup();
     places
+}
+
+/// The model's own stops out of reach or where the motion ended, one or both, if that went past them.
+fn farther(kind: &'static Kind, model: &Model, extremes: [f64; 2]) -> Vec<Term> {
+    let Some(travel) = model.travel else {
+        return Vec::new();
+    };
+    let passed = [extremes[0] < travel[0], extremes[1] > travel[1]];
+    let moved = [vec![0], vec![1], vec![0, 1]].into_iter();
+    let moved = moved.filter(|sides| sides.iter().all(|&side| passed[side]));
+    let unit = MOVED * (extremes[1] - extremes[0]);
+    let hardness = [(2, model.stop_stiffness), (3, model.stop_damping)];
+    let own = term(kind, Vec::new(), &hardness);
+    let own = own.begun(&[(0, travel[0]), (1, travel[1])]);
+    let stops = moved.flat_map(|sides| {
+        [untouched(None, extremes), extremes].map(|places| {
+            let places: Vec<_> = sides.iter().map(|&side| (side, places[side])).collect();
+            let free = places.iter().map(|&(side, at)| linear(side, at, unit));
+            Term {
+                free: free.collect(),
+                ..own.begun(&places)
+            }
+        })
+    });
+    stops.collect()
 }
 
 /// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.

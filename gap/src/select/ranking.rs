@@ -145,7 +145,9 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
 /// can, as a reading that comes late by a dead time is that of a device that is driven late.
 pub(crate) fn inseparable(round: &Round) -> Vec<&'static str> {
     let mut names = ties(round);
-    let is_late = round.rivals[0].name == "delay";
+    let winner = &round.rivals[0];
+    let last = winner.fit.last_term();
+    let is_late = winner.name == "delay" && last.is_some_and(|delay| delay.values[0] > 0.0);
     let reading = round.rivals.iter().find(|rival| rival.name == "sensor_lag");
     if let Some(reading) = reading.filter(|reading| is_late && !names.contains(&reading.name)) {
         names.push(reading.name);

@@ -1,23 +1,23 @@
-//! The torque follows the input late.
+//! The torque follows the input later, or sooner, than the model knows.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity};
 
 /// `T(t) = ratio · u(t − d)`.
 pub const KIND: Kind = Kind {
     name: "delay",
     channel: Channel::Actuation,
-    about: "The torque follows the input late",
+    about: "The torque follows the input later, or sooner, than the model knows",
     equation: "T(t) = ratio · u(t − d)",
     parameters: &[Parameter {
         name: "time",
         quantity: Quantity::Time,
-        range: NOT_NEGATIVE,
+        range: ANY,
         default: 0.003,
         typical: [0.0005, 0.02],
-        about: "delay on top of the model's",
+        about: "delay on top of the model's; below 0, what that has too much, down to none",
     }],
     events: None,
     install: |device, p| {
-        device.drive.delay_s += p[0];
+        device.drive.delay_s = (device.drive.delay_s + p[0]).max(0.0);
     },
 };

@@ -1,6 +1,6 @@
 //! The torque follows the input through a first-order lag, or two.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
+use super::{ANY, Channel, Kind, Parameter, Quantity, share};
 
 /// `τ T' + T = ratio · u`, or this of what comes of it.
 pub const KIND: Kind = Kind {
@@ -12,10 +12,10 @@ pub const KIND: Kind = Kind {
         Parameter {
             name: "time",
             quantity: Quantity::Time,
-            range: NOT_NEGATIVE,
+            range: ANY,
             default: 0.003,
             typical: [0.0005, 0.02],
-            about: "time constant on top of the model's",
+            about: "time constant on top of the model's; below 0, what that has too much, down to none",
         },
         share(
             "apart",
@@ -27,10 +27,10 @@ pub const KIND: Kind = Kind {
     install: |device, p| {
         let [is_apart, is_twice] = [p[1] > 0.5, p[2] > 0.5];
         if is_apart || is_twice {
-            device.drive.further_lag_s = p[0];
+            device.drive.further_lag_s = p[0].max(0.0);
         }
         if !is_apart || is_twice {
-            device.drive.lag_s += p[0];
+            device.drive.lag_s = (device.drive.lag_s + p[0]).max(0.0);
         }
     },
 };

@@ -1,15 +1,15 @@
-//! Large inputs are clipped earlier than the model knows, at once or little by little.
+//! Large inputs are clipped elsewhere than the model knows, at once or little by little.
 
 use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
 use crate::drive::Saturation;
 
 /// `T = ratio · sign(u) s(|u|)`: with the limit L and the knee k, `s = v` up to `(1 − k) L`, `L` from `(1 + k) L` on, and
 /// `v − (v − (1 − k) L)² / (4 k L)` between. With a speed v₀ L is `L₀ (1 − x'/v₀)` towards positive inputs, `L₀ (1 + x'/v₀)` towards
-/// negative ones.
+/// negative ones, on top of the model's limit; without, a limit beyond the model's takes its place.
 pub const KIND: Kind = Kind {
     name: "saturation",
     channel: Channel::Actuation,
-    about: "Large inputs are clipped earlier than the model knows",
+    about: "Large inputs are clipped elsewhere than the model knows",
     equation: "T = ratio · clamp(u, ±limit), rounded off within ±knee · limit of the limit, which falls to 0 at no_load",
     parameters: &[
         Parameter {
@@ -35,10 +35,14 @@ pub const KIND: Kind = Kind {
     ],
     events: None,
     install: |device, p| {
+        let falls = p[2] > 0.0;
+        if !falls {
+            device.drive.limit = device.drive.limit.max(p[0]);
+        }
         device.drive.saturation = Saturation {
             limit: p[0],
             knee: p[1],
-            no_load_velocity: if p[2] > 0.0 { p[2] } else { f64::INFINITY },
+            no_load_velocity: if falls { p[2] } else { f64::INFINITY },
         };
     },
 };

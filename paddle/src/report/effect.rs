@@ -153,7 +153,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             match stops[..] {
                 [one] => format!("a hard stop at {}", shown(one)),
                 [one, other] => format!("hard stops at {} and {}", shown(one), shown(other)),
-                _ => (*noun).to_owned(),
+                _ => "stops that are not met where the model has them".to_owned(),
             }
         }
         "coulomb" if labels.coulomb > 0.0 && finding.parameters.contains_key("level") => {
@@ -163,6 +163,20 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
                 true => format!("dry friction that does not act (none of the {nominal})"),
                 false => format!("dry friction of {} in place of {nominal}", shown(level)),
             }
+        }
+        "lag" | "delay" if value("time").is_some_and(|time| time < 0.0) => {
+            let less = finding
+                .parameters
+                .get("time")
+                .map(|time| show(-time.value, &time.unit));
+            let less = less.unwrap_or_default();
+            match name {
+                "lag" => format!("a torque that lags by {less} less than the model has it"),
+                _ => format!("a torque that comes {less} sooner than the model has it"),
+            }
+        }
+        "saturation" if value("limit").is_some() && fitted("limit").is_none() => {
+            "an input that is not clipped where the model clips it".to_owned()
         }
         "contact" if !finding.parameters.contains_key("from") => {
             format!("something outside that comes {} times", times("from"))
@@ -380,6 +394,23 @@ mod tests {
                 filled(template, &finding(kind.name, &numbers)).unwrap() != *template
             );
         }
+    }
+
+    #[test]
+    fn what_the_model_has_too_much_is_said_so() {
+        let shorter = |name| finding(name, &[("time", -0.004, 1e-4, "s")]);
+        assert_eq!(
+            phrase(&shorter("delay"), &labels()),
+            "a torque that comes 4.0 ms sooner than the model has it"
+        );
+        assert_eq!(
+            phrase(&shorter("lag"), &labels()),
+            "a torque that lags by 4.0 ms less than the model has it"
+        );
+        let unmet = finding("saturation", &[("limit", 5.0, 0.0, "N m")]);
+        assert!(phrase(&unmet, &labels()).contains("not clipped where the model"));
+        let unmet = finding("end_stop", &[("lower", -5.0, 0.0, "rad")]);
+        assert!(phrase(&unmet, &labels()).contains("not met where the model"));
     }
 
     #[test]

@@ -1,0 +1,73 @@
+//! A model that says more than the device has: a delay, a lag, a limit, a travel.
+
+mod made;
+
+use gap::{Options, diagnose};
+use made::{paddle, recording};
+use recording::Model;
+
+const NOISE: f64 = 5e-5;
+
+/// A paddle that a spring keeps about its middle.
+fn device() -> Model {
+    Model {
+        stiffness: 0.05,
+        ..paddle()
+    }
+}
+
+/// The number `parameter` of the only effect that is found where the nominal model has what the device has not.
+fn found(nominal: Model, name: &str, parameter: &str) -> f64 {
+    let recording = recording(&device(), nominal, NOISE, 0.0, 11);
+    let found = diagnose(&recording, &Options::default()).diagnosis;
+    let [effect] = &found.effects[..] else {
+        panic!("{found:?}");
+    };
+    assert_eq!(effect.name, name);
+    assert!(found.gap.shrink > 0.95, "{:?}", found.gap);
+    effect.parameters[parameter].value
+}
+
+#[test]
+fn a_delay_that_is_not_there_is_taken_away() {
+    let late = Model {
+        delay: 0.004,
+        ..device()
+    };
+    let time_s = found(late, "delay", "time");
+    assert!((time_s / -0.004 - 1.0).abs() < 0.05, "{time_s}");
+}
+
+#[test]
+fn a_lag_that_is_not_there_is_taken_away() {
+    let lagging = Model {
+        lag: 0.006,
+        ..device()
+    };
+    let time_s = found(lagging, "lag", "time");
+    assert!((time_s / -0.006 - 1.0).abs() < 0.1, "{time_s}");
+}
+
+#[test]
+fn a_limit_that_is_not_there_is_put_beyond_what_was_told() {
+    let limited = Model {
+        input_limit: Some(0.0015),
+        ..device()
+    };
+    let limit = found(limited, "saturation", "limit");
+    assert!(limit > 0.0027, "{limit}");
+}
+
+#[test]
+fn stops_that_are_not_there_are_put_where_the_device_does_not_come() {
+    let positions = recording(&device(), device(), NOISE, 0.0, 11).runs[0]
+        .position
+        .clone();
+    let [lowest, highest] = [f64::min, f64::max].map(|of| positions.iter().copied().fold(0.0, of));
+    let stopped = Model {
+        travel: Some([0.6 * lowest, 0.7 * highest]),
+        ..device()
+    };
+    assert!(found(stopped, "end_stop", "lower") < 0.99 * lowest);
+    assert!(found(stopped, "end_stop", "upper") > 0.99 * highest);
+}

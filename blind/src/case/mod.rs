@@ -18,7 +18,7 @@ use amplitude::size_up;
 use bench::Bench;
 use logging::logging;
 use secret::Secret;
-use stated::{limit_input, tolerance};
+use stated::{limit_input, narrow_travel, overstate, tolerance};
 use strength::{hide, order_pair};
 
 /// The gap of what is hidden, in floors.
@@ -158,6 +158,7 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
             .map(|name| Secret::Known(Hidden::draw(draw, name)))
             .collect(),
     };
+    overstate(draw, &mut plant, &secrets);
     let logging = logging(
         draw,
         &plant,
@@ -166,7 +167,8 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
     );
     let mut plans = Plan::session(draw, &plant);
     let scale = size_up(&mut plans, &plant, &logging)?;
-    limit_input(draw, &mut plant, &scale, has(&["saturation"]));
+    limit_input(draw, &mut plant, &scale, &secrets);
+    narrow_travel(draw, &mut plant, &scale, &secrets);
     let tolerance = tolerance(draw, &plant, &secrets);
     let nominal = session::nominal(&plant.model, &tolerance, draw);
     let wide = plant.family == Family::Servo && draw.chance(0.5);

@@ -1,4 +1,6 @@
-//! What is stated about a device: a limit of its input, and the tolerances of its numbers.
+//! What is stated about a device: a limit of its input, times of its torque, its travel, and the tolerances of its numbers.
+
+use std::f64::consts::TAU;
 
 use recording::Tolerance;
 
@@ -6,10 +8,51 @@ use super::secret::Secret;
 use crate::draw::Draw;
 use crate::scenario::{Plant, Scale};
 
-/// States a limit of the input on some devices, mostly one that is never met.
-pub(super) fn limit_input(draw: &mut Draw, plant: &mut Plant, scale: &Scale, generous: bool) {
-    if draw.chance(0.5) {
-        let factor = if generous {
+/// Overstated lags and delays over the time constant of the motion, and limits over the largest input.
+const OVERSTATED_TIMES: [f64; 2] = [0.05, 0.4];
+const OVERSTATED_LIMITS: [f64; 2] = [0.4, 0.8];
+/// Share of the way to either side at which stops are stated, and how far the torque of the motion presses those in, likewise.
+const OVERSTATED_STOPS: [f64; 2] = [0.5, 0.9];
+const PRESSED: f64 = 0.02;
+
+/// States lags and delays that the device has not, or not so long.
+pub(super) fn overstate(draw: &mut Draw, plant: &mut Plant, secrets: &[Secret]) {
+    for name in overstated(secrets) {
+        let [low, high] = OVERSTATED_TIMES;
+        let time_s = draw.log_uniform(low, high) / (TAU * plant.motion_hz);
+        match name {
+            "lag" => plant.model.lag = time_s,
+            "delay" => plant.model.delay = time_s,
+            _ => {}
+        }
+    }
+}
+
+fn overstated(secrets: &[Secret]) -> impl Iterator<Item = &'static str> {
+    secrets.iter().filter_map(|secret| match secret {
+        Secret::Known(hidden) if hidden.is_overstated() => Some(hidden.name),
+        _ => None,
+    })
+}
+
+/// States stops that the device passes.
+pub(super) fn narrow_travel(draw: &mut Draw, plant: &mut Plant, scale: &Scale, secrets: &[Secret]) {
+    if overstated(secrets).any(|name| name == "end_stop") {
+        let [low, high] = OVERSTATED_STOPS;
+        let at = [-1.0, 1.0].map(|side| side * draw.uniform(low, high) * scale.half_span);
+        plant.model.travel = Some(at.map(|at| scale.middle + at));
+        plant.model.stop_stiffness = scale.torque / (PRESSED * scale.half_span);
+    }
+}
+
+/// States a limit of the input on some devices, mostly one that is never met; on all where it is too low.
+pub(super) fn limit_input(draw: &mut Draw, plant: &mut Plant, scale: &Scale, secrets: &[Secret]) {
+    let clips = |secret: &Secret| matches!(secret, Secret::Known(h) if h.name == "saturation");
+    let is_low = overstated(secrets).any(|name| name == "saturation");
+    if is_low || draw.chance(0.5) {
+        let factor = if is_low {
+            draw.log_uniform(OVERSTATED_LIMITS[0], OVERSTATED_LIMITS[1])
+        } else if secrets.iter().any(clips) {
             draw.uniform(1.2, 2.5)
         } else {
             draw.log_uniform(0.8, 2.5)

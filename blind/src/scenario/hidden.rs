@@ -111,6 +111,12 @@ impl Hidden {
         }
     }
 
+    /// Whether the model states more of it than the device has: a lag, a delay, a limit that is higher, stops farther out.
+    pub fn is_overstated(&self) -> bool {
+        let can_be = ["lag", "delay", "saturation", "end_stop"].contains(&self.name);
+        can_be && self.variant == 5
+    }
+
     /// Of a saturation: share of its limit over which it rounds off.
     fn knee(&self) -> f64 {
         if self.variant < 4 {
@@ -174,12 +180,19 @@ impl Hidden {
                     _ => Deadband::Gated(width),
                 });
             }
+            "saturation" if self.is_overstated() => actuator.limit *= 1.0 + s,
             "saturation" => {
                 actuator.limit = scale.input * (1.0 - s);
                 actuator.knee = self.knee();
                 if self.variant == 3 {
                     actuator.no_load = speed * self.log_between(0, 1.5, 6.0);
                 }
+            }
+            "lag" if self.is_overstated() => {
+                actuator.lag_s = (actuator.lag_s - s / (TAU * hz)).max(0.0);
+            }
+            "delay" if self.is_overstated() => {
+                actuator.delay_s = (actuator.delay_s - s / (TAU * hz)).max(0.0);
             }
             "lag" if self.is_twice() => {
                 actuator.lag_s += 0.5 * s / (TAU * hz);
@@ -307,6 +320,11 @@ impl Hidden {
                     _ => self.log_between(1, 1.0, 6.0),
                 };
                 mechanics.hardening = hardens / (half_span * half_span);
+            }
+            "end_stop" if self.is_overstated() => {
+                for stop in &mut mechanics.stops {
+                    stop.at += stop.side * s * half_span;
+                }
             }
             "end_stop" => {
                 let stiffness = torque / (half_span * self.log_between(0, 0.004, 0.04));
@@ -505,7 +523,10 @@ impl Hidden {
                 vec![Place::on("input", -reach * u, reach * u), axis("actuation")]
             }
             "saturation" => {
-                let linear = (1.0 - s) * (1.0 - self.knee()) * u;
+                let linear = match self.is_overstated() {
+                    true => 0.4 * u,
+                    false => (1.0 - s) * (1.0 - self.knee()) * u,
+                };
                 vec![
                     Place::on("input", linear, 100.0 * u),
                     Place::on("input", -100.0 * u, -linear),
@@ -539,6 +560,10 @@ impl Hidden {
                 Place::on("position", middle + 0.3 * h, middle + 100.0 * h),
                 Place::on("position", middle - 100.0 * h, middle - 0.3 * h),
                 axis("mechanics"),
+            ],
+            "end_stop" if self.is_overstated() => vec![
+                Place::on("position", middle + 0.4 * h, middle + 100.0 * h),
+                Place::on("position", middle - 100.0 * h, middle - 0.4 * h),
             ],
             "end_stop" => {
                 let at = self.stop_at(scale);

@@ -95,6 +95,11 @@ impl Recording {
         }
     }
 
+    /// What is odd about it as lines, one for what several runs share.
+    pub fn warnings(&self) -> Vec<String> {
+        oddity::lines(&self.oddities)
+    }
+
     /// The sensor behind `column`; an ideal one if nothing is stated about it.
     pub fn sensor(&self, column: &str) -> Sensor {
         self.sensors.get(column).copied().unwrap_or_default()

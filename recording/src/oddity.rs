@@ -1,6 +1,7 @@
 //! What is odd about a recording without spoiling it.
 
 use crate::digits::short;
+use std::mem::discriminant;
 
 /// Something odd that was found and worked around, as one line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -180,4 +181,59 @@ pub enum Oddity {
         /// The quantum relative to the median reading, %.
         percent: f64,
     },
+}
+
+impl Oddity {
+    /// The run that it is odd about, if it is one.
+    fn file(&self) -> Option<&str> {
+        match self {
+            Self::Jitter { file, .. }
+            | Self::Gaps { file, .. }
+            | Self::ConstantInput { file, .. }
+            | Self::FrozenColumn { file, .. }
+            | Self::Saturated { file, .. }
+            | Self::FrozenPosition { file, .. }
+            | Self::Repeated { file, .. }
+            | Self::Spikes { file, .. }
+            | Self::StaleStart { file, .. }
+            | Self::Controlled { file, .. }
+            | Self::Resolution { file, .. }
+            | Self::Noisy { file, .. }
+            | Self::CoarseSupply { file, .. } => Some(file),
+            Self::UnknownKey { .. }
+            | Self::SensorAssumed { .. }
+            | Self::Turned { .. }
+            | Self::Overlap { .. } => None,
+        }
+    }
+
+    /// True if another run is odd in the same way.
+    fn is_like(&self, other: &Self) -> bool {
+        let columns = [self, other].map(|one| match one {
+            Self::FrozenColumn { column, .. } => Some(column),
+            _ => None,
+        });
+        discriminant(self) == discriminant(other) && columns[0] == columns[1]
+    }
+}
+
+/// Files that are named after the first.
+const NAMED: usize = 3;
+
+/// What is odd as lines: where several runs are odd in the same way one tells of the first, and which the others are.
+pub(crate) fn lines(oddities: &[Oddity]) -> Vec<String> {
+    let mut kinds: Vec<(&Oddity, Vec<&str>)> = Vec::new();
+    for oddity in oddities {
+        let alike = kinds.iter_mut().find(|(first, _)| first.is_like(oddity));
+        match (alike, oddity.file()) {
+            (Some((_, others)), Some(file)) => others.push(file),
+            _ => kinds.push((oddity, Vec::new())),
+        }
+    }
+    let lines = kinds.iter().map(|(first, others)| match others[..] {
+        [] => first.to_string(),
+        _ if others.len() > NAMED => format!("{first}; likewise {} other runs", others.len()),
+        _ => format!("{first}; likewise {}", others.join(", ")),
+    });
+    lines.collect()
 }

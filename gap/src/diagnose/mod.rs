@@ -148,7 +148,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     progress(Stage::NextExperiment);
     let next_experiment = experiment::separating(&problem, &selection);
 
-    let oddities = recording.oddities.iter().map(ToString::to_string);
+    let oddities = recording.warnings().into_iter();
     let disagreement = comparison
         .iter()
         .filter_map(|c| c.line(&recording.units.position));

@@ -12,6 +12,7 @@ pub fn labels() -> Labels {
         input: "N m".into(),
         runs: vec!["sine.csv".into(), "step.csv".into()],
         coulomb: 0.0,
+        turned: None,
     }
 }
 

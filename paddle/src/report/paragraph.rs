@@ -32,6 +32,11 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     let [before, after, floor] =
         [gap.before, gap.after, gap.floor].map(|value| display.show(value));
     let mut sentences = Vec::new();
+    sentences.extend(labels.turned.map(|column| {
+        format!(
+            "Input and position go against each other, so {column} is taken with the other sign: mend the log."
+        )
+    }));
     if diagnosis.verdict == Verdict::NoGap {
         sentences.push(format!(
             "The gap is {before}, and {floor} of it would be left by a perfect model: noise and quantising. What is \
@@ -275,6 +280,19 @@ mod tests {
         let text = paragraph(&diagnosis, &example::labels());
         assert!(
             text.starts_with("The gap is spread over all velocities."),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn a_sign_that_was_turned_comes_first() {
+        let labels = Labels {
+            turned: Some("position"),
+            ..example::labels()
+        };
+        let text = paragraph(&example::stribeck(), &labels);
+        assert!(
+            text.starts_with("Input and position go against each other, so position is taken"),
             "{text}"
         );
     }

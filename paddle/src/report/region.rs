@@ -2,7 +2,7 @@
 
 use super::quantity::{Display, show};
 use gap::diagnosis::{AFTER_REST, Region};
-use recording::Recording;
+use recording::{Oddity, Recording};
 
 /// What the words of a diagnosis need to know of its recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Labels {
     pub runs: Vec<String>,
     /// Dry friction of the nominal model, torque at the joint.
     pub coulomb: f64,
+    /// The column whose sign is taken the other way round, if one is.
+    pub turned: Option<&'static str>,
 }
 
 impl Labels {
@@ -25,6 +27,10 @@ impl Labels {
             input: recording.units.input.clone(),
             runs: recording.runs.iter().map(|run| run.file.clone()).collect(),
             coulomb: recording.model.coulomb,
+            turned: recording.oddities.iter().find_map(|oddity| match oddity {
+                Oddity::Turned { column, .. } => Some(*column),
+                _ => None,
+            }),
         }
     }
 

@@ -82,6 +82,27 @@ fn jitter() {
 }
 
 #[test]
+fn what_several_runs_share_is_one_line() {
+    let file = |k: usize| format!("{k}.csv");
+    let constant = |k| {
+        let mut run = run(&file(k));
+        run.input.fill(0.0);
+        run
+    };
+    let lines = |count| reread(&recording((0..count).map(constant).collect())).warnings();
+    let constant = |line: &String| line.contains("`input` is 0");
+    let of = |count| {
+        lines(count)
+            .into_iter()
+            .filter(constant)
+            .collect::<Vec<_>>()
+    };
+    assert!(matches!(&of(1)[..], [one] if !one.contains("likewise")));
+    assert!(matches!(&of(3)[..], [one] if one.ends_with("; likewise 1.csv, 2.csv")));
+    assert!(matches!(&of(9)[..], [one] if one.ends_with("; likewise 8 other runs")));
+}
+
+#[test]
 fn gaps() {
     let found = oddity(|run| run.time[700..].iter_mut().for_each(|time| *time += 0.02));
     let Oddity::Gaps {

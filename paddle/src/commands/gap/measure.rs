@@ -39,7 +39,7 @@ pub struct Arguments {
 /// [`Failure`] for a recording or a model that cannot be used.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let recording = super::read(&arguments.recording)?;
-    let mut warnings: Vec<_> = recording.oddities.iter().map(ToString::to_string).collect();
+    let mut warnings = recording.warnings();
     let device = match &arguments.model {
         Some(path) => {
             let (device, left_out) = device(path, &recording)?;

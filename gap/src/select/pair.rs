@@ -32,12 +32,12 @@ impl Search<'_> {
         worth: impl Fn(&Fit) -> bool,
     ) -> Option<Vec<Round>> {
         let null = &first.known;
-        // What bounces is looked for anew beside the best one.
+        // What bounces is looked for anew beside each.
         let mut hints = first.screened.clone();
         hints.retain(|rival| !bounces(rival.name));
         let chosen = self.screening_windows(null);
         let leaders = self.leaders(first, if lead { LEADERS } else { 0 });
-        let looked = self.led(null, leaders, &chosen, &mut hints);
+        let looked = self.led(null, leaders, &chosen, &hints);
         let led = looked.iter().flat_map(|(_, screened)| screened).cloned();
         let proposed = self.proposed(null, &chosen, &first.screened);
         let finals = self.finals(led.chain(proposed).collect(), null, None);
@@ -71,13 +71,13 @@ impl Search<'_> {
         leaders
     }
 
-    /// Each leader with what screening finds on top of it, until that is enough; what bounces on top of the first is a hint.
+    /// Each leader with what screening finds on top of it, until that is enough.
     fn led(
         &self,
         null: &Fit,
         leaders: Vec<Rival>,
         chosen: &[bool],
-        hints: &mut Vec<Rival>,
+        hints: &[Rival],
     ) -> Vec<(Rival, Vec<Rival>)> {
         let Fit { hypothesis, x, .. } = null;
         let nothing = self.problem.costs(hypothesis, x, Part::Chosen(chosen));
@@ -91,9 +91,6 @@ impl Search<'_> {
             } else {
                 self.screened(&leader.fit, chosen, hints)
             };
-            if looked.is_empty() {
-                hints.extend(screened.iter().filter(|r| bounces(r.name)).cloned());
-            }
             let enough = screened.iter().any(|rival| is_enough(&rival.fit));
             looked.push((leader, screened));
             if enough {

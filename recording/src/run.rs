@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::statistics::{median, quantile};
 
 /// A gap: a period of this many medians, and of [`GAP_TAILS`] times what jitter reaches, the quantile [`JITTERED`], so that jitter
-/// is none. Where more rows than the rest are followed by a gap, too few are left between two to restart from.
+/// is none. Where more than one row in ten is followed by a gap, too few are left between two to restart from.
 const GAP_MEDIANS: f64 = 5.0;
 /// See [`GAP_MEDIANS`].
 const GAP_TAILS: f64 = 2.0;

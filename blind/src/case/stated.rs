@@ -6,11 +6,10 @@ use recording::Tolerance;
 
 use super::secret::Secret;
 use crate::draw::Draw;
-use crate::scenario::{Plant, Scale};
+use crate::scenario::{Hidden, OVERSTATED_LIMITS, Plant, Scale};
 
-/// Overstated lags and delays over the time constant of the motion, and limits over the largest input.
+/// Overstated lags and delays over the time constant of the motion.
 const OVERSTATED_TIMES: [f64; 2] = [0.05, 0.4];
-const OVERSTATED_LIMITS: [f64; 2] = [0.4, 0.8];
 /// Share of the way to either side at which stops are stated, and how far the torque of the motion presses those in, likewise.
 const OVERSTATED_STOPS: [f64; 2] = [0.5, 0.9];
 const PRESSED: f64 = 0.02;
@@ -29,9 +28,15 @@ pub(super) fn overstate(draw: &mut Draw, plant: &mut Plant, secrets: &[Secret]) 
 }
 
 fn overstated(secrets: &[Secret]) -> impl Iterator<Item = &'static str> {
+    let overstated = known(secrets).filter(|hidden| hidden.is_overstated());
+    overstated.map(|hidden| hidden.name)
+}
+
+/// Those of the vocabulary.
+fn known(secrets: &[Secret]) -> impl Iterator<Item = &Hidden> {
     secrets.iter().filter_map(|secret| match secret {
-        Secret::Known(hidden) if hidden.is_overstated() => Some(hidden.name),
-        _ => None,
+        Secret::Known(hidden) => Some(hidden),
+        Secret::Foreign(_) => None,
     })
 }
 
@@ -47,12 +52,11 @@ pub(super) fn narrow_travel(draw: &mut Draw, plant: &mut Plant, scale: &Scale, s
 
 /// States a limit of the input on some devices, mostly one that is never met; on all where it is too low.
 pub(super) fn limit_input(draw: &mut Draw, plant: &mut Plant, scale: &Scale, secrets: &[Secret]) {
-    let clips = |secret: &Secret| matches!(secret, Secret::Known(h) if h.name == "saturation");
     let is_low = overstated(secrets).any(|name| name == "saturation");
     if is_low || draw.chance(0.5) {
         let factor = if is_low {
             draw.log_uniform(OVERSTATED_LIMITS[0], OVERSTATED_LIMITS[1])
-        } else if secrets.iter().any(clips) {
+        } else if known(secrets).any(|hidden| hidden.name == "saturation") {
             draw.uniform(1.2, 2.5)
         } else {
             draw.log_uniform(0.8, 2.5)
@@ -79,10 +83,7 @@ pub(super) fn tolerance(draw: &mut Draw, plant: &Plant, secrets: &[Secret]) -> T
     ];
     for (name, low, high) in usual {
         let relative = draw.log_uniform(low, high);
-        let touched = secrets.iter().any(|secret| match secret {
-            Secret::Known(hidden) => hidden.touches().contains(&name),
-            Secret::Foreign(_) => false,
-        });
+        let touched = known(secrets).any(|hidden| hidden.touches().contains(&name));
         // What is hidden in a number must lie far outside what is stated about it.
         let relative = if touched { low } else { relative };
         if plant.model.get(name).is_some_and(|value| value != 0.0) && draw.chance(0.8) {

@@ -41,6 +41,9 @@ pub const VOCABULARY: [&str; 28] = [
     "contact",
 ];
 
+/// Limits that are stated lower than the device has them, over the largest input.
+pub(crate) const OVERSTATED_LIMITS: [f64; 2] = [0.4, 0.8];
+
 /// How large the device's motion is before anything is hidden in it.
 #[derive(Clone, Debug)]
 pub(crate) struct Scale {
@@ -524,7 +527,7 @@ impl Hidden {
             }
             "saturation" => {
                 let linear = match self.is_overstated() {
-                    true => 0.4 * u,
+                    true => OVERSTATED_LIMITS[0] * u,
                     false => (1.0 - s) * (1.0 - self.knee()) * u,
                 };
                 vec![

@@ -9,6 +9,6 @@ mod plant;
 pub(crate) use excitation::Waveform;
 pub(crate) use foreign::Cause;
 pub use hidden::VOCABULARY;
-pub(crate) use hidden::{Hidden, Scale};
+pub(crate) use hidden::{Hidden, OVERSTATED_LIMITS, Scale};
 pub(crate) use plan::{Drive, Plan};
 pub(crate) use plant::{Family, Plant};

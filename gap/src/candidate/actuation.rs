@@ -94,11 +94,10 @@ fn raised(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let largest = e.series.iter().map(|series| series.largest_input);
     let largest = largest.fold(0.0, f64::max);
     let limit = e.device.drive.taken(largest);
-    let is_clipped = e.model.input_limit.is_some() && limit < largest;
     let raised = RAISED.map(|share| limit + share * (largest - limit));
     let raised = [OUT_OF_REACH * largest].into_iter().chain(raised);
     raised
-        .filter(|_| is_clipped)
+        .filter(|_| is_limited(e))
         .map(|limit| term(kind, vec![log(0, limit)], &[(1, 0.0)]))
         .collect()
 }

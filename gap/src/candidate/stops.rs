@@ -26,15 +26,15 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
     let positions: Vec<f64> = positions.collect();
     let far = untouched(e.model.travel, s.position);
-    let extremes = [0.0, 1.0].map(|share| quantile(&positions, share));
+    let ends = |share: f64| [share, 1.0 - share].map(|share| quantile(&positions, share));
+    let ends = STOPPED_SHARES.map(ends);
     let mut all = pushing(kind, e, far);
-    all.extend(farther(kind, e.model, extremes));
-    let sizes = STOPPED_SHARES
+    all.extend(farther(kind, e.model, ends[0]));
+    let sizes = ends
         .iter()
-        .flat_map(|&share| HARDNESS.map(|hardness| (share, hardness)));
-    for (share, hardness) in sizes {
-        let [low, high] = [share, 1.0 - share].map(|share| quantile(&positions, share));
-        for [lower, upper] in places([low, high], far) {
+        .flat_map(|&ends| HARDNESS.map(|hardness| (ends, hardness)));
+    for (ends, hardness) in sizes {
+        for [lower, upper] in places(ends, far) {
             let stiffness = hardness * s.torque / s.span();
             let damping = 2.0 * STOP_DAMPING * (stiffness * inertia).sqrt();
             let mut free = vec![log(2, stiffness), log(3, damping)];

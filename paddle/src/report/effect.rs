@@ -146,6 +146,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
         let names = finding.parameters.keys();
         names.filter(|n| n.starts_with(name)).count()
     };
+    let is_raised = labels.input_limit.is_some() && value("limit") > labels.input_limit;
     match name {
         "end_stop" => {
             // A stop that was not fitted is out of reach.
@@ -153,7 +154,8 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             match stops[..] {
                 [one] => format!("a hard stop at {}", shown(one)),
                 [one, other] => format!("hard stops at {} and {}", shown(one), shown(other)),
-                _ => "stops that are not met where the model has them".to_owned(),
+                _ if labels.has_stops => "stops that are not met where the model has them".into(),
+                _ => (*noun).to_owned(),
             }
         }
         "coulomb" if labels.coulomb > 0.0 && finding.parameters.contains_key("level") => {
@@ -165,17 +167,14 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
             }
         }
         "lag" | "delay" if value("time").is_some_and(|time| time < 0.0) => {
-            let less = finding
-                .parameters
-                .get("time")
-                .map(|time| show(-time.value, &time.unit));
-            let less = less.unwrap_or_default();
+            let time = &finding.parameters["time"];
+            let less = show(-time.value, &time.unit);
             match name {
                 "lag" => format!("a torque that lags by {less} less than the model has it"),
                 _ => format!("a torque that comes {less} sooner than the model has it"),
             }
         }
-        "saturation" if value("limit").is_some() && fitted("limit").is_none() => {
+        "saturation" if is_raised && fitted("limit").is_none() => {
             "an input that is not clipped where the model clips it".to_owned()
         }
         "contact" if !finding.parameters.contains_key("from") => {
@@ -407,10 +406,20 @@ mod tests {
             phrase(&shorter("lag"), &labels()),
             "a torque that lags by 4.0 ms less than the model has it"
         );
+        let labels = Labels {
+            input_limit: Some(2.0),
+            has_stops: true,
+            ..labels()
+        };
         let unmet = finding("saturation", &[("limit", 5.0, 0.0, "N m")]);
-        assert!(phrase(&unmet, &labels()).contains("not clipped where the model"));
+        assert!(phrase(&unmet, &labels).contains("not clipped where the model"));
+        let at_its_end = finding("saturation", &[("limit", 1.0, 0.0, "N m")]);
+        assert_eq!(
+            phrase(&at_its_end, &labels),
+            "an input that saturates at 1.0 N m"
+        );
         let unmet = finding("end_stop", &[("lower", -5.0, 0.0, "rad")]);
-        assert!(phrase(&unmet, &labels()).contains("not met where the model"));
+        assert!(phrase(&unmet, &labels).contains("not met where the model"));
     }
 
     #[test]

@@ -12,6 +12,8 @@ pub fn labels() -> Labels {
         input: "N m".into(),
         runs: vec!["sine.csv".into(), "step.csv".into()],
         coulomb: 0.0,
+        input_limit: None,
+        has_stops: false,
         turned: None,
     }
 }

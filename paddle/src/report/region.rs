@@ -15,6 +15,10 @@ pub struct Labels {
     pub runs: Vec<String>,
     /// Dry friction of the nominal model, torque at the joint.
     pub coulomb: f64,
+    /// Largest input of the nominal model, in units of the input.
+    pub input_limit: Option<f64>,
+    /// True if the nominal model has hard stops.
+    pub has_stops: bool,
     /// The column whose sign is taken the other way round, if one is.
     pub turned: Option<&'static str>,
 }
@@ -27,6 +31,8 @@ impl Labels {
             input: recording.units.input.clone(),
             runs: recording.runs.iter().map(|run| run.file.clone()).collect(),
             coulomb: recording.model.coulomb,
+            input_limit: recording.model.input_limit,
+            has_stops: recording.model.travel.is_some(),
             turned: recording.oddities.iter().find_map(|oddity| match oddity {
                 Oddity::Turned { column, .. } => Some(*column),
                 _ => None,

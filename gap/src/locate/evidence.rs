@@ -30,6 +30,8 @@ const ROBUST_EVENT_SURPLUS: f64 = 0.3;
 const NEARLY_ALL: f64 = 0.9;
 /// What that is worth.
 const EVENT_STRENGTH: f64 = 0.5;
+/// Share of the surplus of a stretch of time that lies in one run for no other to be told of.
+const MOST_OF_STRETCH: f64 = 0.9;
 /// Weight of a slow course of friction over time: what repeats itself has none.
 const COURSE_WEIGHT: f64 = 2.5;
 
@@ -251,7 +253,8 @@ impl<'a> Axes<'a> {
         })
     }
 
-    /// Time, on the clock of the session, the best stretch cut to one run if the runs' own times overlap.
+    /// Time, on the clock of the session, the best stretch cut to one run if that has nearly all of it, or if the runs' own times
+    /// overlap.
     fn time(&self) -> Option<Evidence> {
         let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
         let coarse = self.bins(|i| i.session_s, |i| i.excess, COARSE_TIME_BINS)?;
@@ -262,11 +265,12 @@ impl<'a> Axes<'a> {
             self.surplus_of_time()
         };
         let strength = surplus + COURSE_WEIGHT * self.explained_along(&coarse);
-        if self.series.iter().any(|s| s.session_offset_s != 0.0) {
-            let spans = self.series.iter().filter_map(Series::session_span_s);
-            let cut =
-                spans.map(|[from, to]| bins.stretch(from.max(stretch.from), to.min(stretch.to)));
-            stretch = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
+        let spans = self.series.iter().filter_map(Series::session_span_s);
+        let cut = spans.map(|[from, to]| bins.stretch(from.max(stretch.from), to.min(stretch.to)));
+        let cut = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
+        let overlap = self.series.iter().any(|s| s.session_offset_s != 0.0);
+        if overlap || cut.surplus() >= MOST_OF_STRETCH * stretch.surplus() {
+            stretch = cut;
         }
         Some(Evidence::new("time", bins, stretch, strength))
     }

@@ -209,6 +209,15 @@ mod tests {
     }
 
     #[test]
+    fn what_hardly_reaches_back_into_the_run_before_is_told_of_one_run() {
+        let found =
+            found(&["contact:position=-9,side=1,stiffness=0.001,damping=0.01,from=5.95,to=9"]);
+        let hand = on("time", &found);
+        assert_eq!(hand.run, Some(1));
+        assert!(hand.share_of_gap > 0.8, "{hand:?}");
+    }
+
+    #[test]
     fn what_comes_at_reversals_is_told_as_wide_as_the_motion_that_shows_it() {
         let found = found(&["presliding:distance=0.03"]);
         let rest = on("velocity", &found);

@@ -58,6 +58,14 @@ fn a_dead_band_that_lies_off_zero_is_no_offset() {
 }
 
 #[test]
+fn a_gain_that_reads_right_elsewhere_than_at_zero_is_no_bent_curve() {
+    assert_found(
+        "sensor_gain:gain=0.9,zero=0.3",
+        &[("gain", 0.9), ("zero", 0.3)],
+    );
+}
+
+#[test]
 fn two_lags_in_a_row_are_no_delay() {
     let form = [("time", 0.004), ("twice", 1.0)];
     assert_found("lag:time=0.004,twice=1", &form);

@@ -90,6 +90,8 @@ impl Play {
 pub(crate) struct Sensing {
     /// Departure of the gain from 1.
     pub gain_error: f64,
+    /// Where it reads right all the same.
+    pub right_at: f64,
     pub curve: Option<Curve>,
     pub play: Option<Play>,
     pub lag_s: f64,
@@ -208,6 +210,7 @@ impl Sensing {
     }
 
     fn shaped(&self, x: f64) -> f64 {
-        (1.0 + self.gain_error) * x + self.curve.map_or(0.0, |curve| curve.departure(x))
+        x + self.gain_error * (x - self.right_at)
+            + self.curve.map_or(0.0, |curve| curve.departure(x))
     }
 }

@@ -347,7 +347,13 @@ impl Hidden {
             "compliance" => {
                 mechanics.coupling = Some(self.coupling(mechanics.inertia, 0.0, hz / s));
             }
-            "sensor_gain" => sensing.gain_error = signed.max(-0.6),
+            "sensor_gain" => {
+                sensing.gain_error = signed.max(-0.6);
+                // Half of them read right at zero, as many somewhere on their way.
+                if self.variant % 2 == 1 {
+                    sensing.right_at = middle + half_span * self.between(0, -1.0, 1.0);
+                }
+            }
             "sensor_nonlinearity" => {
                 let (amount, at, scale) = (signed, middle, half_span);
                 sensing.curve = Some(match self.variant % 3 {

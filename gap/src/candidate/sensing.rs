@@ -6,6 +6,7 @@ use super::{actuation, jumps, overspeed, ripple};
 use crate::fit::hypothesis::{Coordinate, Term};
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
+use host_sim::plant::Mechanics;
 
 /// How wide a play of the reading may be: down to so many noises, or where there is next to none to a share of the widest,
 /// and up to a share of the span; and the ratio of those that are tried.
@@ -15,6 +16,8 @@ const WIDEST_PLAY: f64 = 0.2;
 const PLAY_RATIO: f64 = 2.0;
 /// Way after a turn, over that width, within which a reading softly comes to stay behind: at first it moves by a third.
 const SOFT_REACH: f64 = 1.5;
+/// How far from the middle of the motion a gain may well read right, over its span.
+const RIGHT: f64 = 0.2;
 /// Square and cube by which a sensor's curve departs at the ends of the motion, over half of its span.
 const BENDS: [[f64; 2]; 5] = [
     [0.0, 0.0],
@@ -34,7 +37,12 @@ const RIPPLES: [f64; 3] = [0.5, 1.0, 2.0];
 pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     match kind.name {
-        "sensor_gain" => terms(kind, None, [vec![log(0, 1.0)]]),
+        "sensor_gain" => {
+            let about_zero = vec![log(0, 1.0)];
+            let elsewhere = vec![log(0, 1.0), linear(1, s.middle(), RIGHT * s.span())];
+            let elsewhere = knows_where(&e.device.mechanics).then_some(elsewhere);
+            terms(kind, elsewhere, [about_zero])
+        }
         "sensor_nonlinearity" => curves(kind, e),
         "sensor_hysteresis" => {
             let widest = WIDEST_PLAY * s.span();
@@ -53,6 +61,12 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
         "lost_counts" => [jumps::starts(kind, e), overspeed::starts(kind, e)].concat(),
         _ => Vec::new(),
     }
+}
+
+/// True if the device goes otherwise where it stands elsewhere.
+fn knows_where(mechanics: &Mechanics) -> bool {
+    let pulls = mechanics.stiffness != 0.0 || mechanics.gravity != 0.0;
+    pulls || mechanics.cogging.is_some() || mechanics.barriers.iter().any(Option::is_some)
 }
 
 /// A curve that is bent around another place, where that was given.

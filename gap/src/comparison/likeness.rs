@@ -158,7 +158,7 @@ impl<'a> Scope<'a> {
         match kind.name {
             "sensor_gain" => self
                 .linear(|x| [x, 1.0])
-                .map(|[slope, _]| vec![1.0 + slope])
+                .map(|[slope, _]| vec![1.0 + slope, 0.0])
                 .into_iter()
                 .collect(),
             "sensor_nonlinearity" => self.curves(kind),

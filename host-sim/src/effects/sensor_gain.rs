@@ -2,22 +2,33 @@
 
 use super::{ANY, Channel, Kind, Parameter, Quantity};
 
-/// `y = g x`.
+/// `y = z + g (x − z)`.
 pub const KIND: Kind = Kind {
     name: "sensor_gain",
     channel: Channel::Sensing,
     about: "The sensor shows more or less than the way gone",
-    equation: "y = g x",
-    parameters: &[Parameter {
-        name: "gain",
-        quantity: Quantity::Ratio,
-        range: ANY,
-        default: 1.1,
-        typical: [0.8, 1.2],
-        about: "shown over true",
-    }],
+    equation: "y = z + g (x − z)",
+    parameters: &[
+        Parameter {
+            name: "gain",
+            quantity: Quantity::Ratio,
+            range: ANY,
+            default: 1.1,
+            typical: [0.8, 1.2],
+            about: "shown over true",
+        },
+        Parameter {
+            name: "zero",
+            quantity: Quantity::Position,
+            range: ANY,
+            default: 0.0,
+            typical: [-0.3, 0.3],
+            about: "z, where it reads right all the same",
+        },
+    ],
     events: None,
     install: |device, p| {
         device.sensing.gain *= p[0];
+        device.sensing.offset += (1.0 - p[0]) * p[1];
     },
 };

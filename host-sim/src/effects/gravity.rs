@@ -1,6 +1,6 @@
 //! Another weight, or another angle at which it hangs.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity, ZERO};
 
 /// `T = −G sin(x − x_G)`.
 pub const KIND: Kind = Kind {
@@ -18,12 +18,8 @@ pub const KIND: Kind = Kind {
             about: "weight times lever",
         },
         Parameter {
-            name: "zero",
-            quantity: Quantity::Position,
-            range: ANY,
-            default: 0.0,
-            typical: [-0.3, 0.3],
             about: "where it hangs at rest",
+            ..ZERO
         },
     ],
     events: None,

@@ -1,6 +1,6 @@
 //! The sensor shows more or less than the way gone.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, Parameter, Quantity, ZERO};
 
 /// `y = z + g (x − z)`.
 pub const KIND: Kind = Kind {
@@ -18,12 +18,8 @@ pub const KIND: Kind = Kind {
             about: "shown over true",
         },
         Parameter {
-            name: "zero",
-            quantity: Quantity::Position,
-            range: ANY,
-            default: 0.0,
-            typical: [-0.3, 0.3],
             about: "z, where it reads right all the same",
+            ..ZERO
         },
     ],
     events: None,

@@ -1,6 +1,6 @@
 //! A spring towards some position.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, ZERO};
 
 /// `T = −K (1 + h (x − x_K)²) (x − x_K)`.
 pub const KIND: Kind = Kind {
@@ -18,12 +18,8 @@ pub const KIND: Kind = Kind {
             about: "of the spring",
         },
         Parameter {
-            name: "zero",
-            quantity: Quantity::Position,
-            range: ANY,
-            default: 0.0,
-            typical: [-0.3, 0.3],
             about: "where it is relaxed",
+            ..ZERO
         },
         Parameter {
             name: "hardening",

@@ -121,7 +121,8 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
     // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
     let hidden = selection.null_leaves_at_most(select::LOUD_GAP, problem);
     let closes_none = |step: &Step| step.was_at_floor || are_spared(problem, selection, &left);
-    let is_seen = selection.plain && surely_close(&steps);
+    let is_near = || selection.null_leaves_at_most(select::QUIET_GAP, problem);
+    let is_seen = selection.plain && (surely_close(&steps) || !is_near());
     let is_none =
         hidden && (is_formulation(selection) || !is_seen && steps.first().is_some_and(closes_none));
     if is_none || are_vain(&steps, selection.left(selection.fit())) {

@@ -12,14 +12,14 @@ use crate::fit::problem::Part;
 /// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for, if they
 /// leave no more than the floor of the gap.
 const LITTLE: f64 = 0.03;
-/// Effects, each the first of a pair, on top of which a second one is looked for: of 140 pairs on outside and blind sets a fourth
+/// Effects, each the first of a pair, on top of which a second one is looked for: of 160 pairs on outside and blind sets a fourth
 /// found none more.
 const LEADERS: usize = 3;
 /// Difference, in the mean over the windows, of what two effects leave, over what one gains, below which they stand for the same:
 /// on outside sets it was 0.06 at most of an inertia and a gain, and 0.2 or more of effects of different kinds.
 const LEAST_DIFFERENCE: f64 = 0.1;
 /// Share of the winner's gain that each gains alone: the first that led to the right pair gained 0.79 of it or more in 93 of
-/// 94 on blind sets. With 0.3 one more of 280 pairs was named, and what has no name took a quarter longer.
+/// 94 on blind sets. With 0.3 one more of 300 pairs was named, and slow cases took a quarter longer.
 const LEAST_LEAD: f64 = 0.7;
 
 impl Search<'_> {

@@ -350,7 +350,7 @@ impl Hidden {
             "sensor_gain" => {
                 sensing.gain_error = signed.max(-0.6);
                 // Half of them read right at zero, as many somewhere on their way.
-                if self.variant % 2 == 1 {
+                if !self.first_form() {
                     sensing.right_at = middle + half_span * self.between(0, -1.0, 1.0);
                 }
             }

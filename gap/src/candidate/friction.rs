@@ -110,7 +110,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
             let guess = regress(e, |m| [-m.drive_nm.abs() * m.velocity.signum()]);
             let guess = guess.map(|[share]| vec![log(0, share.max(0.01))]);
             let mut starts = terms(kind, guess, [0.05, 0.2].map(|share| vec![log(0, share)]));
-            if m.gravity != 0.0 || m.stiffness != 0.0 {
+            if m.is_pulled() {
                 let carried = PASSIVE.map(|part| vec![log(0, 0.1), linear(1, part, 1.0)]);
                 starts.extend(terms(kind, None, carried));
             }

@@ -28,7 +28,7 @@ pub(super) fn start(
 ) -> Term {
     let m = &e.device.mechanics;
     let mut free = vec![linear(2, sine, scale), linear(3, cosine, scale), waves];
-    if m.gravity != 0.0 || m.stiffness != 0.0 {
+    if m.is_pulled() {
         free.push(linear(5, 0.0, scale));
     }
     term(kind, free, &[(0, 0.0), (1, 0.0)])

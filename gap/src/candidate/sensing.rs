@@ -65,8 +65,8 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
 
 /// True if the device goes otherwise where it stands elsewhere.
 fn knows_where(mechanics: &Mechanics) -> bool {
-    let pulls = mechanics.stiffness != 0.0 || mechanics.gravity != 0.0;
-    pulls || mechanics.cogging.is_some() || mechanics.barriers.iter().any(Option::is_some)
+    let meets = mechanics.barriers.iter().any(Option::is_some);
+    mechanics.is_pulled() || mechanics.cogging.is_some() || meets
 }
 
 /// A curve that is bent around another place, where that was given.

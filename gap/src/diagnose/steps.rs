@@ -119,12 +119,12 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
         return steps;
     }
     // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
-    let hidden = selection.null_leaves_at_most(select::LOUD_GAP, problem);
+    let hidden = |floors| selection.null_leaves_at_most(floors, problem);
     let closes_none = |step: &Step| step.was_at_floor || are_spared(problem, selection, &left);
-    let is_near = || selection.null_leaves_at_most(select::QUIET_GAP, problem);
-    let is_seen = selection.plain && (surely_close(&steps) || !is_near());
-    let is_none =
-        hidden && (is_formulation(selection) || !is_seen && steps.first().is_some_and(closes_none));
+    // What shows in every window, and in the gap not at all, may be no more than how finely another simulation was computed.
+    let is_faint = || !selection.plain || !surely_close(&steps) && hidden(select::QUIET_GAP);
+    let is_none = hidden(select::LOUD_GAP)
+        && (is_formulation(selection) || is_faint() && steps.first().is_some_and(closes_none));
     if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
         selection.withdraw(0);
@@ -133,8 +133,7 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
     steps
 }
 
-/// True if the steps together surely close something: what shows in every window, and in the gap not at all, may be no more than
-/// how finely another simulation was computed.
+/// True if the steps together surely close something.
 fn surely_close(steps: &[Step]) -> bool {
     steps.last().is_some_and(|step| step.total[1] > 0.0)
 }
@@ -245,10 +244,11 @@ fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) 
 /// the excess; or if several leave much of it and each of them may close nothing: of 415 such diagnoses two did, with no right
 /// name.
 fn are_vain(steps: &[Step], left_open: f64) -> bool {
-    let Some([value, low, _]) = steps.last().map(|step| step.total) else {
+    let Some(last) = steps.last() else {
         return false;
     };
-    let closes_nothing = value <= 0.0 || low <= 0.0 && left_open > select::MOST_LEFT;
+    let closes_nothing =
+        last.total[0] <= 0.0 || !surely_close(steps) && left_open > select::MOST_LEFT;
     let none_is_sure = steps.len() > 1 && steps.iter().all(|step| step.own[1] <= 0.0);
     closes_nothing || none_is_sure && left_open > select::MOST_LEFT_EXPLAINED
 }

@@ -215,7 +215,9 @@ mod tests {
 
     #[test]
     fn what_hardly_reaches_back_into_the_run_before_is_told_of_one_run() {
-        assert_eq!(hand(5.95, 9.0).run, Some(1));
+        let hand = hand(5.95, 9.0);
+        assert_eq!(hand.run, Some(1));
+        assert!(hand.share_of_gap > 0.8, "{hand:?}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Another weight, or another angle at which it hangs.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity, ZERO};
+use super::{ANY, Channel, Kind, Parameter, Quantity, zero};
 
 /// `T = −G sin(x − x_G)`.
 pub const KIND: Kind = Kind {
@@ -17,10 +17,7 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 0.1],
             about: "weight times lever",
         },
-        Parameter {
-            about: "where it hangs at rest",
-            ..ZERO
-        },
+        zero("where it hangs at rest"),
     ],
     events: None,
     install: |device, p| {

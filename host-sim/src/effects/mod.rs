@@ -60,17 +60,20 @@ const fn share(name: &'static str, about: &'static str) -> Parameter {
     }
 }
 
+/// The place at which an effect does nothing.
+const fn zero(about: &'static str) -> Parameter {
+    Parameter {
+        name: "zero",
+        quantity: Quantity::Position,
+        range: ANY,
+        default: 0.0,
+        typical: [-0.3, 0.3],
+        about,
+    }
+}
+
 /// Of a transmission between two masses.
 const LOAD_FRICTION: Parameter = share("load_friction", "share of the friction on the load side");
-/// A place at which an effect does nothing; each says which.
-const ZERO: Parameter = Parameter {
-    name: "zero",
-    quantity: Quantity::Position,
-    range: ANY,
-    default: 0.0,
-    typical: [-0.3, 0.3],
-    about: "",
-};
 /// Of a [`Ripple`](crate::ripple::Ripple).
 const WAVE_NUMBER: Parameter = Parameter {
     name: "wave_number",

@@ -1,6 +1,6 @@
 //! The sensor shows more or less than the way gone.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity, ZERO};
+use super::{ANY, Channel, Kind, Parameter, Quantity, zero};
 
 /// `y = z + g (x − z)`.
 pub const KIND: Kind = Kind {
@@ -17,10 +17,7 @@ pub const KIND: Kind = Kind {
             typical: [0.8, 1.2],
             about: "shown over true",
         },
-        Parameter {
-            about: "z, where it reads right all the same",
-            ..ZERO
-        },
+        zero("z, where it reads right all the same"),
     ],
     events: None,
     install: |device, p| {

@@ -1,6 +1,6 @@
 //! A spring towards some position.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, ZERO};
+use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, zero};
 
 /// `T = −K (1 + h (x − x_K)²) (x − x_K)`.
 pub const KIND: Kind = Kind {
@@ -17,10 +17,7 @@ pub const KIND: Kind = Kind {
             typical: [0.005, 0.5],
             about: "of the spring",
         },
-        Parameter {
-            about: "where it is relaxed",
-            ..ZERO
-        },
+        zero("where it is relaxed"),
         Parameter {
             name: "hardening",
             quantity: Quantity::PerPositionSquared,

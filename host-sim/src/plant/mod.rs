@@ -117,6 +117,11 @@ impl Mechanics {
         (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia
     }
 
+    /// True if gravity or a spring pulls.
+    pub fn is_pulled(&self) -> bool {
+        self.gravity != 0.0 || self.stiffness != 0.0
+    }
+
     /// Of what does not pull in proportion, N m/rad: what a spring has hardened by is taken to be less than the spring.
     fn bent_stiffness(&self) -> f64 {
         let cogging = self.cogging.map_or(0.0, |cogging| cogging.stiffness());

@@ -4,10 +4,13 @@ mod beside;
 mod evolution;
 mod field;
 mod finals;
+mod freedom;
 mod hand;
 mod kin;
+mod misnamed;
 mod pair;
 mod place;
+mod precedence;
 mod proposed;
 mod ranking;
 mod refined;
@@ -121,7 +124,7 @@ impl Selection {
     /// False if a ripple is among the effects of which less than a wave was travelled.
     fn repeats(&self, problem: &Problem<'_>) -> bool {
         let mut fits = self.rounds.iter().map(|round| &round.rivals[0].fit);
-        fits.all(|fit| round::repeats(problem, fit))
+        fits.all(|fit| misnamed::repeats(problem, fit))
     }
 
     /// Effects that were given: they are there whatever they close.

@@ -1,0 +1,131 @@
+//! How much of the last effect of a fit is free.
+
+use super::level;
+use super::ranking::enough;
+use super::round::{POLISHING_ITERATIONS, SHORT_ITERATIONS, Search};
+use crate::candidate::{loosened, one_sided, untouched};
+use crate::fit::Fit;
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::problem::Part;
+
+impl Search<'_> {
+    /// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
+    /// is worth.
+    pub(super) fn loosened(&self, known: &Fit, given: &Fit) -> Option<Fit> {
+        if self.problem.is_at_floor(given) {
+            return None;
+        }
+        let fit = self.with_more_free(given)?;
+        (level(given) > enough(known, &fit))
+            .then(|| self.problem.polished(&fit, POLISHING_ITERATIONS))
+    }
+
+    /// A fit with what its last effect was given freed, if anything was.
+    pub(super) fn with_more_free(&self, given: &Fit) -> Option<Fit> {
+        let [low, high] = self.problem.extremes();
+        let half_span = 0.5 * (high - low);
+        let (hypothesis, x) = given.loosened(|term| loosened(term, half_span))?;
+        let part = Part::All;
+        Some(self.problem.fit(&hypothesis, x, part, POLISHING_ITERATIONS))
+    }
+
+    /// One of two stops where the other gains next to nothing: beyond the motion any place would do.
+    pub(super) fn one_stop(&self, known: &Fit, both: &Fit) -> Option<Fit> {
+        let (stops, others) = both.hypothesis.terms.split_last()?;
+        let (before, own) = both.x.split_at(both.x.len() - stops.free.len());
+        let travel = self.problem.recording.model.travel;
+        let untouched = untouched(travel, self.problem.extremes());
+        let single = one_sided(stops, own, untouched).into_iter();
+        let fits = single.map(|(stop, own)| {
+            let terms = [others, &[stop]].concat();
+            let x = [before, &own].concat();
+            let hypothesis = Hypothesis { terms };
+            self.problem
+                .fit(&hypothesis, x, Part::All, SHORT_ITERATIONS)
+        });
+        let enough = enough(known, both);
+        let fits = fits.filter(|fit| level(fit) <= enough);
+        fits.min_by(|a, b| level(a).total_cmp(&level(b)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::round::on;
+    use crate::fit::hypothesis::{Coordinate, Scale};
+    use crate::made;
+
+    /// How suddenly static friction falls, and how slowly the last of it, once that is freed, where it was given to fall with
+    /// an exponent of 1 and no tail.
+    fn freed([exponent, tail]: [f64; 2]) -> Option<[f64; 2]> {
+        let hidden =
+            format!("stribeck:static_ratio=2.5,velocity=1.0,exponent={exponent},tail={tail}");
+        let free = [(0, 2.0), (1, 0.5)].map(|(parameter, start)| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Log,
+        });
+        let mut stribeck = made::term("stribeck", &free);
+        stribeck.values[2] = 1.0;
+        on(&made::recording(&[&hidden]), |search, null| {
+            let given = search.given(null, &stribeck).so_far;
+            let freed = search.loosened(null, &given)?;
+            let [_, _, exponent, tail] = freed.last_term()?.values[..] else {
+                return None;
+            };
+            Some([exponent, tail])
+        })
+    }
+
+    #[test]
+    fn how_a_spring_hardens_is_freed_where_it_does() {
+        let hardening = |hidden: f64| {
+            let spring = format!("spring:stiffness=0.06,zero=0,hardening={hidden}");
+            let free = Coordinate {
+                parameter: 0,
+                start: 0.05,
+                scale: Scale::Log,
+            };
+            on(&made::recording(&[&spring]), |search, null| {
+                let term = made::term("spring", &[free]);
+                let given = search.given(null, &term).so_far;
+                Some(search.loosened(null, &given)?.last_term()?.values[2])
+            })
+        };
+        assert_eq!(hardening(0.0), None);
+        let found = hardening(2.0).unwrap();
+        assert!((found / 2.0 - 1.0).abs() < 0.02, "{found}");
+    }
+
+    #[test]
+    fn around_which_place_a_sensor_bends_is_freed_where_it_is_another() {
+        const BENT: &str = "sensor_nonlinearity:quadratic=0.3,cubic=1.5,middle=0.08";
+        // Two places make one curve: its slope at zero tells of either.
+        let steeper =
+            |[square, cube, middle]: [f64; 3]| middle * (3.0 * cube * middle - 2.0 * square);
+        let free = [0, 1].map(|parameter| Coordinate {
+            parameter,
+            start: 0.0,
+            scale: Scale::Linear(1.0),
+        });
+        let found = on(&made::recording(&[BENT]), |search, null| {
+            let around_zero = made::term("sensor_nonlinearity", &free);
+            let given = search.given(null, &around_zero).so_far;
+            let freed = search.loosened(null, &given)?.last_term()?;
+            Some(steeper([0, 1, 6].map(|place| freed.values[place])))
+        });
+        let hidden = steeper([0.3, 1.5, 0.08]);
+        assert!((found.unwrap() / hidden - 1.0).abs() < 0.1, "{found:?}");
+    }
+
+    #[test]
+    fn how_suddenly_static_friction_falls_is_freed_where_it_was_given_wrongly() {
+        assert_eq!(freed([1.0, 0.0]), None);
+        for hidden in [[2.0, 0.0], [2.0, 1.0]] {
+            let freed = freed(hidden).unwrap();
+            for (found, there) in freed.iter().zip(hidden) {
+                assert!((found - there).abs() < 0.2, "{freed:?} for {hidden:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Which of the fitted rivals come before others that do a little more.
+
+use super::finals::best_of;
+use super::misnamed::repeats;
+use super::ranking::{contains, is_as_likely, is_far_likelier, ranked};
+use super::rival::Rival;
+use super::round::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
+use super::{MOST_LEFT_EXPLAINED, is_quiet, level};
+use crate::fit::Fit;
+use crate::fit::problem::Part;
+use crate::floor::Perfect;
+
+impl Search<'_> {
+    /// The rivals, what the best of them contains carried on to the end where it leaves little enough for that: with fewer
+    /// numbers it has fewer ways past a kink.
+    pub(super) fn with_specials_polished(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
+        let Some(best) = best_of(&rivals).cloned() else {
+            return rivals;
+        };
+        let most = 0.5 * (level(known) + level(&best.fit));
+        for rival in &mut rivals {
+            let is_open = level(&rival.fit) > self.quiet() || is_far_likelier(&best, rival);
+            if contains(best.name, rival.name) && is_open && level(&rival.fit) <= most {
+                rival.fit = self.problem.polished(&rival.fit, POLISHING_ITERATIONS);
+                // What it is to give way to may do no more than a shape that it was not free to take.
+                if is_far_likelier(&best, rival)
+                    && let Some(fit) = self.with_more_free(&rival.fit)
+                    && let freed = (Rival { fit, ..*rival })
+                    && !is_far_likelier(&best, &freed)
+                {
+                    *rival = freed;
+                }
+            }
+        }
+        rivals
+    }
+
+    /// The rivals, another weight hanging where it is stated to hang if it does as well there.
+    pub(super) fn hung_as_stated(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
+        const ZERO: usize = 1;
+        let stated = self.problem.recording.model.gravity_zero;
+        for rival in rivals.iter_mut().filter(|r| r.name == "gravity") {
+            let Some(mut held) = rival.with_held(ZERO, stated) else {
+                continue;
+            };
+            let Fit { hypothesis, x, .. } = held.fit;
+            held.fit = self
+                .problem
+                .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
+            if let Some(mut both) = ranked(vec![rival.clone(), held], known, self.quiet()) {
+                *rival = both.swap_remove(0);
+            }
+        }
+        rivals
+    }
+
+    /// The rivals in their order.
+    pub(super) fn ordered(&self, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
+        let mut rivals = ranked(rivals, known, self.quiet())?;
+        let best = level(&rivals[0].fit);
+        let short_by = |share: f64| best + share * (level(known) - best);
+        let halfway = short_by(0.5);
+        // Of a ripple that was not seen to repeat a pull may be all; where it leaves nothing, that must leave next to nothing.
+        let pulls = (!repeats(self.problem, &rivals[0].fit)).then(|| {
+            if best > self.quiet() {
+                halfway
+            } else {
+                short_by(MOST_LEFT_EXPLAINED)
+            }
+        });
+        let special = rivals.iter().position(|rival| {
+            // What needs a moment of its own is none where the same thing at all times leaves nothing.
+            let leaves_nothing = || {
+                level(&rival.fit) <= halfway
+                    && is_as_likely(rival, &rivals[0])
+                    && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
+            };
+            contains(rivals[0].name, rival.name)
+                && (pulls.is_some_and(|most| level(&rival.fit) <= most) || leaves_nothing())
+        });
+        if let Some(special) = special {
+            let special = rivals.remove(special);
+            rivals.insert(0, special);
+        }
+        Some(rivals)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::round::on;
+    use crate::fit::hypothesis::{Coordinate, Scale, Term};
+    use crate::made;
+    use core::f64::consts::PI;
+
+    #[test]
+    fn a_pull_that_bends_is_no_ripple_of_which_less_than_a_wave_was_travelled() {
+        let free = |parameter, start| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Linear(0.2 * start),
+        };
+        let first = |amplitude: f64, wave_number: f64| {
+            let hidden =
+                format!("cogging:amplitude={amplitude},wave_number={wave_number},phase={PI}");
+            on(&made::recording(&[&hidden]), |search, null| {
+                let ripple = Term {
+                    values: vec![amplitude, wave_number, PI, 0.0, 0.0],
+                    ..made::term("cogging", &[free(0, amplitude), free(1, wave_number)])
+                };
+                let spring = made::term("spring", &[free(0, 0.05)]);
+                let rivals = [ripple, spring].into_iter();
+                let rivals = rivals.flat_map(|term| search.given(null, &term).rivals);
+                let ordered = search.ordered(null, rivals.collect()).unwrap();
+                ordered[0].name
+            })
+        };
+        assert_eq!(first(0.25, 0.12), "spring");
+        // What bends so much is no pull, whatever else it may be.
+        assert_eq!(first(0.2, 0.15), "cogging");
+        assert_eq!(first(0.02, 20.0), "cogging");
+    }
+}

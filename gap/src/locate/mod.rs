@@ -25,6 +25,9 @@ const MOST: f64 = 0.5;
 const ONE_CHANNEL: f64 = 0.2;
 /// Axes along which the gap arises that are told.
 const AXES: usize = 3;
+/// How much more the surplus of where it has grown speaks for an axis than what speaks for one along which it arises: of 618
+/// places on blind sets six more were among the first three then than if it were always told, of 1436 on others one more.
+const GROWN_WEIGHT: f64 = 2.5;
 
 /// Parts of the data that carry more of the gap than their share of the samples, the most telling first: different
 /// axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
@@ -61,7 +64,8 @@ fn sensing(comparison: &Comparison) -> Option<Region> {
     })
 }
 
-/// Axes, two of which tell where the gap arises and the third where it has come to be largest, and what else stands out on them.
+/// Axes, two of which tell where the gap arises and the third where it has come to be largest, unless another says much more
+/// of where it arises, and what else stands out on them.
 ///
 /// It arises along an axis of which a stretch carries more than its share, and of which the missing
 /// acceleration is a function, beyond a constant and a level of friction. Motion couples the axes, so
@@ -88,7 +92,12 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     axes.truncate(AXES);
     let third = (axes.len() == AXES).then(|| axes.pop()).flatten();
     let half_width_s = recording.restart_half_width;
-    axes.extend(grown(series, &predictions, half_width_s, &axes));
+    let grown = grown(series, &predictions, half_width_s, &axes);
+    let speaks = |grown: &Evidence| {
+        let third = third.as_ref();
+        third.is_none_or(|third| GROWN_WEIGHT * grown.strength >= third.strength)
+    };
+    axes.extend(grown.filter(speaks));
     let third = third.filter(|third| axes.iter().all(|told| told.axis != third.axis));
     axes.extend(third);
     // Runs do not lie beside one another.

@@ -24,7 +24,11 @@ fn dragging(is_missing: impl Fn(usize) -> bool) -> Recording {
         viscous: 8e-4,
         ..paddle()
     };
-    let mut recording = recording(&device, paddle(), NOISE, 0.0, 11);
+    without(is_missing, recording(&device, paddle(), NOISE, 0.0, 11))
+}
+
+/// A recording without some rows of its first run.
+fn without(is_missing: impl Fn(usize) -> bool, mut recording: Recording) -> Recording {
     let run = &mut recording.runs[0];
     for column in [&mut run.time, &mut run.input, &mut run.position] {
         let mut rows = 0..;
@@ -59,4 +63,21 @@ fn what_causes_a_gap_is_found_beside_missing_rows() {
         let runs = found.regions.iter().filter_map(|region| region.run);
         assert!(runs.max().unwrap_or(0) < recording.runs.len());
     }
+}
+
+#[test]
+fn what_is_late_comes_after_missing_rows_too() {
+    let late = Model {
+        delay: 4e-3,
+        lag: 1e-2,
+        ..paddle()
+    };
+    let recording = recording(&late, late, NOISE, 0.0, 11);
+    let left = |recording: &Recording| {
+        let (gap, _) = measure(recording, &Device::nominal(&recording.model));
+        gap.before / gap.floor
+    };
+    let whole = left(&recording);
+    let broken = left(&without(a_hole(), recording));
+    assert!(broken < 1.3 * whole, "{broken} {whole}");
 }

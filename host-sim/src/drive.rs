@@ -198,14 +198,19 @@ pub struct DriveLine {
 impl DriveLine {
     /// At rest, with zero input for ever before.
     pub fn at_rest(drive: &Drive) -> Self {
+        Self::settled(drive, 0.0)
+    }
+
+    /// With an input for ever before of which `settled_nm` has come, N m.
+    pub fn settled(drive: &Drive, settled_nm: f64) -> Self {
         Self {
             delay_s: drive.delay_s,
             lag_s: drive.lag_s,
             further_lag_s: drive.further_lag_s,
             under_way: VecDeque::new(),
-            torque: Torque::held(0.0),
+            torque: Torque::held(settled_nm),
             age_s: 0.0,
-            acting_nm: 0.0,
+            acting_nm: settled_nm,
         }
     }
 

@@ -51,6 +51,8 @@ pub struct Series {
     pub session_offset_s: f64,
     /// When the run starts, in its time, s.
     pub started_s: f64,
+    /// True if it does so before this does, so that inputs have come before the first.
+    pub(crate) goes_on: bool,
     /// In the order of time, without gaps between them.
     pub windows: Vec<Window>,
     /// What the samples show of a motion.
@@ -88,6 +90,7 @@ impl Series {
             correlation,
             session_offset_s,
             started_s: run.time.first().copied().unwrap_or(0.0),
+            goes_on: part_before(recording, index).is_some(),
             windows,
             averaging: Averaging::default(),
             courses: Courses::default(),
@@ -174,6 +177,7 @@ impl Series {
             correlation: self.correlation,
             session_offset_s: self.session_offset_s,
             started_s: self.started_s,
+            goes_on: self.goes_on || rows.start > 0,
             courses: Courses::default(),
         }
     }

@@ -156,44 +156,57 @@ enum Line {
 }
 
 impl<'a> Listener<'a> {
-    /// From an instant on, at which it has known nothing but the first input for ever: what the first sample, which may lie a
-    /// little later, says is the nearest.
+    /// From an instant on, at which it is told the first input, which may lie a little later: before, nothing, or where the series
+    /// goes on with what was told before, the same.
     fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
-        let line = if drive.further_lag_s > 0.0 {
-            Line::Behind(DriveLine::at_rest(&Drive {
-                delay_s: 0.0,
-                ..drive.clone()
-            }))
-        } else if drive.lag_s > 0.0 {
-            Line::Lagging {
-                acting_nm: 0.0,
-                target_nm: 0.0,
-                decays: [Decay::default(); 2],
-            }
-        } else {
-            Line::Instant(0.0)
-        };
         let told = series.told.as_ref();
-        Self {
+        let mut listener = Self {
             drive,
             is_linear: drive.is_linear(series.largest_input),
             series,
             times: told.map_or(&series.input_time, |told| &told.time),
             start_s,
-            line,
+            line: Line::Instant(0.0),
             now_s: start_s,
             next: 0,
+        };
+        let before_nm = if series.goes_on {
+            listener.settled_nm()
+        } else {
+            0.0
+        };
+        listener.line = if drive.further_lag_s > 0.0 {
+            let at_once = Drive {
+                delay_s: 0.0,
+                ..drive.clone()
+            };
+            Line::Behind(DriveLine::settled(&at_once, before_nm))
+        } else if drive.lag_s > 0.0 {
+            Line::Lagging {
+                acting_nm: before_nm,
+                target_nm: before_nm,
+                decays: [Decay::default(); 2],
+            }
+        } else {
+            Line::Instant(before_nm)
+        };
+        listener
+    }
+
+    /// What comes of the next input once it is through, N m.
+    #[inline(always)]
+    fn settled_nm(&self) -> f64 {
+        let Self { drive, series, .. } = self;
+        match &series.told {
+            Some(told) => told.settled_nm(drive, self.is_linear, self.next),
+            None => drive.settled_at(series.input[self.next], series.velocity[self.next]),
         }
     }
 
     /// Takes the next input, which has come through the delay by now.
     #[inline(always)]
     fn take(&mut self) {
-        let Self { drive, series, .. } = self;
-        let settled_nm = match &series.told {
-            Some(told) => told.settled_nm(drive, self.is_linear, self.next),
-            None => drive.settled_at(series.input[self.next], series.velocity[self.next]),
-        };
+        let settled_nm = self.settled_nm();
         match &mut self.line {
             Line::Instant(acting_nm) => *acting_nm = settled_nm,
             Line::Lagging { target_nm, .. } => *target_nm = settled_nm,

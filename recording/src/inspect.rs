@@ -1,15 +1,11 @@
 //! Looks for what is merely odd.
 
-use crate::statistics::{is_constant, median, quantile, sixth_differences};
-use crate::{Oddity, Run, Sensor, stays};
+use crate::spikes::{SPIKE, usual};
+use crate::statistics::{is_constant, median, noise, quantile};
+use crate::{Oddity, Run, Sensor};
 
 /// Jitter: the middle 90 % of the periods spread over more than this share of their median.
 const JITTER: f64 = 0.1;
-/// A spike: a sample is so many times farther from the middle of its neighbours than these are from one another and from the
-/// next ones, than most samples are, and than the smallest steps.
-pub(crate) const SPIKE: f64 = 8.0;
-/// Most samples.
-const MOST: f64 = 0.9;
 /// Quantised: each value comes this many times on average.
 const REPEATS: usize = 4;
 /// The quantum seen and the one stated differ by this factor.
@@ -25,8 +21,6 @@ const ON_GRID_SHARE: f64 = 0.9;
 const PRINTED: f64 = 1e-6;
 /// Noise seen over that stated: beyond this factor something else stirs the reading.
 const NOISIER: f64 = 5.0;
-/// Median size of a sixth difference over the standard deviation of white noise: 0.6745 √(12 over 6).
-const MEDIAN_DIFFERENCE: f64 = 20.5;
 /// A supply that is read in steps of this share of it.
 const SUPPLY: f64 = 0.005;
 
@@ -47,9 +41,6 @@ pub(crate) fn run(run: &Run, stated: &Sensor, frozen: &[String]) -> Vec<Oddity> 
         });
     }
     found.extend(frozen_columns(run, frozen));
-    found.extend(stays::saturated(run));
-    found.extend(stays::frozen(run));
-    found.extend(spikes(run));
     found.extend(resolution(run, stated.resolution));
     found.extend(coarse_supply(run));
     found
@@ -134,37 +125,6 @@ fn frozen_columns(run: &Run, ignored: &[String]) -> Vec<Oddity> {
         .collect()
 }
 
-fn spikes(run: &Run) -> Option<Oddity> {
-    let x = &run.position;
-    let usual = usual(x);
-    let is_spike = |five: &[f64]| {
-        let near = [five[1] - five[0], five[3] - five[1], five[4] - five[3]];
-        let near = near.iter().fold(usual, |most, step| step.abs().max(most));
-        beside(five) > SPIKE * near
-    };
-    let spikes = || x.windows(5).enumerate().filter(|(_, five)| is_spike(five));
-    let far = spikes().map(|(before, five)| (before + 2, beside(five)));
-    let (at, farthest) = far.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(Oddity::Spikes {
-        file: run.file.clone(),
-        count: spikes().count(),
-        farthest,
-        at_s: run.time[at],
-    })
-}
-
-/// How far sample `five[2]` is from the middle of its neighbours.
-fn beside(five: &[f64]) -> f64 {
-    (five[2] - 0.5 * (five[1] + five[3])).abs()
-}
-
-/// How far most samples are from the middle of their neighbours, at least one of the smallest steps.
-pub(crate) fn usual(x: &[f64]) -> f64 {
-    let steps = x.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    let smallest = quantile(steps.filter(|step| *step > 0.0).collect(), QUANTUM_QUANTILE);
-    quantile(x.windows(5).map(beside).collect(), MOST).max(smallest)
-}
-
 /// Whether the first sample is [`SPIKE`] times farther from the line through the next two than these and the ones after are
 /// from one another: a motion has no such start.
 pub(crate) fn stale_start(run: &Run) -> Option<Oddity> {
@@ -194,8 +154,7 @@ fn resolution(run: &Run, stated: f64) -> Option<Oddity> {
 
 fn noisy(run: &Run, sensor: &Sensor) -> Option<Oddity> {
     let stated = sensor.deviation();
-    let sizes = sixth_differences(&run.position).map(f64::abs);
-    let seen = median(sizes.collect()) / MEDIAN_DIFFERENCE;
+    let seen = noise(&run.position);
     (stated > 0.0 && seen > NOISIER * stated).then(|| Oddity::Noisy {
         file: run.file.clone(),
         seen,

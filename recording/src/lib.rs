@@ -34,8 +34,10 @@ mod plausible;
 mod read;
 mod run;
 mod sensor;
+mod spikes;
 mod statistics;
 mod stays;
+mod untrue;
 mod validate;
 mod write;
 

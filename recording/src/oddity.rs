@@ -67,8 +67,8 @@ pub enum Oddity {
         /// The column.
         column: String,
     },
-    /// The position runs into its extreme and stays there.
-    #[error("{file}: `position` runs into {value} and stays for {stay_s} s from {from_s} s on while the input changes: the sensor saturates, or a stop holds", value = short(*value), stay_s = short(*stay_s), from_s = short(*from_s))]
+    /// The position stays at an extreme that a motion runs into, and comes out of at once as fast as it goes elsewhere.
+    #[error("{file}: `position` saturates at {value}, for {stay_s} s from {from_s} s on at the longest; the rows in which it does are left out: stay within the sensor's range", value = short(*value), stay_s = short(*stay_s), from_s = short(*from_s))]
     Saturated {
         /// The run.
         file: String,
@@ -79,8 +79,20 @@ pub enum Oddity {
         /// Its length, s.
         stay_s: f64,
     },
+    /// The position runs into its extreme and stays there.
+    #[error("{file}: `position` runs into {value} and stays for {stay_s} s from {from_s} s on while the input changes: the sensor saturates, or a stop holds; its samples count as they are", value = short(*value), stay_s = short(*stay_s), from_s = short(*from_s))]
+    Held {
+        /// The run.
+        file: String,
+        /// The extreme.
+        value: f64,
+        /// Start of the longest stay, s.
+        from_s: f64,
+        /// Its length, s.
+        stay_s: f64,
+    },
     /// The position stays amid a motion and then jumps to where that has gone.
-    #[error("{file}: `position` freezes {count} {}, the longest for {stay_s} s from {from_s} s on, and then jumps to where the motion has gone; its samples count as they are: check the sensor and its bus", if *count == 1 { "time" } else { "times" }, from_s = short(*from_s), stay_s = short(*stay_s))]
+    #[error("{file}: `position` freezes {count} {}, the longest for {stay_s} s from {from_s} s on, and then jumps to where the motion has gone; the rows in which it does are left out: check the sensor and its bus", if *count == 1 { "time" } else { "times" }, from_s = short(*from_s), stay_s = short(*stay_s))]
     FrozenPosition {
         /// The run.
         file: String,
@@ -100,7 +112,7 @@ pub enum Oddity {
         every: usize,
     },
     /// Single samples far from both their neighbours, as no motion makes them.
-    #[error("{file}: {count} samples of `position` stand out from both their neighbours, the farthest by {farthest} at {at_s} s; they count as they are: check the sensor and its wiring", farthest = short(*farthest), at_s = short(*at_s))]
+    #[error("{file}: {count} samples of `position` stand out from both their neighbours, the farthest by {farthest} at {at_s} s; their rows are left out: check the sensor and its wiring", farthest = short(*farthest), at_s = short(*at_s))]
     Spikes {
         /// The run.
         file: String,
@@ -192,6 +204,7 @@ impl Oddity {
             | Self::ConstantInput { file, .. }
             | Self::FrozenColumn { file, .. }
             | Self::Saturated { file, .. }
+            | Self::Held { file, .. }
             | Self::FrozenPosition { file, .. }
             | Self::Repeated { file, .. }
             | Self::Spikes { file, .. }

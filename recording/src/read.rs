@@ -8,6 +8,7 @@ use crate::error::{Error, Fault};
 use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
 use crate::stays;
+use crate::untrue;
 use crate::validate;
 use crate::{Model, Oddity, Recording, Run};
 
@@ -68,6 +69,14 @@ impl Recording {
                 .oddities
                 .extend(inspect::run(&run, &stated, &frozen));
             recording.runs.push(run);
+        }
+        let untrue = untrue::leave_out(&mut recording.runs);
+        if !untrue.is_empty() {
+            recording.oddities.extend(untrue);
+            for run in &recording.runs {
+                validate::run(run, &recording)
+                    .map_err(|error| error.in_file(&folder.join(&run.file)))?;
+            }
         }
         validate::sensors(&recording, &lines).map_err(|error| error.in_file(&path))?;
         recording.oddities.extend(inspect::session(&recording.runs));

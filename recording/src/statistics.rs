@@ -22,6 +22,23 @@ pub fn sixth_differences(column: &[f64]) -> impl Iterator<Item = f64> {
     column.windows(SIXTH.len()).map(difference)
 }
 
+/// Of all steps from sample to sample so many are no larger than the smallest ones.
+const SMALL: f64 = 0.1;
+
+/// A typical one of the smallest steps from sample to sample; 0 where there is none.
+pub(crate) fn smallest_step(column: &[f64]) -> f64 {
+    let steps = column.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    quantile(steps.filter(|step| *step > 0.0).collect(), SMALL)
+}
+
+/// Median size of a sixth difference over the standard deviation of white noise: 0.6745 √(12 over 6).
+const MEDIAN_DIFFERENCE: f64 = 20.5;
+
+/// Standard deviation of the noise of evenly spaced samples of a motion.
+pub(crate) fn noise(column: &[f64]) -> f64 {
+    median(sixth_differences(column).map(f64::abs).collect()) / MEDIAN_DIFFERENCE
+}
+
 /// The value below which the share `part` of `values` lies; 0 of nothing.
 #[expect(
     clippy::cast_precision_loss,

@@ -1,8 +1,9 @@
 //! A reading that stays while the device moves on.
 
-use crate::inspect::{SPIKE, usual};
-use crate::statistics::{extremes, median, quantile};
+use crate::spikes::{SPIKE, usual};
+use crate::statistics::{extremes, median, noise, smallest_step};
 use crate::{Oddity, Run};
+use std::ops::Range;
 
 /// Saturation: the longest stay on an extreme has this share of the run's samples.
 const STAY: f64 = 0.02;
@@ -10,6 +11,11 @@ const STAY: f64 = 0.02;
 const STAY_INPUT: f64 = 0.25;
 /// The stay begins at this share of the median step while moving: a sensor clips abruptly, a rest is eased into.
 const STAY_ENTRY: f64 = 0.5;
+/// A motion is seen once it has gone this many of the smallest steps, or of the noise.
+const SEEN: f64 = 6.0;
+/// By half of that time it has gone this share of it at least, where it was at speed from the first: half of it, and a quarter
+/// where it is pushed from rest.
+const AT_SPEED: f64 = 0.4;
 /// Rows of a stay at least, and over which the motion beside it is seen although a counter is slow for it.
 const BESIDE: usize = 10;
 /// What a frozen reading jumps is this many times what the motion beside would have gone meanwhile, at most: more is counts that
@@ -19,48 +25,102 @@ const CAUGHT_UP: f64 = 3.0;
 const NEXT_ROW: f64 = 0.05;
 /// And most of them are this many times the smallest ones, so that it is no counter that the device is slow for.
 const BEYOND_COUNTS: f64 = 2.0;
-/// Smallest ones.
-const SMALL: f64 = 0.1;
 /// Fewest changes that tell a pattern.
 const FEWEST_CHANGES: usize = 20;
 
-/// A stay on an extreme that is come to amid a motion.
-#[expect(clippy::cast_precision_loss, reason = "a count of samples")]
-pub(crate) fn saturated(run: &Run) -> Option<Oddity> {
+/// Extremes at which a run shows its sensor to saturate.
+pub(crate) fn limits(run: &Run) -> impl Iterator<Item = f64> {
     let (low, high) = extremes(&run.position);
-    let (least_input, most_input) = extremes(&run.input);
-    let typical_step = typical_step(&run.position, 1);
-    [low, high].into_iter().find_map(|value| {
-        let (from, to) = longest_stay(&run.position, value)?;
-        let (least, most) = extremes(&run.input[from..to]);
-        let entry = (run.position.get(from.checked_sub(2)?)? - run.position.get(from - 1)?).abs();
-        let clipped = (to - from) as f64 >= STAY * run.len() as f64
-            && most - least >= STAY_INPUT * (most_input - least_input)
-            && most > least
-            && entry >= STAY_ENTRY * typical_step;
-        let stay_s = run.time[to - 1] - run.time[from];
-        clipped.then(|| Oddity::Saturated {
-            file: run.file.clone(),
-            value,
-            from_s: run.time[from],
-            stay_s,
+    let shows = |value: &f64| {
+        let held = held_at(run, *value);
+        held.is_some_and(|stay| is_left_at_speed(&run.position, &stay))
+    };
+    [low, high].into_iter().filter(shows)
+}
+
+/// Stays on either extreme that are come to amid a motion, and the rows there if it is one of the `limits` of the sensor.
+pub(crate) fn at_extremes(run: &Run, limits: &[f64]) -> Vec<(Oddity, Vec<Range<usize>>)> {
+    let (low, high) = extremes(&run.position);
+    let found = [low, high].map(|value| {
+        let is_limit = limits.contains(&value);
+        let stay = if is_limit {
+            longest_at(&run.position, value)
+        } else {
+            held_at(run, value)
+        }?;
+        let (file, from_s) = (run.file.clone(), run.time[stay.start]);
+        let stay_s = run.time[stay.end - 1] - from_s;
+        Some(if is_limit {
+            let saturated = Oddity::Saturated {
+                file,
+                value,
+                from_s,
+                stay_s,
+            };
+            (saturated, at(&run.position, value).collect())
+        } else {
+            let held = Oddity::Held {
+                file,
+                value,
+                from_s,
+                stay_s,
+            };
+            (held, Vec::new())
         })
-    })
+    });
+    found.into_iter().flatten().collect()
 }
 
-/// First and one past the last index of the longest stretch of `value`.
-fn longest_stay(column: &[f64], value: f64) -> Option<(usize, usize)> {
-    stays(column)
-        .filter(|(from, _)| column[*from] == value)
-        .max_by_key(|(from, to)| to - from)
+/// The longest stay on an extreme, if it is long while the input changes and is come to amid a motion.
+#[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+fn held_at(run: &Run, value: f64) -> Option<Range<usize>> {
+    let x = &run.position;
+    let stay = longest_at(x, value)?;
+    let [all, meanwhile] = [&run.input[..], &run.input[stay.clone()]].map(|input| {
+        let (least, most) = extremes(input);
+        most - least
+    });
+    let entry = (x.get(stay.start.checked_sub(2)?)? - x.get(stay.start - 1)?).abs();
+    let is_held = stay.len() as f64 >= STAY * run.len() as f64
+        && meanwhile >= STAY_INPUT * all
+        && meanwhile > 0.0
+        && entry >= STAY_ENTRY * typical_step(x, 1);
+    is_held.then_some(stay)
 }
 
-/// First and one past the last index of each stretch of one value.
-fn stays(column: &[f64]) -> impl Iterator<Item = (usize, usize)> {
+/// The stretches of one value.
+fn at(column: &[f64], value: f64) -> impl Iterator<Item = Range<usize>> {
+    stays(column).filter(move |stay| column[stay.start] == value)
+}
+
+/// The longest of them.
+fn longest_at(column: &[f64], value: f64) -> Option<Range<usize>> {
+    at(column, value).max_by_key(ExactSizeIterator::len)
+}
+
+/// True if what ends a stay is a motion that need not begin: from a stop it begins slowly.
+fn is_left_at_speed(x: &[f64], stay: &Range<usize>) -> bool {
+    let gone = |rows: usize| {
+        let there = x.get(stay.end - 1 + rows)?;
+        Some((there - x[stay.start]).abs())
+    };
+    let seen = SEEN * smallest_step(x).max(noise(x));
+    let mut rows = BESIDE..=stay.len();
+    let Some(rows) = rows.find(|&rows| gone(rows).is_some_and(|gone| gone >= seen)) else {
+        return false;
+    };
+    let [Some(half), Some(whole)] = [rows / 2, rows].map(gone) else {
+        return false;
+    };
+    half >= AT_SPEED * whole && whole >= STAY_ENTRY * typical_step(x, rows)
+}
+
+/// The rows of each stretch of one value.
+fn stays(column: &[f64]) -> impl Iterator<Item = Range<usize>> {
     let mut end = 0;
     column.chunk_by(|a, b| a == b).map(move |stay| {
         end += stay.len();
-        (end - stay.len(), end)
+        end - stay.len()..end
     })
 }
 
@@ -72,17 +132,18 @@ fn typical_step(column: &[f64], rows: usize) -> f64 {
     median(steps.filter(|step| *step > 0.0).collect())
 }
 
-/// Stretches amid a motion that end in a jump to where it has gone.
+/// Stretches amid a motion that end in a jump to where it has gone, and their rows but the first, which was read.
 #[expect(clippy::cast_precision_loss, reason = "counts of samples")]
-pub(crate) fn frozen(run: &Run) -> Option<Oddity> {
+pub(crate) fn frozen(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
     let x = &run.position;
-    let long = stays(x).filter(|(from, to)| to - from >= BESIDE);
-    let long: Vec<(usize, usize)> = long.collect();
+    let long = stays(x).filter(|stay| stay.len() >= BESIDE);
+    let long: Vec<Range<usize>> = long.collect();
     if long.is_empty() {
         return None;
     }
     let (usual, typical_step) = (usual(x), typical_step(x, BESIDE));
-    let is_frozen = |&(from, to): &(usize, usize)| {
+    let is_frozen = |stay: &Range<usize>| {
+        let (from, to) = (stay.start, stay.end);
         let before = from.checked_sub(BESIDE + 1).map(|first| &x[first..from]);
         let (Some(before), Some(after)) = (before, x.get(to..=to + BESIDE)) else {
             return false;
@@ -90,21 +151,24 @@ pub(crate) fn frozen(run: &Run) -> Option<Oddity> {
         let jump = (after[0] - x[from]).abs();
         let steps = after[..3].windows(2).map(|pair| (pair[1] - pair[0]).abs());
         let gone = |some: &[f64]| (some[BESIDE] - some[0]).abs();
-        let meanwhile = gone(before).max(gone(after)) * (to - from) as f64 / BESIDE as f64;
+        let meanwhile = gone(before).max(gone(after)) * stay.len() as f64 / BESIDE as f64;
         jump > SPIKE * steps.fold(usual, f64::max)
             && jump <= CAUGHT_UP * meanwhile
             && gone(before) >= STAY_ENTRY * typical_step
     };
-    let frozen: Vec<(usize, usize)> = long.into_iter().filter(is_frozen).collect();
-    let lasts_s = |&(from, to): &(usize, usize)| run.time[to] - run.time[from];
-    let longest = frozen.iter().copied();
-    let longest = longest.max_by(|a, b| lasts_s(a).total_cmp(&lasts_s(b)))?;
-    Some(Oddity::FrozenPosition {
+    let frozen: Vec<Range<usize>> = long.into_iter().filter(is_frozen).collect();
+    let lasts_s = |stay: &Range<usize>| run.time[stay.end] - run.time[stay.start];
+    let longest = frozen
+        .iter()
+        .max_by(|a, b| lasts_s(a).total_cmp(&lasts_s(b)))?;
+    let oddity = Oddity::FrozenPosition {
         file: run.file.clone(),
         count: frozen.len(),
-        from_s: run.time[longest.0],
-        stay_s: lasts_s(&longest),
-    })
+        from_s: run.time[longest.start],
+        stay_s: lasts_s(longest),
+    };
+    let rows = frozen.into_iter().map(|stay| stay.start + 1..stay.end);
+    Some((oddity, rows.collect()))
 }
 
 /// The rows in which the position is new, where the others repeat the one before: it is read less often than it is logged.
@@ -117,12 +181,10 @@ pub(crate) fn fresh_rows(run: &Run) -> Option<(Oddity, Vec<usize>)> {
     }
     let apart = || changes.windows(2).map(|pair| pair[1] - pair[0]);
     let next_row = apart().filter(|rows| *rows == 1).count() as f64;
-    let steps: Vec<f64> = changes
-        .iter()
-        .map(|&row| (x[row] - x[row - 1]).abs())
-        .collect();
-    let small = quantile(steps.clone(), SMALL);
-    if next_row > NEXT_ROW * changes.len() as f64 || median(steps) < BEYOND_COUNTS * small {
+    let steps = changes.iter().map(|&row| (x[row] - x[row - 1]).abs());
+    if next_row > NEXT_ROW * changes.len() as f64
+        || median(steps.collect()) < BEYOND_COUNTS * smallest_step(x)
+    {
         return None;
     }
     let mut apart: Vec<usize> = apart().collect();

@@ -157,40 +157,90 @@ fn frozen_columns() {
 }
 
 #[test]
-fn saturation() {
-    let found = oddity(|run| {
-        run.position
-            .iter_mut()
-            .for_each(|position| *position = position.min(0.2))
-    });
-    let Oddity::Saturated { value, stay_s, .. } = found else {
-        panic!("{found}")
+fn the_rows_in_which_a_sensor_saturates_are_left_out() {
+    let mut run = run("a.csv");
+    let limited = |position: &mut f64| *position = position.min(0.2);
+    run.position.iter_mut().for_each(limited);
+    let clipped = run.position.iter().filter(|x| **x == 0.2).count();
+    let rows = run.len();
+    let read = reread(&recording(vec![run]));
+    let [Oddity::Saturated { value, stay_s, .. }] = read.oddities[..] else {
+        panic!("{:?}", read.oddities)
     };
     // 0.3 sin(6 t) stays above 0.2 from t = 0.122 to 0.402 s.
     assert!(
         (value - 0.2).abs() < 1e-9 && (stay_s - 0.28).abs() < 0.01,
         "{value} {stay_s}"
     );
+    assert_eq!(read.runs[0].len(), rows - clipped);
 }
 
 #[test]
-fn a_position_that_freezes_amid_a_motion() {
-    let found = oddity(|run| {
-        for row in [700..820, 1600..1650].into_iter().flatten() {
-            run.position[row] = run.position[row - 1];
-        }
+fn a_limit_that_one_run_shows_is_one_in_another_that_ends_there() {
+    let mut runs = [run("a.csv"), run("b.csv")];
+    for run in &mut runs {
+        let limited = |position: &mut f64| *position = position.min(0.2);
+        run.position.iter_mut().for_each(limited);
+    }
+    // Its first row is one of 0.122 to 0.402 s, its last one of 1.169 to 1.449 s.
+    let [_, ends_there] = &mut runs;
+    for column in [
+        &mut ends_there.time,
+        &mut ends_there.input,
+        &mut ends_there.position,
+    ] {
+        column.truncate(1400);
+        column.drain(..200);
+    }
+    let read = reread(&recording(runs.to_vec()));
+    let saturated = read.oddities.iter().filter_map(|oddity| match oddity {
+        Oddity::Saturated { file, .. } => Some(file.as_str()),
+        _ => None,
     });
-    let Oddity::FrozenPosition {
-        count,
-        from_s,
-        stay_s,
-        ..
-    } = found
+    assert_eq!(saturated.collect::<Vec<_>>(), ["a.csv", "b.csv"]);
+    assert!(read.runs[1].len().abs_diff(1169 - 402) < 5);
+}
+
+#[test]
+fn a_stop_from_which_it_is_pushed_away_holds_and_nothing_is_left_out() {
+    let mut run = run("a.csv");
+    for (k, position) in run.position.iter_mut().enumerate() {
+        // Until 0.6 s it lies on the stop that it was driven into at 0.3 s, and then turns back.
+        let time_s = k as f64 * 1e-3;
+        let since_s = [0.3 - time_s, time_s - 0.6].map(|s| s.max(0.0));
+        let at = 0.5 - 2.0 * since_s[0] - 2.0 * since_s[1].powi(2);
+        *position = (at / RESOLUTION).round() * RESOLUTION;
+    }
+    let rows = run.len();
+    let read = reread(&recording(vec![run]));
+    let [Oddity::Held { value, .. }] = read.oddities[..] else {
+        panic!("{:?}", read.oddities)
+    };
+    assert_eq!((value, read.runs[0].len()), (0.5, rows));
+}
+
+#[test]
+fn the_rows_in_which_a_position_freezes_amid_a_motion_are_left_out() {
+    let mut run = run("a.csv");
+    for row in [700..820, 1600..1650].into_iter().flatten() {
+        run.position[row] = run.position[row - 1];
+    }
+    let rows = run.len();
+    let read = reread(&recording(vec![run]));
+    let [
+        Oddity::FrozenPosition {
+            count,
+            from_s,
+            stay_s,
+            ..
+        },
+    ] = read.oddities[..]
     else {
-        panic!("{found}")
+        panic!("{:?}", read.oddities)
     };
     assert_eq!(count, 2);
     assert!((from_s - 0.699).abs() < 2e-3 && (stay_s - 0.121).abs() < 2e-3);
+    assert!(read.runs[0].len().abs_diff(rows - 170) < 5);
 }
 
 #[test]
@@ -223,24 +273,28 @@ fn a_slow_motion_that_steps_from_count_to_count_repeats_nothing() {
 }
 
 #[test]
-fn spikes() {
-    let found = oddity(|run| {
-        for at in [300, 900, 1700] {
-            run.position[at] += 0.05;
-        }
-        run.position[1200] -= 0.08;
-    });
-    let Oddity::Spikes {
-        count,
-        farthest,
-        at_s,
-        ..
-    } = found
+fn the_rows_of_spikes_are_left_out() {
+    let mut run = run("a.csv");
+    for at in [300, 900, 1700] {
+        run.position[at] += 0.05;
+    }
+    run.position[1200] -= 0.08;
+    let rows = run.len();
+    let read = reread(&recording(vec![run]));
+    let [
+        Oddity::Spikes {
+            count,
+            farthest,
+            at_s,
+            ..
+        },
+    ] = read.oddities[..]
     else {
-        panic!("{found}")
+        panic!("{:?}", read.oddities)
     };
     assert_eq!((count, at_s), (4, 1.2));
     assert!((farthest - 0.08).abs() < RESOLUTION, "{farthest}");
+    assert_eq!(read.runs[0].len(), rows - 4);
 }
 
 #[test]

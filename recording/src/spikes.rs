@@ -1,0 +1,43 @@
+//! Single samples far from both their neighbours.
+
+use crate::statistics::{quantile, smallest_step};
+use crate::{Oddity, Run};
+use std::ops::Range;
+
+/// A spike: a sample is so many times farther from the middle of its neighbours than these are from one another and from the
+/// next ones, than most samples are, and than the smallest steps.
+pub(crate) const SPIKE: f64 = 8.0;
+/// Most samples.
+const MOST: f64 = 0.9;
+
+/// Samples that no motion makes, and their rows.
+pub(crate) fn spikes(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
+    let x = &run.position;
+    let usual = usual(x);
+    let is_spike = |five: &[f64]| {
+        let near = [five[1] - five[0], five[3] - five[1], five[4] - five[3]];
+        let near = near.iter().fold(usual, |most, step| step.abs().max(most));
+        beside(five) > SPIKE * near
+    };
+    let spikes = x.windows(5).enumerate().filter(|(_, five)| is_spike(five));
+    let spikes: Vec<(usize, f64)> = spikes.map(|(i, five)| (i + 2, beside(five))).collect();
+    let &(at, farthest) = spikes.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let oddity = Oddity::Spikes {
+        file: run.file.clone(),
+        count: spikes.len(),
+        farthest,
+        at_s: run.time[at],
+    };
+    let rows = spikes.into_iter().map(|(row, _)| row..row + 1);
+    Some((oddity, rows.collect()))
+}
+
+/// How far sample `five[2]` is from the middle of its neighbours.
+fn beside(five: &[f64]) -> f64 {
+    (five[2] - 0.5 * (five[1] + five[3])).abs()
+}
+
+/// How far most samples are from the middle of their neighbours, at least one of the smallest steps.
+pub(crate) fn usual(x: &[f64]) -> f64 {
+    quantile(x.windows(5).map(beside).collect(), MOST).max(smallest_step(x))
+}

@@ -5,19 +5,22 @@ use crate::statistics::{extremes, median, noise, smallest_step};
 use crate::{Oddity, Run};
 use std::ops::Range;
 
-/// Saturation: the longest stay on an extreme has this share of the run's samples.
+/// Saturation: the stays on an extreme, or the longest, have this share of the run's samples.
 const STAY: f64 = 0.02;
 /// During the stay the input spans this share of its whole span.
 const STAY_INPUT: f64 = 0.25;
 /// The stay begins at this share of the median step while moving: a sensor clips abruptly, a rest is eased into.
 const STAY_ENTRY: f64 = 0.5;
-/// A motion is seen once it has gone this many of the smallest steps, or of the noise.
-const SEEN: f64 = 6.0;
+/// A motion is seen once it has gone this many of the smallest steps, or of the noise; within so many rows, or it is a creep.
+const SEEN: f64 = 10.0;
+const MOST_BESIDE: usize = 4 * BESIDE;
 /// By half of that time it has gone this share of it at least, where it was at speed from the first: half of it, and a quarter
 /// where it is pushed from rest.
 const AT_SPEED: f64 = 0.4;
 /// Rows of a stay at least, and over which the motion beside it is seen although a counter is slow for it.
 const BESIDE: usize = 10;
+/// What freezes moves: over as many rows it has gone this many of the smallest steps, or of the noise, or as far as at an entry.
+const MOVES: f64 = 3.0;
 /// What a frozen reading jumps is this many times what the motion beside would have gone meanwhile, at most: more is counts that
 /// were lost.
 const CAUGHT_UP: f64 = 3.0;
@@ -28,14 +31,23 @@ const BEYOND_COUNTS: f64 = 2.0;
 /// Fewest changes that tell a pattern.
 const FEWEST_CHANGES: usize = 20;
 
-/// Extremes at which a run shows its sensor to saturate.
+/// Extremes at which a run shows its sensor to saturate: the motion goes on beyond, as fast as it comes and comes back.
+#[expect(clippy::cast_precision_loss, reason = "counts of samples")]
 pub(crate) fn limits(run: &Run) -> impl Iterator<Item = f64> {
-    let (low, high) = extremes(&run.position);
-    let shows = |value: &f64| {
-        let held = held_at(run, *value);
-        held.is_some_and(|stay| is_left_at_speed(&run.position, &stay))
+    let x = &run.position;
+    let (low, high) = extremes(x);
+    let seen = SEEN * smallest_step(x).max(noise(x));
+    let is_passed = move |stay: Range<usize>| {
+        let before = |rows: usize| x.get(stay.start.checked_sub(rows)?);
+        let after = |rows: usize| x.get(stay.end - 1 + rows);
+        is_at_speed(x, &stay, seen, before) && is_at_speed(x, &stay, seen, after)
     };
-    [low, high].into_iter().filter(shows)
+    let is_often = move |value| {
+        let rows: usize = at(x, value).map(|stay| stay.len()).sum();
+        rows as f64 >= STAY * x.len() as f64
+    };
+    let extremes = [low, high].into_iter();
+    extremes.filter(move |&value| is_often(value) && at(x, value).any(is_passed))
 }
 
 /// Stays on either extreme that are come to amid a motion, and the rows there if it is one of the `limits` of the sensor.
@@ -98,14 +110,16 @@ fn longest_at(column: &[f64], value: f64) -> Option<Range<usize>> {
     at(column, value).max_by_key(ExactSizeIterator::len)
 }
 
-/// True if what ends a stay is a motion that need not begin: from a stop it begins slowly.
-fn is_left_at_speed(x: &[f64], stay: &Range<usize>) -> bool {
-    let gone = |rows: usize| {
-        let there = x.get(stay.end - 1 + rows)?;
-        Some((there - x[stay.start]).abs())
-    };
-    let seen = SEEN * smallest_step(x).max(noise(x));
-    let mut rows = BESIDE..=stay.len();
+/// True if the motion `beside` a stay, so many rows from it, is at speed from the first, as it is not where a stop pushes it or a
+/// rest is eased into; what is `seen` of it has gone that far.
+fn is_at_speed<'a>(
+    x: &[f64],
+    stay: &Range<usize>,
+    seen: f64,
+    beside: impl Fn(usize) -> Option<&'a f64>,
+) -> bool {
+    let gone = |rows: usize| Some((beside(rows)? - x[stay.start]).abs());
+    let mut rows = BESIDE..=stay.len().min(MOST_BESIDE);
     let Some(rows) = rows.find(|&rows| gone(rows).is_some_and(|gone| gone >= seen)) else {
         return false;
     };
@@ -141,7 +155,9 @@ pub(crate) fn frozen(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
     if long.is_empty() {
         return None;
     }
-    let (usual, typical_step) = (usual(x), typical_step(x, BESIDE));
+    let usual = usual(x);
+    let seen = MOVES * smallest_step(x).max(noise(x));
+    let least_gone = seen.min(STAY_ENTRY * typical_step(x, BESIDE));
     let is_frozen = |stay: &Range<usize>| {
         let (from, to) = (stay.start, stay.end);
         let before = from.checked_sub(BESIDE + 1).map(|first| &x[first..from]);
@@ -154,7 +170,7 @@ pub(crate) fn frozen(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
         let meanwhile = gone(before).max(gone(after)) * stay.len() as f64 / BESIDE as f64;
         jump > SPIKE * steps.fold(usual, f64::max)
             && jump <= CAUGHT_UP * meanwhile
-            && gone(before) >= STAY_ENTRY * typical_step
+            && gone(before) >= least_gone
     };
     let frozen: Vec<Range<usize>> = long.into_iter().filter(is_frozen).collect();
     let lasts_s = |stay: &Range<usize>| run.time[stay.end] - run.time[stay.start];

@@ -25,6 +25,7 @@
 mod columns;
 mod digits;
 mod error;
+mod frozen;
 mod inspect;
 mod keys;
 mod manifest;
@@ -32,7 +33,9 @@ mod model;
 mod oddity;
 mod plausible;
 mod read;
+mod repeated;
 mod run;
+mod saturated;
 mod sensor;
 mod spikes;
 mod statistics;

@@ -7,7 +7,7 @@ use crate::columns;
 use crate::error::{Error, Fault};
 use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
-use crate::stays;
+use crate::repeated;
 use crate::untrue;
 use crate::validate;
 use crate::{Model, Oddity, Recording, Run};
@@ -60,7 +60,7 @@ impl Recording {
                 recording.oddities.push(stale);
                 run = run.part(1..run.len());
             }
-            if let Some((repeated, fresh)) = stays::fresh_rows(&run) {
+            if let Some((repeated, fresh)) = repeated::fresh_rows(&run) {
                 recording.oddities.push(repeated);
                 run = run.rows(&fresh);
             }

@@ -1,7 +1,8 @@
 //! Rows whose position is not that of the device.
 
+use crate::frozen::frozen;
+use crate::saturated::{at_extremes, limits};
 use crate::spikes::spikes;
-use crate::stays::{at_extremes, frozen, limits};
 use crate::{Oddity, Run};
 
 /// Leaves out the rows of runs of one sensor in which it does not follow the device, and says what is odd about them and about

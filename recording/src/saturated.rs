@@ -1,0 +1,115 @@
+//! A reading that stays at the end of its sensor's range, or that a stop may hold.
+
+use crate::statistics::{extremes, noise, smallest_step};
+use crate::stays::{BESIDE, ENTRY, stays, typical_step};
+use crate::{Oddity, Run};
+use std::ops::Range;
+
+/// Saturation: the stays on an extreme, or the longest, have this share of the run's samples.
+const STAY: f64 = 0.02;
+/// During the stay the input spans this share of its whole span.
+const STAY_INPUT: f64 = 0.25;
+/// A motion is seen once it has gone this many of the smallest steps, or of the noise; within so many rows, or it is a creep.
+const SEEN: f64 = 10.0;
+const MOST_BESIDE: usize = 4 * BESIDE;
+/// By half of that time it has gone this share of it at least, where it was at speed from the first: half of it, and a quarter
+/// where it is pushed from rest.
+const AT_SPEED: f64 = 0.4;
+
+/// Extremes at which a run shows its sensor to saturate: the motion goes on beyond, as fast as it comes and comes back.
+#[expect(clippy::cast_precision_loss, reason = "counts of samples")]
+pub(crate) fn limits(run: &Run) -> impl Iterator<Item = f64> {
+    let x = &run.position;
+    let (low, high) = extremes(x);
+    let seen = SEEN * smallest_step(x).max(noise(x));
+    let is_passed = move |stay: Range<usize>| {
+        let before = |rows: usize| x.get(stay.start.checked_sub(rows)?);
+        let after = |rows: usize| x.get(stay.end - 1 + rows);
+        is_at_speed(x, &stay, seen, before) && is_at_speed(x, &stay, seen, after)
+    };
+    let is_often = move |value| {
+        let rows: usize = at(x, value).map(|stay| stay.len()).sum();
+        rows as f64 >= STAY * x.len() as f64
+    };
+    let extremes = [low, high].into_iter();
+    extremes.filter(move |&value| is_often(value) && at(x, value).any(is_passed))
+}
+
+/// Stays on either extreme that are come to amid a motion, and the rows there if it is one of the `limits` of the sensor.
+pub(crate) fn at_extremes(run: &Run, limits: &[f64]) -> Vec<(Oddity, Vec<Range<usize>>)> {
+    let (low, high) = extremes(&run.position);
+    let found = [low, high].map(|value| {
+        let is_limit = limits.contains(&value);
+        let stay = if is_limit {
+            longest_at(&run.position, value)
+        } else {
+            held_at(run, value)
+        }?;
+        let (file, from_s) = (run.file.clone(), run.time[stay.start]);
+        let stay_s = run.time[stay.end - 1] - from_s;
+        Some(if is_limit {
+            let saturated = Oddity::Saturated {
+                file,
+                value,
+                from_s,
+                stay_s,
+            };
+            (saturated, at(&run.position, value).collect())
+        } else {
+            let held = Oddity::Held {
+                file,
+                value,
+                from_s,
+                stay_s,
+            };
+            (held, Vec::new())
+        })
+    });
+    found.into_iter().flatten().collect()
+}
+
+/// The longest stay on an extreme, if it is long while the input changes and is come to amid a motion.
+#[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+fn held_at(run: &Run, value: f64) -> Option<Range<usize>> {
+    let x = &run.position;
+    let stay = longest_at(x, value)?;
+    let [all, meanwhile] = [&run.input[..], &run.input[stay.clone()]].map(|input| {
+        let (least, most) = extremes(input);
+        most - least
+    });
+    let entry = (x.get(stay.start.checked_sub(2)?)? - x.get(stay.start - 1)?).abs();
+    let is_held = stay.len() as f64 >= STAY * run.len() as f64
+        && meanwhile >= STAY_INPUT * all
+        && meanwhile > 0.0
+        && entry >= ENTRY * typical_step(x, 1);
+    is_held.then_some(stay)
+}
+
+/// The stretches of one value.
+fn at(column: &[f64], value: f64) -> impl Iterator<Item = Range<usize>> {
+    stays(column).filter(move |stay| column[stay.start] == value)
+}
+
+/// The longest of them.
+fn longest_at(column: &[f64], value: f64) -> Option<Range<usize>> {
+    at(column, value).max_by_key(ExactSizeIterator::len)
+}
+
+/// True if the motion `beside` a stay, so many rows from it, is at speed from the first, as it is not where a stop pushes it or a
+/// rest is eased into; what is `seen` of it has gone that far.
+fn is_at_speed<'a>(
+    x: &[f64],
+    stay: &Range<usize>,
+    seen: f64,
+    beside: impl Fn(usize) -> Option<&'a f64>,
+) -> bool {
+    let gone = |rows: usize| Some((beside(rows)? - x[stay.start]).abs());
+    let mut rows = BESIDE..=stay.len().min(MOST_BESIDE);
+    let Some(rows) = rows.find(|&rows| gone(rows).is_some_and(|gone| gone >= seen)) else {
+        return false;
+    };
+    let [Some(half), Some(whole)] = [rows / 2, rows].map(gone) else {
+        return false;
+    };
+    half >= AT_SPEED * whole && whole >= ENTRY * typical_step(x, rows)
+}

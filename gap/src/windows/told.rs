@@ -29,6 +29,9 @@ type Stretch = Box<[WindowCourse]>;
 /// Each as it is first asked for.
 type Stretches = Arc<[OnceLock<Stretch>]>;
 
+/// Share of a step from which on a lag behind another is more than one of both together.
+const LEAST_BEHIND: f64 = 0.05;
+
 /// Drives that are remembered, of series that are not longer than what models are fitted to.
 const MOST_DRIVES: usize = 4;
 
@@ -131,6 +134,8 @@ impl<'a> Told<'a> {
 struct Listener<'a> {
     drive: &'a Drive,
     is_linear: bool,
+    /// Of the lag, or of both where they act as one, s.
+    lag_s: f64,
     series: &'a Series,
     times: &'a [f64],
     /// From when on the first input has been told for ever, s.
@@ -160,9 +165,12 @@ impl<'a> Listener<'a> {
     /// goes on with what was told before, the same.
     fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
         let told = series.told.as_ref();
+        let is_behind = drive.further_lag_s > LEAST_BEHIND * series.step_s();
+        let beside_s = if is_behind { 0.0 } else { drive.further_lag_s };
         let mut listener = Self {
             drive,
             is_linear: drive.is_linear(series.largest_input),
+            lag_s: drive.lag_s + beside_s,
             series,
             times: told.map_or(&series.input_time, |told| &told.time),
             start_s,
@@ -175,13 +183,13 @@ impl<'a> Listener<'a> {
         } else {
             0.0
         };
-        listener.line = if drive.further_lag_s > 0.0 {
+        listener.line = if is_behind {
             let at_once = Drive {
                 delay_s: 0.0,
                 ..drive.clone()
             };
             Line::Behind(DriveLine::settled(&at_once, before_nm))
-        } else if drive.lag_s > 0.0 {
+        } else if listener.lag_s > 0.0 {
             Line::Lagging {
                 acting_nm: before_nm,
                 target_nm: before_nm,
@@ -282,7 +290,7 @@ impl<'a> Listener<'a> {
 
     /// Lets it run on to `to_s`: tells of each piece of torque, for how long it acts, and its lag's decay over that if known.
     fn run_to(&mut self, to_s: f64, mut acts: impl FnMut(Torque, f64, Option<f64>)) {
-        let lag_s = self.drive.lag_s;
+        let lag_s = self.lag_s;
         let mut piece = 0;
         loop {
             self.listen();
@@ -356,6 +364,7 @@ mod tests {
             &["delay:time=0.005"],
             &["delay:time=0.0037", "lag:time=0.004"],
             &["delay:time=0.0037", "lag:time=0.004,twice=1"],
+            &["lag:time=2e-6,twice=1"],
         ] {
             assert!(left(late) < 1.1 * at_once, "{late:?}");
         }

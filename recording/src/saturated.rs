@@ -17,22 +17,28 @@ const MOST_BESIDE: usize = 4 * BESIDE;
 const AT_SPEED: f64 = 0.4;
 
 /// Extremes at which a run shows its sensor to saturate: the motion goes on beyond, as fast as it comes and comes back.
-#[expect(clippy::cast_precision_loss, reason = "counts of samples")]
 pub(crate) fn limits(run: &Run) -> impl Iterator<Item = f64> {
     let x = &run.position;
     let (low, high) = extremes(x);
+    let extremes = [low, high].into_iter();
+    extremes.filter(|&value| is_often(x, value) && is_passed(x, value))
+}
+
+/// True if many rows are at a value.
+#[expect(clippy::cast_precision_loss, reason = "counts of samples")]
+fn is_often(x: &[f64], value: f64) -> bool {
+    let rows: usize = at(x, value).map(|stay| stay.len()).sum();
+    rows as f64 >= STAY * x.len() as f64
+}
+
+/// True if a motion comes to a stay there, and from it, at speed.
+fn is_passed(x: &[f64], value: f64) -> bool {
     let seen = SEEN * smallest_step(x).max(noise(x));
-    let is_passed = move |stay: Range<usize>| {
+    at(x, value).any(|stay| {
         let before = |rows: usize| x.get(stay.start.checked_sub(rows)?);
         let after = |rows: usize| x.get(stay.end - 1 + rows);
         is_at_speed(x, &stay, seen, before) && is_at_speed(x, &stay, seen, after)
-    };
-    let is_often = move |value| {
-        let rows: usize = at(x, value).map(|stay| stay.len()).sum();
-        rows as f64 >= STAY * x.len() as f64
-    };
-    let extremes = [low, high].into_iter();
-    extremes.filter(move |&value| is_often(value) && at(x, value).any(is_passed))
+    })
 }
 
 /// Stays on either extreme that are come to amid a motion, and the rows there if it is one of the `limits` of the sensor.

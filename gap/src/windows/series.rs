@@ -75,7 +75,8 @@ impl Series {
         let run = &recording.runs[index];
         let period_s = median_period(&run.time);
         let correlation = noise::correlation(recording, run, period_s);
-        let windows = windows(recording, index, horizon_s, period_s, correlation);
+        let goes_on = part_before(recording, index).is_some();
+        let windows = windows(recording, run, goes_on, horizon_s, period_s, correlation);
         Self {
             run: index,
             time: run.time.clone(),
@@ -90,7 +91,7 @@ impl Series {
             correlation,
             session_offset_s,
             started_s: run.time.first().copied().unwrap_or(0.0),
-            goes_on: part_before(recording, index).is_some(),
+            goes_on,
             windows,
             averaging: Averaging::default(),
             courses: Courses::default(),
@@ -307,16 +308,15 @@ fn part_before(recording: &Recording, index: usize) -> Option<usize> {
 
 fn windows(
     recording: &Recording,
-    index: usize,
+    run: &Run,
+    goes_on: bool,
     horizon_s: f64,
     period_s: f64,
     correlation: f64,
 ) -> Vec<Window> {
-    let run = &recording.runs[index];
     let (Some(&start), Some(&end)) = (run.time.first(), run.time.last()) else {
         return Vec::new();
     };
-    let goes_on = part_before(recording, index).is_some();
     let hair = 1e-6 * period_s;
     let count = ((end - start + 2.0 * hair) / horizon_s).floor() as usize + 1;
     let mut from = 0;

@@ -46,14 +46,27 @@ fn oddities_of(recording: &Recording) -> Vec<Oddity> {
     reread(recording).oddities
 }
 
-/// The only oddity of a run that was changed by `edit`.
+/// The only oddity of a run that was changed by `edit`, and how many of its rows are left out.
 #[track_caller]
-fn oddity(edit: impl Fn(&mut Run)) -> Oddity {
+fn oddity_and_left_out(edit: impl Fn(&mut Run)) -> (Oddity, usize) {
     let mut run = run("a.csv");
     edit(&mut run);
-    let mut found = oddities_of(&recording(vec![run]));
+    let rows = run.len();
+    let mut read = reread(&recording(vec![run]));
+    let found = &mut read.oddities;
     assert_eq!(found.len(), 1, "{found:?}");
-    found.remove(0)
+    (found.remove(0), rows - read.runs[0].len())
+}
+
+#[track_caller]
+fn oddity(edit: impl Fn(&mut Run)) -> Oddity {
+    oddity_and_left_out(edit).0
+}
+
+/// A sensor that ends at 0.2.
+fn limit(run: &mut Run) {
+    let limited = |position: &mut f64| *position = position.min(0.2);
+    run.position.iter_mut().for_each(limited);
 }
 
 #[test]
@@ -158,30 +171,23 @@ fn frozen_columns() {
 
 #[test]
 fn the_rows_in_which_a_sensor_saturates_are_left_out() {
-    let mut run = run("a.csv");
-    let limited = |position: &mut f64| *position = position.min(0.2);
-    run.position.iter_mut().for_each(limited);
-    let clipped = run.position.iter().filter(|x| **x == 0.2).count();
-    let rows = run.len();
-    let read = reread(&recording(vec![run]));
-    let [Oddity::Saturated { value, stay_s, .. }] = read.oddities[..] else {
-        panic!("{:?}", read.oddities)
+    let (found, left_out) = oddity_and_left_out(limit);
+    let Oddity::Saturated { value, stay_s, .. } = found else {
+        panic!("{found}")
     };
     // 0.3 sin(6 t) stays above 0.2 from t = 0.122 to 0.402 s.
     assert!(
         (value - 0.2).abs() < 1e-9 && (stay_s - 0.28).abs() < 0.01,
         "{value} {stay_s}"
     );
-    assert_eq!(read.runs[0].len(), rows - clipped);
+    let whole = run("a.csv").position.into_iter();
+    assert_eq!(left_out, whole.filter(|x| *x >= 0.2).count());
 }
 
 #[test]
 fn a_limit_that_one_run_shows_is_one_in_another_that_ends_there() {
     let mut runs = [run("a.csv"), run("b.csv")];
-    for run in &mut runs {
-        let limited = |position: &mut f64| *position = position.min(0.2);
-        run.position.iter_mut().for_each(limited);
-    }
+    runs.iter_mut().for_each(limit);
     // Its first row is one of 0.122 to 0.402 s, its last one of 1.169 to 1.449 s.
     let [_, ends_there] = &mut runs;
     for column in [
@@ -203,44 +209,40 @@ fn a_limit_that_one_run_shows_is_one_in_another_that_ends_there() {
 
 #[test]
 fn a_stop_from_which_it_is_pushed_away_holds_and_nothing_is_left_out() {
-    let mut run = run("a.csv");
-    for (k, position) in run.position.iter_mut().enumerate() {
-        // Until 0.6 s it lies on the stop that it was driven into at 0.3 s, and then turns back.
-        let time_s = k as f64 * 1e-3;
-        let since_s = [0.3 - time_s, time_s - 0.6].map(|s| s.max(0.0));
-        let at = 0.5 - 2.0 * since_s[0] - 2.0 * since_s[1].powi(2);
-        *position = (at / RESOLUTION).round() * RESOLUTION;
-    }
-    let rows = run.len();
-    let read = reread(&recording(vec![run]));
-    let [Oddity::Held { value, .. }] = read.oddities[..] else {
-        panic!("{:?}", read.oddities)
+    let (found, left_out) = oddity_and_left_out(|run| {
+        for (k, position) in run.position.iter_mut().enumerate() {
+            // Until 0.6 s it lies on the stop that it was driven into at 0.3 s, and then turns back.
+            let time_s = k as f64 * 1e-3;
+            let since_s = [0.3 - time_s, time_s - 0.6].map(|s| s.max(0.0));
+            let at = 0.5 - 2.0 * since_s[0] - 2.0 * since_s[1].powi(2);
+            *position = (at / RESOLUTION).round() * RESOLUTION;
+        }
+    });
+    let Oddity::Held { value, .. } = found else {
+        panic!("{found}")
     };
-    assert_eq!((value, read.runs[0].len()), (0.5, rows));
+    assert_eq!((value, left_out), (0.5, 0));
 }
 
 #[test]
 fn the_rows_in_which_a_position_freezes_amid_a_motion_are_left_out() {
-    let mut run = run("a.csv");
-    for row in [700..820, 1600..1650].into_iter().flatten() {
-        run.position[row] = run.position[row - 1];
-    }
-    let rows = run.len();
-    let read = reread(&recording(vec![run]));
-    let [
-        Oddity::FrozenPosition {
-            count,
-            from_s,
-            stay_s,
-            ..
-        },
-    ] = read.oddities[..]
+    let (found, left_out) = oddity_and_left_out(|run| {
+        for row in [700..820, 1600..1650].into_iter().flatten() {
+            run.position[row] = run.position[row - 1];
+        }
+    });
+    let Oddity::FrozenPosition {
+        count,
+        from_s,
+        stay_s,
+        ..
+    } = found
     else {
-        panic!("{:?}", read.oddities)
+        panic!("{found}")
     };
     assert_eq!(count, 2);
     assert!((from_s - 0.699).abs() < 2e-3 && (stay_s - 0.121).abs() < 2e-3);
-    assert!(read.runs[0].len().abs_diff(rows - 170) < 5);
+    assert!(left_out.abs_diff(170) < 5);
 }
 
 #[test]
@@ -274,27 +276,24 @@ fn a_slow_motion_that_steps_from_count_to_count_repeats_nothing() {
 
 #[test]
 fn the_rows_of_spikes_are_left_out() {
-    let mut run = run("a.csv");
-    for at in [300, 900, 1700] {
-        run.position[at] += 0.05;
-    }
-    run.position[1200] -= 0.08;
-    let rows = run.len();
-    let read = reread(&recording(vec![run]));
-    let [
-        Oddity::Spikes {
-            count,
-            farthest,
-            at_s,
-            ..
-        },
-    ] = read.oddities[..]
+    let (found, left_out) = oddity_and_left_out(|run| {
+        for at in [300, 900, 1700] {
+            run.position[at] += 0.05;
+        }
+        run.position[1200] -= 0.08;
+    });
+    let Oddity::Spikes {
+        count,
+        farthest,
+        at_s,
+        ..
+    } = found
     else {
-        panic!("{:?}", read.oddities)
+        panic!("{found}")
     };
     assert_eq!((count, at_s), (4, 1.2));
     assert!((farthest - 0.08).abs() < RESOLUTION, "{farthest}");
-    assert_eq!(read.runs[0].len(), rows - 4);
+    assert_eq!(left_out, 4);
 }
 
 #[test]

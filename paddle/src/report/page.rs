@@ -224,7 +224,7 @@ fn plots(recording: &Recording, outcome: &Outcome, labels: &Labels) -> Result<St
     let mut body = String::new();
     if !regions.is_empty() {
         body.push_str("<p class=\"note\">Marked: the parts that carry more of the gap than their share of the samples, along two axes \
-             where it arises, and along a third where it has grown largest.</p>\n");
+             where it arises, and along a third where that is plain, too, or where it has grown largest.</p>\n");
     }
     for svg in charts.over_time()? {
         body.push_str(&figure(svg));

@@ -15,6 +15,8 @@ pub struct Predictor {
     device: Device,
     plant: Plant,
     sensor: Sensor,
+    /// Whether the column shows the position as it is.
+    shows_all: bool,
 }
 
 /// Displacement of every restart state, in standard deviations of the fit of value and slope.
@@ -50,6 +52,8 @@ struct Running {
     filtered: f64,
     /// When the column was last read, in the run's time.
     read_s: f64,
+    /// Time constant of the column's own low-pass, s.
+    logged_s: f64,
     /// Of what the column's own low-pass has to forget.
     fading: Decay,
 }
@@ -64,10 +68,15 @@ impl Predictor {
         if let Some(drift) = &mut mechanics.friction.drift {
             drift.start_s = session_start(recording);
         }
+        Self::of(device, recording.sensor("position"))
+    }
+
+    fn of(device: Device, sensor: Sensor) -> Self {
         Self {
             plant: Plant::quick(device.mechanics.clone()),
+            shows_all: device.sensing.is_ideal() && sensor.cutoff_hz.is_none(),
             device,
-            sensor: recording.sensor("position"),
+            sensor,
         }
     }
 
@@ -102,11 +111,7 @@ impl Predictor {
         drift.start_s = series.started_s + series.session_offset_s;
         let mut device = self.device.clone();
         device.mechanics.friction.drift = Some(drift);
-        Some(Self {
-            plant: Plant::quick(device.mechanics.clone()),
-            device,
-            sensor: self.sensor,
-        })
+        Some(Self::of(device, self.sensor))
     }
 
     fn through(&self, series: &Series, shift: Shift, wanted: impl Fn(usize) -> bool) -> Vec<f64> {
@@ -124,6 +129,7 @@ impl Predictor {
             shown: first.restart.value,
             filtered: first.restart.value,
             read_s: start_s,
+            logged_s: series.logged_lag_s(self.sensor.cutoff_hz),
             fading: Decay::default(),
         };
         let mut follower = Follower::new(&self.plant, series.step_s());
@@ -269,7 +275,7 @@ impl Predictor {
         let slope = fit.slope + shift[1] * sd(1);
         let sensing = &self.device.sensing;
         let session_s = fit.time_s + series.session_offset_s;
-        let logged_s = series.logged_lag_s(self.sensor.cutoff_hz);
+        let logged_s = running.logged_s;
         // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
         let ([lag, lag_rate, further], lost) = if follows {
             (self.sensor_lag(running), running.reading.lost)
@@ -335,7 +341,7 @@ impl Predictor {
     /// What the column shows of a position at an instant of the run.
     #[inline]
     fn read(&self, running: &mut Running, series: &Series, x: f64, at_s: f64) -> f64 {
-        if self.device.sensing.is_ideal() && self.sensor.cutoff_hz.is_none() {
+        if self.shows_all {
             return x;
         }
         let sensing = &self.device.sensing;
@@ -358,7 +364,7 @@ impl Predictor {
         if dt_s <= 0.0 {
             return running.filtered;
         }
-        let behind = series.logged_lag_s(self.sensor.cutoff_hz) * (y - running.shown) / dt_s;
+        let behind = running.logged_s * (y - running.shown) / dt_s;
         let bent = running.filtered - (running.shown - behind);
         let left = || 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
         y - behind + bent * running.fading.over(dt_s, || left().ln() / series.period_s)

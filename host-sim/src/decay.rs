@@ -1,22 +1,31 @@
 //! Exponential decay over times that recur.
 
-/// What is left after a time of what decays at a rate, remembered: about the same time takes no exponential.
+/// What is left after a time of what decays at a rate, remembered for two times: about the same takes no exponential.
 #[derive(Clone, Copy, Debug)]
 pub struct Decay {
-    time_s: f64,
     rate_per_s: f64,
+    known: [Known; 2],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    time_s: f64,
     left: f64,
 }
 
-/// Exponent up to which its expansion to third order errs by less than 1e-13.
-const SMALL: f64 = 1e-3;
+/// Exponent up to which its series errs by less than 1e-13, and the factors of that, the highest order first.
+const SMALL: f64 = 0.02;
+const SERIES: [f64; 6] = [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0];
 
 impl Default for Decay {
     fn default() -> Self {
-        Self {
+        let none = Known {
             time_s: f64::INFINITY,
-            rate_per_s: 0.0,
             left: 0.0,
+        };
+        Self {
+            rate_per_s: 0.0,
+            known: [none; 2],
         }
     }
 }
@@ -25,9 +34,12 @@ impl Decay {
     /// Share that is left after `time_s`, where `rate_per_s`, which is negative, is always the same.
     #[inline]
     pub fn over(&mut self, time_s: f64, rate_per_s: impl FnOnce() -> f64) -> f64 {
-        let more = self.rate_per_s * (time_s - self.time_s);
-        if more.abs() <= SMALL {
-            return self.left * (1.0 + more * (1.0 + more * (0.5 + more / 6.0)));
+        for known in &self.known {
+            let more = self.rate_per_s * (time_s - known.time_s);
+            if more.abs() <= SMALL {
+                let series = SERIES.iter();
+                return known.left * series.fold(0.0, |sum, factor| factor + more * sum);
+            }
         }
         self.anew(time_s, rate_per_s())
     }
@@ -37,11 +49,8 @@ impl Decay {
         let left = (time_s * rate_per_s).exp();
         // What decays at once leaves nothing to expand from.
         if rate_per_s.is_finite() {
-            *self = Self {
-                time_s,
-                rate_per_s,
-                left,
-            };
+            self.rate_per_s = rate_per_s;
+            self.known = [Known { time_s, left }, self.known[0]];
         }
         left
     }
@@ -55,7 +64,7 @@ mod tests {
     fn times_that_nearly_recur_decay_as_all_do() {
         let mut decay = Decay::default();
         for i in 0..1000 {
-            let time_s = 1e-3 * (1.0 + 1e-3 * f64::from(i % 7)) * f64::from(1 + i % 3);
+            let time_s = 1e-3 * (1.0 + 0.03 * f64::from(i % 7)) * f64::from(1 + i % 3);
             let left = decay.over(time_s, || -200.0);
             assert!((left - (-200.0 * time_s).exp()).abs() < 1e-13);
         }

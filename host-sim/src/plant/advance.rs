@@ -12,7 +12,7 @@ impl Plant {
     /// Carries `state` over `dt_s` under `torque`.
     #[inline]
     pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
-        let rests = !self.is_timed && self.stays_at_rest(state, torque.bounds(dt_s));
+        let rests = !self.is_timed && self.stays_at_rest(state, torque.bounds(dt_s), dt_s);
         if rests || self.glides(state, &torque, dt_s) {
             state.time_s += dt_s;
             return;

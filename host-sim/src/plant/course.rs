@@ -42,14 +42,14 @@ impl Course {
     /// A piece that acts for `lasts_s` after all that there is.
     #[inline]
     pub fn act(&mut self, torque: Torque, lasts_s: f64) {
-        self.open = self.open.then(&Push::of(&torque, lasts_s));
+        self.open = self.open.then(&Impulse::of(&torque, lasts_s));
         self.pieces.push((torque, lasts_s));
     }
 
     /// The same behind a lag, whose `decay` over `lasts_s`, exp(−t/lag), is known.
     #[inline]
     pub fn relax(&mut self, torque: Torque, lasts_s: f64, decay: f64) {
-        self.open = self.open.then(&Push::behind(&torque, lasts_s, decay));
+        self.open = self.open.then(&Impulse::behind(&torque, lasts_s, decay));
         self.pieces.push((torque, lasts_s));
     }
 

@@ -1,5 +1,6 @@
 //! Dry friction: the level that opposes sliding, and the one that holds at rest.
 
+use super::drift::Drift;
 use super::spot::Spot;
 use super::stribeck::Stribeck;
 use crate::ripple::Ripple;
@@ -29,60 +30,6 @@ pub struct Friction {
     pub load_passive: f64,
     /// Dependence on time, if any: `d = max(0, 1 + growth(t))`.
     pub drift: Option<Drift>,
-}
-
-/// Growth of a level as something warms up: `r τ (1 − e^(−t/τ))`, or `r t` where it never settles; from a cold device to the one
-/// that the level is of, `−r τ e^(−t/τ)`. A step, as of something that comes loose, adds to that from its instant on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drift {
-    /// Relative, at the start, 1/s.
-    pub rate_per_s: f64,
-    /// Time constant with which it settles, s.
-    pub settling_s: Option<f64>,
-    /// Whether the level is that where it settles, and not that at the start.
-    pub settled: bool,
-    /// Relative growth at once.
-    pub step: f64,
-    /// When that comes, s after the start.
-    pub step_s: f64,
-    /// When it starts, s of the session.
-    pub start_s: f64,
-    /// Whether it starts anew with a run whose clock does.
-    pub anew: bool,
-}
-
-impl Drift {
-    /// The instant of the session at which it steps.
-    #[inline]
-    fn steps_at_s(&self) -> f64 {
-        self.start_s + self.step_s
-    }
-
-    /// The same if there is a step and it is to come after `t_s`; infinite if not.
-    #[inline]
-    pub(super) fn next_step(&self, t_s: f64) -> f64 {
-        if self.step != 0.0 && t_s < self.steps_at_s() {
-            self.steps_at_s()
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    #[inline]
-    fn growth(&self, t_s: f64) -> f64 {
-        let since_s = t_s - self.start_s;
-        let grown_s = match self.settling_s {
-            Some(settling_s) if self.settled => -settling_s * (-since_s / settling_s).exp(),
-            Some(settling_s) => -settling_s * (-since_s / settling_s).exp_m1(),
-            None => since_s,
-        };
-        let stepped = if t_s < self.steps_at_s() {
-            0.0
-        } else {
-            self.step
-        };
-        self.rate_per_s * grown_s + stepped
-    }
 }
 
 impl Friction {
@@ -123,15 +70,14 @@ impl Friction {
         self.level_nm == [0.0; 2] && self.load_share == 0.0
     }
 
-    /// True if the level depends on the direction alone.
-    pub(super) fn is_plain(&self) -> bool {
+    /// True if the level depends on direction and time alone.
+    pub(super) fn is_level(&self) -> bool {
         self.stribeck.is_none()
             && self.position_slope == 0.0
             && self.position_curve == 0.0
             && self.position_ripple.is_none()
             && self.position_spot.is_none()
             && self.load_share == 0.0
-            && self.drift.is_none()
     }
 
     /// Sliding level against motion in `direction` (±1), N m.
@@ -164,8 +110,8 @@ impl Friction {
         if !self.position_spot.is_none() {
             p += self.position_spot.at(x);
         }
-        let d = 1.0 + self.drift.map_or(0.0, |drift| drift.growth(t_s));
-        self.level(direction) * p.max(0.0) * d.max(0.0)
+        let d = self.drift.map_or(1.0, |drift| drift.factor(t_s));
+        self.level(direction) * p.max(0.0) * d
     }
 }
 
@@ -188,49 +134,5 @@ mod tests {
         assert!((level(0.3) - 5.0).abs() < 1e-12);
         assert!((level(0.4) - (2.0 + 3.0 * (-1.0f64).exp())).abs() < 1e-12);
         assert!((level(-0.3) - 2.0).abs() < 1e-12);
-    }
-
-    const STEP: Drift = Drift {
-        rate_per_s: 0.0,
-        settling_s: None,
-        settled: false,
-        step: -0.5,
-        step_s: 2e3,
-        start_s: 0.0,
-        anew: false,
-    };
-
-    #[test]
-    fn a_level_that_steps_is_another_from_then_on() {
-        let friction = Friction {
-            drift: Some(STEP),
-            ..Friction::coulomb(2.0)
-        };
-        assert_eq!(friction.holding(1.0, 0.0, 1999.0, 0.0), 2.0);
-        assert_eq!(friction.holding(1.0, 0.0, 2001.0, 0.0), 1.0);
-    }
-
-    #[test]
-    fn a_level_that_drifts_grows_on_or_settles() {
-        let level = |settling_s, settled, t_s| {
-            let drift = Some(Drift {
-                rate_per_s: 0.1,
-                settling_s,
-                settled,
-                start_s: 5.0,
-                ..STEP
-            });
-            let friction = Friction {
-                drift,
-                ..Friction::coulomb(2.0)
-            };
-            friction.holding(1.0, 0.0, 5.0 + t_s, 0.0)
-        };
-        let left = (-1.0f64).exp();
-        assert!((level(None, false, 30.0) - 8.0).abs() < 1e-12);
-        assert!((level(Some(10.0), false, 10.0) - 2.0 * (2.0 - left)).abs() < 1e-12);
-        assert!((level(Some(10.0), false, 1e3) - 4.0).abs() < 1e-12);
-        assert!((level(Some(10.0), true, 10.0) - 2.0 * (1.0 - left)).abs() < 1e-12);
-        assert!((level(Some(10.0), true, 1e3) - 2.0).abs() < 1e-12);
     }
 }

@@ -14,6 +14,7 @@ mod advance;
 mod barrier;
 mod cogging;
 mod course;
+mod drift;
 mod event;
 mod follower;
 mod friction;
@@ -41,8 +42,9 @@ use two_mass::Modes;
 pub use barrier::{Barrier, Touch};
 pub use cogging::Cogging;
 pub use course::Course;
+pub use drift::Drift;
 pub use follower::Follower;
-pub use friction::{Drift, Friction};
+pub use friction::Friction;
 pub use link::Link;
 pub use presliding::Presliding;
 pub use spot::Spot;
@@ -237,11 +239,13 @@ pub struct Plant {
     dry: bool,
     /// Share of the friction on the motor side and on the load side of the link.
     friction_share: [f64; 2],
+    /// Whether it depends on direction and time alone, and whether on the direction alone.
+    is_level: bool,
     plain: bool,
     parts: Parts,
     /// Whether barriers come and go, or a friction steps, at instants.
     is_timed: bool,
-    /// Whether what holds a joint at rest depends on position and drive alone, barriers that come and go apart.
+    /// Whether what pulls at a joint at rest depends on position and drive alone, barriers that come and go apart.
     rest_is_steady: bool,
     inverse_inertia: [f64; 2],
     link_modes: Modes,
@@ -298,13 +302,11 @@ impl Plant {
         Self {
             dry,
             friction_share,
-            plain: mechanics.friction.is_plain(),
+            is_level: mechanics.friction.is_level(),
+            plain: mechanics.friction.is_level() && mechanics.friction.drift.is_none(),
             parts,
             is_timed,
-            rest_is_steady: dry
-                && mechanics.link.is_none()
-                && mechanics.presliding.is_none()
-                && mechanics.friction.drift.is_none(),
+            rest_is_steady: dry && mechanics.link.is_none() && mechanics.presliding.is_none(),
             inverse_inertia,
             slopes: (!stribeck.is_none()).then(|| [0, 1].map(slope)),
             link_modes: mechanics.link.as_ref().map(link_modes).unwrap_or_default(),

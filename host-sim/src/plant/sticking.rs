@@ -46,13 +46,18 @@ impl Plant {
     /// Level that holds against `pull` at rest, N m.
     #[inline]
     pub(super) fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
+        self.holding_at(state.position, state.time_s, pull, drive_nm)
+    }
+
+    #[inline]
+    fn holding_at(&self, position: f64, time_s: f64, pull: f64, drive_nm: f64) -> f64 {
         let m = &self.mechanics;
         self.friction_share[0]
             * if self.plain {
                 m.friction.level(pull)
             } else {
                 let direction = if pull >= 0.0 { 1.0 } else { -1.0 };
-                m.holding(direction, state.position, state.time_s, drive_nm)
+                m.holding(direction, position, time_s, drive_nm)
             }
     }
 
@@ -63,9 +68,15 @@ impl Plant {
         (self.plain || direction == 0.0).then_some(self.friction_share[side] * direction * level)
     }
 
-    /// True if the joint is at rest and no drive between two bounds breaks it away.
+    /// True if the joint is at rest and no drive between two bounds breaks it away by the end of the next `within_s`: what
+    /// drifts has drifted farthest then.
     #[inline]
-    pub(super) fn stays_at_rest(&self, state: &mut State, [low, high]: [f64; 2]) -> bool {
+    pub(super) fn stays_at_rest(
+        &self,
+        state: &mut State,
+        [low, high]: [f64; 2],
+        within_s: f64,
+    ) -> bool {
         if !(self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0) {
             return false;
         }
@@ -75,9 +86,10 @@ impl Plant {
                 pull_nm: self.pull(state, 0.0, self.through(state)),
             };
         }
+        let end_s = state.time_s + within_s;
         let holds = |drive_nm: f64| {
             let pull = state.rest.pull_nm + drive_nm;
-            pull.abs() <= self.holding(state, pull, drive_nm)
+            pull.abs() <= self.holding_at(state.position, end_s, pull, drive_nm)
         };
         holds(low) && (low == high || holds(high))
     }
@@ -86,13 +98,9 @@ impl Plant {
     pub(super) fn hold(&self, state: &State, torque: &Torque, left: f64) -> f64 {
         let still_nm = self.pull(state, 0.0, self.through(state));
         let left_to_break_nm = |t: f64| {
-            let later = State {
-                time_s: state.time_s + t,
-                ..*state
-            };
             let drive_nm = torque.at(t);
             let pull = still_nm + drive_nm;
-            self.holding(&later, pull, drive_nm) - pull.abs()
+            self.holding_at(state.position, state.time_s + t, pull, drive_nm) - pull.abs()
         };
         let at_end = left_to_break_nm(left);
         if at_end >= 0.0 {

@@ -113,13 +113,7 @@ impl Torque {
         if self.is_held() {
             return [self.target_nm; 2];
         }
-        self.means_after(t_s, (-t_s / self.lag_s).exp())
-    }
-
-    /// The same, where the lag's `decay` over them is known.
-    #[inline]
-    fn means_after(&self, t_s: f64, decay: f64) -> [f64; 2] {
-        let (_, mean) = self.end_and_mean(t_s, decay);
+        let (_, mean) = self.end_and_mean(t_s, (-t_s / self.lag_s).exp());
         // What the transient has lost in the mean, it has given to the way.
         let lost = self.transient_nm() - (mean - self.trailing_nm(0.5 * t_s));
         let early = self.trailing_nm(t_s / 3.0) + 2.0 * self.lag_s / t_s * lost;
@@ -166,43 +160,8 @@ pub(super) struct Push {
     pub(super) lasts_s: f64,
     /// As [`Torque::means`], N m.
     pub(super) means_nm: [f64; 2],
-    /// As [`Torque::bounds`], N m.
+    /// Least and greatest torque that are possible within it, N m.
     pub(super) bounds_nm: [f64; 2],
-}
-
-impl Push {
-    /// Of a torque that is held.
-    #[inline]
-    fn held(torque_nm: f64, lasts_s: f64) -> Self {
-        Self {
-            lasts_s,
-            means_nm: [torque_nm; 2],
-            bounds_nm: [torque_nm; 2],
-        }
-    }
-
-    /// Of one piece that acts for `lasts_s`.
-    #[inline]
-    pub(super) fn of(torque: &Torque, lasts_s: f64) -> Self {
-        if torque.is_held() {
-            return Self::held(torque.target_nm, lasts_s);
-        }
-        Self {
-            lasts_s,
-            means_nm: torque.means(lasts_s),
-            bounds_nm: torque.bounds(lasts_s),
-        }
-    }
-
-    /// Of one piece behind a lag, whose `decay` over `lasts_s` is known.
-    #[inline]
-    pub(super) fn behind(torque: &Torque, lasts_s: f64, decay: f64) -> Self {
-        Self {
-            lasts_s,
-            means_nm: torque.means_after(lasts_s, decay),
-            bounds_nm: torque.bounds(lasts_s),
-        }
-    }
 }
 
 /// Pieces of torque that follow each other, added up.
@@ -224,20 +183,53 @@ impl Impulse {
         bounds_nm: [f64::INFINITY, f64::NEG_INFINITY],
     };
 
+    /// Of one piece that acts for `lasts_s`.
+    #[inline]
+    pub(super) fn of(torque: &Torque, lasts_s: f64) -> Self {
+        if torque.is_held() {
+            let held_nm = torque.target_nm;
+            let impulse_nms = held_nm * lasts_s;
+            return Self {
+                lasts_s,
+                impulse_nms,
+                way_nms2: 0.5 * impulse_nms * lasts_s,
+                bounds_nm: [held_nm; 2],
+            };
+        }
+        Self::behind(torque, lasts_s, (-lasts_s / torque.lag_s).exp())
+    }
+
+    /// Of one piece behind a lag, whose `decay` over `lasts_s`, exp(−t/lag), is known.
+    #[inline]
+    pub(super) fn behind(torque: &Torque, lasts_s: f64, decay: f64) -> Self {
+        let transient_nm = torque.transient_nm();
+        let passed_s = torque.lag_s * (1.0 - decay);
+        let trailing_nms = torque.trailing_nm(0.5 * lasts_s) * lasts_s;
+        let trailing_nms2 = 0.5 * torque.trailing_nm(lasts_s / 3.0) * lasts_s * lasts_s;
+        let bounds_nm = if torque.target_rate_nm_s == 0.0 {
+            let end_nm = torque.target_nm + transient_nm * decay;
+            [torque.start_nm.min(end_nm), torque.start_nm.max(end_nm)]
+        } else {
+            torque.bounds(lasts_s)
+        };
+        Self {
+            lasts_s,
+            impulse_nms: trailing_nms + transient_nm * passed_s,
+            way_nms2: trailing_nms2 + transient_nm * torque.lag_s * (lasts_s - passed_s),
+            bounds_nm,
+        }
+    }
+
     /// With a piece after it.
     #[inline]
-    pub(super) fn then(&self, next: &Push) -> Self {
-        let [mean, early] = next.means_nm;
-        // What acts before has all of the later time, too, to move what it has set in motion.
-        let way = self.impulse_nms * next.lasts_s + 0.5 * early * next.lasts_s * next.lasts_s;
+    pub(super) fn then(&self, next: &Self) -> Self {
+        let [low, high] = self.bounds_nm;
         Self {
             lasts_s: self.lasts_s + next.lasts_s,
-            impulse_nms: self.impulse_nms + mean * next.lasts_s,
-            way_nms2: self.way_nms2 + way,
-            bounds_nm: [
-                self.bounds_nm[0].min(next.bounds_nm[0]),
-                self.bounds_nm[1].max(next.bounds_nm[1]),
-            ],
+            impulse_nms: self.impulse_nms + next.impulse_nms,
+            // What acts before has all of the later time, too, to move what it has set in motion.
+            way_nms2: self.way_nms2 + self.impulse_nms * next.lasts_s + next.way_nms2,
+            bounds_nm: [low.min(next.bounds_nm[0]), high.max(next.bounds_nm[1])],
         }
     }
 
@@ -245,7 +237,11 @@ impl Impulse {
     #[inline]
     pub(super) fn push(&self) -> Push {
         if self.lasts_s == 0.0 {
-            return Push::held(0.0, 0.0);
+            return Push {
+                lasts_s: 0.0,
+                means_nm: [0.0; 2],
+                bounds_nm: [0.0; 2],
+            };
         }
         let per_s = self.lasts_s.recip();
         Push {
@@ -290,16 +286,19 @@ mod tests {
     #[test]
     fn a_push_of_pieces_is_that_of_the_whole() {
         let torque = Torque::relaxing(0.3, -0.1, 2e-3);
-        let first = Impulse::NONE.then(&Push::of(&torque, 1e-3));
-        let parts = first.then(&Push::behind(&torque.after(1e-3), 2e-3, (-1f64).exp()));
-        let parts = parts.push();
-        let whole = Push::of(&torque, 3e-3);
+        let parts = Impulse::of(&torque, 1e-3);
+        let later = Impulse::behind(&torque.after(1e-3), 2e-3, (-1f64).exp());
+        let parts = Impulse::NONE.then(&parts).then(&later).push();
+        let whole = Impulse::of(&torque, 3e-3).push();
         let off = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
         assert!((whole.lasts_s - parts.lasts_s).abs() < 1e-15);
-        assert!(
-            off(whole.means_nm, parts.means_nm) < 1e-12,
-            "{whole:?} {parts:?}"
-        );
-        assert_eq!(whole.bounds_nm, parts.bounds_nm);
+        for (whole, parts) in [
+            (torque.means(3e-3), parts.means_nm),
+            (whole.means_nm, parts.means_nm),
+            (whole.bounds_nm, parts.bounds_nm),
+        ] {
+            assert!(off(whole, parts) < 1e-12, "{whole:?} {parts:?}");
+        }
+        assert_eq!(whole.bounds_nm, [torque.at(3e-3), 0.3]);
     }
 }

@@ -3,12 +3,12 @@
 use super::super::Plant;
 use super::super::pendulum::Pendulum;
 
-/// What acts on one side, its linear part and what is the same at all times apart.
+/// What acts on one side, its linear part and friction that is [level](super::level) apart.
 pub(super) struct Bent<'a> {
     plant: &'a Plant,
     side: usize,
     direction: f64,
-    /// True if friction is not the same at all times.
+    /// True if friction depends on position, speed or load.
     pub(super) varies: bool,
 }
 
@@ -18,11 +18,11 @@ impl<'a> Bent<'a> {
             plant,
             side,
             direction,
-            varies: plant.constant_friction_nm(side, direction).is_none(),
+            varies: !plant.is_level && direction != 0.0,
         }
     }
 
-    /// Drag beyond the viscous one, and friction that is not the same at all times, N m.
+    /// Drag beyond the viscous one, and friction that varies, N m.
     #[inline]
     pub(super) fn resists(&self, position: f64, velocity: f64, time_s: f64, drive_nm: f64) -> f64 {
         let m = &self.plant.mechanics;

@@ -6,6 +6,7 @@ use super::super::zero_order_hold::ZeroOrderHold;
 use super::super::{Phase, Plant, Push, State};
 use super::bent::Bent;
 use super::ground::Ground;
+use super::level::Level;
 use super::ride::Ride;
 use super::side::Side;
 use super::{Follower, after, is_usual};
@@ -43,14 +44,11 @@ impl Follower<'_> {
             .get_or_insert_with(|| Box::new(plant.two_masses_held(flank, held, &ground, step_s)));
         let (stiffness, damping, relaxed) = link.spring(flank);
         let directions = sides.map(Side::direction);
-        let constant_friction = |side: usize| {
-            let direction = directions[side];
-            plant.constant_friction_nm(side, direction).unwrap_or(0.0)
-        };
         let constant_nm = [
-            m.offset_nm + stiffness * relaxed - constant_friction(0),
-            ground.constant_nm - stiffness * relaxed - constant_friction(1),
+            m.offset_nm + stiffness * relaxed,
+            ground.constant_nm - stiffness * relaxed,
         ];
+        let mut levels = [0, 1].map(|i| Level::of(plant, i, directions[i], ride.state.time_s));
         let bent = [0, 1].map(|side| Bent::of(plant, side, directions[side]));
         let varies = bent.iter().any(|bent| bent.varies);
         let mut pendulum = ride.state.pendulum;
@@ -97,10 +95,12 @@ impl Follower<'_> {
             if is_held && !sticks(state, &x, push, first_nm) {
                 break;
             }
+            let halfway_s = state.time_s + 0.5 * step_s;
+            let [motor_nm, load_nm] = levels.each_mut().map(|level| level.at(halfway_s));
             let forces = |bent_nm: [f64; 2]| {
                 [
-                    constant_nm[0] + mean_nm + bent_nm[0],
-                    constant_nm[1] + bent_nm[1],
+                    constant_nm[0] + mean_nm + bent_nm[0] - motor_nm,
+                    constant_nm[1] + bent_nm[1] - load_nm,
                 ]
             };
             let midway = || flow.half.of(&x, &forces(first_nm));
@@ -110,7 +110,7 @@ impl Follower<'_> {
                 if !have(&midway) {
                     break;
                 }
-                acting_nm = bent_nm(&midway, state.time_s + 0.5 * step_s, mean_nm);
+                acting_nm = bent_nm(&midway, halfway_s, mean_nm);
             }
             let mut end = after(flow, push, &x, &forces(acting_nm));
             if is_linear {

@@ -5,6 +5,7 @@
 mod bent;
 mod bristles;
 mod ground;
+mod level;
 mod linked;
 mod ride;
 mod side;
@@ -60,7 +61,7 @@ impl<'a> Follower<'a> {
                 && m.hardening == 0.0
                 && m.cogging.is_none()
                 && m.drag == 0.0
-                && (plant.plain || !plant.dry),
+                && (plant.is_level || !plant.dry),
             bent_rate,
             is_gentle: bent_rate * step_s <= MIDPOINT_RATE_STEP,
             free: Flows::default(),
@@ -108,7 +109,9 @@ impl<'a> Follower<'a> {
         let until_s = self.rests_until_s(ride.state);
         while let Some(push) = ride.push() {
             let stays = ride.state.time_s + push.lasts_s <= until_s
-                && self.plant.stays_at_rest(ride.state, push.bounds_nm);
+                && self
+                    .plant
+                    .stays_at_rest(ride.state, push.bounds_nm, push.lasts_s);
             if !stays {
                 break;
             }

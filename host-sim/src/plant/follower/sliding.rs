@@ -4,6 +4,7 @@ use super::super::Plant;
 use super::super::zero_order_hold::ZeroOrderHold;
 use super::bent::Bent;
 use super::ground::Ground;
+use super::level::Level;
 use super::ride::Ride;
 use super::side::Side;
 use super::{Follower, after, is_usual};
@@ -30,8 +31,8 @@ impl Follower<'_> {
             .flows(&ground)
             .one_mass
             .get_or_insert_with(|| plant.one_mass_held(&ground, step_s));
-        let constant_nm = plant.mechanics.offset_nm + ground.constant_nm
-            - plant.constant_friction_nm(0, direction).unwrap_or(0.0);
+        let constant_nm = plant.mechanics.offset_nm + ground.constant_nm;
+        let mut level = Level::of(plant, 0, direction, state.time_s);
         let bent = Bent::of(plant, 0, direction);
         let mut x = [state.position, state.velocity];
         // Near what acted over the step before, which is near enough for the way halfway.
@@ -45,7 +46,8 @@ impl Follower<'_> {
                 break;
             }
             let [mean_nm, early_nm] = push.means_nm;
-            let mut force = constant_nm + mean_nm;
+            let halfway_s = state.time_s + 0.5 * step_s;
+            let mut force = constant_nm + mean_nm - level.at(halfway_s);
             if !is_linear {
                 let mut bent = |x: &[f64; 2], time_s: f64| {
                     bent.motor(x[0], x[1], time_s, mean_nm) + bent.load(&mut state.pendulum, x[0])
@@ -55,7 +57,7 @@ impl Follower<'_> {
                 if !side.has(midway[1]) {
                     break;
                 }
-                let acting_nm = bent(&midway, state.time_s + 0.5 * step_s);
+                let acting_nm = bent(&midway, halfway_s);
                 bent_nm = Some(acting_nm);
                 force += acting_nm;
             }

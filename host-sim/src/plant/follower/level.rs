@@ -1,0 +1,39 @@
+//! Dry friction of one side while it slides one way, as far as it is the same at any position and speed.
+
+use super::super::Plant;
+use super::super::drift::Drifting;
+
+pub(super) struct Level {
+    /// Without drift, N m the way of the motion's positive direction.
+    settled_nm: f64,
+    drifting: Option<Drifting>,
+}
+
+impl Level {
+    /// None where it is not the same.
+    pub(super) fn of(plant: &Plant, side: usize, direction: f64, time_s: f64) -> Self {
+        let friction = &plant.mechanics.friction;
+        let is_level = plant.is_level && direction != 0.0;
+        let share = plant.friction_share[side];
+        Self {
+            settled_nm: if is_level {
+                share * direction * friction.level(direction)
+            } else {
+                0.0
+            },
+            drifting: friction
+                .drift
+                .filter(|_| is_level)
+                .map(|d| Drifting::from(d, time_s)),
+        }
+    }
+
+    /// N m.
+    #[inline]
+    pub(super) fn at(&mut self, time_s: f64) -> f64 {
+        match &mut self.drifting {
+            Some(drifting) => self.settled_nm * drifting.factor(time_s),
+            None => self.settled_nm,
+        }
+    }
+}

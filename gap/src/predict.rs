@@ -15,8 +15,8 @@ pub struct Predictor {
     device: Device,
     plant: Plant,
     sensor: Sensor,
-    /// Whether the column shows the position as it is.
-    shows_all: bool,
+    /// Whether the sensor reads the position as it is.
+    reads_as_is: bool,
 }
 
 /// Displacement of every restart state, in standard deviations of the fit of value and slope.
@@ -74,7 +74,7 @@ impl Predictor {
     fn of(device: Device, sensor: Sensor) -> Self {
         Self {
             plant: Plant::quick(device.mechanics.clone()),
-            shows_all: device.sensing.is_ideal() && sensor.cutoff_hz.is_none(),
+            reads_as_is: device.sensing.is_ideal(),
             device,
             sensor,
         }
@@ -151,7 +151,7 @@ impl Predictor {
             told.in_window(index, |course| {
                 if follows {
                     let mut seen = [0.0];
-                    follower.follow(&mut running.state, &course.lead, &mut seen);
+                    follower.follow(&mut running.state, &course.lead, told.gain, &mut seen);
                     self.read(&mut running, series, seen[0], restart_s);
                 }
                 let x = self.restart(&mut running, series, window, shift, follows);
@@ -161,7 +161,7 @@ impl Predictor {
                     seen.fill(x);
                     return;
                 }
-                follower.follow(&mut running.state, &course.steps, seen);
+                follower.follow(&mut running.state, &course.steps, told.gain, seen);
                 series.averaging.show(samples.start, seen, low_passes);
             });
             running.read_s = restart_s;
@@ -341,14 +341,18 @@ impl Predictor {
     /// What the column shows of a position at an instant of the run.
     #[inline]
     fn read(&self, running: &mut Running, series: &Series, x: f64, at_s: f64) -> f64 {
-        if self.shows_all {
+        if self.reads_as_is && self.sensor.cutoff_hz.is_none() {
             return x;
         }
-        let sensing = &self.device.sensing;
         let dt_s = at_s - running.read_s;
         running.read_s = at_s;
-        let jumped = sensing.jumped_mean(at_s + series.session_offset_s, series.span_s);
-        let y = running.reading.follow(sensing, x, dt_s) + jumped;
+        let y = if self.reads_as_is {
+            x
+        } else {
+            let sensing = &self.device.sensing;
+            let jumped = sensing.jumped_mean(at_s + series.session_offset_s, series.span_s);
+            running.reading.follow(sensing, x, dt_s) + jumped
+        };
         running.filtered = self.low_passed(running, series, y, dt_s);
         running.shown = y;
         running.filtered

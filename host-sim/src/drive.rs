@@ -112,9 +112,9 @@ impl Drive {
         self.deadband == 0.0 && largest <= acts
     }
 
-    /// Time after which an input that another has followed makes no difference that rounding shows, s.
+    /// Time after which an input that another has followed makes less than 1e-8 of a difference, s.
     pub fn memory_s(&self) -> f64 {
-        const LAGS: f64 = 40.0;
+        const LAGS: f64 = 20.0;
         self.delay_s + LAGS * (self.lag_s + self.further_lag_s)
     }
 

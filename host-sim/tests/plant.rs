@@ -420,7 +420,7 @@ fn followed(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
     }
     let mut seen = vec![0.0; course.steps()];
     let mut state = plant.state(0.0, 0.0, 0.0);
-    Follower::new(plant, 1e-3).follow(&mut state, &course, &mut seen);
+    Follower::new(plant, 1e-3).follow(&mut state, &course, 1.0, &mut seen);
     seen
 }
 

@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The torque in one window.
+/// The torque in one window, of a drive whose ratio is ±1.
 #[derive(Debug)]
 pub(crate) struct WindowCourse {
     restart_s: f64,
@@ -67,7 +67,10 @@ impl Courses {
 
 /// The courses of a series under one drive.
 pub(crate) struct Told<'a> {
-    drive: &'a Drive,
+    /// What their torque is to be multiplied by: drives that differ in nothing else share them.
+    pub(crate) gain: f64,
+    /// With a ratio of ±1.
+    drive: Drive,
     series: &'a Series,
     /// Windows of a stretch: what a drive remembers is gone through once for all of them.
     stretch: usize,
@@ -77,17 +80,23 @@ pub(crate) struct Told<'a> {
 }
 
 impl<'a> Told<'a> {
-    pub(crate) fn new(drive: &'a Drive, series: &'a Series) -> Self {
+    pub(crate) fn new(drive: &Drive, series: &'a Series) -> Self {
+        let gain = drive.ratio.abs();
+        let drive = Drive {
+            ratio: drive.ratio.signum(),
+            ..drive.clone()
+        };
         let windows = series.windows.len();
         let stretch = (drive.memory_s() / series.window_s()).ceil();
         let stretch = (stretch as usize).clamp(1, windows.max(1));
         let keeps = series.time.len() <= MOST_SAMPLES;
         let stretches = windows.div_ceil(stretch);
         Self {
-            drive,
+            gain,
             series,
             stretch,
-            kept: keeps.then(|| series.courses.under(drive, stretches)),
+            kept: keeps.then(|| series.courses.under(&drive, stretches)),
+            drive,
             last: RefCell::new(None),
         }
     }

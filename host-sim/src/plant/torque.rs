@@ -164,6 +164,19 @@ pub(super) struct Push {
     pub(super) bounds_nm: [f64; 2],
 }
 
+impl Push {
+    /// `gain` times as much, which is not negative.
+    #[inline]
+    pub(super) fn scaled(&self, gain: f64) -> Self {
+        let scaled = |nm: [f64; 2]| nm.map(|nm| gain * nm);
+        Self {
+            lasts_s: self.lasts_s,
+            means_nm: scaled(self.means_nm),
+            bounds_nm: scaled(self.bounds_nm),
+        }
+    }
+}
+
 /// Pieces of torque that follow each other, added up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Impulse {

@@ -73,7 +73,7 @@ impl Follower<'_> {
                 state.deflection = bending.deflection();
                 plant.slides_on(state, push.lasts_s);
             }
-            ride.step(push, x);
+            ride.step(&push, x);
         }
         bending.go(due);
         ride.state.deflection = bending.deflection();

@@ -81,10 +81,10 @@ impl Follower<'_> {
         let from = ride.next();
         while let Some(push) = ride.push() {
             let state = &mut *ride.state;
-            if !is_usual(push, step_s) || state.time_s + push.lasts_s > until_s {
+            if !is_usual(&push, step_s) || state.time_s + push.lasts_s > until_s {
                 break;
             }
-            if varies && plant.is_steep(state, push) {
+            if varies && plant.is_steep(state, &push) {
                 break;
             }
             let [mean_nm, early_nm] = push.means_nm;
@@ -92,7 +92,7 @@ impl Follower<'_> {
                 Some(before_nm) => before_nm,
                 None => bent_nm(&x, state.time_s, mean_nm),
             };
-            if is_held && !sticks(state, &x, push, first_nm) {
+            if is_held && !sticks(state, &x, &push, first_nm) {
                 break;
             }
             let halfway_s = state.time_s + 0.5 * step_s;
@@ -112,7 +112,7 @@ impl Follower<'_> {
                 }
                 acting_nm = bent_nm(&midway, halfway_s, mean_nm);
             }
-            let mut end = after(flow, push, &x, &forces(acting_nm));
+            let mut end = after(flow, &push, &x, &forces(acting_nm));
             if is_linear {
                 let stopped =
                     |side: usize| sides[side].may_have_stopped(x[2 * side + 1], end[2 * side + 1]);
@@ -129,7 +129,7 @@ impl Follower<'_> {
             if leaves
                 || !have(&end)
                 || plant.meets_barrier(state, end[2], end[3])
-                || is_held && !sticks(state, &end, push, bent_nm(&end, state.time_s, mean_nm))
+                || is_held && !sticks(state, &end, &push, bent_nm(&end, state.time_s, mean_nm))
             {
                 break;
             }
@@ -141,7 +141,7 @@ impl Follower<'_> {
                 state.load_position,
                 state.load_velocity,
             ] = end;
-            ride.step(push, if link.sensor_on_load { end[2] } else { end[0] });
+            ride.step(&push, if link.sensor_on_load { end[2] } else { end[0] });
         }
         let has_gone = ride.next() > from;
         let state = &mut *ride.state;

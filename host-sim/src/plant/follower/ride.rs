@@ -6,15 +6,23 @@ use super::super::{Course, Plant, Push, State};
 pub(super) struct Ride<'a> {
     pub(super) state: &'a mut State,
     course: &'a Course,
+    /// What the torque of the course is multiplied by.
+    gain: f64,
     next: usize,
     seen: &'a mut [f64],
 }
 
 impl<'a> Ride<'a> {
-    pub(super) fn new(state: &'a mut State, course: &'a Course, seen: &'a mut [f64]) -> Self {
+    pub(super) fn new(
+        state: &'a mut State,
+        course: &'a Course,
+        gain: f64,
+        seen: &'a mut [f64],
+    ) -> Self {
         Self {
             state,
             course,
+            gain,
             next: 0,
             seen,
         }
@@ -33,8 +41,8 @@ impl<'a> Ride<'a> {
 
     /// What the next step comes to, if there is one.
     #[inline]
-    pub(super) fn push(&self) -> Option<&'a Push> {
-        (!self.is_over()).then(|| self.course.push(self.next))
+    pub(super) fn push(&self) -> Option<Push> {
+        (!self.is_over()).then(|| self.course.push(self.next).scaled(self.gain))
     }
 
     /// Takes the next step, at whose end the sensor is at a position.
@@ -48,7 +56,7 @@ impl<'a> Ride<'a> {
     /// Takes it piece by piece, whatever may happen on the way.
     pub(super) fn by_pieces(&mut self, plant: &Plant) {
         for &(torque, piece_s) in self.course.pieces(self.next) {
-            plant.advance(self.state, torque, piece_s);
+            plant.advance(self.state, torque.scaled(self.gain), piece_s);
         }
         self.seen[self.next] = plant.seen(self.state).0;
         self.next += 1;

@@ -39,10 +39,10 @@ impl Follower<'_> {
         let mut bent_nm = None;
         while let Some(push) = ride.push() {
             let state = &mut *ride.state;
-            if !is_usual(push, step_s) || state.time_s + push.lasts_s > until_s {
+            if !is_usual(&push, step_s) || state.time_s + push.lasts_s > until_s {
                 break;
             }
-            if bent.varies && plant.is_steep(state, push) {
+            if bent.varies && plant.is_steep(state, &push) {
                 break;
             }
             let [mean_nm, early_nm] = push.means_nm;
@@ -61,7 +61,7 @@ impl Follower<'_> {
                 bent_nm = Some(acting_nm);
                 force += acting_nm;
             }
-            let mut end = after(flow, push, &x, &[force]);
+            let mut end = after(flow, &push, &x, &[force]);
             // A torque that comes early moves it farther.
             end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
             if !side.has(end[1]) || plant.meets_barrier(state, end[0], end[1]) {
@@ -69,7 +69,7 @@ impl Follower<'_> {
             }
             x = end;
             [state.position, state.velocity] = end;
-            ride.step(push, end[0]);
+            ride.step(&push, end[0]);
         }
     }
 }

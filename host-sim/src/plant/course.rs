@@ -74,10 +74,10 @@ impl Course {
             .map_or(0, |before| self.steps[before].end)
     }
 
-    /// What the pieces of a step come to.
-    #[inline]
-    pub(super) fn push(&self, step: usize) -> &Push {
-        &self.steps[step].push
+    /// What the pieces of a step come to, if there is one.
+    #[inline(always)]
+    pub(super) fn push(&self, step: usize) -> Option<&Push> {
+        self.steps.get(step).map(|step| &step.push)
     }
 
     /// The pieces of a step.

@@ -166,7 +166,7 @@ pub(super) struct Push {
 
 impl Push {
     /// `gain` times as much, which is not negative.
-    #[inline]
+    #[inline(always)]
     pub(super) fn scaled(&self, gain: f64) -> Self {
         let scaled = |nm: [f64; 2]| nm.map(|nm| gain * nm);
         Self {

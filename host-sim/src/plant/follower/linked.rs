@@ -48,7 +48,8 @@ impl Follower<'_> {
             m.offset_nm + stiffness * relaxed,
             ground.constant_nm - stiffness * relaxed,
         ];
-        let mut levels = [0, 1].map(|i| Level::of(plant, i, directions[i], ride.state.time_s));
+        let level = |side: usize| Level::of(plant, side, directions[side], ride.state.time_s);
+        let [mut motor_level, mut load_level] = [level(0), level(1)];
         let bent = [0, 1].map(|side| Bent::of(plant, side, directions[side]));
         let varies = bent.iter().any(|bent| bent.varies);
         let mut pendulum = ride.state.pendulum;
@@ -96,7 +97,7 @@ impl Follower<'_> {
                 break;
             }
             let halfway_s = state.time_s + 0.5 * step_s;
-            let [motor_nm, load_nm] = levels.each_mut().map(|level| level.at(halfway_s));
+            let [motor_nm, load_nm] = [motor_level.at(halfway_s), load_level.at(halfway_s)];
             let forces = |bent_nm: [f64; 2]| {
                 [
                     constant_nm[0] + mean_nm + bent_nm[0] - motor_nm,

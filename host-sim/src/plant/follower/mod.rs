@@ -41,8 +41,10 @@ struct Flows {
     two_masses: [Option<Box<ZeroOrderHold<4, 2>>>; FLOWS],
 }
 
-/// Product of the fastest rate of what is not linear and the step: the midpoint's frequency is off by a 24th of the square.
+/// Product of the fastest rate of what is not linear and the step: the midpoint's frequency is off by a 24th of the square. On one
+/// of two masses it acts beside the link, which is stepped exactly, or on no more than its play.
 const MIDPOINT_RATE_STEP: f64 = 0.1;
+const LINKED_RATE_STEP: f64 = 0.5;
 /// Product of the rate on a barrier and the step: whoever leaves it does not come back within one.
 const PUSHED_RATE_STEP: f64 = 1.0;
 /// Share by which a step may differ from the one that recurs, and from which on that makes a difference.
@@ -53,7 +55,9 @@ impl<'a> Follower<'a> {
     /// Of steps that mostly take `step_s`.
     pub fn new(plant: &'a Plant, step_s: f64) -> Self {
         let m = &plant.mechanics;
-        let bent_rate = (m.bent_stiffness() * plant.highest_mobility()).sqrt();
+        let rate = |mobility: f64| (m.bent_stiffness() * mobility).sqrt();
+        let bent_rate = rate(m.inertia.recip());
+        let linked_rate = rate(plant.highest_mobility());
         Self {
             plant,
             step_s,
@@ -63,7 +67,8 @@ impl<'a> Follower<'a> {
                 && m.drag == 0.0
                 && (plant.is_level || !plant.dry),
             bent_rate,
-            is_gentle: bent_rate * step_s <= MIDPOINT_RATE_STEP,
+            is_gentle: bent_rate * step_s <= MIDPOINT_RATE_STEP
+                && linked_rate * step_s <= LINKED_RATE_STEP,
             free: Flows::default(),
             pushed: None,
         }

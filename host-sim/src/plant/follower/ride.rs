@@ -40,9 +40,10 @@ impl<'a> Ride<'a> {
     }
 
     /// What the next step comes to, if there is one.
-    #[inline]
+    #[inline(always)]
     pub(super) fn push(&self) -> Option<Push> {
-        (!self.is_over()).then(|| self.course.push(self.next).scaled(self.gain))
+        let push = self.course.push(self.next)?;
+        Some(push.scaled(self.gain))
     }
 
     /// Takes the next step, at whose end the sensor is at a position.

@@ -8,8 +8,6 @@ pub(super) struct ZeroOrderHold<const D: usize, const S: usize> {
     pub half: Map<D, S>,
     /// Over a step.
     pub whole: Map<D, S>,
-    /// The step, s.
-    pub step_s: f64,
     rates: [[f64; D]; D],
     inputs: [[f64; D]; S],
 }
@@ -40,15 +38,17 @@ impl<const D: usize, const S: usize> ZeroOrderHold<D, S> {
         Self {
             whole: half.twice(),
             half,
-            step_s,
             rates,
             inputs,
         }
     }
 
     /// Of a state under forces a little later, or earlier: to second order.
-    #[inline]
+    #[inline(always)]
     pub(super) fn soon(&self, x: &[f64; D], forces: &[f64; S], by_s: f64) -> [f64; D] {
+        if by_s == 0.0 {
+            return *x;
+        }
         let free = combined(&self.rates, x);
         let forced = combined(&self.inputs, forces);
         let first: [f64; D] = core::array::from_fn(|i| free[i] + forced[i]);

@@ -9,6 +9,12 @@ use super::ride::Ride;
 const BRISTLE_ANGLE: f64 = 0.2;
 const MOST_PARTS: f64 = 6.0;
 
+/// Parts of a step for the angle that an oscillation goes through within it.
+#[inline]
+pub(super) fn parts_of(angle: f64) -> f64 {
+    (angle / BRISTLE_ANGLE).ceil().clamp(1.0, MOST_PARTS)
+}
+
 impl Follower<'_> {
     /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest, by which they are
     /// bent with the first half of the next step.
@@ -31,9 +37,7 @@ impl Follower<'_> {
                 break;
             }
             let [mean_nm, early_nm] = push.means_nm;
-            let parts = (rate * push.lasts_s / BRISTLE_ANGLE)
-                .ceil()
-                .clamp(1.0, MOST_PARTS);
+            let parts = parts_of(rate * push.lasts_s);
             let part_s = push.lasts_s / parts;
             let half_s = 0.5 * part_s;
             let (mut x, mut v) = (state.position, state.velocity);

@@ -9,7 +9,7 @@ use super::ground::Ground;
 use super::level::Level;
 use super::ride::Ride;
 use super::side::Side;
-use super::{Follower, after, is_usual};
+use super::{Follower, is_usual, late_s};
 
 impl Follower<'_> {
     /// Within one flank, whichever of the masses are held.
@@ -113,7 +113,9 @@ impl Follower<'_> {
                 }
                 acting_nm = bent_nm(&midway, halfway_s, mean_nm);
             }
-            let mut end = after(flow, &push, &x, &forces(acting_nm));
+            let acting = forces(acting_nm);
+            let mut end = flow.whole.of(&x, &acting);
+            end = flow.soon(&end, &acting, late_s(&push, step_s));
             if is_linear {
                 let stopped =
                     |side: usize| sides[side].may_have_stopped(x[2 * side + 1], end[2 * side + 1]);
@@ -162,7 +164,7 @@ impl Follower<'_> {
 
 impl Plant {
     /// The linear flow of two masses within a flank of their link, `held` on the motor side or the load side.
-    fn two_masses_held(
+    pub(super) fn two_masses_held(
         &self,
         flank: Flank,
         held: [bool; 2],

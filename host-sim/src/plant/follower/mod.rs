@@ -7,6 +7,7 @@ mod bristles;
 mod ground;
 mod level;
 mod linked;
+mod linked_bristles;
 mod ride;
 mod side;
 mod sliding;
@@ -31,6 +32,8 @@ pub struct Follower<'a> {
     free: Flows,
     /// While a barrier pushes, on the ground that it pushes from.
     pushed: Option<(Ground, Flows)>,
+    /// Over parts of a step, where one of two masses is on bristles.
+    on_bristles: Flows,
 }
 
 /// Flows on one ground, each as it is first met.
@@ -71,6 +74,7 @@ impl<'a> Follower<'a> {
                 && linked_rate * step_s <= LINKED_RATE_STEP,
             free: Flows::default(),
             pushed: None,
+            on_bristles: Flows::default(),
         }
     }
 
@@ -91,8 +95,14 @@ impl<'a> Follower<'a> {
     #[inline]
     fn coast(&mut self, ride: &mut Ride<'_>) {
         let plant = self.plant;
+        let bends = ride.state.phase == Phase::Bristle;
         if plant.parts.has_link {
-            if !plant.parts.has_bristles && self.is_gentle {
+            if !self.is_gentle {
+                return;
+            }
+            if bends {
+                self.bend_linked(ride);
+            } else {
                 self.coast_linked(ride);
             }
             return;
@@ -102,7 +112,7 @@ impl<'a> Follower<'a> {
         if ride.next() > from {
             return;
         }
-        if ride.state.phase == Phase::Bristle {
+        if bends {
             self.bend(ride);
         } else if self.is_gentle {
             self.slide(ride);
@@ -176,20 +186,14 @@ fn is_usual(push: &Push, step_s: f64) -> bool {
     (push.lasts_s - step_s).abs() <= NEAR_USUAL * step_s
 }
 
-/// A state after a step under forces that are held.
-#[inline(always)]
-fn after<const D: usize, const S: usize>(
-    flow: &ZeroOrderHold<D, S>,
-    push: &Push,
-    x: &[f64; D],
-    forces: &[f64; S],
-) -> [f64; D] {
-    let end = flow.whole.of(x, forces);
-    let late_s = push.lasts_s - flow.step_s;
-    if late_s.abs() <= SAME * flow.step_s {
-        end
+/// How much longer a step takes than most do, s.
+#[inline]
+fn late_s(push: &Push, step_s: f64) -> f64 {
+    let late_s = push.lasts_s - step_s;
+    if late_s.abs() <= SAME * step_s {
+        0.0
     } else {
-        flow.soon(&end, forces, late_s)
+        late_s
     }
 }
 

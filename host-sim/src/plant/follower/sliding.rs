@@ -7,7 +7,7 @@ use super::ground::Ground;
 use super::level::Level;
 use super::ride::Ride;
 use super::side::Side;
-use super::{Follower, after, is_usual};
+use super::{Follower, is_usual, late_s};
 
 impl Follower<'_> {
     /// As far as it slides in one direction.
@@ -61,7 +61,9 @@ impl Follower<'_> {
                 bent_nm = Some(acting_nm);
                 force += acting_nm;
             }
-            let mut end = after(flow, &push, &x, &[force]);
+            let forces = [force];
+            let mut end = flow.whole.of(&x, &forces);
+            end = flow.soon(&end, &forces, late_s(&push, step_s));
             // A torque that comes early moves it farther.
             end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
             if !side.has(end[1]) || plant.meets_barrier(state, end[0], end[1]) {

@@ -1,0 +1,119 @@
+//! Two masses and their link, the motor side on bristles.
+
+use super::super::presliding::Bending;
+use super::super::two_mass::flow_index;
+use super::super::{Phase, Touch};
+use super::bent::Bent;
+use super::bristles::parts_of;
+use super::ground::Ground;
+use super::ride::Ride;
+use super::{Follower, is_usual, late_s};
+
+/// The bristles hold the motor side at no time, and nothing holds the load side.
+const NONE_HELD: [bool; 2] = [false; 2];
+
+impl Follower<'_> {
+    /// Within one flank. In each part of a step the bristles act as they do halfway on what is linear.
+    pub(super) fn bend_linked(&mut self, ride: &mut Ride<'_>) {
+        let plant = self.plant;
+        let m = &plant.mechanics;
+        let until_s = self.until_s(ride.state);
+        let state = &*ride.state;
+        if state.touch.contains(&Touch::Pushing) {
+            return;
+        }
+        let bristles = &plant.parts.bristles;
+        let link = &plant.parts.link;
+        let inverse = plant.inverse_inertia[0];
+        let step_s = self.step_s;
+        let holding = m.friction.highest_nm() * m.friction.stribeck.ratio;
+        let rate = bristles.natural_rate(inverse.recip(), holding) + self.bent_rate;
+        let parts = parts_of(rate * step_s);
+        let part_s = step_s / parts;
+        let mut x = [
+            state.position,
+            state.velocity,
+            state.load_position,
+            state.load_velocity,
+        ];
+        let flank = link.flank(x[0] - x[2], x[1] - x[3]);
+        let ground = Ground::of(plant, state);
+        let flow =
+            &*self.on_bristles.two_masses[flow_index(flank, NONE_HELD)].get_or_insert_with(|| {
+                Box::new(plant.two_masses_held(flank, NONE_HELD, &ground, part_s))
+            });
+        let (stiffness, _, relaxed) = link.spring(flank);
+        let constant_nm = [
+            m.offset_nm + stiffness * relaxed,
+            ground.constant_nm - stiffness * relaxed,
+        ];
+        let bent = [0, 1].map(|side| Bent::of(plant, side, 0.0));
+        let mut pendulum = state.pendulum;
+        let mut bending = Bending::from(bristles, state.deflection);
+        let mut due = 0.0;
+        // Near what acted over the part before, which is near enough for the way halfway.
+        let mut before_nm = [0.0; 2];
+        while let Some(push) = ride.push() {
+            let state = &mut *ride.state;
+            let goes_on = state.phase == Phase::Bristle && is_usual(&push, step_s);
+            if !goes_on || state.time_s + push.lasts_s > until_s {
+                break;
+            }
+            let [mean_nm, early_nm] = push.means_nm;
+            let forces = |bent_nm: [f64; 2]| {
+                [
+                    constant_nm[0] + mean_nm + bent_nm[0],
+                    constant_nm[1] + bent_nm[1],
+                ]
+            };
+            let (mut end, mut bent_nm) = (x, before_nm);
+            let (mut on, mut way_due) = (bending, due);
+            for part in 0..parts as usize {
+                let halfway_s = state.time_s + (part as f64 + 0.5) * part_s;
+                let midway = flow.half.of(&end, &forces(bent_nm));
+                on.go(way_due + midway[0] - end[0]);
+                let z = on.deflection();
+                let [position, velocity, load_position, load_velocity] = midway;
+                let speed = velocity.abs();
+                let level = m.sliding(1f64.copysign(z), position, speed, halfway_s, mean_nm);
+                let damping = bristles.damping * on.bends(velocity);
+                let damped_nm = damping * velocity / (1.0 + 0.5 * part_s * damping * inverse);
+                bent_nm = [
+                    bent[0].motor(position, velocity, halfway_s, mean_nm)
+                        - level * z / bristles.distance
+                        - damped_nm,
+                    bent[1].load(&mut pendulum, load_position)
+                        - bent[1].resists(load_position, load_velocity, halfway_s, mean_nm),
+                ];
+                end = flow.whole.of(&end, &forces(bent_nm));
+                way_due = end[0] - position;
+            }
+            let on_time = end[0];
+            end = flow.soon(&end, &forces(bent_nm), late_s(&push, step_s));
+            // A torque that comes early moves the motor farther.
+            end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
+            way_due += end[0] - on_time;
+            let leaves = link.guard(flank, end[0] - end[2], end[1] - end[3]) < 0.0;
+            if leaves || plant.meets_barrier(state, end[2], end[3]) {
+                break;
+            }
+            (x, before_nm, bending, due) = (end, bent_nm, on, way_due);
+            [
+                state.position,
+                state.velocity,
+                state.load_position,
+                state.load_velocity,
+            ] = end;
+            if bristles.may_slide(end[1], push.lasts_s) {
+                bending.go(due);
+                due = 0.0;
+                state.deflection = bending.deflection();
+                plant.slides_on(state, push.lasts_s);
+            }
+            ride.step(&push, if link.sensor_on_load { end[2] } else { end[0] });
+        }
+        bending.go(due);
+        ride.state.deflection = bending.deflection();
+        ride.state.pendulum = pendulum;
+    }
+}

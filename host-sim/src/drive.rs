@@ -198,31 +198,21 @@ pub struct DriveLine {
 impl DriveLine {
     /// At rest, with zero input for ever before.
     pub fn at_rest(drive: &Drive) -> Self {
-        Self::settled(drive, 0.0)
-    }
-
-    /// With an input for ever before of which `settled_nm` has come, N m.
-    pub fn settled(drive: &Drive, settled_nm: f64) -> Self {
         Self {
             delay_s: drive.delay_s,
             lag_s: drive.lag_s,
             further_lag_s: drive.further_lag_s,
             under_way: VecDeque::new(),
-            torque: Torque::held(settled_nm),
+            torque: Torque::held(0.0),
             age_s: 0.0,
-            acting_nm: settled_nm,
+            acting_nm: 0.0,
         }
     }
 
     /// From `now_s` on the drive, which turns at `velocity`, is told `input`; call with times that do not go back.
     #[inline]
     pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64, velocity: f64) {
-        self.command_settled(now_s, drive.settled_at(input, velocity));
-    }
-
-    /// As [`Self::command`], by the torque that comes of it once delay and lag have passed, N m.
-    #[inline]
-    pub fn command_settled(&mut self, now_s: f64, settled_nm: f64) {
+        let settled_nm = drive.settled_at(input, velocity);
         self.receive(now_s, Torque::held(settled_nm));
     }
 

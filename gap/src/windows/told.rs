@@ -2,8 +2,8 @@
 
 use super::series::{MOST_SAMPLES, Series, Window};
 use host_sim::decay::Decay;
-use host_sim::drive::{Drive, DriveLine};
-use host_sim::plant::{Course, Torque};
+use host_sim::drive::Drive;
+use host_sim::plant::{Cascade, Course, Torque};
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -28,9 +28,6 @@ type Stretch = Box<[WindowCourse]>;
 
 /// Each as it is first asked for.
 type Stretches = Arc<[OnceLock<Stretch>]>;
-
-/// Share of a step from which on a lag behind another is more than one of both together.
-const LEAST_BEHIND: f64 = 0.05;
 
 /// Drives that are remembered, of series that are not longer than what models are fitted to.
 const MOST_DRIVES: usize = 4;
@@ -143,8 +140,6 @@ impl<'a> Told<'a> {
 struct Listener<'a> {
     drive: &'a Drive,
     is_linear: bool,
-    /// Of the lag, or of both where they act as one, s.
-    lag_s: f64,
     series: &'a Series,
     times: &'a [f64],
     /// From when on the first input has been told for ever, s.
@@ -162,11 +157,21 @@ enum Line {
     Lagging {
         acting_nm: f64,
         target_nm: f64,
-        /// Over the pieces of a step in turn, which recur.
+        decay: Decay,
+    },
+    /// Likewise through one lag behind another.
+    Cascading {
+        cascade: Cascade,
         decays: [Decay; 2],
     },
-    /// Through one lag behind another.
-    Behind(DriveLine),
+}
+
+/// What acts for a while, with the decay of each lag over that.
+enum Piece {
+    /// N m.
+    Held(f64),
+    Relaxing(Torque, f64),
+    Cascading(Cascade, [f64; 2]),
 }
 
 impl<'a> Listener<'a> {
@@ -174,12 +179,9 @@ impl<'a> Listener<'a> {
     /// goes on with what was told before, the same.
     fn from(start_s: f64, drive: &'a Drive, series: &'a Series) -> Self {
         let told = series.told.as_ref();
-        let is_behind = drive.further_lag_s > LEAST_BEHIND * series.step_s();
-        let beside_s = if is_behind { 0.0 } else { drive.further_lag_s };
         let mut listener = Self {
             drive,
             is_linear: drive.is_linear(series.largest_input),
-            lag_s: drive.lag_s + beside_s,
             series,
             times: told.map_or(&series.input_time, |told| &told.time),
             start_s,
@@ -192,17 +194,17 @@ impl<'a> Listener<'a> {
         } else {
             0.0
         };
-        listener.line = if is_behind {
-            let at_once = Drive {
-                delay_s: 0.0,
-                ..drive.clone()
-            };
-            Line::Behind(DriveLine::settled(&at_once, before_nm))
-        } else if listener.lag_s > 0.0 {
+        listener.line = if drive.further_lag_s > 0.0 {
+            let lags_s = [drive.lag_s, drive.further_lag_s];
+            Line::Cascading {
+                cascade: Cascade::at_rest(before_nm, lags_s),
+                decays: [Decay::default(); 2],
+            }
+        } else if drive.lag_s > 0.0 {
             Line::Lagging {
                 acting_nm: before_nm,
                 target_nm: before_nm,
-                decays: [Decay::default(); 2],
+                decay: Decay::default(),
             }
         } else {
             Line::Instant(before_nm)
@@ -227,7 +229,7 @@ impl<'a> Listener<'a> {
         match &mut self.line {
             Line::Instant(acting_nm) => *acting_nm = settled_nm,
             Line::Lagging { target_nm, .. } => *target_nm = settled_nm,
-            Line::Behind(line) => line.command_settled(self.now_s, settled_nm),
+            Line::Cascading { cascade, .. } => cascade.target_nm = settled_nm,
         }
         self.next += 1;
     }
@@ -264,7 +266,7 @@ impl<'a> Listener<'a> {
             self.next = last;
             self.now_s = self.arrival_s();
         }
-        self.run_to(to_s, |_, _, _| {});
+        self.run_to(to_s, |_, _| {});
         self.listen();
     }
 
@@ -289,47 +291,53 @@ impl<'a> Listener<'a> {
     /// Adds the steps to some instants of the run to a course.
     fn step_through(&mut self, instants_s: &[f64], course: &mut Course) {
         for &to_s in instants_s {
-            self.run_to(to_s, |torque, piece_s, decay| match decay {
-                Some(decay) => course.relax(torque, piece_s, decay),
-                None => course.act(torque, piece_s),
+            self.run_to(to_s, |piece, lasts_s| match piece {
+                Piece::Held(torque_nm) => course.act(Torque::held(torque_nm), lasts_s),
+                Piece::Relaxing(torque, decay) => course.relax(torque, lasts_s, decay),
+                Piece::Cascading(cascade, decays) => {
+                    course.relax_twice(&cascade, lasts_s, decays);
+                }
             });
             course.close();
         }
     }
 
-    /// Lets it run on to `to_s`: tells of each piece of torque, for how long it acts, and its lag's decay over that if known.
-    fn run_to(&mut self, to_s: f64, mut acts: impl FnMut(Torque, f64, Option<f64>)) {
-        let lag_s = self.lag_s;
-        let mut piece = 0;
+    /// Lets it run on to `to_s`: tells of each piece and for how long it acts.
+    fn run_to(&mut self, to_s: f64, mut acts: impl FnMut(Piece, f64)) {
+        let lag_s = self.drive.lag_s;
         loop {
             self.listen();
             let arrival_s = self.arrival_s();
             let comes_before = arrival_s < to_s - rounding_s(to_s);
-            let until = if comes_before { arrival_s } else { to_s };
-            while self.now_s < until {
-                let left_s = until - self.now_s;
-                let (torque, piece_s, decay) = match &mut self.line {
-                    Line::Instant(acting_nm) => (Torque::held(*acting_nm), left_s, None),
+            let until_s = if comes_before { arrival_s } else { to_s };
+            if self.now_s < until_s {
+                let lasts_s = until_s - self.now_s;
+                let piece = match &mut self.line {
+                    Line::Instant(acting_nm) => Piece::Held(*acting_nm),
                     Line::Lagging {
                         acting_nm,
                         target_nm,
-                        decays,
+                        decay,
                     } => {
                         let torque = Torque::relaxing(*acting_nm, *target_nm, lag_s);
-                        let decay = decays[piece % 2].over(left_s, || -lag_s.recip());
-                        (*acting_nm, _) = torque.end_and_mean(left_s, decay);
-                        (torque, left_s, Some(decay))
+                        let decay = decay.over(lasts_s, || -lag_s.recip());
+                        (*acting_nm, _) = torque.end_and_mean(lasts_s, decay);
+                        Piece::Relaxing(torque, decay)
                     }
-                    Line::Behind(line) => {
-                        let (torque, piece_s) = line.piece(self.now_s, left_s);
-                        (torque, piece_s, None)
+                    Line::Cascading { cascade, decays } => {
+                        let [first, second] = decays;
+                        let [first_s, second_s] = cascade.lags_s();
+                        let decays = [
+                            first.over(lasts_s, || -first_s.recip()),
+                            second.over(lasts_s, || -second_s.recip()),
+                        ];
+                        let from = *cascade;
+                        *cascade = from.after(decays);
+                        Piece::Cascading(from, decays)
                     }
                 };
-                acts(torque, piece_s, decay);
-                piece += 1;
-                // The last piece ends on the instant itself, not beside it.
-                let now = self.now_s + piece_s;
-                self.now_s = if now < until { now } else { until };
+                acts(piece, lasts_s);
+                self.now_s = until_s;
             }
             if self.now_s >= to_s {
                 return;

@@ -1,7 +1,7 @@
 //! The torque of a drive over time, cut into steps.
 
 use super::torque::Impulse;
-use super::{Push, Torque};
+use super::{Cascade, Push, Torque};
 
 /// Torque in steps that follow each other, each of some pieces.
 #[derive(Clone, Debug)]
@@ -51,6 +51,13 @@ impl Course {
     pub fn relax(&mut self, torque: Torque, lasts_s: f64, decay: f64) {
         self.open = self.open.then(&Impulse::behind(&torque, lasts_s, decay));
         self.pieces.push((torque, lasts_s));
+    }
+
+    /// The same behind two lags, with the decay of each.
+    #[inline]
+    pub fn relax_twice(&mut self, cascade: &Cascade, lasts_s: f64, decays: [f64; 2]) {
+        self.open = self.open.then(&cascade.impulse(lasts_s, decays));
+        self.pieces.push((cascade.torque(lasts_s, decays), lasts_s));
     }
 
     /// Makes a step of the pieces since the last one.

@@ -12,6 +12,7 @@
 
 mod advance;
 mod barrier;
+mod cascade;
 mod cogging;
 mod course;
 mod drift;
@@ -40,6 +41,7 @@ use pendulum::Pendulum;
 use two_mass::Modes;
 
 pub use barrier::{Barrier, Touch};
+pub use cascade::Cascade;
 pub use cogging::Cogging;
 pub use course::Course;
 pub use drift::Drift;

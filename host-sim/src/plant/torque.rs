@@ -180,11 +180,12 @@ impl Push {
 /// Pieces of torque that follow each other, added up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Impulse {
-    lasts_s: f64,
+    pub(super) lasts_s: f64,
     /// Integral of the torque, N m s, and of that, N m s².
-    impulse_nms: f64,
-    way_nms2: f64,
-    bounds_nm: [f64; 2],
+    pub(super) impulse_nms: f64,
+    pub(super) way_nms2: f64,
+    /// Least and greatest torque that are possible, N m.
+    pub(super) bounds_nm: [f64; 2],
 }
 
 impl Impulse {

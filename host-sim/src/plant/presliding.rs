@@ -90,9 +90,9 @@ impl Presliding {
 }
 
 /// Terms of the binomial series that a short way takes in place of a power, and what a change that it is taken of may be at
-/// most: what is left out is a rounding error.
+/// most: what is left out is below 1e-9.
 const TERMS: usize = 6;
-const SHORT: f64 = 0.02;
+const SHORT: f64 = 0.15;
 
 /// Bristles as they are bent on and on.
 #[derive(Clone, Copy)]

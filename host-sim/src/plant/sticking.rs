@@ -74,8 +74,21 @@ impl Plant {
     pub(super) fn stays_at_rest(
         &self,
         state: &mut State,
-        [low, high]: [f64; 2],
+        bounds_nm: [f64; 2],
         within_s: f64,
+    ) -> bool {
+        let (position, end_s) = (state.position, state.time_s + within_s);
+        let holding = |pull: f64, drive_nm: f64| self.holding_at(position, end_s, pull, drive_nm);
+        self.is_held_by(state, bounds_nm, holding)
+    }
+
+    /// True if the joint is at rest and a level, of a pull under a drive, holds it under any drive between two bounds.
+    #[inline]
+    pub(super) fn is_held_by(
+        &self,
+        state: &mut State,
+        [low, high]: [f64; 2],
+        holding: impl Fn(f64, f64) -> f64,
     ) -> bool {
         if !(self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0) {
             return false;
@@ -86,10 +99,9 @@ impl Plant {
                 pull_nm: self.pull(state, 0.0, self.through(state)),
             };
         }
-        let end_s = state.time_s + within_s;
         let holds = |drive_nm: f64| {
             let pull = state.rest.pull_nm + drive_nm;
-            pull.abs() <= self.holding_at(state.position, end_s, pull, drive_nm)
+            pull.abs() <= holding(pull, drive_nm)
         };
         holds(low) && (low == high || holds(high))
     }

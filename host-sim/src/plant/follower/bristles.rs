@@ -48,13 +48,12 @@ impl Follower<'_> {
                 bent.go(way_due + way);
                 let z = bent.deflection();
                 state.pendulum.follow(m.from_hanging_rad(x));
-                let level = m.sliding(
-                    1f64.copysign(z),
-                    x,
-                    v.abs(),
-                    state.time_s + (part as f64 + 0.5) * part_s,
-                    mean_nm,
-                );
+                let level = if plant.plain {
+                    m.friction.level(z)
+                } else {
+                    let halfway_s = state.time_s + (part as f64 + 0.5) * part_s;
+                    m.sliding(1f64.copysign(z), x, v.abs(), halfway_s, mean_nm)
+                };
                 let torque = plant.motor_side(mean_nm, x)
                     + plant.load_side(&state.pendulum, &state.touch, x, v)
                     - level * z / bristles.distance;

@@ -12,6 +12,7 @@ mod ride;
 mod side;
 mod sliding;
 
+use super::drift::Drifting;
 use super::pace::MIDPOINT_ON_SLOPE;
 use super::two_mass::FLOWS;
 use super::zero_order_hold::ZeroOrderHold;
@@ -122,12 +123,22 @@ impl<'a> Follower<'a> {
     /// As far as it stays at rest.
     #[inline]
     fn rest(&self, ride: &mut Ride<'_>) {
+        let plant = self.plant;
         let until_s = self.rests_until_s(ride.state);
+        let friction = &plant.mechanics.friction;
+        let drift = friction.drift.filter(|_| plant.is_level);
+        let mut drifting = drift.map(|drift| Drifting::from(drift, ride.state.time_s));
         while let Some(push) = ride.push() {
-            let stays = ride.state.time_s + push.lasts_s <= until_s
-                && self
-                    .plant
-                    .stays_at_rest(ride.state, push.bounds_nm, push.lasts_s);
+            let end_s = ride.state.time_s + push.lasts_s;
+            let stays = end_s <= until_s
+                && match &mut drifting {
+                    Some(drifting) => {
+                        let factor = drifting.factor(end_s);
+                        let holding = |pull: f64, _| factor * friction.level(pull);
+                        plant.is_held_by(ride.state, push.bounds_nm, holding)
+                    }
+                    None => plant.stays_at_rest(ride.state, push.bounds_nm, push.lasts_s),
+                };
             if !stays {
                 break;
             }

@@ -6,6 +6,7 @@ use super::whitening::{Whitening, dot};
 use super::{DIFFERENCES, Fit, Slope, aside};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use std::mem;
 
 /// What is known well enough near a fit: what it leaves, the slopes along its coordinates, and how uncertain the restarts
 /// leave the windows.
@@ -27,12 +28,17 @@ struct Linear {
     products: DMatrix<f64>,
 }
 
-/// An effect at a point on top of what is known, where all is linear.
+/// An effect at a point on top of what is known, where all is linear: of each window that takes part.
 pub(crate) struct Direction {
-    /// Of the residuals of each window, whitened.
-    change: Vec<Vec<f64>>,
-    /// Along each of its own coordinates, likewise.
-    slopes: Vec<Vec<Vec<f64>>>,
+    windows: Vec<Along>,
+}
+
+/// In one window.
+struct Along {
+    /// What the effect changes of what is left, and slopes along its own coordinates, whitened.
+    columns: Vec<Vec<f64>>,
+    /// Mean products of these, one a row, with the columns of what is known, then with each other.
+    products: DMatrix<f64>,
 }
 
 /// Farthest move along a slope of an effect.
@@ -79,19 +85,54 @@ impl Linear {
         }
     }
 
+    /// With the columns of an effect.
+    fn along(&self, columns: Vec<Vec<f64>>) -> Along {
+        let all: Vec<&Vec<f64>> = self.columns.iter().chain(&columns).collect();
+        let mean = |i: usize, j: usize| mean_product(&columns[i], all[j]);
+        let products = DMatrix::from_fn(columns.len(), all.len(), mean);
+        Along { columns, products }
+    }
+
     /// Products of what is left beside two effects, and of all slopes.
-    fn with_both(&self, both: [&Direction; 2]) -> DMatrix<f64> {
-        let mut left = self.columns[0].clone();
-        for direction in both {
-            for (l, change) in left.iter_mut().zip(&direction.change[self.index]) {
-                *l += change;
+    fn with_both(&self, [a, b]: [&Along; 2]) -> DMatrix<f64> {
+        let known = self.columns.len();
+        let [own_a, own_b] = [a, b].map(|along| along.columns.len() - 1);
+        let count = known + own_a + own_b;
+        // The changes come last, as they are taken into what is left.
+        let place = |first: usize, last: usize| {
+            move |column: usize| {
+                if column == 0 {
+                    last
+                } else {
+                    first + column - 1
+                }
+            }
+        };
+        let places = [place(known, count), place(known + own_a, count + 1)];
+        let mut all = self.products.clone().resize(count + 2, count + 2, 0.0);
+        let mut put = |i: usize, j: usize, product: f64| {
+            (all[(i, j)], all[(j, i)]) = (product, product);
+        };
+        for (along, place) in [a, b].into_iter().zip(&places) {
+            for i in 0..along.columns.len() {
+                (0..known).for_each(|j| put(place(i), j, along.products[(i, j)]));
+                (0..=i).for_each(|j| put(place(i), place(j), along.products[(i, known + j)]));
             }
         }
-        let known = self.columns[1..].iter();
-        let own = both.into_iter().flat_map(|direction| &direction.slopes);
-        let slopes = known.chain(own.map(|slope| &slope[self.index]));
-        let all: Vec<&Vec<f64>> = [&left].into_iter().chain(slopes).collect();
-        DMatrix::from_fn(all.len(), all.len(), |i, j| mean_product(all[i], all[j]))
+        for (i, of_a) in a.columns.iter().enumerate() {
+            for (j, of_b) in b.columns.iter().enumerate() {
+                put(places[0](i), places[1](j), mean_product(of_a, of_b));
+            }
+        }
+        for i in 0..count + 2 {
+            let changes = all[(count, i)] + all[(count + 1, i)];
+            all[(0, i)] += changes;
+        }
+        for i in 0..count + 2 {
+            let changes = all[(i, count)] + all[(i, count + 1)];
+            all[(i, 0)] += changes;
+        }
+        all.resize(count, count, 0.0)
     }
 
     /// Its products with one column more.
@@ -113,7 +154,9 @@ fn mean_product(a: &[f64], b: &[f64]) -> f64 {
 
 /// Mean square of a sum of columns.
 fn cost(products: &DMatrix<f64>, factors: &DVector<f64>) -> f64 {
-    (products * factors).dot(factors).clamp(0.0, f64::MAX)
+    let columns = products.column_iter().zip(factors);
+    let sum: f64 = columns.map(|(column, by)| by * column.dot(factors)).sum();
+    sum.clamp(0.0, f64::MAX)
 }
 
 /// Sum of the products of all windows as they weigh at some factors, of which so many are moves along slopes: those say little
@@ -127,7 +170,8 @@ fn weighed(
     let n = factors.len();
     let mut normal = DMatrix::zeros(n, n);
     for products in products {
-        normal += products / (1.0 + cost(products, factors));
+        let weight = 1.0 / (1.0 + cost(products, factors));
+        normal.zip_apply(products, |sum, product| *sum += weight * product);
     }
     for i in 1..=slopes {
         normal[(i, i)] += PRIOR_WEIGHT;
@@ -214,16 +258,23 @@ impl Ground {
             problem.slope(hypothesis, x, &there, i, difference, part)
         });
         let slopes: Vec<Slope> = slopes.collect();
-        let whitened = |slope: &Slope| problem.whitened(slope, &self.whitenings);
+        let change = self.changed(there);
+        let columns = [&change].into_iter().chain(&slopes);
+        let whitened = columns.map(|column| problem.whitened(column, &self.whitenings));
+        let mut whitened: Vec<Vec<Vec<f64>>> = whitened.collect();
+        let windows = self.windows.iter().map(|window| {
+            let columns = whitened.iter_mut();
+            window.along(columns.map(|c| mem::take(&mut c[window.index])).collect())
+        });
         Direction {
-            slopes: slopes.iter().map(whitened).collect(),
-            change: whitened(&self.changed(there)),
+            windows: windows.collect(),
         }
     }
 
     /// Robust cost per window of two effects together, linearly from where each stands.
     pub(crate) fn promise_of_both(&self, nudges: usize, both: [&Direction; 2]) -> f64 {
-        let products = self.windows.iter().map(|w| w.with_both(both));
+        let windows = self.windows.iter().enumerate();
+        let products = windows.map(|(w, window)| window.with_both(both.map(|d| &d.windows[w])));
         let products: Vec<DMatrix<f64>> = products.collect();
         let nudges = &self.x[..nudges];
         let factors = self.moved(nudges, &products);

@@ -38,10 +38,13 @@ impl Search<'_> {
         hints.retain(|rival| !bounces(rival.name));
         let chosen = self.screening_windows(null);
         let leaders = self.leaders(first, if lead { LEADERS } else { 0 });
-        let looked = self.led(null, leaders, &chosen, &hints);
+        let (looked, suffices) = self.led(null, leaders, &chosen, &hints);
         let led = looked.iter().flat_map(|(_, screened)| screened).cloned();
-        let proposed = self.proposed(null, &chosen, &first.screened);
-        let finals = self.finals(led.chain(proposed).collect(), null, None);
+        let mut both: Vec<Rival> = led.collect();
+        if !suffices {
+            both.extend(self.proposed(null, &chosen, &first.screened));
+        }
+        let finals = self.finals(both, null, None);
         let both = ranked(finals, null, self.quiet())?.swap_remove(0);
         if !worth(&both.fit) {
             return None;
@@ -72,14 +75,14 @@ impl Search<'_> {
         leaders
     }
 
-    /// Each leader with what screening finds on top of it, until that is enough.
+    /// Each leader with what screening finds on top of it, until that is enough; and whether it is.
     fn led(
         &self,
         null: &Fit,
         leaders: Vec<Rival>,
         chosen: &[bool],
         hints: &[Rival],
-    ) -> Vec<(Rival, Vec<Rival>)> {
+    ) -> (Vec<(Rival, Vec<Rival>)>, bool) {
         let Fit { hypothesis, x, .. } = null;
         let nothing = self.problem.costs(hypothesis, x, Part::Chosen(chosen));
         let most = self.perfect.level + LITTLE * (nothing.level() - self.perfect.level);
@@ -95,10 +98,10 @@ impl Search<'_> {
             let enough = screened.iter().any(|rival| is_enough(&rival.fit));
             looked.push((leader, screened));
             if enough {
-                break;
+                return (looked, true);
             }
         }
-        looked
+        (looked, false)
     }
 
     /// What becomes of an effect and of the second that was found beside it, where the first had stood in for something.

@@ -518,6 +518,31 @@ proptest! {
     }
 
     #[test]
+    fn quick_steps_follow_a_light_load_that_is_heavy(
+        load_share in 0.02..0.2f64,
+        gravity in 0.1..1.5f64,
+        rate in 50.0..1500.0f64,
+        play in prop_oneof![Just(0.0), 0.002..0.02f64],
+    ) {
+        let paddle = paddle();
+        let reduced = paddle.inertia * load_share * (1.0 - load_share);
+        let error = error_of_quick(&Mechanics {
+            gravity,
+            link: Some(Link {
+                load_share,
+                stiffness: rate * rate * reduced,
+                damping: 0.6 * rate * reduced,
+                play,
+                load_friction: 0.2,
+                sensor_on_load: false,
+            }),
+            ..paddle
+        });
+        let most = if play > 0.0 { 2e-2 } else { 3e-3 };
+        prop_assert!(error < most, "{error}");
+    }
+
+    #[test]
     fn quick_steps_follow_two_masses_of_which_one_is_on_bristles(
         load_share in 0.2..0.8f64,
         rate in 50.0..1500.0f64,

@@ -295,15 +295,16 @@ impl DriveLine {
 
     /// What comes of the next `piece_s` of the torque behind the further lag, and for how long that is one piece.
     fn piece_behind(&mut self, piece_s: f64) -> (Torque, f64) {
-        let piece_s = if self.torque.is_held() {
-            piece_s
+        let (piece_s, decay) = if self.torque.is_held() {
+            (piece_s, 0.0)
         } else {
-            piece_s.min(STRAIGHT * self.lag_s)
+            let piece_s = piece_s.min(STRAIGHT * self.lag_s);
+            (piece_s, (-piece_s / self.lag_s).exp())
         };
         self.age_s = piece_s;
         let behind = self
             .torque
-            .behind(self.acting_nm, self.further_lag_s, piece_s);
+            .behind(self.acting_nm, self.further_lag_s, piece_s, decay);
         self.acting_nm = behind.at(piece_s);
         (behind, piece_s)
     }

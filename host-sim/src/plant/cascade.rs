@@ -10,9 +10,9 @@ pub struct Cascade {
     /// What both relax to, N m.
     pub target_nm: f64,
     /// Behind the first lag, N m.
-    pub between_nm: f64,
+    between_nm: f64,
     /// Behind both, N m.
-    pub acting_nm: f64,
+    acting_nm: f64,
     lags_s: [f64; 2],
 }
 
@@ -93,15 +93,9 @@ impl Cascade {
     /// As one torque over `lasts_s`, what is between the lags being taken as straight with the same rise and mean.
     #[inline]
     pub(super) fn torque(&self, lasts_s: f64, decays: [f64; 2]) -> Torque {
-        let transient_nm = self.between_nm - self.target_nm;
-        let rise_nm = transient_nm * (decays[0] - 1.0);
-        let mean_nm = self.target_nm + transient_nm * self.lags_s[0] * (1.0 - decays[0]) / lasts_s;
-        Torque {
-            start_nm: self.acting_nm,
-            target_nm: mean_nm - 0.5 * rise_nm,
-            target_rate_nm_s: rise_nm / lasts_s,
-            lag_s: self.lags_s[1],
-        }
+        let [first_s, second_s] = self.lags_s;
+        let between = Torque::relaxing(self.between_nm, self.target_nm, first_s);
+        between.behind(self.acting_nm, second_s, lasts_s, decays[0])
     }
 }
 

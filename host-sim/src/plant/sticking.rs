@@ -64,8 +64,19 @@ impl Plant {
     /// Dry friction on the motor side (0) or the load side (1) while sliding, if it depends on the direction alone, N m.
     #[inline]
     pub(super) fn constant_friction_nm(&self, side: usize, direction: f64) -> Option<f64> {
-        let level = self.mechanics.friction.level(direction);
-        (self.plain || direction == 0.0).then_some(self.friction_share[side] * direction * level)
+        (self.plain || direction == 0.0).then(|| self.level_nm(side, direction))
+    }
+
+    /// The same without what it depends on beside the direction, N m.
+    #[inline]
+    pub(super) fn level_nm(&self, side: usize, direction: f64) -> f64 {
+        self.friction_share[side] * direction * self.mechanics.friction.level(direction)
+    }
+
+    /// True if the joint is at rest, and what pulls at it there is the same as long as it is.
+    #[inline]
+    pub(super) fn rests(&self, state: &State) -> bool {
+        self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0
     }
 
     /// True if the joint is at rest and no drive between two bounds breaks it away by the end of the next `within_s`: what
@@ -79,10 +90,10 @@ impl Plant {
     ) -> bool {
         let (position, end_s) = (state.position, state.time_s + within_s);
         let holding = |pull: f64, drive_nm: f64| self.holding_at(position, end_s, pull, drive_nm);
-        self.is_held_by(state, bounds_nm, holding)
+        self.rests(state) && self.is_held_by(state, bounds_nm, holding)
     }
 
-    /// True if the joint is at rest and a level, of a pull under a drive, holds it under any drive between two bounds.
+    /// True if a level, of a pull under a drive, holds the joint that rests under any drive between two bounds.
     #[inline]
     pub(super) fn is_held_by(
         &self,
@@ -90,9 +101,6 @@ impl Plant {
         [low, high]: [f64; 2],
         holding: impl Fn(f64, f64) -> f64,
     ) -> bool {
-        if !(self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0) {
-            return false;
-        }
         if state.rest.position != state.position {
             state.rest = Rest {
                 position: state.position,

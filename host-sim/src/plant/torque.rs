@@ -48,13 +48,14 @@ impl Torque {
         }
     }
 
-    /// What a lag at `start_nm` makes of the next `t_s` of it, taken as straight with the same rise and mean.
+    /// What a lag at `start_nm` makes of the next `t_s` of it, over which its own lag's `decay`, exp(−t/lag), is known, taken as
+    /// straight with the same rise and mean.
     #[inline]
-    pub fn behind(&self, start_nm: f64, lag_s: f64, t_s: f64) -> Self {
+    pub fn behind(&self, start_nm: f64, lag_s: f64, t_s: f64, decay: f64) -> Self {
         if self.is_held() || t_s <= 0.0 {
             return Self::relaxing(start_nm, self.at(0.0), lag_s);
         }
-        let (end_nm, mean_nm) = self.end_and_mean(t_s, (-t_s / self.lag_s).exp());
+        let (end_nm, mean_nm) = self.end_and_mean(t_s, decay);
         let rise_nm = end_nm - self.at(0.0);
         Self {
             start_nm,

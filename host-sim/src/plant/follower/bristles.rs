@@ -16,6 +16,14 @@ pub(super) fn parts_of(angle: f64) -> f64 {
 }
 
 impl Follower<'_> {
+    /// Of an oscillation on bristles, at what bends otherwise, 1/s.
+    pub(super) fn bristle_rate(&self) -> f64 {
+        let friction = &self.plant.mechanics.friction;
+        let holding = friction.highest_nm() * friction.stribeck.ratio;
+        let inertia = self.plant.inverse_inertia[0].recip();
+        self.plant.parts.bristles.natural_rate(inertia, holding) + self.bent_rate
+    }
+
     /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest, by which they are
     /// bent with the first half of the next step.
     pub(super) fn bend(&self, ride: &mut Ride<'_>) {
@@ -27,8 +35,7 @@ impl Follower<'_> {
         if ride.state.touch.contains(&Touch::Pushing) {
             return;
         }
-        let holding = m.friction.highest_nm() * m.friction.stribeck.ratio;
-        let rate = bristles.natural_rate(inertia, holding) + self.bent_rate;
+        let rate = self.bristle_rate();
         let mut bending = Bending::from(bristles, ride.state.deflection);
         let mut due = 0.0;
         while let Some(push) = ride.push() {

@@ -12,19 +12,15 @@ pub(super) struct Level {
 impl Level {
     /// None where it is not the same.
     pub(super) fn of(plant: &Plant, side: usize, direction: f64, time_s: f64) -> Self {
-        let friction = &plant.mechanics.friction;
         let is_level = plant.is_level && direction != 0.0;
-        let share = plant.friction_share[side];
+        let drift = plant.mechanics.friction.drift.filter(|_| is_level);
         Self {
             settled_nm: if is_level {
-                share * direction * friction.level(direction)
+                plant.level_nm(side, direction)
             } else {
                 0.0
             },
-            drifting: friction
-                .drift
-                .filter(|_| is_level)
-                .map(|d| Drifting::from(d, time_s)),
+            drifting: drift.map(|drift| Drifting::from(drift, time_s)),
         }
     }
 

@@ -26,9 +26,7 @@ impl Follower<'_> {
         let link = &plant.parts.link;
         let inverse = plant.inverse_inertia[0];
         let step_s = self.step_s;
-        let holding = m.friction.highest_nm() * m.friction.stribeck.ratio;
-        let rate = bristles.natural_rate(inverse.recip(), holding) + self.bent_rate;
-        let parts = parts_of(rate * step_s);
+        let parts = parts_of(self.bristle_rate() * step_s);
         let part_s = step_s / parts;
         let mut x = [
             state.position,

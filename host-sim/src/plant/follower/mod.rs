@@ -124,6 +124,9 @@ impl<'a> Follower<'a> {
     #[inline]
     fn rest(&self, ride: &mut Ride<'_>) {
         let plant = self.plant;
+        if !plant.rests(ride.state) {
+            return;
+        }
         let until_s = self.rests_until_s(ride.state);
         let friction = &plant.mechanics.friction;
         let drift = friction.drift.filter(|_| plant.is_level);

@@ -125,6 +125,21 @@ impl Bins {
         surplus.iter().take(count).sum()
     }
 
+    /// Surplus of all bins that stand out in one half of the points, by what the other half carries there: consecutive points,
+    /// two by two, are of either half in turn.
+    pub(super) fn confirmed(&self) -> f64 {
+        let confirmed = self.parts().map(|bin| {
+            let mut halves = [0.0f64; 2];
+            for p in bin {
+                halves[p.index / 2 % 2] += p.excess / self.excess - p.weight / self.weight;
+            }
+            let [a, b] = halves;
+            let told_by = |one: f64, other: f64| if one > 0.0 { other } else { 0.0 };
+            told_by(a, b) + told_by(b, a)
+        });
+        confirmed.sum()
+    }
+
     /// The stretch whose share of the gap is larger than that of the weight by most, clear of `taken`.
     pub(super) fn best(&self, taken: Option<&Stretch>) -> Option<Stretch> {
         let sums = self.sums();
@@ -160,19 +175,6 @@ impl Bins {
         let end = self.edge(sums.len());
         let bins = sums.into_iter().enumerate().rev();
         best_grown(end, bins.map(|(i, sum)| (self.edge(i), sum)))
-    }
-
-    /// What each of `count` things would have of the gap if the place alone decided, by index.
-    pub(super) fn expected(&self, count: usize) -> Vec<f64> {
-        let mut expected = vec![0.0; count];
-        for bin in self.parts() {
-            let sum = |of: fn(&Point) -> f64| bin.iter().map(of).sum::<f64>();
-            let density = sum(|p| p.excess) / sum(|p| p.weight).max(f64::MIN_POSITIVE);
-            for p in bin {
-                expected[p.index] = density * p.weight;
-            }
-        }
-        expected
     }
 
     /// Share of the squared `values` that is a function of the place: the correlation ratio (Pearson, 1905)
@@ -336,15 +338,16 @@ mod tests {
     }
 
     #[test]
-    fn what_another_axis_decides_leaves_no_stretch() {
-        let late = |x: f64| if x < 50.0 { 1.0 } else { 7.0 };
-        let expected = Bins::new(points(late), 20).unwrap().expected(100);
-        let mut same = points(late);
-        for p in &mut same {
-            (p.at, p.weight) = (-p.at, expected[p.index]);
-        }
-        let left = Bins::new(same, 20).unwrap().best(None);
-        assert!(left.is_none_or(|s| s.surplus() < 1e-9), "{left:?}");
+    fn bins_that_stand_out_in_one_half_alone_are_not_confirmed() {
+        let surplus = |excess: fn(usize) -> f64| {
+            let mut all = points(|_| 1.0);
+            for p in &mut all {
+                p.excess += excess(p.index);
+            }
+            Bins::new(all, 20).unwrap().confirmed()
+        };
+        assert!(surplus(|i| if i / 5 % 4 == 0 { 9.0 } else { 0.0 }) > 0.5);
+        assert!(surplus(|i| if i % 20 == 0 { 40.0 } else { 0.0 }) < 0.1);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::bins::{Bins, Point, Stretch};
 use super::innovation::Innovation;
 use super::level::Level;
+use super::recurrence::Recurrence;
 use super::spectrum;
 use crate::windows::series::Series;
 
@@ -34,6 +35,11 @@ const EVENT_STRENGTH: f64 = 0.5;
 const MOST_OF_STRETCH: f64 = 0.9;
 /// Weight of a slow course of friction over time: what repeats itself has none.
 const COURSE_WEIGHT: f64 = 2.5;
+/// Weight of moments whose motion brings no gap at other times. Of 2495 places on blind sets 96 % are among the first three with
+/// this and the next, 94.5 % with neither; a fifth more or less of either moves two in a thousand.
+const ONCE_WEIGHT: f64 = 1.25;
+/// Weight of what comes again with what led to a motion only.
+const MEMORY_WEIGHT: f64 = 3.0;
 
 /// What speaks for an axis.
 pub(super) struct Evidence {
@@ -79,6 +85,7 @@ type Place = fn(&Innovation) -> f64;
 pub(super) struct Axes<'a> {
     all: &'a [Innovation],
     level: Level,
+    recurrence: Recurrence,
     series: &'a [Series],
     /// True if the gap is an event.
     event: bool,
@@ -89,6 +96,7 @@ impl<'a> Axes<'a> {
         let axes = Self {
             all,
             level: Level::of(all),
+            recurrence: Recurrence::of(all, TIME_BINS),
             series,
             event: false,
         };
@@ -262,7 +270,7 @@ impl<'a> Axes<'a> {
         let surplus = if self.event {
             stretch.surplus() + EVENT_STRENGTH
         } else {
-            self.surplus_of_time()
+            ONCE_WEIGHT * self.recurrence.once
         };
         let strength = surplus + COURSE_WEIGHT * self.explained_along(&coarse);
         let spans = self.series.iter().filter_map(Series::session_span_s);
@@ -273,27 +281,6 @@ impl<'a> Axes<'a> {
             stretch = cut;
         }
         Some(Evidence::new("time", bins, stretch, strength))
-    }
-
-    /// Surplus of times beyond what each of the other axes makes of them: where the motion is livelier, the
-    /// gap is larger.
-    fn surplus_of_time(&self) -> f64 {
-        let left = OF_MOTION.iter().filter_map(|(_, place, _)| {
-            let expected = self
-                .bins(place, |i| i.excess, BINS)?
-                .expected(self.all.len());
-            let points = self.all.iter().enumerate().map(|(index, i)| Point {
-                at: i.session_s,
-                index,
-                block: i.window,
-                weight: expected[index],
-                excess: i.excess,
-            });
-            let bins = Bins::new(points.collect(), TIME_BINS)?;
-            let best = bins.best(None).map_or(0.0, |best| best.surplus());
-            Some(best.max(bins.densest(EVENTS)))
-        });
-        left.min_by(f64::total_cmp).unwrap_or(0.0)
     }
 
     /// The run that carries most beyond its share.
@@ -314,7 +301,8 @@ impl<'a> Axes<'a> {
         let bins = Bins::new(points, BINS)?;
         let stretch = bins.best(None)?;
         let change = self.bins(|i| i.input_change, |i| i.excess, BINS)?;
-        let strength = BAND_WEIGHT * stretch.surplus() + self.explained(&change);
+        let of_phase = self.explained(&change) + MEMORY_WEIGHT * self.recurrence.memory;
+        let strength = BAND_WEIGHT * stretch.surplus() + of_phase;
         Some(Evidence::new("frequency", bins, stretch, strength))
     }
 }

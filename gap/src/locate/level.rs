@@ -50,7 +50,7 @@ impl Level {
 }
 
 /// Signed root of the robust measure of the fits, so that its square is that measure.
-fn robust(missing: f64) -> f64 {
+pub(super) fn robust(missing: f64) -> f64 {
     (missing * missing).ln_1p().sqrt().copysign(missing)
 }
 

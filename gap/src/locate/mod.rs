@@ -5,6 +5,7 @@ mod evidence;
 mod grown;
 mod innovation;
 mod level;
+mod recurrence;
 mod spectrum;
 
 use crate::comparison::{Comparison, Outcome};

@@ -224,10 +224,32 @@ mod tests {
     }
 
     #[test]
+    fn a_hand_that_comes_again_is_told_over_time() {
+        let times = [[1.0, 1.6], [4.5, 5.2], [7.0, 7.5], [9.5, 10.4]];
+        let hands = times.iter().zip(1..).map(|([from, to], i)| {
+            format!("position_{i}=-9,side_{i}=1,from_{i}={from},to_{i}={to}")
+        });
+        let hands = hands.collect::<Vec<_>>().join(",");
+        let found = found(&[&format!("contact:stiffness=1e-4,damping=0.001,{hands}")]);
+        let told = on("time", &found);
+        let [begins, ends] = [told.from.unwrap(), told.to.unwrap()];
+        assert!(
+            times.iter().any(|[from, to]| begins < *to && ends > *from),
+            "{told:?}"
+        );
+    }
+
+    #[test]
     fn what_hardly_reaches_back_into_the_run_before_is_told_of_one_run() {
         let hand = hand(5.95, 9.0);
         assert_eq!(hand.run, Some(1));
         assert!(hand.share_of_gap > 0.8, "{hand:?}");
+    }
+
+    #[test]
+    fn what_comes_late_is_a_band_of_frequencies() {
+        on("frequency", &found(&["delay:time=4e-3"]));
+        on("frequency", &found(&["sensor_lag:time=4e-3"]));
     }
 
     #[test]

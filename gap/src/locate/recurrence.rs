@@ -1,4 +1,5 @@
-//! What the same motion brings at other times.
+//! What the same motion brings at other times: the method of analogues (Lorenz, Atmospheric predictability as revealed by
+//! naturally occurring analogues, 1969).
 
 use super::bins::{Bins, Point};
 use super::innovation::Innovation;

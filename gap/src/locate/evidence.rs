@@ -1,7 +1,7 @@
 //! What speaks for each axis.
 
 use super::bins::{Bins, Point, Stretch};
-use super::innovation::Innovation;
+use super::innovation::{Innovation, Place};
 use super::level::Level;
 use super::recurrence::Recurrence;
 use super::spectrum;
@@ -75,8 +75,6 @@ const OF_MOTION: [(&str, Place, Place); 4] = [
     ("input", |i| i.input, |i| i.input_reach),
     ("acceleration", |i| i.acceleration, |_| 0.0),
 ];
-
-type Place = fn(&Innovation) -> f64;
 
 /// The axes of some innovations, and what speaks for each.
 ///

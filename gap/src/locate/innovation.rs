@@ -43,10 +43,21 @@ pub(super) struct Innovation {
     pub missing: f64,
 }
 
+/// A place of innovations on an axis.
+pub(super) type Place = fn(&Innovation) -> f64;
+
 impl Innovation {
     /// The excess by the measure of the fits, in which no single event outweighs all else.
     pub(super) fn robust(&self) -> f64 {
         self.samples * (self.excess / self.samples).ln_1p()
+    }
+
+    /// What is missing as the signed root of that measure.
+    pub(super) fn robust_missing(&self) -> f64 {
+        (self.missing * self.missing)
+            .ln_1p()
+            .sqrt()
+            .copysign(self.missing)
     }
 
     /// 1 or -1 with the motion.

@@ -18,7 +18,7 @@ pub(super) struct Level {
 
 impl Level {
     pub(super) fn of(all: &[Innovation]) -> Self {
-        let missing: Vec<f64> = all.iter().map(|i| robust(i.missing)).collect();
+        let missing: Vec<f64> = all.iter().map(Innovation::robust_missing).collect();
         let directions: Vec<f64> = all.iter().map(Innovation::direction).collect();
         let n = all.len() as f64;
         let square = |x: &[f64]| dot(x, x);
@@ -47,11 +47,6 @@ impl Level {
             rest,
         }
     }
-}
-
-/// Signed root of the robust measure of the fits, so that its square is that measure.
-pub(super) fn robust(missing: f64) -> f64 {
-    (missing * missing).ln_1p().sqrt().copysign(missing)
 }
 
 #[cfg(test)]

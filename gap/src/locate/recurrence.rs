@@ -2,8 +2,7 @@
 //! naturally occurring analogues, 1969).
 
 use super::bins::{Bins, Point};
-use super::innovation::Innovation;
-use super::level::robust;
+use super::innovation::{Innovation, Place};
 use rayon::prelude::*;
 
 /// Innovations that are compared with one another, evenly taken: of more of them the nearest ones are hardly nearer.
@@ -12,8 +11,6 @@ const MOST: usize = 800;
 const NEIGHBOURS: usize = 20;
 /// Share of a session within which two are at the same time.
 const SAME_TIME: f64 = 0.025;
-
-type Place = fn(&Innovation) -> f64;
 
 /// What makes a motion the same, and what led to it.
 const MOTION: [Place; 5] = [
@@ -49,9 +46,9 @@ impl Recurrence {
         let ranks = MOTION.map(|place| ranks(&all.iter().map(place).collect::<Vec<_>>()));
         let now = neighbours(&all, &ranks[..OF_THE_MOMENT]);
         let led = neighbours(&all, &ranks);
-        let known = |near: &[Vec<usize>]| known(near, |i| robust(all[i].missing));
+        let known = |near: &[Vec<usize>]| known(near, |i| all[i].robust_missing());
         Self {
-            once: once(&all, &now, bins).unwrap_or(0.0),
+            once: once(&all, &now, bins),
             memory: (known(&led) - known(&now)).max(0.0),
         }
     }
@@ -103,7 +100,7 @@ fn known(near: &[Vec<usize>], value: impl Fn(usize) -> f64) -> f64 {
 }
 
 /// Surplus of the moments that carry more of the gap than the same motion does at other times.
-fn once(all: &[Innovation], near: &[Vec<usize>], bins: usize) -> Option<f64> {
+fn once(all: &[Innovation], near: &[Vec<usize>], bins: usize) -> f64 {
     let density = |j: usize| all[j].robust() / all[j].samples;
     let points = all
         .iter()
@@ -116,7 +113,7 @@ fn once(all: &[Innovation], near: &[Vec<usize>], bins: usize) -> Option<f64> {
             weight: i.samples * mean(near, density),
             excess: i.robust(),
         });
-    Some(Bins::new(points.collect(), bins)?.confirmed())
+    Bins::new(points.collect(), bins).map_or(0.0, |bins| bins.confirmed())
 }
 
 #[cfg(test)]

@@ -34,6 +34,7 @@ mod made;
 mod measure;
 pub mod model_file;
 pub mod predict;
+mod ruler;
 mod select;
 mod shrink;
 mod stage;

@@ -72,6 +72,8 @@ pub struct Recording {
     pub model: Model,
     /// How well the model's numbers are known.
     pub tolerance: Tolerance,
+    /// Those of [`Model::ESSENTIAL`] that the recording does not state; `model` holds what is assumed for them.
+    pub unstated: Vec<&'static str>,
     /// Sensors by the name of their column; `position` is always there after reading.
     pub sensors: BTreeMap<String, Sensor>,
     /// The runs, in the order of the manifest.
@@ -94,6 +96,7 @@ impl Recording {
             units: Units::default(),
             model,
             tolerance: Tolerance::default(),
+            unstated: Vec::new(),
             sensors: BTreeMap::from([("position".to_owned(), Sensor::default())]),
             runs: Vec::new(),
             oddities: Vec::new(),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::ser::{Error as _, SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Fault};
@@ -89,19 +90,36 @@ pub(crate) enum Controller {
     Pid(Pid),
 }
 
-/// `[model]` with its tolerances.
-#[derive(Serialize)]
+/// `[model]` with its tolerances, without the numbers that are not stated.
 struct ModelTable<'a> {
-    #[serde(flatten)]
     model: &'a Model,
-    #[serde(skip_serializing_if = "Tolerance::is_empty")]
+    unstated: &'a [&'static str],
     tolerance: &'a Tolerance,
+}
+
+impl Serialize for ModelTable<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let numbers = toml::Table::try_from(self.model).map_err(S::Error::custom)?;
+        let mut table = serializer.serialize_map(None)?;
+        for name in Model::NAMES {
+            if let Some(value) = numbers.get(name)
+                && !self.unstated.contains(&name)
+            {
+                table.serialize_entry(name, value)?;
+            }
+        }
+        if !self.tolerance.is_empty() {
+            table.serialize_entry("tolerance", self.tolerance)?;
+        }
+        table.end()
+    }
 }
 
 /// A manifest that was read, with the lines on which its keys stand.
 pub(crate) struct Parsed {
     pub manifest: Manifest<Model>,
     pub tolerance: Tolerance,
+    pub unstated: Vec<&'static str>,
     pub lines: Lines,
     pub oddities: Vec<Oddity>,
 }
@@ -131,9 +149,13 @@ pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
     let oddities = keys::check(text, root.get_ref())?;
 
     let model = root.get_mut().get_mut("model").map(toml::Spanned::get_mut);
-    let tolerance = match model {
-        Some(toml::de::DeValue::Table(model)) => model.remove("tolerance"),
-        _ => None,
+    let (unstated, tolerance) = match model {
+        Some(toml::de::DeValue::Table(model)) => {
+            let mut essential = Model::ESSENTIAL.to_vec();
+            essential.retain(|name| !model.contains_key(*name));
+            (essential, model.remove("tolerance"))
+        }
+        _ => (Vec::new(), None),
     };
     let tolerance = match tolerance {
         Some(table) => {
@@ -152,6 +174,7 @@ pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
     Ok(Parsed {
         manifest,
         tolerance,
+        unstated,
         lines,
         oddities,
     })
@@ -173,6 +196,7 @@ pub(crate) fn text(recording: &Recording) -> Result<String, toml::ser::Error> {
         units: recording.units.clone(),
         model: ModelTable {
             model: &recording.model,
+            unstated: &recording.unstated,
             tolerance: &recording.tolerance,
         },
         sensor: recording.sensors.clone(),

@@ -93,6 +93,10 @@ impl Model {
         "stop_damping",
     ];
 
+    /// Numbers without which no axis is described: one that a recording does not state is not known, and is estimated. The
+    /// other numbers describe parts that an axis need not have; one that is not stated is taken as absent.
+    pub const ESSENTIAL: [&str; 4] = ["ratio", "viscous", "coulomb", "gravity"];
+
     /// A free, frictionless `inertia` (kg m²) driven by its input as torque.
     pub fn new(inertia: f64) -> Self {
         Self {

@@ -32,6 +32,7 @@ impl Recording {
         let Parsed {
             manifest,
             tolerance,
+            unstated,
             lines,
             oddities,
         } = manifest::parse(&text).map_err(|error| error.in_file(&path))?;
@@ -48,6 +49,7 @@ impl Recording {
             },
             units: manifest.units,
             tolerance,
+            unstated,
             sensors: manifest.sensor,
             runs: Vec::with_capacity(manifest.runs.len()),
             oddities,

@@ -7,7 +7,7 @@ mod friction;
 mod jumps;
 mod mechanics;
 mod overspeed;
-mod regression;
+pub(crate) mod regression;
 mod ripple;
 mod sensing;
 mod start;

@@ -6,7 +6,7 @@ use super::Evidence;
 use nalgebra::{DMatrix, DVector};
 
 /// One moment of motion whose direction is known.
-pub(super) struct Moment {
+pub(crate) struct Moment {
     pub position: f64,
     pub velocity: f64,
     pub acceleration: f64,
@@ -18,7 +18,7 @@ pub(super) struct Moment {
 }
 
 /// Every moment at which the missing torque is known.
-pub(super) fn moments(e: &Evidence<'_>) -> impl Iterator<Item = Moment> {
+pub(crate) fn moments(e: &Evidence<'_>) -> impl Iterator<Item = Moment> {
     let pairs = e.series.iter().zip(e.motions);
     pairs.flat_map(|(series, motion)| {
         let missing = motion.missing_nm.iter().enumerate();
@@ -37,7 +37,7 @@ pub(super) fn moments(e: &Evidence<'_>) -> impl Iterator<Item = Moment> {
 }
 
 /// Coefficients of `basis` in the missing torque; `None` where they are not determined.
-pub(super) fn regress<const N: usize>(
+pub(crate) fn regress<const N: usize>(
     e: &Evidence<'_>,
     basis: impl Fn(&Moment) -> [f64; N],
 ) -> Option<[f64; N]> {

@@ -17,7 +17,7 @@ use crate::select::{self, Given};
 use crate::stage::Stage;
 use crate::windows::series;
 use crate::windows::unbroken::Unbroken;
-use crate::{comparison, experiment, locate};
+use crate::{comparison, experiment, locate, ruler};
 use corrected::corrected;
 pub use corrected::{CorrectedEffect, CorrectedModel};
 use findings::{findings, tried};
@@ -95,8 +95,15 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         certain: comparison.as_ref().is_some_and(Comparison::is_certain),
         excluded,
     };
-    let mut selection = select::select(&problem, &given, progress);
-    let refined = selection.refined(&problem, &given, progress);
+    let selection = select::select(&problem, &given, progress);
+    let measured = ruler::measured(&problem, &selection, &given, progress);
+    let is_measured = measured.is_some();
+    let (problem, mut selection) = measured.unwrap_or((problem, selection));
+    let refined = if is_measured {
+        None
+    } else {
+        selection.refined(&problem, &given, progress)
+    };
 
     progress(Stage::Shrink);
     let refined = refined.and_then(|(exact, mut refined)| {

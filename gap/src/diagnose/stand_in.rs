@@ -210,6 +210,7 @@ mod tests {
                 rivals: vec![Rival { name, fit }],
                 screened: Vec::new(),
                 place: Place::given(true),
+                confidence: None,
             });
             hand.map(|hand| contact::stays(&hand))
         };

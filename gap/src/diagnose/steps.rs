@@ -343,6 +343,7 @@ mod tests {
                 rivals: rivals.collect(),
                 screened: Vec::new(),
                 place: Place::given(false),
+                confidence: None,
             })
         };
         assert!(is_as_bristles(&[("presliding", 1.0)]));

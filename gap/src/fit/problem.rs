@@ -52,16 +52,36 @@ pub(crate) const PRIOR_WEIGHT: f64 = 0.25;
 impl Problem<'_> {
     /// The same for a model that is off by nothing.
     pub(crate) fn exact(&self) -> Self {
+        self.off_by(0.0)
+    }
+
+    /// The same for a model that may be off by `modelling`, rms in units of position.
+    pub(crate) fn off_by(&self, modelling: f64) -> Self {
         Self {
             recording: self.recording,
             series: self.series.clone(),
             nudges: self.nudges.clone(),
-            modelling: 0.0,
+            modelling,
             quarter: self
                 .quarter
                 .as_ref()
-                .map(|quarter| Box::new(quarter.exact())),
+                .map(|quarter| Box::new(quarter.off_by(modelling))),
         }
+    }
+
+    /// The same with other numbers of the model free.
+    pub(crate) fn with_numbers(mut self, numbers: &[Nudge]) -> Self {
+        self.nudges = numbers.to_vec();
+        self.quarter = self
+            .quarter
+            .map(|quarter| Box::new(quarter.with_numbers(numbers)));
+        self
+    }
+
+    /// Root mean square over all samples of what was summed up by window.
+    pub(crate) fn rms(&self, squares: &[f64]) -> f64 {
+        let samples: usize = self.series.iter().map(|s| s.position.len()).sum();
+        (squares.iter().sum::<f64>() / samples.max(1) as f64).sqrt()
     }
 
     pub(crate) fn window_count(&self) -> usize {

@@ -24,14 +24,13 @@ use crate::fit::hypothesis::{Hypothesis, Term};
 use crate::fit::problem::{Part, Problem};
 use crate::floor::{FLOOR_DOUBT, Perfect};
 use crate::stage::Stage;
-#[cfg(test)]
 pub(crate) use place::Place;
 use place::bounces;
 use ranking::is_far_likelier;
 pub(crate) use ranking::{inseparable, luck, others, ties};
 pub(crate) use rival::Rival;
 pub(crate) use round::Round;
-use round::Search;
+pub(crate) use round::Search;
 
 /// Robust excess per window up to which nothing is missing: the noise is known to some 15 %.
 const QUIET_EXCESS: f64 = 0.12;
@@ -240,7 +239,7 @@ impl Selection {
     /// True if it leaves no more than it would if it were right, where that is little beside what the null leaves, or as much
     /// of the gap as is foretold: near stick and slip even a right model leaves more than little. Or if little is left of the
     /// excess, and nothing of the gap.
-    fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
+    pub(crate) fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
         if fit.is_strained() {
             return false;
         }

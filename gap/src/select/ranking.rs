@@ -252,6 +252,7 @@ mod tests {
                 rivals: vec![winner, rival("gravity", 2, BEST)],
                 screened: Vec::new(),
                 place: Place::given(false),
+                confidence: None,
             })
         };
         let worth = price(200) / 200.0;
@@ -269,6 +270,7 @@ mod tests {
                 rivals: vec![winner, rival(other, 1, KNOWN)],
                 screened: Vec::new(),
                 place: Place::given(false),
+                confidence: None,
             })
         };
         assert_eq!(names("delay", "sensor_lag"), ["sensor_lag"]);

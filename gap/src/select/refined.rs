@@ -69,6 +69,7 @@ impl Selection {
             screened: only.screened.clone(),
             place: only.place,
             so_far,
+            confidence: None,
         };
         refined.rounds = vec![first, second];
         Some((exact, refined))

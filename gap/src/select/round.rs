@@ -34,6 +34,8 @@ pub(crate) struct Round {
     pub place: Place,
     /// The model with the effects up to this one.
     pub so_far: Fit,
+    /// Probability that the winner is right, where it was measured beside all other effects.
+    pub confidence: Option<f64>,
 }
 
 impl Round {
@@ -98,6 +100,7 @@ impl Search<'_> {
             }],
             screened: Vec::new(),
             place: Place::given(term.is_event()),
+            confidence: None,
         }
     }
 
@@ -211,6 +214,7 @@ impl Search<'_> {
             rivals,
             screened,
             place,
+            confidence: None,
         })
     }
 }

@@ -210,8 +210,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// The effects that `known` does not have, with their starts.
-    pub(super) fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
+    /// What `told` makes of what is seen beyond `known`.
+    pub(crate) fn evidence<T>(&self, known: &Fit, told: impl FnOnce(&Evidence<'_>) -> T) -> T {
         let Problem {
             recording, series, ..
         } = self.problem;
@@ -223,7 +223,7 @@ impl Search<'_> {
         let motions = series.par_iter();
         let motions = motions.map(|s| Motion::of(s, &device, cutoff_hz, half_width_s));
         let motions: Vec<Motion> = motions.collect();
-        let mut tried = candidates(&Evidence {
+        told(&Evidence {
             series,
             motions: &motions,
             scales: &Scales::of(series, &motions, &device, recording.horizon),
@@ -231,7 +231,12 @@ impl Search<'_> {
             model: &recording.model,
             cutoff_hz,
             window_costs: &window_costs(self.problem, known),
-        });
+        })
+    }
+
+    /// The effects that `known` does not have, with their starts.
+    pub(crate) fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
+        let mut tried = self.evidence(known, candidates);
         let terms = &known.hypothesis.terms;
         tried.retain(|candidate| {
             let name = candidate.kind.name;

@@ -89,3 +89,20 @@ proptest! {
         prop_assert_eq!(found, recording);
     }
 }
+
+#[test]
+fn a_number_that_is_not_stated_stays_unstated_when_the_recording_is_written_again() {
+    let rows: String = (0..400)
+        .map(|k| format!("{},{},{}\n", 0.001 * f64::from(k), f64::from(k % 7), (0.03 * f64::from(k)).sin()))
+        .collect();
+    let folder = Folder::empty().with("a.csv", format!("time,input,position\n{rows}")).with(
+        "recording.toml",
+        "format = 1\nhorizon = 0.2\n[model]\ninertia = 1e-3\nviscous = 0.0\n[[runs]]\nfile = \"a.csv\"\ndrive = \"open-loop\"\n",
+    );
+    let read = folder.read().unwrap();
+    assert_eq!(read.unstated, ["ratio", "coulomb", "gravity"]);
+    let copy = Folder::empty();
+    read.write(copy.path()).unwrap();
+    let again = copy.read().unwrap();
+    assert_eq!((again.unstated, again.model), (read.unstated, read.model));
+}

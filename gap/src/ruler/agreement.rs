@@ -1,0 +1,60 @@
+//! How sure a name is: by how often the same choice falls on it when the windows are others.
+
+use super::scored::Scored;
+
+/// Resamplings of the windows.
+const RESAMPLINGS: usize = 200;
+/// Windows in a block that is drawn whole: neighbours share what the model misses.
+const BLOCK: usize = 3;
+
+/// Share of resamplings of the windows, in blocks, in which the simplest set within one standard error of the best has the name.
+pub(super) fn share(sets: &[Scored], name: &str) -> f64 {
+    let names: Vec<bool> = sets.iter().map(|set| set.names().contains(&name)).collect();
+    let windows = sets.first().map_or(0, |set| set.unseen.len());
+    let blocks = windows.div_ceil(BLOCK);
+    if blocks == 0 {
+        return 0.0;
+    }
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut drawn = Vec::with_capacity(windows);
+    let mut hits = 0;
+    for _ in 0..RESAMPLINGS {
+        drawn.clear();
+        for _ in 0..blocks {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let first = ((state >> 33) as usize % blocks) * BLOCK;
+            drawn.extend(first..(first + BLOCK).min(windows));
+        }
+        hits += usize::from(names[chosen(sets, &drawn)]);
+    }
+    hits as f64 / RESAMPLINGS as f64
+}
+
+/// Which set is the simplest within one standard error of the best on some windows.
+fn chosen(sets: &[Scored], windows: &[usize]) -> usize {
+    let count = windows.len() as f64;
+    let cost = |set: &Scored| {
+        let sum: f64 = windows.iter().map(|&w| set.unseen[w]).sum();
+        sum / count + set.fit.costs.prior / set.unseen.len() as f64
+    };
+    let costs: Vec<f64> = sets.iter().map(cost).collect();
+    let best = (0..sets.len())
+        .min_by(|&a, &b| costs[a].total_cmp(&costs[b]))
+        .unwrap_or(0);
+    let is_within = |i: &usize| {
+        let difference = |w: usize| sets[*i].unseen[w] - sets[best].unseen[w];
+        let mean = windows.iter().map(|&w| difference(w)).sum::<f64>() / count;
+        let squares = windows.iter().map(|&w| (difference(w) - mean).powi(2));
+        let error = (squares.sum::<f64>() / count.powi(2)).sqrt();
+        costs[*i] - costs[best] <= error
+    };
+    (0..sets.len())
+        .filter(is_within)
+        .min_by(|&a, &b| {
+            let by_complexity = sets[a].complexity().cmp(&sets[b].complexity());
+            by_complexity.then(costs[a].total_cmp(&costs[b]))
+        })
+        .unwrap_or(best)
+}

@@ -1,0 +1,147 @@
+//! The sets of effects that are compared.
+
+use super::Start;
+use super::scored::{Scored, simplest};
+use crate::fit::Fit;
+use crate::fit::problem::Problem;
+use crate::select::Selection;
+use rayon::prelude::*;
+
+/// Sets that are scored again once the error scale is known from the best of them.
+const MOST_SCORED_AGAIN: usize = 12;
+/// Factor by which the scale must fall to score again.
+const OTHER_SCALE: f64 = 0.7;
+
+/// Sets of effects, as places to fit from.
+pub(super) struct Pool {
+    starts: Vec<Start>,
+}
+
+impl Pool {
+    /// What a search met: its null, and every rival of each round. Its fits have the coordinates of `stated` numbers of the model,
+    /// those of the pool have those of `freed` ones.
+    pub(super) fn of_search(found: &Selection, stated: usize, freed: usize) -> Self {
+        let widened = |fit: &Fit| {
+            let mut x = fit.x[..stated].to_vec();
+            x.resize(freed, 0.0);
+            x.extend_from_slice(&fit.x[stated..]);
+            Start {
+                hypothesis: fit.hypothesis.clone(),
+                x,
+            }
+        };
+        let rounds = found.rounds.iter().chain(&found.last);
+        let rivals = rounds.flat_map(|round| {
+            let rivals = round.rivals.iter().map(|rival| &rival.fit);
+            core::iter::once(&round.so_far).chain(rivals)
+        });
+        let starts = core::iter::once(&found.null).chain(rivals);
+        Self {
+            starts: starts.map(widened).collect(),
+        }
+    }
+
+    /// The one without effects but those that numbers are made of that are not stated.
+    pub(super) fn null(&self) -> Start {
+        self.starts[0].clone()
+    }
+
+    pub(super) fn add(&mut self, fit: &Fit) {
+        self.starts.push(Start {
+            hypothesis: fit.hypothesis.clone(),
+            x: fit.x.clone(),
+        });
+    }
+
+    /// All sets, each fitted and costed at the scale of `problem`, and those that cost least again at the scale of what the best one
+    /// leaves; with the problem of that scale.
+    pub(super) fn scored_at_own_scale<'a>(self, problem: Problem<'a>) -> (Problem<'a>, ScoredPool) {
+        let mut pool = ScoredPool::of(&problem, self.starts);
+        let left = pool.least_left(&problem);
+        if left >= OTHER_SCALE * problem.modelling {
+            return (problem, pool);
+        }
+        let null = pool.null.clone();
+        pool.sets.truncate(MOST_SCORED_AGAIN);
+        let finer = problem.off_by(left);
+        let again = core::iter::once(&null).chain(&pool.sets).map(|set| Start {
+            hypothesis: set.fit.hypothesis.clone(),
+            x: set.fit.x.clone(),
+        });
+        let again = ScoredPool::of(&finer, again.collect());
+        (finer, again)
+    }
+}
+
+/// Sets of effects, fitted and costed on data that their fits have not seen.
+pub(super) struct ScoredPool {
+    pub null: Scored,
+    /// By cost, the null among them; one for each set of names.
+    pub sets: Vec<Scored>,
+}
+
+impl ScoredPool {
+    fn of(problem: &Problem<'_>, starts: Vec<Start>) -> Self {
+        let scored = starts
+            .into_par_iter()
+            .map(|start| Scored::of(problem, &start.hypothesis, start.x));
+        let mut scored: Vec<Scored> = scored.collect();
+        let null = scored[0].clone();
+        scored.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+        let mut sets: Vec<Scored> = Vec::new();
+        for one in scored {
+            if sets.iter().all(|set| set.names() != one.names()) {
+                sets.push(one);
+            }
+        }
+        Self { null, sets }
+    }
+
+    /// The least that a set leaves of data that its fit has not seen, beyond what noise and restarts would, rms.
+    fn least_left(&self, problem: &Problem<'_>) -> f64 {
+        let left = |set: &Scored| problem.rms(&set.squares);
+        let least = self
+            .sets
+            .iter()
+            .min_by(|a, b| left(a).total_cmp(&left(b)))
+            .unwrap_or(&self.null);
+        let floor = problem.rms(&problem.floor_squares(&least.fit));
+        (left(least).powi(2) - floor.powi(2)).max(0.0).sqrt()
+    }
+
+    /// The simplest set within one standard error of the best, once every effect beyond the first `kept` was left out of it in turn.
+    pub(super) fn without_needless(
+        mut self,
+        problem: &Problem<'_>,
+        kept: usize,
+    ) -> (Scored, Self) {
+        let mut looked: Vec<Vec<&'static str>> = Vec::new();
+        loop {
+            let Some(set) = simplest(&self.sets).cloned() else {
+                return (self.null.clone(), self);
+            };
+            if looked.contains(&set.names()) {
+                return (set, self);
+            }
+            looked.push(set.names());
+            let places = kept..set.fit.hypothesis.terms.len();
+            let reduced = places.into_par_iter().map(|place| {
+                let (hypothesis, x) = set.fit.without(place);
+                Scored::of(problem, &hypothesis, x)
+            });
+            let reduced: Vec<Scored> = reduced.collect();
+            for one in reduced {
+                self.add(one);
+            }
+        }
+    }
+
+    /// Adds a set, or puts it in the place of one of the same names that costs more.
+    fn add(&mut self, one: Scored) {
+        match self.sets.iter_mut().find(|set| set.names() == one.names()) {
+            Some(same) if same.cost() <= one.cost() => {}
+            Some(same) => *same = one,
+            None => self.sets.push(one),
+        }
+    }
+}

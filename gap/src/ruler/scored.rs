@@ -1,0 +1,84 @@
+//! A set of effects and what it costs on windows that its fit has not seen.
+
+use crate::fit::Fit;
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::problem::{Part, Problem};
+use crate::floor::mean_and_error;
+
+const ITERATIONS: usize = 8;
+
+/// A set of effects, fitted jointly.
+#[derive(Clone, Debug)]
+pub(super) struct Scored {
+    /// To all windows.
+    pub fit: Fit,
+    /// Robust cost of each window under the fit to the half of the windows that it is not in.
+    pub unseen: Vec<f64>,
+    /// Squared residual of each window, likewise, in units of position squared.
+    pub squares: Vec<f64>,
+}
+
+impl Scored {
+    pub(super) fn of(problem: &Problem<'_>, hypothesis: &Hypothesis, x: Vec<f64>) -> Self {
+        Self::of_fit(problem, problem.fit(hypothesis, x, Part::All, ITERATIONS))
+    }
+
+    /// Of a fit to all windows.
+    pub(super) fn of_fit(problem: &Problem<'_>, fit: Fit) -> Self {
+        let halves = problem.halves(&fit);
+        let unseen = Problem::unseen_by(&halves, |fit, half| {
+            problem.costs(&fit.hypothesis, &fit.x, half).per_sample
+        });
+        let squares = Problem::unseen_by(&halves, |fit, half| problem.window_squares(fit, half));
+        Self {
+            fit,
+            unseen: unseen.into_iter().map(f64::ln_1p).collect(),
+            squares,
+        }
+    }
+
+    /// Names of its effects, sorted.
+    pub(super) fn names(&self) -> Vec<&'static str> {
+        let terms = self.fit.hypothesis.terms.iter();
+        let mut names: Vec<_> = terms.map(|term| term.kind.name).collect();
+        names.sort_unstable();
+        names
+    }
+
+    /// Effects, then free numbers of effects.
+    pub(super) fn complexity(&self) -> (usize, usize) {
+        let hypothesis = &self.fit.hypothesis;
+        (hypothesis.terms.len(), hypothesis.free())
+    }
+
+    /// Mean cost of a window, that of moving the model's own numbers included.
+    pub(super) fn cost(&self) -> f64 {
+        let sum: f64 = self.unseen.iter().sum();
+        (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64
+    }
+
+    /// By how much more a window costs than with `other` on average, and the standard error of that.
+    pub(super) fn excess_over(&self, other: &Self) -> [f64; 2] {
+        let pairs = self.unseen.iter().zip(&other.unseen);
+        let differences: Vec<f64> = pairs.map(|(own, its)| own - its).collect();
+        let (_, error) = mean_and_error(&differences);
+        [self.cost() - other.cost(), error]
+    }
+}
+
+/// The simplest of those whose cost is within one standard error of the least: fewest effects, then fewest free numbers,
+/// then the lowest cost.
+pub(super) fn simplest(all: &[Scored]) -> Option<&Scored> {
+    let best = all.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
+    let within = all.iter().filter(|scored| is_within_error(scored, best));
+    within.min_by(|a, b| {
+        let by_complexity = a.complexity().cmp(&b.complexity());
+        by_complexity.then(a.cost().total_cmp(&b.cost()))
+    })
+}
+
+/// True if a set of effects costs no more than one standard error beyond another.
+pub(super) fn is_within_error(one: &Scored, other: &Scored) -> bool {
+    let [excess, error] = one.excess_over(other);
+    excess <= error
+}

@@ -1,0 +1,175 @@
+//! The set that was chosen, as a round for each of its effects.
+
+use super::agreement;
+use super::order::{order, subset_fit};
+use super::pool::ScoredPool;
+use super::scored::Scored;
+use crate::fit::Fit;
+use crate::fit::problem::Problem;
+use crate::floor::{Perfect, mean_and_error};
+use crate::select::{Place, Rival, Round, Selection};
+
+/// The selection with the effects of `set` in the order of what each closes, each beside all others of the set, with the sets of
+/// `pool` that have another effect in its place as its rivals.
+pub(super) fn of(
+    problem: &Problem<'_>,
+    found: &Selection,
+    set: &Scored,
+    pool: &ScoredPool,
+) -> Selection {
+    let null = pool.null.fit.clone();
+    let kept = null.hypothesis.terms.len();
+    let order = order(problem, set, kept);
+    let rounds = order.iter().enumerate().map(|(rank, &place)| {
+        let taken = &order[..=rank];
+        let so_far = subset_fit(problem, &set.fit, kept, |p| taken.contains(&p));
+        let so_far = in_order(&so_far, kept, |fit, at| rank_of(fit, at, &set.fit, &order, kept));
+        round(problem, set, pool, kept + place, so_far, found)
+    });
+    let rounds: Vec<Round> = rounds.collect();
+    let last = beyond(problem, set, pool);
+    Selection {
+        perfect: Perfect::of(problem, &null).bounded(),
+        null,
+        quiet: false,
+        plain: true,
+        given: false,
+        rounds,
+        last,
+    }
+}
+
+/// The rank of the effect at a place of a fit among those of the whole set.
+fn rank_of(fit: &Fit, at: usize, set: &Fit, order: &[usize], kept: usize) -> usize {
+    let name = fit.hypothesis.terms[at].kind.name;
+    let of_place = |place: &usize| set.hypothesis.terms[kept + place].kind.name == name;
+    order.iter().position(of_place).unwrap_or(order.len())
+}
+
+/// A fit with its effects beyond the first `kept` sorted by `rank`.
+fn in_order(fit: &Fit, kept: usize, rank: impl Fn(&Fit, usize) -> usize) -> Fit {
+    let mut places: Vec<usize> = (0..fit.hypothesis.terms.len()).collect();
+    places[kept..].sort_by_key(|&at| rank(fit, at));
+    permuted(fit, &places)
+}
+
+/// A fit with its effects at other places, each with its coordinates.
+fn permuted(fit: &Fit, places: &[usize]) -> Fit {
+    let numbers = fit.x.len() - fit.hypothesis.free();
+    let parts: Vec<_> = fit.hypothesis.parts(&fit.x).collect();
+    let spreads: Vec<_> = fit.hypothesis.parts(&fit.std).collect();
+    let mut moved = fit.clone();
+    moved.hypothesis.terms.clear();
+    moved.x.truncate(numbers);
+    moved.std.truncate(numbers);
+    for &place in places {
+        let (term, x) = parts[place];
+        moved.hypothesis.terms.push(term.clone());
+        moved.x.extend_from_slice(x);
+        moved.std.extend_from_slice(spreads[place].1);
+    }
+    moved
+}
+
+/// The same with the effect at a place behind all others.
+fn with_last(fit: &Fit, place: usize) -> Fit {
+    let others = (0..fit.hypothesis.terms.len()).filter(|p| *p != place);
+    permuted(fit, &others.chain([place]).collect::<Vec<_>>())
+}
+
+/// The round of the effect at a place of the set, beside all others of it.
+fn round(
+    problem: &Problem<'_>,
+    set: &Scored,
+    pool: &ScoredPool,
+    place: usize,
+    so_far: Fit,
+    found: &Selection,
+) -> Round {
+    let name = set.fit.hypothesis.terms[place].kind.name;
+    let (hypothesis, x) = set.fit.without(place);
+    let without = Scored::of(problem, &hypothesis, x);
+    let [excess, error] = without.excess_over(set);
+    let winner = Rival {
+        name,
+        fit: with_last(&set.fit, place),
+    };
+    let mut others = set.names();
+    others.retain(|other| *other != name);
+    let swapped = pool.sets.iter().filter_map(|rival| {
+        let terms = &rival.fit.hypothesis.terms;
+        let other = terms.iter().position(|term| {
+            let mut rest = rival.names();
+            rest.retain(|n| *n != term.kind.name);
+            term.kind.name != name && rest == others
+        })?;
+        Some(Rival {
+            name: terms[other].kind.name,
+            fit: with_last(&rival.fit, other),
+        })
+    });
+    let rivals: Vec<Rival> = core::iter::once(winner).chain(swapped).collect();
+    let is_event = rivals[0].is_event();
+    let is_agreed = found
+        .rounds
+        .iter()
+        .any(|round| round.rivals[0].name == name);
+    Round {
+        known: without.fit,
+        rivals,
+        screened: Vec::new(),
+        place: Place {
+            significance: excess / error.max(f64::MIN_POSITIVE),
+            earned: true,
+            by_few: is_event,
+        },
+        so_far,
+        confidence: Some(confidence(agreement::share(&pool.sets, name), is_agreed)),
+    }
+}
+
+/// Probability that a name is right that a share of the resampled windows chooses with the numbers free, and that the search with
+/// the numbers as stated named as well or not.
+fn confidence(share: f64, is_agreed: bool) -> f64 {
+    if is_agreed {
+        0.5 + 0.45 * share
+    } else {
+        0.3 + 0.35 * share
+    }
+}
+
+/// What else was tried beside the whole set.
+fn beyond(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> Option<Round> {
+    let names = set.names();
+    let mut rivals: Vec<Rival> = Vec::new();
+    for rival in &pool.sets {
+        let terms = rival.fit.hypothesis.terms.iter().enumerate();
+        let more: Vec<_> = terms
+            .filter(|(_, term)| !names.contains(&term.kind.name))
+            .collect();
+        if let [(place, term)] = more[..]
+            && rivals.iter().all(|r| r.name != term.kind.name)
+        {
+            rivals.push(Rival {
+                name: term.kind.name,
+                fit: with_last(&rival.fit, place),
+            });
+        }
+    }
+    let first = rivals.first()?;
+    let gains = first.fit.costs.gains(&set.fit.costs);
+    let (mean, error) = mean_and_error(&gains);
+    let _ = problem;
+    Some(Round {
+        known: set.fit.clone(),
+        so_far: first.fit.clone(),
+        screened: Vec::new(),
+        place: Place {
+            significance: mean / error.max(f64::MIN_POSITIVE),
+            earned: false,
+            by_few: false,
+        },
+        rivals,
+        confidence: None,
+    })
+}

@@ -26,6 +26,10 @@ pub struct Closing {
     pub floor: f64,
     /// Of the corrected model, in units of position.
     pub after: f64,
+    /// Of a predictor that knows no model: the position stays where it was at the restart.
+    pub standing: f64,
+    /// Of another one: the position goes on at the restart's velocity.
+    pub coasting: f64,
     /// `(before − after) / (before − floor)`.
     pub shrink: f64,
     /// 95 %.
@@ -52,6 +56,25 @@ pub struct Estimate {
     pub value: f64,
     /// Standard deviation, in `unit`.
     pub std: f64,
+    /// As a text.
+    pub unit: String,
+}
+
+/// A number of the model that had to move, or that is not stated and was estimated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NumberFinding {
+    /// Its name in `[model]`.
+    pub name: String,
+    /// As the recording states it, in `unit`; `None` where it does not.
+    pub stated: Option<f64>,
+    /// As fitted, in `unit`.
+    pub found: f64,
+    /// Standard deviation of `found`, in `unit`; `None` where it is not known.
+    pub std: Option<f64>,
+    /// Distance from what is stated, in stated standard deviations; `None` where nothing is stated.
+    pub sigmas: Option<f64>,
+    /// Share of the gap that its move closes, the other numbers refitted.
+    pub shrink: f64,
     /// As a text.
     pub unit: String,
 }
@@ -142,11 +165,16 @@ pub struct Diagnosis {
     pub gap: Closing,
     /// Which, in the order of what each contributes.
     pub effects: Vec<Finding>,
+    /// Numbers of the model that had to move, in the order of what each closes.
+    pub numbers: Vec<NumberFinding>,
     /// Where, the most telling first.
     #[serde(rename = "where")]
     pub regions: Vec<Region>,
     /// What else was tried.
     pub candidates: Vec<Tried>,
+    /// Why nothing is named although something closed the gap; it is among the warnings, too.
+    #[serde(skip)]
+    pub rejection: Option<String>,
     /// What to record next, if names are left that cannot be told apart.
     pub next_experiment: Option<NextExperiment>,
     /// What was odd and worked around, and what not to rely on.

@@ -33,6 +33,7 @@ mod locate;
 mod made;
 mod measure;
 pub mod model_file;
+mod model_free;
 pub mod predict;
 mod ruler;
 mod select;

@@ -1,5 +1,6 @@
 //! The effects that are named, how sure that is, and what was tried beside them.
 
+use super::plausible::Implausible;
 use super::relief::is_relieved;
 use super::steps::{Step, is_spare};
 use crate::comparison::{Comparison, Match};
@@ -37,6 +38,7 @@ pub(super) fn findings(
     let units = &problem.recording.units;
     let fitted = fit.hypothesis.parts(&fit.x);
     let fitted = fitted.zip(fit.hypothesis.parts(&fit.std));
+    let fitted = fitted.skip(selection.base());
     let mut all = Vec::new();
     let rounds = selection.rounds.iter().zip(steps);
     for ((place, (round, step)), ((term, x), (_, std))) in rounds.enumerate().zip(fitted) {
@@ -118,7 +120,12 @@ pub(super) fn confidence(round: &Round, perfect: f64) -> f64 {
 }
 
 /// What was tried and not `named`, those that leave least first.
-pub(super) fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tried> {
+pub(super) fn tried(
+    problem: &Problem<'_>,
+    selection: &Selection,
+    named: &[&str],
+    implausible: &[Implausible],
+) -> Vec<Tried> {
     let mut all: Vec<Tried> = Vec::new();
     for round in selection.rounds.iter().chain(&selection.last) {
         let winner = &round.rivals[0];
@@ -128,7 +135,10 @@ pub(super) fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]
                 continue;
             }
             let gain = round.known.costs.level() - rival.fit.costs.level();
-            let why_not = if gain <= 0.0 {
+            let no_device = implausible.iter().find(|one| one.effect == rival.name);
+            let why_not = if let Some(no_device) = no_device {
+                no_device.to_string()
+            } else if gain <= 0.0 {
                 "no gain".to_owned()
             } else if rival.name == winner.name {
                 "no gain on held-out data".to_owned()

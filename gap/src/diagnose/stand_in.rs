@@ -37,7 +37,8 @@ pub(super) enum StandIn {
 impl StandIn {
     /// The reason to doubt what was found, if there is one.
     pub(super) fn of(problem: &Problem<'_>, selection: &Selection) -> Option<Self> {
-        let of_effects = Self::of_effects(problem, selection.fit(), selection.kept());
+        let certain = selection.base() + selection.kept();
+        let of_effects = Self::of_effects(problem, selection.fit(), certain);
         let of_hand = |round: &Round| {
             let hand = hand(round)?;
             if let Some(index) = most_of_run(problem, &hand) {

@@ -63,7 +63,7 @@ impl Step {
 
 /// The other effects, fitted on from where they stand beside the one at `place`.
 fn without(problem: &Problem<'_>, selection: &Selection, place: usize) -> Fit {
-    let (hypothesis, x) = selection.fit().without(place);
+    let (hypothesis, x) = selection.fit().without(selection.base() + place);
     problem.fit(&hypothesis, x, Part::All, SPARED_ITERATIONS)
 }
 
@@ -88,12 +88,25 @@ fn closed_beside(problem: &Problem<'_>, selection: &Selection, place: usize) -> 
     let all = selection.fit();
     let others = self::without(problem, selection, place);
     let [without, with] = [&others, all].map(|fit| problem.window_squares(fit, Part::All));
-    let nominal = problem.window_squares(&selection.null.as_stated(), Part::All);
+    let nominal = problem.nominal_squares();
     shrink(&without, &with, &problem.floor_squares(all), &nominal)[0]
 }
 
+/// The steps of a selection, and the squares of each window that it leaves on data that its fit has not seen.
+pub(super) struct Closed {
+    pub steps: Vec<Step>,
+    pub after: Vec<f64>,
+}
+
 /// The step of each effect that is left of a selection once those are taken back that close nothing.
-pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) -> Vec<Step> {
+pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) -> Closed {
+    let (steps, mut left) = surviving_steps(problem, selection);
+    left.truncate(steps.len() + 1);
+    let after = left.pop().unwrap_or_default();
+    Closed { steps, after }
+}
+
+fn surviving_steps(problem: &Problem<'_>, selection: &mut Selection) -> (Vec<Step>, Vec<Vec<f64>>) {
     let kept = selection.kept();
     if selection.rounds.len() > kept && selection.leaves_most(problem) {
         selection.withdraw(kept);
@@ -116,7 +129,7 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
         steps = self::steps(problem, selection.fit(), &left);
     }
     if kept > 0 {
-        return steps;
+        return (steps, left);
     }
     // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
     let hidden = |floors| selection.null_leaves_at_most(floors, problem);
@@ -130,7 +143,7 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
         selection.withdraw(0);
         selection.quiet |= is_none;
     }
-    steps
+    (steps, left)
 }
 
 /// True if the steps together surely close something.
@@ -175,7 +188,7 @@ fn hardly_closes(floor: &[f64], nominal: &[f64], before: &[f64], after: &[f64]) 
 /// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
 /// have not seen.
 fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
-    let nominal = problem.window_squares(&selection.null.as_stated(), Part::All);
+    let nominal = problem.nominal_squares();
     let left = selection.rounds.iter().map(|round| {
         if round.place.by_few {
             problem.window_squares(&round.so_far, Part::All)

@@ -40,7 +40,7 @@ impl Coordinate {
     }
 
     /// Lowest and highest coordinate.
-    fn reach(&self, of: &Parameter) -> [f64; 2] {
+    pub(crate) fn reach(&self, of: &Parameter) -> [f64; 2] {
         let (farthest, bounds) = match self.scale {
             Scale::Linear(scale) => {
                 let farthest = match of.quantity {
@@ -216,7 +216,7 @@ pub(crate) struct Nudge {
 impl Nudge {
     /// The number so many deviations from what is stated. Those are by factors above and by shares below, as it is not stated
     /// whether they are relative to the nominal number or to the true one; none turns a sign.
-    fn at(&self, deviations: f64) -> f64 {
+    pub(crate) fn at(&self, deviations: f64) -> f64 {
         const LEAST: f64 = 0.01;
         let by = self.relative * deviations;
         let times = if by > 0.0 { by.exp() } else { 1.0 + by };

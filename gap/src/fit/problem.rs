@@ -6,6 +6,7 @@ use super::hypothesis::{Hypothesis, Nudge};
 use super::whitening::{Whitening, dot, whitenings};
 use crate::predict::Predictor;
 use crate::windows::series::Series;
+use host_sim::device::Device;
 use rayon::prelude::*;
 use recording::{Recording, Run};
 
@@ -136,6 +137,12 @@ impl Problem<'_> {
     /// Squared residuals of each window of a part, by running index; NaN for the others.
     pub(crate) fn window_squares(&self, fit: &Fit, part: Part<'_>) -> Vec<f64> {
         self.squares(&self.predictor(&fit.hypothesis, &fit.x), part)
+    }
+
+    /// Squared residuals of the nominal model, by window.
+    pub(crate) fn nominal_squares(&self) -> Vec<f64> {
+        let nominal = Device::nominal(&self.recording.model);
+        self.squares(&Predictor::new(nominal, self.recording), Part::All)
     }
 
     /// The same of what predicts.

@@ -63,7 +63,9 @@ pub(super) fn restated(search: &Search<'_>, null: &Fit, names: &[&str]) -> Vec<V
     let as_nominal: Vec<Term> = names
         .iter()
         .filter_map(|name| {
-            let found = tried.iter().find(|candidate| candidate.kind.name == *name)?;
+            let found = tried
+                .iter()
+                .find(|candidate| candidate.kind.name == *name)?;
             found.starts.last().cloned()
         })
         .collect();
@@ -75,10 +77,16 @@ pub(super) fn restated(search: &Search<'_>, null: &Fit, names: &[&str]) -> Vec<V
 fn regressed(evidence: &Evidence<'_>, terms: &[Term]) -> Option<Vec<Term>> {
     let nominal = &evidence.device.mechanics;
     let angle_rad = nominal.angle_rad;
-    let [inertia, viscous, coulomb, sine, cosine] = regress(evidence, |moment| {
+    let is_gain = terms.iter().any(|term| term.kind.name == "torque_gain");
+    let [accelerates, viscous, coulomb, sine, cosine] = regress(evidence, |moment| {
         let (sin, cos) = (angle_rad * moment.position).sin_cos();
+        let accelerates = if is_gain {
+            moment.drive_nm
+        } else {
+            -moment.acceleration
+        };
         [
-            -moment.acceleration,
+            accelerates,
             -moment.velocity,
             -moment.velocity.signum(),
             -sin,
@@ -87,10 +95,10 @@ fn regressed(evidence: &Evidence<'_>, terms: &[Term]) -> Option<Vec<Term>> {
     })?;
     let (sin, cos) = (angle_rad * nominal.gravity_zero).sin_cos();
     let [sine, cosine] = [sine + nominal.gravity * cos, cosine + nominal.gravity * sin];
-    let inertia = (nominal.inertia + inertia).max(LEAST_INERTIA * nominal.inertia);
+    let inertia = (nominal.inertia + accelerates).max(LEAST_INERTIA * nominal.inertia);
     let begun = terms.iter().map(|term| match term.kind.name {
         "inertia" => term.begun(&[(0, inertia)]),
-        "torque_gain" => term.begun(&[(0, nominal.inertia / inertia)]),
+        "torque_gain" => term.begun(&[(0, 1.0 + accelerates)]),
         "viscous" => term.begun(&[(0, (nominal.viscous + viscous).max(0.0))]),
         "coulomb" => term.begun(&[(0, (nominal.friction.level_nm[0] + coulomb).max(0.0))]),
         "gravity" => term.begun(&[(0, sine.hypot(cosine)), (1, cosine.atan2(sine) / angle_rad)]),
@@ -101,3 +109,17 @@ fn regressed(evidence: &Evidence<'_>, terms: &[Term]) -> Option<Vec<Term>> {
 
 /// Share of the stated inertia that a regression may come down to: noise of the acceleration draws it towards none.
 const LEAST_INERTIA: f64 = 0.02;
+
+/// Names of the effects that say the numbers that are not stated.
+pub(super) fn unstated(recording: &Recording, is_linear: bool) -> Vec<&'static str> {
+    let mut names = names(recording, is_linear).to_vec();
+    names.retain(|name| {
+        let number = if *name == "torque_gain" {
+            "ratio"
+        } else {
+            name
+        };
+        recording.unstated.contains(&number)
+    });
+    names
+}

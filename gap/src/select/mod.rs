@@ -126,6 +126,11 @@ impl Selection {
         fits.all(|fit| misnamed::repeats(problem, fit))
     }
 
+    /// Terms of the null: numbers of the model that are not stated, and estimated with every hypothesis.
+    pub(crate) fn base(&self) -> usize {
+        self.null.hypothesis.terms.len()
+    }
+
     /// Effects that were given: they are there whatever they close.
     pub(crate) fn kept(&self) -> usize {
         usize::from(self.given)
@@ -180,6 +185,7 @@ impl Selection {
 
     /// Takes back one effect; those after it are fitted anew without it.
     pub(crate) fn withdraw_one(&mut self, problem: &Problem<'_>, place: usize) {
+        let base = self.base();
         let mut later = self.rounds.split_off(place).into_iter();
         self.last = later.next();
         self.rounds.extend(later);
@@ -188,7 +194,7 @@ impl Selection {
             None => self.null.clone(),
         };
         for round in &mut self.rounds[place..] {
-            *round = round.without(problem, place, known);
+            *round = round.without(problem, base + place, known);
             known = round.so_far.clone();
         }
     }
@@ -279,14 +285,21 @@ fn level(fit: &Fit) -> f64 {
 }
 
 /// Finds the effect that explains most, or the two that do together, then what is left beside them, each
-/// fitted jointly with the others.
-pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stage)) -> Selection {
+/// fitted jointly with the others, and with the terms of `base`, which say numbers of the model that are not stated.
+pub(crate) fn select(
+    problem: &Problem<'_>,
+    base: Option<Fit>,
+    given: &Given<'_>,
+    progress: fn(Stage),
+) -> Selection {
     progress(Stage::Nominal);
-    let bare = Hypothesis { terms: Vec::new() };
-    let x = vec![0.0; bare.dimensions(&problem.nudges)];
-    let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
-    let far = problem.nominal_afar(&null, NULL_ITERATIONS);
-    let null = far.unwrap_or(null);
+    let bare = || {
+        let bare = Hypothesis { terms: Vec::new() };
+        let x = vec![0.0; bare.dimensions(&problem.nudges)];
+        let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
+        problem.nominal_afar(&null, NULL_ITERATIONS).unwrap_or(null)
+    };
+    let null = base.unwrap_or_else(bare);
     let found = select_beyond(null.clone(), problem, given, progress);
     if found.repeats(problem) {
         return found;
@@ -420,7 +433,7 @@ mod tests {
     /// What is found of some effects, in the order of the alphabet.
     fn found(hidden: &[&str]) -> Vec<&'static str> {
         let recording = made::recording(hidden);
-        let selection = select(&made::problem(&recording), &Given::A_GAP, |_| {});
+        let selection = select(&made::problem(&recording), None, &Given::A_GAP, |_| {});
         let rounds = selection.rounds.iter();
         let mut names: Vec<&str> = rounds.map(|round| round.rivals[0].name).collect();
         names.sort_unstable();

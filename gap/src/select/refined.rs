@@ -91,7 +91,7 @@ mod tests {
         let nominal = problem.fit(&bare, Vec::new(), Part::All, 0);
         problem.modelling = 0.2 * problem.plain_gap(&problem.series, &nominal);
         let given = Given::A_GAP;
-        let coarse = select(&problem, &given, |_| {});
+        let coarse = select(&problem, None, &given, |_| {});
         let refined = coarse.refined(&problem, &given, |_| {});
         let names = |selection: &Selection| {
             let rounds = selection.rounds.iter();

@@ -6,6 +6,7 @@ pub(crate) mod intersample;
 pub(crate) mod motion;
 pub(crate) mod noise;
 pub mod restart;
+pub(crate) mod run_order;
 pub mod series;
 pub(crate) mod told;
 pub(crate) mod unbroken;

@@ -6,6 +6,7 @@ use recording::Recording;
 fn only(name: &str) -> Mixture {
     Mixture {
         only: Some(name.into()),
+        ..Mixture::default()
     }
 }
 

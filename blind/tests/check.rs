@@ -25,6 +25,7 @@ fn check(folder: &std::path::Path, script: &str) -> Check {
         seed: 5,
         mixture: Mixture {
             only: Some("torque_offset".into()),
+            ..Mixture::default()
         },
         withheld: None,
         jobs: 1,

@@ -1,6 +1,6 @@
 //! The scorer on truths and diagnoses made by hand.
 
-use blind::score::{FreshGaps, Outcome, Summary, judge};
+use blind::score::{FreshGaps, Gaps, Outcome, Summary, judge};
 use blind::{Diagnosis, Effect, Kind, Place, Reference, Truth};
 use serde_json::json;
 
@@ -17,6 +17,7 @@ fn truth(kind: Kind, names: &[&str]) -> Truth {
                 strength: 1.0,
                 form: String::new(),
                 places: vec![Place::on("velocity", -0.1, 0.1), Place::in_run(1, 2.0, 3.0)],
+                share: None,
             })
             .collect(),
         reference: Reference {
@@ -26,6 +27,8 @@ fn truth(kind: Kind, names: &[&str]) -> Truth {
             tolerances_alone: 0.0,
         },
         fresh_floor: Some(0.2),
+        transfer_floor: None,
+        timing: None,
     }
 }
 
@@ -54,7 +57,7 @@ fn with_region(mut diagnosis: Diagnosis, regions: serde_json::Value) -> Diagnosi
 }
 
 fn plain(truth: &Truth, diagnosis: &Diagnosis) -> Outcome {
-    judge(truth, Some(diagnosis), None, None)
+    judge(truth, Some(diagnosis), Gaps::default(), None)
 }
 
 #[test]
@@ -114,9 +117,14 @@ fn outside_the_vocabulary_only_a_confident_name_is_wrong() {
 fn a_withheld_effect_is_outside_the_vocabulary() {
     let truth = truth(Kind::Single, &["lag"]);
     let named = says("explained", &[("delay", 0.95, &[])]);
-    let outcome = judge(&truth, Some(&named), None, Some("lag"));
+    let outcome = judge(&truth, Some(&named), Gaps::default(), Some("lag"));
     assert_eq!((outcome.kind, outcome.right), (Kind::Outside, false));
-    let honest = judge(&truth, Some(&says("unexplained", &[])), None, Some("lag"));
+    let honest = judge(
+        &truth,
+        Some(&says("unexplained", &[])),
+        Gaps::default(),
+        Some("lag"),
+    );
     assert!(honest.right);
 }
 
@@ -147,16 +155,22 @@ fn a_place_needs_its_axis_an_overlap_and_its_run() {
 fn a_claim_is_held_against_the_fresh_recording() {
     let truth = truth(Kind::Single, &["lag"]);
     let said = says("explained", &[("lag", 0.9, &[])]);
-    let fresh = FreshGaps {
-        nominal: 2.0,
-        corrected: 0.65,
+    let fresh = Gaps {
+        fresh: Some(FreshGaps {
+            nominal: 2.0,
+            corrected: 0.65,
+        }),
+        transfer: None,
     };
-    let outcome = judge(&truth, Some(&said), Some(fresh), None);
+    let outcome = judge(&truth, Some(&said), fresh, None);
     // From 2 to 0.65 of the way to the 0.2 that the truth leaves.
     assert!((outcome.claim_error.unwrap() - (0.9 - 0.75)).abs() < 1e-12);
     // The true model gets from 1 to 0.1, the diagnosis to 0.19.
     assert!((outcome.relative_shrink.unwrap() - 0.9).abs() < 1e-12);
-    assert_eq!(judge(&truth, Some(&said), None, None).claim_error, None);
+    assert_eq!(
+        judge(&truth, Some(&said), Gaps::default(), None).claim_error,
+        None
+    );
 }
 
 #[test]
@@ -167,7 +181,7 @@ fn the_summary_counts_by_kind_and_calibrates() {
         plain(&single, &says("explained", &[("lag", 0.92, &[])])),
         plain(&single, &says("explained", &[("delay", 0.97, &["lag"])])),
         plain(&single, &says("explained", &[("lag", 0.75, &["delay"])])),
-        judge(&single, None, None, None),
+        judge(&single, None, Gaps::default(), None),
         plain(&nothing, &says("no_gap", &[])),
     ];
     let summary = Summary::of(outcomes);

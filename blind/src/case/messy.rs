@@ -236,7 +236,7 @@ fn settle(bench: &mut Bench, parts: &mut Parts, plans: &[Plan], scale: &Scale) -
     None
 }
 
-/// Whether a device can have both: they are alike to no part of each other's mechanism.
+/// Whether one device can have both causes.
 fn compatible(a: &str, b: &str) -> bool {
     const ONE_PLACE: [&[&str]; 2] = [
         // One transmission that is not rigid.
@@ -377,15 +377,15 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
     bench.tolerance = numbers::tolerance(draw, &bench.plant.model, &off);
 
     let (times, timing_size) = wrong_times(draw, &bench, &reality, &measured.logs, sizes[0]);
-    let logs = times.write_down_all(&measured.logs, draw);
+    let times = times.stated(draw);
+    let recording = bench.written_down(&plans, &measured.logs, times, draw);
     let mut fresh_plans = Plan::session(draw, &bench.plant);
     size_up(&mut fresh_plans, &bench.plant, &bench.logging)?;
     let fresh = bench.measure(&reality, &fresh_plans, &scale)?;
-    let fresh_logs = times.write_down_all(&fresh.logs, draw);
     let shows = fresh.reference.before > GAP_OVER_FLOOR[0] * fresh.reference.after;
     let lasts = !BOUND_TO_A_MOMENT.contains(&parts.0[0].name());
     let transferred = transfers
-        .then(|| transfer(draw, &bench, &reality, Some(times)))
+        .then(|| transfer(draw, &bench, &reality, times))
         .flatten();
 
     let timing = Timing {
@@ -395,8 +395,8 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
         share: timing_size / sizes[0],
     };
     Some(Case {
-        recording: bench.recording(&plans, &logs),
-        fresh: bench.recording(&fresh_plans, &fresh_logs),
+        recording,
+        fresh: bench.written_down(&fresh_plans, &fresh.logs, times, draw),
         truth: Truth {
             seed: 0,
             case: 0,

@@ -27,6 +27,7 @@ pub(crate) use numbers::effect_of;
 use secret::Secret;
 use stated::{limit_input, narrow_travel, overstate, tolerance};
 use strength::{hide, order_pair};
+use timing::WrongTimes;
 pub use transfer::Transfer;
 
 /// The gap of what is hidden, in floors.
@@ -253,7 +254,7 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str], transfers: bool)
     let shows = fresh.reference.hidden_alone > GAP_OVER_FLOOR[0] * fresh.reference.after;
     let lasts = !has(&BOUND_TO_A_MOMENT);
     let transfer = transfers
-        .then(|| transfer::transfer(draw, &bench, &reality, None))
+        .then(|| transfer::transfer(draw, &bench, &reality, WrongTimes::NONE))
         .flatten();
 
     Some(Case {

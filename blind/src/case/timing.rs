@@ -1,6 +1,8 @@
 //! Wrong times: the input column ahead of or behind the position column, read at an instant instead of averaged, and rows
 //! whose logged times are not those at which they were taken.
 
+use recording::Recording;
+
 use crate::draw::Draw;
 use crate::session::{Log, round_input};
 
@@ -13,12 +15,20 @@ const MOST_DEVIATIONS: f64 = 3.0;
 /// Two logged times are apart by at least this share of what they should be.
 const LEAST_PERIOD: f64 = 0.1;
 
+/// Share of the users who say that input and position may be apart, and the true distance over what they say.
+const STATED: f64 = 0.3;
+const TRUE_OVER_STATED: [f64; 2] = [0.5, 2.0];
+/// The least that they say, in rows.
+const LEAST_STATED_ROWS: f64 = 0.05;
+
 /// How a log's times are wrong.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WrongTimes {
     pub offset_rows: f64,
     pub point_sampled: bool,
     pub stamp_std_rows: f64,
+    /// What the manifest says about the distance of input and position, in rows; 0 where it says nothing.
+    pub stated_std_rows: f64,
 }
 
 impl WrongTimes {
@@ -26,6 +36,7 @@ impl WrongTimes {
         offset_rows: 0.0,
         point_sampled: false,
         stamp_std_rows: 0.0,
+        stated_std_rows: 0.0,
     };
 
     pub fn draw(draw: &mut Draw) -> Self {
@@ -33,6 +44,26 @@ impl WrongTimes {
             offset_rows: draw.uniform(-MOST_OFFSET_ROWS, MOST_OFFSET_ROWS),
             point_sampled: draw.chance(0.5),
             stamp_std_rows: draw.log_uniform(STAMP_STD_ROWS[0], STAMP_STD_ROWS[1]),
+            stated_std_rows: 0.0,
+        }
+    }
+
+    /// The same, with what some users say about it.
+    pub fn stated(self, draw: &mut Draw) -> Self {
+        let over = draw.log_uniform(TRUE_OVER_STATED[0], TRUE_OVER_STATED[1]);
+        let says = draw.chance(STATED);
+        let distance_rows = (self.apparent_delay_rows().abs() / over).max(LEAST_STATED_ROWS);
+        Self {
+            stated_std_rows: if says { distance_rows } else { 0.0 },
+            ..self
+        }
+    }
+
+    /// Says it in a manifest, of rows `row_s` apart.
+    pub fn state(self, recording: &mut Recording, row_s: f64) {
+        let std_s = (self.stated_std_rows * row_s * 1e7).round() / 1e7;
+        for run in &mut recording.runs {
+            run.input_time_std = std_s;
         }
     }
 

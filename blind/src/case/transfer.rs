@@ -37,7 +37,7 @@ pub(super) fn transfer(
     draw: &mut Draw,
     bench: &Bench,
     reality: &Reality,
-    times: Option<WrongTimes>,
+    times: WrongTimes,
 ) -> Option<Transfer> {
     (0..TRIES).find_map(|_| attempt(&mut draw.split(), bench, reality, times))
 }
@@ -46,7 +46,7 @@ fn attempt(
     draw: &mut Draw,
     bench: &Bench,
     reality: &Reality,
-    times: Option<WrongTimes>,
+    times: WrongTimes,
 ) -> Option<Transfer> {
     let mut plant = bench.plant.clone();
     let load_inertia = plant.model.inertia * draw.uniform(LOADS[0], LOADS[1]);
@@ -87,12 +87,8 @@ fn attempt(
     };
     let measured = bench.measure(&loaded, &plans, &scale)?;
     let reference = measured.reference;
-    let logs = match times {
-        Some(times) => times.write_down_all(&measured.logs, draw),
-        None => measured.logs,
-    };
     Some(Transfer {
-        recording: bench.recording(&plans, &logs),
+        recording: bench.written_down(&plans, &measured.logs, times, draw),
         load_inertia,
         floor: (reference.before > GAP_OVER_FLOOR[0] * reference.after).then_some(reference.after),
     })

@@ -1,9 +1,10 @@
 //! A device as real ones are: one dominant cause, several small ones, stated numbers that are off, and wrong times.
 
 use super::amplitude::size_up;
-use super::bench::{Bench, Measured};
+use super::bench::Bench;
 use super::logging::logging;
-use super::numbers::{self, MOST_OFF, OffNumber};
+use super::numbers::{self, OffNumber};
+use super::parts::{Part, Parts, Role, SMALL_SHARE, Settled, Source, settle};
 use super::secret::Secret;
 use super::stated::{limit_input, narrow_travel, overstate};
 use super::timing::WrongTimes;
@@ -15,16 +16,11 @@ use crate::reality::Reality;
 use crate::scenario::{Cause, Family, Hidden, Plan, Plant, Scale, VOCABULARY};
 use crate::session::Log;
 use crate::truth::{Effect, Kind, Timing, Truth};
-use recording::Model;
 
-/// The rms change of the prediction that a small cause makes, over that of the dominant one.
-pub const SMALL_SHARE: [f64; 2] = [0.05, 0.25];
 /// How many small causes there are.
-const SMALL_CAUSES: [usize; 2] = [3, 5];
+pub(super) const SMALL_CAUSES: [usize; 2] = [3, 5];
 /// Shares that are aimed at, well within the range.
 const AIMED_SHARE: [f64; 2] = [0.065, 0.2];
-/// A number that is off beside the dominant cause changes the prediction by at most this share of what that one does.
-const MOST_NUMBER_SHARE: f64 = 0.5;
 /// Share of the small causes that the vocabulary has a name for.
 const SMALL_KNOWN: f64 = 0.7;
 /// Share of the cases whose dominant cause is a number that is off, or one outside the vocabulary.
@@ -35,9 +31,6 @@ const ROWS_HZ: [f64; 2] = [50.0, 10_000.0];
 const LEAST_ROWS_PER_PERIOD: f64 = 40.0;
 /// Slowest and fastest control loop, s.
 const TICKS_S: [f64; 2] = [5e-3, 5e-5];
-/// Rounds of adjustments; after so many, causes that stay too small or too large are left out.
-const ROUNDS: usize = 12;
-const ROUNDS_WITH_ALL: usize = 7;
 
 /// What dominates a case.
 #[derive(Clone, Copy, Debug)]
@@ -58,182 +51,6 @@ impl Dominant {
             _ => Self::Known(draw.pick(&VOCABULARY)),
         }
     }
-}
-
-/// One cause of the gap.
-#[derive(Clone, Debug)]
-enum Source {
-    Hidden(Secret),
-    Number(OffNumber),
-}
-
-/// A cause, and how large it should be.
-#[derive(Clone, Debug)]
-struct Part {
-    cause: Source,
-    role: Role,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Role {
-    /// This many floors.
-    Dominant(f64),
-    /// This share of the dominant one.
-    Small(f64),
-    /// At most half the dominant one.
-    Number,
-}
-
-impl Part {
-    fn name(&self) -> &'static str {
-        match &self.cause {
-            Source::Hidden(secret) => secret.name(),
-            Source::Number(off) => off.effect,
-        }
-    }
-
-    /// Makes the cause larger or smaller; `false` if it is at the end of its range.
-    fn scale_by(&mut self, factor: f64) -> bool {
-        match &mut self.cause {
-            Source::Hidden(secret) => secret.scale_by(factor),
-            Source::Number(off) => {
-                let before = off.relative;
-                off.relative = (before * factor).clamp(-MOST_OFF, MOST_OFF);
-                (off.relative / before - 1.0).abs() > 0.01
-            }
-        }
-    }
-}
-
-/// All causes of a case, the dominant one first.
-#[derive(Clone, Debug)]
-struct Parts(Vec<Part>);
-
-impl Parts {
-    /// The device, but for the cause `without`: one that is hidden is not there, a number is as it is stated.
-    fn reality(&self, true_model: &Model, scale: &Scale, without: Option<usize>) -> Reality {
-        let mut model = *true_model;
-        if let Some(Part {
-            cause: Source::Number(off),
-            ..
-        }) = without.map(|k| &self.0[k])
-        {
-            off.misstate(&mut model);
-        }
-        let mut reality = Reality::plain(&model);
-        let hidden = self.0.iter().enumerate().filter_map(|(k, part)| {
-            let there = Some(k) != without;
-            match &part.cause {
-                Source::Hidden(secret) if there => Some(secret),
-                _ => None,
-            }
-        });
-        // Coulomb friction sets the level that other effects of friction start from.
-        let (levels, others): (Vec<_>, Vec<_>) =
-            hidden.partition(|secret| secret.name() == "coulomb");
-        for secret in levels.into_iter().chain(others) {
-            secret.apply(&mut reality, scale);
-        }
-        reality
-    }
-
-    /// The model as it is stated.
-    fn nominal(&self, true_model: &Model) -> Model {
-        let mut model = *true_model;
-        for off in self.off() {
-            off.misstate(&mut model);
-        }
-        model
-    }
-
-    fn off(&self) -> impl Iterator<Item = &OffNumber> {
-        self.0.iter().filter_map(|part| match &part.cause {
-            Source::Number(off) => Some(off),
-            Source::Hidden(_) => None,
-        })
-    }
-
-    fn small(&self) -> usize {
-        let small = |part: &&Part| matches!(part.role, Role::Small(_));
-        self.0.iter().filter(small).count()
-    }
-
-    /// The rms change of the prediction that each cause makes, in units of position.
-    fn sizes(&self, bench: &Bench, scale: &Scale, logs: &[Log]) -> Vec<f64> {
-        let predict = |without| {
-            let reality = self.reality(&bench.plant.model, scale, without);
-            let step_s = bench.prediction_step_s(&reality);
-            let carried = HiddenStates::Carried;
-            prediction::predict(&reality, logs, bench.restart, carried, step_s)
-        };
-        let whole = predict(None);
-        let without = (0..self.0.len()).map(|k| predict(Some(k)));
-        without
-            .map(|without| prediction::difference(&whole, &without))
-            .collect()
-    }
-}
-
-/// A device that was carried out with all its causes at their sizes.
-struct Settled {
-    reality: Reality,
-    measured: Measured,
-    sizes: Vec<f64>,
-}
-
-/// Adjusts all causes until each is as large as its role wants; `None` if they cannot be.
-fn settle(bench: &mut Bench, parts: &mut Parts, plans: &[Plan], scale: &Scale) -> Option<Settled> {
-    for round in 0..ROUNDS {
-        bench.nominal = parts.nominal(&bench.plant.model);
-        let reality = parts.reality(&bench.plant.model, scale, None);
-        let Some(measured) = bench.measure(&reality, plans, scale) else {
-            for part in &mut parts.0 {
-                part.scale_by(0.5);
-            }
-            continue;
-        };
-        let sizes = parts.sizes(bench, scale, &measured.logs);
-        if sizes.iter().any(|size| !size.is_finite()) {
-            return None;
-        }
-        let floors = measured.reference.after;
-        let mut outside = Vec::new();
-        for (k, part) in parts.0.iter_mut().enumerate() {
-            let share = sizes[k] / sizes[0];
-            let (value, [low, high], aim) = match part.role {
-                Role::Dominant(aim) => (sizes[0] / floors, GAP_OVER_FLOOR, aim),
-                Role::Small(aim) => (share, SMALL_SHARE, aim),
-                Role::Number => (share, [0.0, MOST_NUMBER_SHARE], 0.8 * MOST_NUMBER_SHARE),
-            };
-            if (low..=high).contains(&value) {
-                continue;
-            }
-            outside.push(k);
-            let moved = part.scale_by((aim / value).clamp(0.1, 10.0));
-            if !moved && !matches!(part.role, Role::Small(_)) {
-                return None;
-            }
-        }
-        if outside.is_empty() {
-            let shows = measured.reference.before > GAP_OVER_FLOOR[0] * floors;
-            return shows.then_some(Settled {
-                reality,
-                measured,
-                sizes,
-            });
-        }
-        if round >= ROUNDS_WITH_ALL && !outside.contains(&0) {
-            let mut k = 0;
-            parts.0.retain(|part| {
-                k += 1;
-                !(matches!(part.role, Role::Small(_)) && outside.contains(&(k - 1)))
-            });
-            if parts.small() < SMALL_CAUSES[0] {
-                return None;
-            }
-        }
-    }
-    None
 }
 
 /// Whether one device can have both causes.

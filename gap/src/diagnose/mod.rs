@@ -8,7 +8,7 @@ mod steps;
 mod verdict;
 
 use crate::comparison::{Comparison, Match};
-use crate::diagnosis::{Closing, Diagnosis, Verdict};
+use crate::diagnosis::{Closing, Diagnosis, FloorOf, Verdict};
 use crate::fit::hypothesis::nudges;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
@@ -117,11 +117,12 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let model = corrected(&problem, selection.fit());
     let (after, _) = measure(recording, &model.device());
     // A model that could not come below what there was before closes nothing of it.
-    let comes_below = after.floor < before || selection.rounds.is_empty();
-    let floor = if comes_below {
-        after.floor
+    let comes_below = after.floor < before && !selection.rounds.is_empty();
+    let nominal_floor = measure(recording, &nominal).0.floor;
+    let (floor, floor_of) = if comes_below {
+        (after.floor, FloorOf::CorrectedModel)
     } else {
-        measure(recording, &nominal).0.floor
+        (nominal_floor, FloorOf::NominalModel)
     };
     // What the model leaves of the very recording that it was fitted to is the least that it leaves of others.
     if before > floor {
@@ -131,6 +132,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let closing = Closing {
         before,
         floor,
+        floor_of,
+        nominal_floor,
         after: before - total[0] * (before - floor),
         shrink: total[0],
         shrink_interval: [total[1], total[2]],

@@ -8,6 +8,7 @@ mod files;
 mod plant_choice;
 mod plot;
 mod progress;
+mod provenance;
 mod report;
 mod spectrum;
 mod tuning;

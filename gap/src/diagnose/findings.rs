@@ -36,6 +36,7 @@ pub(super) fn findings(
     };
     let fit = selection.fit();
     let units = &problem.recording.units;
+    let stalls = fit.stalls(&problem.nudges);
     let fitted = fit.hypothesis.parts(&fit.x);
     let fitted = fitted.zip(fit.hypothesis.parts(&fit.std));
     let fitted = fitted.skip(selection.base());
@@ -52,14 +53,15 @@ pub(super) fn findings(
             let std = term.spread(i, x, std);
             let name = term.kind.value_name(i, values.len());
             let unit = quantity.unit(&units.position, &units.input);
-            parameters.insert(
-                name,
-                Estimate {
-                    value: *value,
-                    std,
-                    unit,
-                },
-            );
+            let is_stalled = stalls.iter().any(|s| s.is_of(term.kind.name, &name));
+            let is_known = std > 0.0 && std.is_finite() && !is_stalled;
+            let estimate = Estimate {
+                value: *value,
+                std: is_known.then_some(std),
+                unit,
+                is_fitted: std > 0.0,
+            };
+            parameters.insert(name, estimate);
         }
         all.push(Finding {
             name: term.kind.name,

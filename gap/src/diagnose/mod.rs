@@ -13,7 +13,7 @@ mod verdict;
 mod warnings;
 
 use crate::comparison::{Comparison, Match};
-use crate::diagnosis::{Closing, Diagnosis, NumberFinding, Region, Verdict};
+use crate::diagnosis::{Closing, Diagnosis, FloorOf, NumberFinding, Region, Verdict};
 use crate::fit::hypothesis::nudges;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
@@ -93,19 +93,19 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
     let (closed, implausible) = without_implausible(&problem, &mut selection, closed);
 
-    let model_free = ModelFree::of(&problem.series);
-    let mut correction = Correction::of(&problem, &selection, closed, before, &model_free);
+    let baseline = Baseline::of(&problem);
+    let mut correction = Correction::of(&problem, &selection, closed, &baseline);
     let rejection = unit_factor
         .map(Rejection::UnitMistake)
-        .or_else(|| correction.rejection(&model_free, &selection));
+        .or_else(|| correction.rejection(&baseline.model_free, &selection));
     if rejection.is_some() {
         selection.withdraw(0);
-        correction = Correction::none(&problem, before, &model_free);
+        correction = Correction::none(&problem, &baseline);
     }
     let stand_in = StandIn::of(&problem, &selection);
     let verdict = verdict(&problem, &selection, &correction.gap, stand_in);
     if verdict == Verdict::NoGap {
-        correction = Correction::of_numbers(&problem, &selection, before, &model_free);
+        correction = Correction::of_numbers(&problem, &selection, &baseline);
     }
     let effects = findings(
         &problem,
@@ -237,6 +237,48 @@ fn without_implausible(
     }
 }
 
+/// What predicts without any correction.
+struct Baseline {
+    /// Gap and floor of the nominal model.
+    nominal: Gap,
+    /// Squares of each window that it leaves.
+    squares: Vec<f64>,
+    model_free: ModelFree,
+}
+
+impl Baseline {
+    fn of(problem: &Problem<'_>) -> Self {
+        let device = Device::nominal(&problem.recording.model);
+        Self {
+            nominal: measure(problem.recording, &device).0,
+            squares: problem.nominal_squares(),
+            model_free: ModelFree::of(&problem.series),
+        }
+    }
+
+    /// How far a gap closes above a floor, by its shrink and the 95 % interval of that.
+    fn closing(
+        &self,
+        problem: &Problem<'_>,
+        (floor, floor_of): (f64, FloorOf),
+        [shrink, low, high]: [f64; 3],
+    ) -> Closing {
+        let before = self.nominal.before;
+        Closing {
+            before,
+            floor,
+            floor_of,
+            nominal_floor: self.nominal.floor,
+            after: before - shrink * (before - floor),
+            standing: problem.rms(&self.model_free.standing),
+            coasting: problem.rms(&self.model_free.coasting),
+            shrink,
+            shrink_interval: [low, high],
+            unit: self.nominal.unit.clone(),
+        }
+    }
+}
+
 /// A corrected model, and how far it closes the gap.
 struct Correction {
     model: CorrectedModel,
@@ -249,15 +291,14 @@ struct Correction {
 
 impl Correction {
     /// The nominal model.
-    fn none(problem: &Problem<'_>, before: f64, model_free: &ModelFree) -> Self {
-        let recording = problem.recording;
-        let (Gap { floor, .. }, _) = measure(recording, &Device::nominal(&recording.model));
+    fn none(problem: &Problem<'_>, baseline: &Baseline) -> Self {
+        let floor = (baseline.nominal.floor, FloorOf::NominalModel);
         Self {
-            model: nominal(recording),
-            gap: closing(problem, before, floor, [0.0; 3], model_free),
+            model: nominal(problem.recording),
+            gap: baseline.closing(problem, floor, [0.0; 3]),
             steps: Vec::new(),
             numbers: Vec::new(),
-            after: problem.nominal_squares(),
+            after: baseline.squares.clone(),
         }
     }
 
@@ -266,22 +307,20 @@ impl Correction {
         problem: &Problem<'_>,
         selection: &Selection,
         closed: Closed,
-        before: f64,
-        model_free: &ModelFree,
+        baseline: &Baseline,
     ) -> Self {
         let Closed { mut steps, after } = closed;
         if selection.rounds.is_empty() {
-            return Self::none(problem, before, model_free);
+            return Self::none(problem, baseline);
         }
-        let recording = problem.recording;
+        let before = baseline.nominal.before;
         let model = corrected(problem, selection.fit());
-        let (measured, _) = measure(recording, &model.device());
+        let (measured, _) = measure(problem.recording, &model.device());
         // A model that could not come below what there was before closes nothing of it.
-        let floor = if measured.floor < before {
-            measured.floor
+        let (floor, floor_of) = if measured.floor < before {
+            (measured.floor, FloorOf::CorrectedModel)
         } else {
-            let (nominal, _) = measure(recording, &Device::nominal(&recording.model));
-            nominal.floor
+            (baseline.nominal.floor, FloorOf::NominalModel)
         };
         // What the model leaves of the very recording that it was fitted to is the least that it leaves of others.
         if before > floor {
@@ -290,13 +329,8 @@ impl Correction {
         let total = steps.last().map_or([0.0; 3], |step| step.total);
         let floors = problem.floor_squares(selection.fit());
         Self {
-            gap: closing(problem, before, floor, total, model_free),
-            numbers: numbers::moved(
-                problem,
-                selection.fit(),
-                &problem.nominal_squares(),
-                &floors,
-            ),
+            gap: baseline.closing(problem, (floor, floor_of), total),
+            numbers: numbers::moved(problem, selection.fit(), &baseline.squares, &floors),
             model,
             steps,
             after,
@@ -304,34 +338,24 @@ impl Correction {
     }
 
     /// The numbers of the model where the null has moved them, if that surely closes something.
-    fn of_numbers(
-        problem: &Problem<'_>,
-        selection: &Selection,
-        before: f64,
-        model_free: &ModelFree,
-    ) -> Self {
-        let none = Self::none(problem, before, model_free);
+    fn of_numbers(problem: &Problem<'_>, selection: &Selection, baseline: &Baseline) -> Self {
+        let none = Self::none(problem, baseline);
         let fit = &selection.null;
         let floors = problem.floor_squares(fit);
         let numbers = numbers::moved(problem, fit, &none.after, &floors);
-        if numbers.is_empty() {
-            return none;
-        }
         let after = problem.unseen(fit, |fit, half| problem.window_squares(fit, half));
         let total = shrink(&none.after, &after, &floors, &none.after);
-        if total[1] <= 0.0 {
+        if numbers.is_empty() || total[1] <= 0.0 {
             return none;
         }
         let model = corrected(problem, fit);
         let (measured, _) = measure(problem.recording, &model.device());
+        let floor = (
+            measured.floor.min(baseline.nominal.before),
+            FloorOf::CorrectedModel,
+        );
         Self {
-            gap: closing(
-                problem,
-                before,
-                measured.floor.min(before),
-                total,
-                model_free,
-            ),
+            gap: baseline.closing(problem, floor, total),
             model,
             numbers,
             after,
@@ -346,25 +370,5 @@ impl Correction {
         is_judged
             .then(|| Rejection::of(&self.after, model_free, lowest))
             .flatten()
-    }
-}
-
-/// How far a gap closes, by its shrink and the 95 % interval of that.
-fn closing(
-    problem: &Problem<'_>,
-    before: f64,
-    floor: f64,
-    [shrink, low, high]: [f64; 3],
-    model_free: &ModelFree,
-) -> Closing {
-    Closing {
-        before,
-        floor,
-        after: before - shrink * (before - floor),
-        standing: problem.rms(&model_free.standing),
-        coasting: problem.rms(&model_free.coasting),
-        shrink,
-        shrink_interval: [low, high],
-        unit: problem.recording.units.position.clone(),
     }
 }

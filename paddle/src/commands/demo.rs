@@ -5,6 +5,7 @@ use super::sim;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::provenance::Provenance;
 use crate::report::{self, Labels};
 use clap::Args;
 use gap::{ModelFile, Options};
@@ -48,9 +49,13 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     for run in &runs {
         measure::leave(&mut predictions, run, &gap)?;
     }
+    let provenance = Provenance::of(folder.path(), &recording)?;
     let outcome = gap::diagnose(&recording, &Options::default());
     let mut diagnosis = Folder::make(out)?;
-    diagnosis.put("report.html", &report::page(&recording, &outcome)?)?;
+    diagnosis.put(
+        "report.html",
+        &report::page(&recording, &outcome, &provenance)?,
+    )?;
     diagnosis.put(
         "corrected.toml",
         &ModelFile::new(&outcome.model, &recording).to_string(),
@@ -75,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         json: json!({
             "step": step.json,
             "gap": gap,
-            "diagnosis": diagnose::json(&outcome),
+            "diagnosis": diagnose::json(&outcome, &provenance),
             "files": files,
             "folder": out,
         }),

@@ -140,7 +140,7 @@ pub fn phrase(finding: &Finding, labels: &Labels) -> String {
     let Some((_, noun, template)) = WORDS.iter().find(|(known, ..)| *known == name) else {
         return name.to_owned();
     };
-    let fitted = |parameter: &str| finding.parameters.get(parameter).filter(|e| e.std > 0.0);
+    let fitted = |parameter: &str| finding.parameters.get(parameter).filter(|e| e.is_fitted);
     let value = |parameter: &str| finding.parameters.get(parameter).map(|e| e.value);
     let times = |name: &str| {
         let names = finding.parameters.keys();
@@ -271,10 +271,19 @@ fn shown(estimate: &Estimate) -> String {
 /// Difference up to which two digits of a factor do not tell it from 1.
 const NEAR_ONE: f64 = 0.1;
 
-/// What was found, with its standard deviation.
+/// What was found, with its standard deviation where that is known.
 pub fn with_std(estimate: &Estimate) -> String {
     let display = Display::of(&estimate.unit, estimate.value);
     display.show_with_std(estimate.value, estimate.std)
+}
+
+/// Why a number has no standard deviation, if it has none.
+pub fn why_no_std(estimate: &Estimate) -> Option<&'static str> {
+    match (estimate.std, estimate.is_fitted) {
+        (Some(_), _) => None,
+        (None, true) => Some("uncertainty not known"),
+        (None, false) => Some("not fitted"),
+    }
 }
 
 /// The parameters that say something, in the order of the vocabulary, and the rest: those that were held where they do
@@ -293,7 +302,7 @@ pub fn parameters(finding: &Finding) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
     });
     let default = |name: &str| place(name).map_or(0.0, |place| known[place].default);
     all.into_iter().partition(|(name, estimate)| {
-        estimate.std > 0.0 || (estimate.value != 0.0 && estimate.value != default(name))
+        estimate.is_fitted || (estimate.value != 0.0 && estimate.value != default(name))
     })
 }
 
@@ -325,7 +334,13 @@ mod tests {
     fn finding(name: &'static str, numbers: &[(&str, f64, f64, &str)]) -> Finding {
         let parameters = numbers.iter().map(|&(name, value, std, unit)| {
             let unit = unit.to_owned();
-            (name.to_owned(), Estimate { value, std, unit })
+            let estimate = Estimate {
+                value,
+                std: (std > 0.0).then_some(std),
+                unit,
+                is_fitted: std > 0.0,
+            };
+            (name.to_owned(), estimate)
         });
         Finding {
             name,

@@ -4,6 +4,7 @@ use super::diagnose::{json, save_model, save_report};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;
+use crate::provenance::Provenance;
 use gap::Options;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -148,14 +149,16 @@ fn with(path: &Path, extension: &str) -> PathBuf {
 /// Diagnoses one recording and leaves its results; the JSON comes last, as it says that the others are there.
 fn diagnosed(case: &Case, options: &Options) -> Result<Value, Failure> {
     let recording = super::read(&case.folder)?;
+    let provenance = Provenance::of(&case.folder, &recording)?;
     let diagnosis = AssertUnwindSafe(|| gap::diagnose(&recording, options));
     let outcome = catch_unwind(diagnosis).map_err(|_| Failure::Fault)?;
-    let line = stamped(json(&outcome), case, options);
+    let line = stamped(json(&outcome, &provenance), case, options);
     if let Some(parent) = case.results.parent() {
         std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
     }
     save_model(&with(&case.results, "toml"), &recording, &outcome)?;
-    save_report(&with(&case.results, "html"), &recording, &outcome)?;
+    let page = with(&case.results, "html");
+    save_report(&page, &recording, &outcome, &provenance)?;
     let (begun, whole) = (
         with(&case.results, "json.part"),
         with(&case.results, "json"),

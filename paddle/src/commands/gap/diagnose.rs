@@ -4,11 +4,13 @@ use super::batch;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;
+use crate::provenance::Provenance;
 use crate::report::{self, Labels};
 use clap::Args;
 use gap::{ModelFile, Options, Outcome};
 use host_sim::effects::{self, EffectError};
 use recording::Recording;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Which recording, and what to leave behind.
@@ -61,6 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     };
     progress::doing("reading".into());
     let recording = super::read(folder)?;
+    let provenance = Provenance::of(folder, &recording)?;
     let outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
     if let Some(path) = &arguments.save_model {
@@ -69,12 +72,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     }
     if let Some(path) = &arguments.report {
         progress::doing("drawing the report".into());
-        save_report(path, &recording, &outcome)?;
+        save_report(path, &recording, &outcome, &provenance)?;
         text.push_str(&format!("report in {}\n", path.display()));
     }
     Ok(Answer {
         text,
-        json: json(&outcome),
+        json: json(&outcome, &provenance),
         ..Answer::default()
     })
 }
@@ -91,9 +94,13 @@ fn options(without: &[String]) -> Result<Options, Failure> {
 }
 
 /// The diagnosis in the recording format's JSON.
-pub fn json(outcome: &Outcome) -> serde_json::Value {
+pub fn json(outcome: &Outcome, provenance: &Provenance) -> serde_json::Value {
     // Keys are text and numbers are numbers: this cannot fail.
-    serde_json::to_value(&outcome.diagnosis).unwrap_or_default()
+    let mut whole = serde_json::to_value(&outcome.diagnosis).unwrap_or_default();
+    if let Value::Object(keys) = &mut whole {
+        keys.insert("provenance".into(), json!(provenance));
+    }
+    whole
 }
 
 /// Leaves the corrected model in a file.
@@ -111,7 +118,8 @@ pub(super) fn save_report(
     path: &Path,
     recording: &Recording,
     outcome: &Outcome,
+    provenance: &Provenance,
 ) -> Result<(), Failure> {
-    let page = report::page(recording, outcome)?;
+    let page = report::page(recording, outcome, provenance)?;
     std::fs::write(path, page).map_err(Failure::write(path))
 }

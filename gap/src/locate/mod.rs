@@ -156,7 +156,7 @@ fn region(
 mod tests {
     use super::*;
     use crate::fit::hypothesis::{Hypothesis, nudges};
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
 
     fn found(effects: &[&str]) -> Vec<Region> {

@@ -14,7 +14,8 @@ mod scored;
 mod selection;
 
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::problem::Problem;
+use crate::fit::part::Part;
 use crate::floor::Perfect;
 use crate::select::{Given, Search, Selection};
 use crate::stage::Stage;

@@ -1,9 +1,10 @@
 //! The model's own numbers, freed.
 
-use crate::candidate::Evidence;
-use crate::candidate::regression::regress;
+use crate::guess::Evidence;
+use crate::guess::regression::regress;
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Nudge, Term};
+use crate::fit::hypothesis::Nudge;
+use crate::term::Term;
 use crate::fit::problem::Problem;
 use crate::select::Search;
 use recording::Recording;
@@ -63,7 +64,7 @@ pub(super) fn restated(search: &Search<'_>, null: &Fit, names: &[&str]) -> Vec<V
     let as_nominal: Vec<Term> = names
         .iter()
         .filter_map(|name| {
-            let found = tried.iter().find(|candidate| candidate.kind.name == *name)?;
+            let found = tried.iter().find(|candidate| candidate.effect.name() == *name)?;
             found.starts.last().cloned()
         })
         .collect();

@@ -9,7 +9,7 @@ const MOST_MOMENTS: usize = 6000;
 const FEWEST_MOMENTS: usize = 60;
 
 /// Sines and cosines at some positions, of a wave number that grows step by step: angles are turned on, which takes no sine.
-pub(super) struct Waves {
+pub(crate) struct Waves {
     /// By position: sine and cosine.
     now: Vec<[f64; 2]>,
     step: Vec<[f64; 2]>,
@@ -17,7 +17,7 @@ pub(super) struct Waves {
 
 impl Waves {
     /// Of the wave number `first` at some positions.
-    pub(super) fn of(positions: &[f64], first: f64, step: f64) -> Self {
+    pub(crate) fn of(positions: &[f64], first: f64, step: f64) -> Self {
         let waves = |n: f64| {
             let waves = positions.iter().map(|x| (n * x).sin_cos().into());
             waves.collect()
@@ -29,12 +29,12 @@ impl Waves {
     }
 
     /// By position: sine and cosine.
-    pub(super) fn now(&self) -> &[[f64; 2]] {
+    pub(crate) fn now(&self) -> &[[f64; 2]] {
         &self.now
     }
 
     /// Goes on to the next wave number.
-    pub(super) fn go_on(&mut self) {
+    pub(crate) fn go_on(&mut self) {
         for ([sin, cos], [by_sin, by_cos]) in self.now.iter_mut().zip(&self.step) {
             (*sin, *cos) = (*sin * by_cos + *cos * by_sin, *cos * by_cos - *sin * by_sin);
         }
@@ -42,13 +42,13 @@ impl Waves {
 }
 
 /// Wave number up to which, from `lowest` on, steps are no wider than what tells two waves apart over a span.
-pub(super) fn last_told_apart(lowest: f64, span: f64) -> f64 {
+pub(crate) fn last_told_apart(lowest: f64, span: f64) -> f64 {
     lowest + GRID as f64 * TAU / span
 }
 
 /// The wave numbers in a range of which a sine and a cosine make most of what varies over position in each direction, with
 /// their amplitudes, the strongest first: from position, direction and value at each moment.
-pub(super) fn strongest(
+pub(crate) fn strongest(
     mut moments: Vec<(f64, bool, f64)>,
     [lowest, highest]: [f64; 2],
     span: f64,

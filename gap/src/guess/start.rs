@@ -1,10 +1,10 @@
 //! A point from which an effect is fitted: which of its numbers are free there, and of what size.
 
-use crate::fit::hypothesis::{Coordinate, Scale, Term};
+use crate::term::{Coordinate, Scale, Term};
 use host_sim::effects::Kind;
 
 /// A number that may be zero or change its sign, and what is much of it.
-pub(super) const fn linear(parameter: usize, start: f64, scale: f64) -> Coordinate {
+pub(crate) const fn linear(parameter: usize, start: f64, scale: f64) -> Coordinate {
     Coordinate {
         parameter,
         start,
@@ -13,12 +13,12 @@ pub(super) const fn linear(parameter: usize, start: f64, scale: f64) -> Coordina
 }
 
 /// The same from a guess: a share of it is much where it is large.
-pub(super) fn guessed(parameter: usize, start: f64, scale: f64) -> Coordinate {
+pub(crate) fn guessed(parameter: usize, start: f64, scale: f64) -> Coordinate {
     linear(parameter, start, scale.max(0.3 * start.abs()))
 }
 
 /// A number that is positive.
-pub(super) const fn log(parameter: usize, start: f64) -> Coordinate {
+pub(crate) const fn log(parameter: usize, start: f64) -> Coordinate {
     Coordinate {
         parameter,
         start,
@@ -44,7 +44,7 @@ pub(crate) fn term(kind: &'static Kind, free: Vec<Coordinate>, fixed: &[(usize, 
 }
 
 /// A guess, if there is one, and what is tried in any case.
-pub(super) fn terms(
+pub(crate) fn terms(
     kind: &'static Kind,
     guess: Option<Vec<Coordinate>>,
     tried: impl IntoIterator<Item = Vec<Coordinate>>,
@@ -54,12 +54,12 @@ pub(super) fn terms(
 }
 
 /// `count` values by equal ratios.
-pub(super) fn geometric([low, high]: [f64; 2], count: usize) -> impl Iterator<Item = f64> + Clone {
+pub(crate) fn geometric([low, high]: [f64; 2], count: usize) -> impl Iterator<Item = f64> + Clone {
     let ratio = (high / low).powf(1.0 / (count - 1) as f64);
     (0..count).map(move |k| low * ratio.powi(k as i32))
 }
 
 /// How many values by equal ratios there are in a range, if `ratio` is the largest between two.
-pub(super) fn count([low, high]: [f64; 2], ratio: f64) -> usize {
+pub(crate) fn count([low, high]: [f64; 2], ratio: f64) -> usize {
     ((high / low).ln() / ratio.ln()).max(1.0).ceil() as usize + 1
 }

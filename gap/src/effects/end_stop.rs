@@ -1,11 +1,17 @@
 //! Hard stops on either side.
 
-use super::Evidence;
-use super::contact::pushes;
-use super::start::{linear, log, term};
-use crate::fit::hypothesis::Term;
-use crate::windows::motion::quantile;
+use super::gravity::Gravity;
+use super::identification::{Fitted, Identification};
+use super::phrase::{Found, Part, Phrase};
+use super::spring::Spring;
+use super::torque_offset::TorqueOffset;
+use crate::guess::Evidence;
+use crate::guess::push::pushes;
+use crate::guess::start::{linear, log, term};
+use crate::term::Term;
+use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
+use host_sim::effects::end_stop::KIND;
 use recording::Model;
 
 /// Shares of the samples that may lie beyond a stop: none where it is touched once.
@@ -19,35 +25,100 @@ const MOVED: f64 = 0.1;
 /// Spans of the motion beyond it at which a stop is none.
 const OUT_OF_REACH: f64 = 10.0;
 
-/// One stop at a time, the other out of reach, then both; those of the model farther out, where the device went past them.
-pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
-    let s = e.scales;
-    let inertia = e.device.mechanics.inertia;
-    let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
-    let positions: Vec<f64> = positions.collect();
-    let far = untouched(e.model.travel, s.position);
-    let ends = |share: f64| [share, 1.0 - share].map(|share| quantile(&positions, share));
-    let ends = STOPPED_SHARES.map(ends);
-    let mut all = pushing(kind, e, far);
-    all.extend(farther(kind, e.model, ends[0]));
-    let sizes = ends
-        .iter()
-        .flat_map(|&ends| HARDNESS.map(|hardness| (ends, hardness)));
-    for (ends, hardness) in sizes {
-        for [lower, upper] in places(ends, far) {
-            let stiffness = hardness * s.torque / s.span();
-            let damping = 2.0 * STOP_DAMPING * (stiffness * inertia).sqrt();
-            let mut free = vec![log(2, stiffness), log(3, damping)];
-            if lower > far[0] {
-                free.push(linear(0, lower, 0.05 * s.span()));
+#[derive(Debug)]
+pub(super) struct EndStop;
+
+impl Identification for EndStop {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    /// One stop at a time, the other out of reach, then both; those of the model farther out, where the device went past them.
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let inertia = e.device.mechanics.inertia;
+        let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
+        let positions: Vec<f64> = positions.collect();
+        let far = untouched(e.model.travel, s.position);
+        let ends = |share: f64| [share, 1.0 - share].map(|share| quantile(&positions, share));
+        let ends = STOPPED_SHARES.map(ends);
+        let mut all = pushing(e, far);
+        all.extend(farther(e.model, ends[0]));
+        let sizes = ends
+            .iter()
+            .flat_map(|&ends| HARDNESS.map(|hardness| (ends, hardness)));
+        for (ends, hardness) in sizes {
+            for [lower, upper] in places(ends, far) {
+                let stiffness = hardness * s.torque / s.span();
+                let damping = 2.0 * STOP_DAMPING * (stiffness * inertia).sqrt();
+                let mut free = vec![log(2, stiffness), log(3, damping)];
+                if lower > far[0] {
+                    free.push(linear(0, lower, 0.05 * s.span()));
+                }
+                if upper < far[1] {
+                    free.push(linear(1, upper, 0.05 * s.span()));
+                }
+                all.push(term(&KIND, free, &[(0, lower), (1, upper)]));
             }
-            if upper < far[1] {
-                free.push(linear(1, upper, 0.05 * s.span()));
+        }
+        all
+    }
+
+    fn reduced_forms(
+        &self,
+        fitted: &Term,
+        x: &[f64],
+        model: &Model,
+        extremes: [f64; 2],
+    ) -> Vec<(Term, Vec<f64>)> {
+        one_sided(fitted, x, untouched(model.travel, extremes))
+    }
+
+    fn is_local(&self) -> bool {
+        true
+    }
+
+    fn may_show_in_few_windows(&self) -> bool {
+        true
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&TorqueOffset, &Gravity, &Spring]
+    }
+
+    fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
+        let positions = fit.series.iter().flat_map(|s| s.position.iter().copied());
+        push_at_most(fit.term, positions)
+    }
+
+    fn noun(&self) -> &'static str {
+        "a hard stop"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "a hard stop"
+    }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        // A stop that was not fitted is out of reach.
+        let stops = ["lower", "upper"].map(|side| found.fitted(side).cloned());
+        match stops {
+            [Some(one), None] | [None, Some(one)] => Phrase(vec![
+                Part::Words("a hard stop at ".into()),
+                Part::Number(one),
+            ]),
+            [Some(lower), Some(upper)] => Phrase(vec![
+                Part::Words("hard stops at ".into()),
+                Part::Number(lower),
+                Part::Words(" and ".into()),
+                Part::Number(upper),
+            ]),
+            [None, None] if found.nominal.has_stops => {
+                Phrase::of("stops that are not met where the model has them")
             }
-            all.push(term(kind, free, &[(0, lower), (1, upper)]));
+            [None, None] => Phrase::of(self.noun()),
         }
     }
-    all
 }
 
 /// One stop where the motion ends, the other `far`, then both there: beyond a stop that is known is no other.
@@ -60,7 +131,7 @@ fn places([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 /// The model's own stops out of reach or where the motion ended, one or both, if that went past them.
-fn farther(kind: &'static Kind, model: &Model, extremes: [f64; 2]) -> Vec<Term> {
+fn farther(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
     let Some(travel) = model.travel else {
         return Vec::new();
     };
@@ -69,7 +140,7 @@ fn farther(kind: &'static Kind, model: &Model, extremes: [f64; 2]) -> Vec<Term> 
     let moved = moved.filter(|sides| sides.iter().all(|&side| passed[side]));
     let unit = MOVED * (extremes[1] - extremes[0]);
     let hardness = [(2, model.stop_stiffness), (3, model.stop_damping)];
-    let own = term(kind, Vec::new(), &hardness);
+    let own = term(&KIND, Vec::new(), &hardness);
     let own = own.begun(&[(0, travel[0]), (1, travel[1])]);
     let stops = moved.flat_map(|sides| {
         [untouched(None, extremes), extremes].map(|places| {
@@ -85,7 +156,7 @@ fn farther(kind: &'static Kind, model: &Model, extremes: [f64; 2]) -> Vec<Term> 
 }
 
 /// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.
-fn pushing(kind: &'static Kind, e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
+fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
     let mut pushes = pushes(e, &[1.0, -1.0]);
     // How long it was takes no part.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
@@ -96,27 +167,27 @@ fn pushing(kind: &'static Kind, e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
             log(3, push.damping),
             linear(upper, push.position, 0.1 * push.span),
         ];
-        term(kind, free, &[(1 - upper, far[1 - upper])])
+        term(&KIND, free, &[(1 - upper, far[1 - upper])])
     });
     stops.collect()
 }
 
 /// Where stops are that a motion between `extremes` did not show: those of the nominal model, or out of reach.
-pub(crate) fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
+fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
     let [low, high] = extremes;
     let away = OUT_OF_REACH * (high - low);
     travel.unwrap_or([low - away, high + away])
 }
 
 /// True if stops push at most of some positions: what does so all along is none.
-pub(crate) fn push_at_most(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
+fn push_at_most(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
     let [lower, upper] = [stops.values[0], stops.values[1]];
     let pushes = |x: f64| if (lower..=upper).contains(&x) { -1 } else { 1 };
     positions.map(pushes).sum::<i64>() > 0
 }
 
 /// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
-pub(crate) fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
+fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
     let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
     let (Some(lower), Some(upper)) = (place(0), place(1)) else {
         return Vec::new();
@@ -134,12 +205,9 @@ pub(crate) fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Te
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_sim::effects;
-
     #[test]
     fn stops_are_left_most_of_the_time() {
-        let kind = effects::kind("end_stop").unwrap();
-        let at = |lower| term(kind, Vec::new(), &[(0, lower), (1, 0.5)]);
+        let at = |lower| term(&KIND, Vec::new(), &[(0, lower), (1, 0.5)]);
         let positions = || [-0.2, -0.1, 0.0, 0.1, 0.2].into_iter();
         assert!(!push_at_most(&at(-0.15), positions()));
         assert!(push_at_most(&at(0.05), positions()));
@@ -157,9 +225,8 @@ mod tests {
 
     #[test]
     fn the_other_stop_is_left_where_the_model_has_it() {
-        let kind = effects::kind("end_stop").unwrap();
         let free = vec![linear(0, -0.2, 0.1), linear(1, 0.3, 0.1), log(2, 20.0)];
-        let both = term(kind, free, &[]);
+        let both = term(&KIND, free, &[]);
         let places = |travel| {
             let singles = one_sided(&both, &[0.5, 0.0, 0.1], untouched(travel, [-0.2, 0.3]));
             let hundredths = |place: &f64| (100.0 * place).round();

@@ -1,69 +1,15 @@
 //! What drives make of the recorded input.
 
-use super::series::{MOST_SAMPLES, Series, Window};
+use super::series::{MOST_SAMPLES, Series};
+use super::torque_profiles::{Stretch, Stretches, WindowTorque};
+use super::window::Window;
 use host_sim::decay::Decay;
 use host_sim::drive::Drive;
 use host_sim::plant::{Cascade, Course, Torque};
 use std::cell::RefCell;
-use std::ops::Range;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The torque in one window, of a drive whose ratio is ±1.
-#[derive(Debug)]
-pub(crate) struct WindowCourse {
-    restart_s: f64,
-    samples: Range<usize>,
-    /// One step, from the last sample before.
-    pub lead: Course,
-    /// From the restart on, to each sample.
-    pub steps: Course,
-}
-
-/// The courses that a series has under the drives that were asked for last: most of what is tried leaves the drive as it is.
-#[derive(Debug, Default)]
-pub(crate) struct Courses(Mutex<Vec<(Drive, Stretches)>>);
-
-/// Of some windows that follow each other.
-type Stretch = Box<[WindowCourse]>;
-
-/// Each as it is first asked for.
-type Stretches = Arc<[OnceLock<Stretch>]>;
-
-/// Drives that are remembered, of series that are not longer than what models are fitted to.
-const MOST_DRIVES: usize = 4;
-
-impl Clone for Courses {
-    /// Of what may be changed nothing is known.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
-impl Courses {
-    fn under(&self, drive: &Drive, stretches: usize) -> Stretches {
-        // What a thread that has panicked leaves is whole.
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = kept
-            .iter()
-            .position(|(d, s)| d == drive && s.len() == stretches);
-        let entry = match known {
-            Some(place) => kept.remove(place),
-            None => (
-                drive.clone(),
-                (0..stretches).map(|_| OnceLock::new()).collect(),
-            ),
-        };
-        let found = entry.1.clone();
-        kept.push(entry);
-        if kept.len() > MOST_DRIVES {
-            kept.remove(0);
-        }
-        found
-    }
-}
-
-/// The courses of a series under one drive.
-pub(crate) struct Told<'a> {
+/// The torque that one drive makes of the recorded input, window by window.
+pub(crate) struct DriveResponse<'a> {
     /// What their torque is to be multiplied by: drives that differ in nothing else share them.
     pub(crate) gain: f64,
     /// With a ratio of ±1.
@@ -76,7 +22,7 @@ pub(crate) struct Told<'a> {
     last: RefCell<Option<(usize, Stretch)>>,
 }
 
-impl<'a> Told<'a> {
+impl<'a> DriveResponse<'a> {
     pub(crate) fn new(drive: &Drive, series: &'a Series) -> Self {
         let gain = drive.ratio.abs();
         let drive = Drive {
@@ -92,23 +38,23 @@ impl<'a> Told<'a> {
             gain,
             series,
             stretch,
-            kept: keeps.then(|| series.courses.under(&drive, stretches)),
+            kept: keeps.then(|| series.torque_profiles.under(&drive, stretches)),
             drive,
             last: RefCell::new(None),
         }
     }
 
-    /// The course in a window, to look at.
+    /// Looks at the torque profile of a window.
     #[inline]
-    pub(crate) fn in_window<T>(&self, index: usize, look: impl FnOnce(&WindowCourse) -> T) -> T {
+    pub(crate) fn in_window<T>(&self, index: usize, look: impl FnOnce(&WindowTorque) -> T) -> T {
         let window = &self.series.windows[index];
-        let fits = |course: &&WindowCourse| {
+        let fits = |course: &&WindowTorque| {
             course.restart_s == window.restart.time_s && course.samples == window.samples
         };
         let place = index / self.stretch;
         let within = index % self.stretch;
         if let Some(kept) = &self.kept {
-            let stretch = kept[place].get_or_init(|| self.courses(place));
+            let stretch = kept[place].get_or_init(|| self.profiles(place));
             if let Some(course) = stretch.get(within).filter(fits) {
                 return look(course);
             }
@@ -116,13 +62,13 @@ impl<'a> Told<'a> {
         let mut last = self.last.borrow_mut();
         let (_, stretch) = match last.take().filter(|(at, _)| *at == place) {
             Some(same) => last.insert(same),
-            None => last.insert((place, self.courses(place))),
+            None => last.insert((place, self.profiles(place))),
         };
         look(&stretch[within])
     }
 
     /// Those of a stretch.
-    fn courses(&self, place: usize) -> Stretch {
+    fn profiles(&self, place: usize) -> Stretch {
         let Self { drive, series, .. } = self;
         let first = place * self.stretch;
         let end = series.windows.len().min(first + self.stretch);
@@ -270,8 +216,8 @@ impl<'a> Listener<'a> {
         self.listen();
     }
 
-    /// The course in a window, from the last sample before it on.
-    fn course(&mut self, window: &Window) -> WindowCourse {
+    /// The torque profile of a window, from the last sample before it on.
+    fn course(&mut self, window: &Window) -> WindowTorque {
         let restart_s = window.restart.time_s;
         let samples = window.samples.clone();
         // What comes of the input falls between two samples where it is late.
@@ -280,7 +226,7 @@ impl<'a> Listener<'a> {
         let mut steps = Course::with_room(samples.len(), pieces);
         self.step_through(&[restart_s], &mut lead);
         self.step_through(&self.series.time[samples.clone()], &mut steps);
-        WindowCourse {
+        WindowTorque {
             restart_s,
             samples,
             lead,
@@ -288,7 +234,7 @@ impl<'a> Listener<'a> {
         }
     }
 
-    /// Adds the steps to some instants of the run to a course.
+    /// Adds the steps to some instants of the run to a torque profile.
     fn step_through(&mut self, instants_s: &[f64], course: &mut Course) {
         for &to_s in instants_s {
             self.run_to(to_s, |piece, lasts_s| match piece {
@@ -355,8 +301,8 @@ fn rounding_s(at_s: f64) -> f64 {
 mod tests {
     use crate::made;
     use crate::predict::Predictor;
-    use crate::windows::motion::rms;
     use crate::windows::series;
+    use crate::windows::statistics::rms;
     use host_sim::device::Device;
     use host_sim::effects::Effect;
 

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 /// A stretch without gaps of what one column shows, and where the other says the device was.
 #[derive(Clone, Debug)]
-pub(super) struct Track {
+pub(crate) struct Track {
     pub session_s: Vec<f64>,
     /// Local cubics through the one column: nearly without noise.
     pub reference: Vec<f64>,
@@ -19,7 +19,7 @@ pub(super) struct Track {
 
 impl Track {
     /// How fast the device went between two samples.
-    pub(super) fn rates(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn rates(&self) -> impl Iterator<Item = f64> {
         let times = self.session_s.windows(2).map(|pair| pair[1] - pair[0]);
         let steps = self.reference.windows(2).map(|pair| pair[1] - pair[0]);
         steps.zip(times).map(|(step, dt_s)| step / dt_s)
@@ -28,7 +28,7 @@ impl Track {
 
 /// What two columns of a recording say.
 #[derive(Clone, Debug)]
-pub(super) struct Columns {
+pub(crate) struct Columns {
     /// In the order of time.
     pub tracks: Vec<Track>,
     /// Of shown less reference if both were right, in units of position squared.
@@ -37,7 +37,7 @@ pub(super) struct Columns {
 
 impl Columns {
     /// What `shown` shows where `reference` says the device was; `quanta` are those of the two.
-    pub(super) fn of(
+    pub(crate) fn of(
         reference: &[Series],
         shown: &[Series],
         half_width_s: f64,
@@ -83,7 +83,7 @@ impl Columns {
 
 /// The recording as it is, and with `column` in the place of `position`, each through the low-pass that the other has
 /// already.
-pub(super) fn exchanged(recording: &Recording, column: &str) -> [Recording; 2] {
+pub(crate) fn exchanged(recording: &Recording, column: &str) -> [Recording; 2] {
     let sensors = ["position", column].map(|name| recording.sensor(name));
     [0, 1].map(|which| {
         let mut own = Recording::new("", recording.horizon, recording.model);
@@ -105,7 +105,7 @@ pub(super) fn exchanged(recording: &Recording, column: &str) -> [Recording; 2] {
 }
 
 /// True if `run` has `column`, and it ever changes.
-pub(super) fn is_live(run: &Run, column: &str) -> bool {
+pub(crate) fn is_live(run: &Run, column: &str) -> bool {
     let changes = |shown: &Vec<f64>| shown.windows(2).any(|pair| pair[0] != pair[1]);
     run.positions.get(column).is_some_and(changes)
 }

@@ -45,7 +45,7 @@ pub(crate) fn regress<const N: usize>(
 }
 
 /// The same in some of the moments, and the sum of squares that they explain, (N m)².
-pub(super) fn regress_in<const N: usize>(
+pub(crate) fn regress_in<const N: usize>(
     moments: impl Iterator<Item = Moment>,
     basis: impl Fn(&Moment) -> [f64; N],
 ) -> Option<([f64; N], f64)> {

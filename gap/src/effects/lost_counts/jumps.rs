@@ -1,10 +1,11 @@
 //! Jumps of a counter: steps between two samples that no motion makes.
 
-use super::Evidence;
-use super::start::linear;
-use crate::fit::hypothesis::Term;
-use crate::windows::motion::quantile;
-use host_sim::effects::Kind;
+use crate::columns::Disagreement;
+use crate::guess::Evidence;
+use crate::guess::start::linear;
+use crate::term::Term;
+use crate::windows::statistics::quantile;
+use host_sim::effects::lost_counts::KIND;
 use recording::low_pass_gain;
 
 /// A step counts from this many times the spread of the steps of the motion itself, and of the noise.
@@ -18,9 +19,18 @@ const MOST_JUMPS: usize = 40;
 const OUTSTANDING: f64 = 3.0;
 /// Of more than this the heights alone are fitted.
 const MOST_TIMED: usize = 12;
+/// Between two columns more jumps than this are no lost counts.
+const MOST_IN_COLUMNS: usize = 12;
+/// There a jump must reduce the squares by this, in variances, and be this high, in standard deviations.
+const JUMP_GAIN: f64 = 40.0;
+const JUMP_HEIGHT: f64 = 3.0;
+/// And this share of the highest.
+const LEAST_JUMP: f64 = 0.1;
+/// Samples between two jumps at least: a column that lags shows the kick of a loop that believed the jump.
+const APART: usize = 10;
 
 /// The jumps found, as one term with time and height of each; none if there are none.
-pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
+pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
     let mut jumps = Vec::new();
     for series in e.series {
         let x = &series.position;
@@ -83,7 +93,7 @@ pub(super) fn starts(kind: &'static Kind, e: &Evidence<'_>) -> Vec<Term> {
     };
     let terms = parts
         .iter()
-        .flat_map(|part| [&jumps, &anew].map(|jumps| term(kind, jumps, *part)));
+        .flat_map(|part| [&jumps, &anew].map(|jumps| term(jumps, *part)));
     terms.collect()
 }
 
@@ -115,14 +125,14 @@ fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
 }
 
 /// A term of jumps, each between two instants, or at one, and with a height of which a `part` is given.
-fn term(kind: &'static Kind, jumps: &[Found], part: f64) -> Term {
+fn term(jumps: &[Found], part: f64) -> Term {
     let jumps = jumps
         .iter()
         .map(|&(before, after, height)| (before, after, height / part));
     let mut free = Vec::new();
     let is_timed = jumps.len() <= MOST_TIMED;
     for (index, (before, after, height)) in jumps.clone().enumerate() {
-        let place = kind.event_place(index);
+        let place = KIND.event_place(index);
         // Within a sample that is a mean the instant shows in the height of that sample.
         if is_timed && after > before {
             free.push(linear(
@@ -135,26 +145,85 @@ fn term(kind: &'static Kind, jumps: &[Found], part: f64) -> Term {
     }
     let events = jumps.map(|(before, after, height)| [0.5 * (before + after), height]);
     Term {
-        kind,
-        values: kind.events(&events.collect::<Vec<_>>()),
+        kind: &KIND,
+        values: KIND.events(&events.collect::<Vec<_>>()),
         free,
         sensor_on_load: false,
     }
 }
 
+/// Time and height of each step between stretches on which the disagreement is constant, by binary
+/// segmentation (Scott and Knott, Biometrics 30, 1974).
+pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
+    let tracks = &columns.columns.tracks;
+    let times: Vec<f64> = tracks.iter().flat_map(|t| &t.session_s).copied().collect();
+    let mut sums = vec![0.0];
+    for difference in &columns.difference {
+        sums.push(sums[sums.len() - 1] + difference);
+    }
+    let total = |from: usize, to: usize| (sums[to] - sums[from], (to - from) as f64);
+    let variance = columns.columns.variance;
+    // Height and place of the next split, if it is no noise.
+    let next = |edges: &[usize]| {
+        let splits = edges.windows(2).flat_map(|pair| {
+            let (from, to) = (pair[0], pair[1]);
+            (from + APART..(to + 1).saturating_sub(APART)).map(move |at| (from, at, to))
+        });
+        let gains = splits.map(|(from, at, to)| {
+            let ((a, n), (b, m)) = (total(from, at), total(at, to));
+            let height = b / m - a / n;
+            (height * height * n * m / (n + m), height, at)
+        });
+        let (gain, height, at) = gains.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let is_noise =
+            gain < JUMP_GAIN * variance || height.powi(2) < JUMP_HEIGHT.powi(2) * variance;
+        (!is_noise).then_some((height, at))
+    };
+    let mut edges = vec![0, times.len()];
+    let mut further = next(&edges);
+    while let Some((_, at)) = further.filter(|_| edges.len() < MOST_IN_COLUMNS + 2) {
+        edges.push(at);
+        edges.sort_unstable();
+        further = next(&edges);
+    }
+    // Level before each edge and height there.
+    let steps = |edges: &[usize]| -> Vec<(usize, f64, f64)> {
+        let steps = edges.windows(3).map(|edge| {
+            let ((a, n), (b, m)) = (total(edge[0], edge[1]), total(edge[1], edge[2]));
+            (edge[1], a / n, b / m - a / n)
+        });
+        steps.collect()
+    };
+    let all = steps(&edges);
+    let highest = all.iter().fold(0.0f64, |high, step| high.max(step.2.abs()));
+    let is_small = |height: f64| height.abs() < LEAST_JUMP * highest;
+    if further.is_some_and(|(height, _)| !is_small(height)) {
+        return None;
+    }
+    let small = all.iter().filter(|step| is_small(step.2));
+    for (at, ..) in small {
+        edges.retain(|edge| edge != at);
+    }
+    let timed = |(at, level, height): (usize, f64, f64)| {
+        // Samples that are means show by their heights when within them it jumped.
+        let share = |i: usize| ((columns.difference[i] - level) / height).clamp(0.0, 1.0);
+        let late = 1.5 - share(at - 1) - share(at);
+        [times[at - 1] + late * (times[at] - times[at - 1]), height]
+    };
+    let steps: Vec<_> = steps(&edges).into_iter().map(timed).collect();
+    (!steps.is_empty()).then(|| KIND.events(&steps))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use host_sim::effects;
 
     #[test]
     fn of_many_jumps_the_heights_alone_are_fitted() {
         let fitted = |count: usize| {
             let jumps = (0..count).map(|k| (k as f64, k as f64 + 1e-3, 0.1));
             let jumps: Vec<Found> = jumps.collect();
-            term(effects::kind("lost_counts").unwrap(), &jumps, 1.0)
-                .free
-                .len()
+            term(&jumps, 1.0).free.len()
         };
         assert_eq!(fitted(MOST_TIMED), 2 * MOST_TIMED);
         assert_eq!(fitted(MOST_JUMPS), MOST_JUMPS);

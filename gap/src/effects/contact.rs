@@ -17,8 +17,8 @@ use host_sim::effects::Kind;
 use host_sim::effects::contact::KIND;
 use std::ops::Range;
 
-/// What pushes back or holds: against motion up, down, and both.
-const HAND: [f64; 3] = [1.0, -1.0, 0.0];
+/// Sides to which it pushes back: what comes from below, what comes from above, and both, which is to hold.
+const SIDES: [f64; 3] = [1.0, -1.0, 0.0];
 /// Places among its numbers of the stiffness and of the damping.
 pub(crate) const STIFFNESS: usize = 0;
 const DAMPING: usize = 1;
@@ -39,7 +39,7 @@ impl Identification for Contact {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        let contacts = pushes(e, &HAND).into_iter().map(|push| {
+        let contacts = pushes(e, &SIDES).into_iter().map(|push| {
             let mut free = vec![log(STIFFNESS, push.stiffness), log(DAMPING, push.damping)];
             free.extend(stay_coordinates(&push, KIND.event_place(0)));
             let side = KIND.event_place(0) + SIDE;
@@ -100,105 +100,105 @@ fn stay_coordinates(push: &Push, place: usize) -> [Coordinate; 3] {
     ]
 }
 
-/// The same hand as it would push back or hold otherwise in its last stay.
-pub(crate) fn otherwise(hand: &Term) -> Vec<Term> {
-    let side = last_stay(hand) + SIDE;
-    let others = HAND.into_iter().filter(|other| *other != hand.values[side]);
-    others.map(|other| with(hand, side, other)).collect()
+/// The same contact with each other side in its last stay.
+pub(crate) fn otherwise(contact: &Term) -> Vec<Term> {
+    let side = last_stay(contact) + SIDE;
+    let others = SIDES
+        .into_iter()
+        .filter(|other| *other != contact.values[side]);
+    others
+        .map(|other| contact.begun(&[(side, other)]))
+        .collect()
 }
 
-/// How often a hand comes.
-pub(crate) fn stays(hand: &Term) -> usize {
-    let stays = (0..).take_while(|stay| hand.kind.event_place(*stay) < hand.values.len());
+/// How many stays a contact has.
+pub(crate) fn stays(contact: &Term) -> usize {
+    let stays = (0..).take_while(|stay| contact.kind.event_place(*stay) < contact.values.len());
     stays.count()
 }
 
-/// Place of the last stay among the numbers of a hand.
-fn last_stay(hand: &Term) -> usize {
-    hand.kind.event_place(stays(hand) - 1)
+/// Place of the last stay among the numbers of a contact.
+fn last_stay(contact: &Term) -> usize {
+    contact.kind.event_place(stays(contact) - 1)
 }
 
-/// When a hand comes and goes in its last stay, s of the session.
-pub(crate) fn instants(hand: &Term) -> [f64; 2] {
-    let stay = last_stay(hand);
-    INSTANTS.map(|instant| hand.values[stay + instant])
+/// When a contact comes and goes in its last stay, s of the session.
+pub(crate) fn instants(contact: &Term) -> [f64; 2] {
+    let stay = last_stay(contact);
+    INSTANTS.map(|instant| contact.values[stay + instant])
 }
 
-/// How long a hand is there in all its stays, s.
-pub(crate) fn there_s(hand: &Term) -> f64 {
-    let stays = hand.kind.meanwhile(&hand.values).into_iter().flatten();
+/// Duration of all stays of a contact together, s.
+pub(crate) fn there_s(contact: &Term) -> f64 {
+    let stays = contact
+        .kind
+        .meanwhile(&contact.values)
+        .into_iter()
+        .flatten();
     stays.map(|[from_s, to_s]| (to_s - from_s).max(0.0)).sum()
 }
 
-/// The times between the instants of the last stay of two hands, where those differ, s of the session.
-pub(crate) fn moves(hand: &Term, moved: &Term) -> Vec<[f64; 2]> {
-    let pairs = instants(hand).into_iter().zip(instants(moved));
+/// The times between the instants of the last stay of two contacts, where those differ, s of the session.
+pub(crate) fn moves(contact: &Term, moved: &Term) -> Vec<[f64; 2]> {
+    let pairs = instants(contact).into_iter().zip(instants(moved));
     let between = pairs.map(|(a, b)| [a.min(b), a.max(b)]);
     between.filter(|[from_s, to_s]| from_s < to_s).collect()
 }
 
-/// The same hand that comes (0) to its last stay, or goes (1), at another instant.
-pub(crate) fn moved(hand: &Term, which: usize, by_s: f64) -> Term {
-    let instant = last_stay(hand) + INSTANTS[which];
-    with(hand, instant, hand.values[instant] + by_s)
+/// The same contact whose last stay begins (0) or ends (1) later by some time.
+pub(crate) fn moved(contact: &Term, which: usize, by_s: f64) -> Term {
+    let instant = last_stay(contact) + INSTANTS[which];
+    contact.begun(&[(instant, contact.values[instant] + by_s)])
 }
 
-/// The same hand that is there in either half of its last stay alone.
-pub(crate) fn halves(hand: &Term) -> [Term; 2] {
-    let [from_s, to_s] = instants(hand);
+/// The same contact with its last stay cut to either half.
+pub(crate) fn halves(contact: &Term) -> [Term; 2] {
+    let [from_s, to_s] = instants(contact);
     let half_s = 0.5 * (to_s - from_s);
-    [moved(hand, 1, -half_s), moved(hand, 0, half_s)]
+    [moved(contact, 1, -half_s), moved(contact, 0, half_s)]
 }
 
-/// The first stay of a hand from before the first sample until after the last, with no instants to fit.
-pub(crate) fn lasting(hand: &Term) -> Term {
-    let [from, to] = INSTANTS.map(|instant| hand.kind.event_place(0) + instant);
-    let mut hand = with(hand, from, f64::NEG_INFINITY);
-    hand = with(&hand, to, f64::INFINITY);
-    hand.free.retain(|c| c.parameter < from);
-    hand.values.truncate(hand.kind.parameters.len());
-    hand
+/// The first stay of a contact from before the first sample until after the last, with no instants to fit.
+pub(crate) fn lasting(contact: &Term) -> Term {
+    let [from, to] = INSTANTS.map(|instant| contact.kind.event_place(0) + instant);
+    let mut contact = contact.begun(&[(from, f64::NEG_INFINITY), (to, f64::INFINITY)]);
+    contact.free.retain(|c| c.parameter < from);
+    contact.values.truncate(contact.kind.parameters.len());
+    contact
 }
 
-/// The same hand that comes once more, where it stood, when most is missing by the costs of the windows of some series and when
-/// it is worst; none if it has come as often as it may.
-pub(crate) fn returns(hand: &Term, series: &[Series], window_costs: &[f64]) -> Vec<Term> {
-    if stays(hand) >= hand.kind.most_events() {
+/// The same contact with one more stay: during the run of windows that cost most together, and during the window that costs
+/// most, at the positions there. None if it has as many stays as it may have.
+pub(crate) fn returns(contact: &Term, series: &[Series], window_costs: &[f64]) -> Vec<Term> {
+    if stays(contact) >= contact.kind.most_events() {
         return Vec::new();
     }
     let counts: Vec<usize> = series.iter().map(|s| s.windows.len()).collect();
     let again = stretches(&counts, window_costs).into_iter();
-    let again = again.map(|(index, windows)| returning(hand, &series[index], windows));
+    let again = again.map(|(index, windows)| returning(contact, &series[index], windows));
     again.collect()
 }
 
-/// The same hand that comes once more, where it stood, for some windows of a series.
-fn returning(hand: &Term, series: &Series, windows: Range<usize>) -> Term {
+/// The same contact with one more stay during some windows of a series.
+fn returning(contact: &Term, series: &Series, windows: Range<usize>) -> Term {
     let span = |positions: &[f64]| quantile(positions, 1.0) - quantile(positions, 0.0);
     let [first, last] = [windows.start, windows.end - 1].map(|w| &series.windows[w].samples);
     let rows = first.start..last.end;
     let positions = &series.position[rows.clone()];
     let push = Push {
         position: quantile(positions, 0.5),
-        side: hand.values[last_stay(hand) + SIDE],
-        stiffness: hand.values[STIFFNESS],
-        damping: hand.values[DAMPING],
+        side: contact.values[last_stay(contact) + SIDE],
+        stiffness: contact.values[STIFFNESS],
+        damping: contact.values[DAMPING],
         from_s: series.session(rows.start),
         to_s: series.session(rows.end - 1),
         span: span(positions).max(LEAST_SPAN * span(&series.position)),
     };
-    let mut hand = hand.clone();
-    hand.free.extend(stay_coordinates(&push, hand.values.len()));
+    let mut contact = contact.clone();
+    contact
+        .free
+        .extend(stay_coordinates(&push, contact.values.len()));
     let stay = [push.side, push.position, push.from_s, push.to_s];
-    hand.values.extend(stay);
-    hand
-}
-
-fn with(hand: &Term, parameter: usize, value: f64) -> Term {
-    let mut hand = hand.clone();
-    hand.values[parameter] = value;
-    for coordinate in hand.free.iter_mut().filter(|c| c.parameter == parameter) {
-        coordinate.start = value;
-    }
-    hand
+    contact.values.extend(stay);
+    contact
 }

@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hand_is_looked_for_where_most_is_missing_and_where_it_is_worst() {
+    fn a_contact_is_looked_for_where_most_is_missing_and_where_it_is_worst() {
         let mut costs = [0.7; 40];
         costs[5..11].fill(4.0);
         assert_eq!(stretches(&[20, 20], &costs), [(0, 5..11), (0, 5..6)]);
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_most_of_the_time_is_no_hand() {
+    fn what_is_missing_most_of_the_time_is_no_contact() {
         let costs = [[0.7; 10], [4.0; 10], [4.0; 10]].concat();
         assert_eq!(stretches(&[30], &costs), []);
     }

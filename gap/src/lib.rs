@@ -20,13 +20,15 @@
 //!
 //! `examples/linear_axis.rs` makes a recording in memory and tries an effect by hand.
 
-mod candidate;
+mod columns;
 mod comparison;
 mod diagnose;
 pub mod diagnosis;
+pub mod effects;
 mod experiment;
 mod fit;
 mod floor;
+mod guess;
 mod instrument;
 mod locate;
 #[cfg(test)]
@@ -39,6 +41,7 @@ mod ruler;
 mod select;
 mod shrink;
 mod stage;
+mod term;
 mod windows;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};

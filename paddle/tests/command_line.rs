@@ -631,7 +631,11 @@ fn a_gap_that_nothing_explains_has_the_floor_that_measuring_gives() {
     let recording = recorded(&out, "hidden", &["--with", "stribeck:static_ratio=1.8"]);
     let recording = recording.to_str().unwrap();
     let kinds = json(&["effects"]);
-    let names = kinds["effects"].as_array().unwrap().iter().map(|kind| &kind["name"]);
+    let names = kinds["effects"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|kind| &kind["name"]);
     let without = names.flat_map(|name| ["--without", name.as_str().unwrap()]);
     let diagnose = ["gap", "diagnose", recording].into_iter().chain(without);
     let diagnosis = json(&diagnose.collect::<Vec<_>>());

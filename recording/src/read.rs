@@ -1,7 +1,7 @@
 //! From a folder to a [`Recording`].
 
 use std::fs::{self, File};
-use std::path::{Component, Path};
+use std::path::Path;
 
 use crate::columns;
 use crate::error::{Error, Fault};
@@ -130,13 +130,4 @@ fn read_run(folder: &Path, entry: RunEntry) -> Result<(Run, Vec<String>), Error>
         ignored: columns.ignored,
     };
     Ok((run, columns.frozen))
-}
-
-/// Whether `file` names something inside the folder that it is joined to.
-pub(crate) fn is_inside(file: &str) -> bool {
-    let path = Path::new(file);
-    !file.is_empty()
-        && path
-            .components()
-            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }

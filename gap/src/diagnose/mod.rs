@@ -14,6 +14,7 @@ mod warnings;
 
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Closing, Diagnosis, FloorOf, NumberFinding, Region, Verdict};
+use crate::effects;
 use crate::fit::hypothesis::nudges;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
@@ -176,9 +177,9 @@ fn given<'a>(
 ) -> Given<'a> {
     let without = options.without.iter().map(String::as_str);
     let cleared = comparison.iter().flat_map(|compared| compared.excluded());
-    let no_pendulum = recording.units.is_length() && recording.model.gravity == 0.0;
-    let linear = no_pendulum.then_some("gravity");
-    let excluded: Vec<&str> = without.chain(cleared).chain(linear).collect();
+    let impossible = effects::all().filter(|effect| effect.is_impossible(recording));
+    let impossible = impossible.map(|effect| effect.name());
+    let excluded: Vec<&str> = without.chain(cleared).chain(impossible).collect();
     let like = comparison.and_then(Comparison::like);
     let like = like.filter(|like| !excluded.contains(&like.kind.name));
     Given {

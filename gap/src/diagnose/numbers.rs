@@ -1,8 +1,10 @@
 //! The stated numbers of the model that had to move.
 
 use crate::diagnosis::NumberFinding;
+use crate::effects;
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::shrink::shrink;
 use host_sim::effects::Quantity;
 use recording::Recording;
@@ -77,18 +79,19 @@ fn estimated(
         .zip(fit.hypothesis.parts(&fit.std));
     let mut all = Vec::new();
     for (place, ((term, x), (_, std))) in parts.enumerate() {
-        let Some(name) = number_of(term.kind.name).filter(|name| recording.unstated.contains(name))
-        else {
+        let number = effects::of(term.kind.name).main_number();
+        let Some(number) = number.filter(|number| recording.unstated.contains(&number.name)) else {
             continue;
         };
+        let name = number.name;
         let (hypothesis, x_without) = fit.without(place);
         let without = problem.fit(&hypothesis, x_without, Part::All, ITERATIONS);
         let without = problem.window_squares(&without, Part::All);
         let [share, ..] = shrink(&without, with, floor, nominal);
-        let assumed = if name == "ratio" {
-            recording.model.ratio
-        } else {
-            1.0
+        // A number that only scales the others is said as a multiple of what is assumed.
+        let assumed = match number.usual_error {
+            None => recording.model.get(name).unwrap_or(1.0),
+            Some(_) => 1.0,
         };
         let found = assumed * term.at(x)[0];
         let spread = assumed * term.spread(0, x, std);
@@ -105,31 +108,10 @@ fn estimated(
     all
 }
 
-/// The number of the model that an effect says anew.
-pub(super) fn number_of(effect: &str) -> Option<&'static str> {
-    Some(match effect {
-        "torque_gain" => "ratio",
-        "viscous" => "viscous",
-        "coulomb" => "coulomb",
-        "gravity" => "gravity",
-        _ => return None,
-    })
-}
-
 /// Unit of a number of the model.
 fn unit(name: &str, recording: &Recording) -> String {
-    let quantity = match name {
-        "inertia" => Quantity::Inertia,
-        "viscous" | "stop_damping" => Quantity::Damping,
-        "coulomb" | "gravity" | "offset" => Quantity::Torque,
-        "stiffness" | "stop_stiffness" => Quantity::Stiffness,
-        "delay" | "lag" => Quantity::Time,
-        "input_limit" => Quantity::Input,
-        "gravity_zero" | "stiffness_zero" | "travel" => Quantity::Position,
-        _ => {
-            let torque = Quantity::Torque.unit(&recording.units.position, &recording.units.input);
-            return format!("{torque}/({})", recording.units.input);
-        }
-    };
-    quantity.unit(&recording.units.position, &recording.units.input)
+    let units = &recording.units;
+    let of = |quantity: Quantity| quantity.unit(&units.position, &units.input);
+    let ratio = || format!("{}/({})", of(Quantity::Torque), units.input);
+    Quantity::of_model(name).map_or_else(ratio, of)
 }

@@ -1,8 +1,8 @@
 //! Sizes of effects that no device has: a fit that ends there bends to something else.
 
 use crate::fit::Fit;
-use crate::fit::hypothesis::Term;
 use crate::fit::problem::Problem;
+use crate::term::Term;
 use host_sim::effects::{Parameter, Quantity};
 use recording::Model;
 use std::fmt;
@@ -81,9 +81,10 @@ impl fmt::Display for Implausible {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
-    use crate::fit::problem::Part;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::part::Part;
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     fn implausible(name: &str, start: f64) -> bool {
         let recording = made::recording(&[]);

@@ -1,8 +1,10 @@
 //! How far each effect in turn closes the gap, on windows that the fits have not seen.
 
 use super::relief::is_relieved;
+use crate::effects;
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::select::{self, Rival, Round, Selection};
 use crate::shrink::{resampled, shrink};
@@ -160,7 +162,10 @@ fn is_formulation(selection: &Selection) -> bool {
 fn is_as_bristles(round: &Round) -> bool {
     let gain = |rival: &Rival| round.known.costs.level() - rival.fit.costs.level();
     let most = gain(&round.rivals[0]);
-    let mut bristles = round.rivals.iter().filter(|r| r.name == "presliding");
+    let mut bristles = round
+        .rivals
+        .iter()
+        .filter(|r| effects::of(r.name).reformulates_friction());
     bristles.any(|rival| gain(rival) >= NEARLY_ALL * most)
 }
 
@@ -232,7 +237,8 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
 /// is a hand.
 fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) -> bool {
     let winner = &selection.rounds[i].rivals[0];
-    if winner.name == "contact" && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
+    let comes_and_goes = effects::of(winner.name).comes_and_goes();
+    if comes_and_goes && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
         // What comes after a hand may be most of what it leaves.
         return closed_beside(problem, selection, i) < LEAST_HAND_SHRINK;
     }
@@ -245,7 +251,7 @@ fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) 
     let typical = !step.was_at_floor && before - after >= LEAST_TYPICAL_SHRINK && is_real;
     // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
     let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
-    let jumps = winner.name == "lost_counts" && winner.is_event();
+    let jumps = winner.is_event() && !comes_and_goes;
     let jumps = jumps && (step.is_at_floor || halves);
     let finishes = step.own[0] >= FORMULATION && step.of_rest >= LEAST_SHRINK_OF_REST;
     // A number that lies well is not worth a gap that is larger.

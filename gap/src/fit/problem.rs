@@ -3,6 +3,7 @@
 use super::Fit;
 use super::costs::Costs;
 use super::hypothesis::{Hypothesis, Nudge};
+use super::part::Part;
 use super::whitening::{Whitening, dot, whitenings};
 use crate::predict::Predictor;
 use crate::windows::series::Series;
@@ -19,32 +20,6 @@ pub(crate) struct Problem<'a> {
     pub modelling: f64,
     /// The same data restarted four times as often.
     pub quarter: Option<Box<Problem<'a>>>,
-}
-
-/// Which windows take part, by running index over all series.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Part<'a> {
-    All,
-    /// One of two halves.
-    Half(bool),
-    /// Those that are true here.
-    Chosen(&'a [bool]),
-}
-
-impl Part<'_> {
-    pub(crate) fn has(self, window: usize) -> bool {
-        match self {
-            Self::All => true,
-            Self::Half(first) => (turn(window) < 0.5) == first,
-            Self::Chosen(chosen) => chosen.get(window).copied().unwrap_or(false),
-        }
-    }
-}
-
-/// A number from 0 to 1 for each window, in a sequence that no period fits.
-pub(crate) fn turn(window: usize) -> f64 {
-    // The golden ratio's multiples are the sequence worst matched by any period.
-    (window as f64 + 0.5) * 0.618_033_988_749_895 % 1.0
 }
 
 /// Weight of a squared standard deviation of tolerance against the robust cost of a window.
@@ -97,14 +72,6 @@ impl Problem<'_> {
     /// All measured positions.
     pub(crate) fn positions(&self) -> impl Iterator<Item = f64> {
         self.series.iter().flat_map(|s| s.position.iter().copied())
-    }
-
-    /// How fast all windows begin.
-    pub(crate) fn restart_speeds(&self) -> Vec<f64> {
-        self.series
-            .iter()
-            .flat_map(Series::restart_speeds)
-            .collect()
     }
 
     /// The lowest and the highest of them.

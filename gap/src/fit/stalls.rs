@@ -109,7 +109,8 @@ impl fmt::Display for Stall {
 mod tests {
     use super::*;
     use crate::fit::costs::Costs;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::term::{Coordinate, Scale, Term};
     use host_sim::effects;
 
     #[test]

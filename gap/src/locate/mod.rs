@@ -126,7 +126,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::AFTER_REST;
     use crate::fit::hypothesis::{Hypothesis, nudges};
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
 
     fn found(effects: &[&str]) -> Vec<Region> {

@@ -166,7 +166,7 @@ fn within(profile: &mut Profile, [from, to]: [f64; 2], offset_s: f64) {
 mod tests {
     use super::*;
     use crate::fit::hypothesis::Hypothesis;
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
 
     /// Densities of the gap within and outside the band of a region, by what is plotted of it.

@@ -13,9 +13,11 @@ mod scale;
 mod scored;
 mod selection;
 
+use crate::effects::Identification;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::Perfect;
 use crate::select::{Given, Search, Selection};
 use crate::stage::Stage;
@@ -63,9 +65,10 @@ fn on_all_numbers(
         progress,
         perfect,
     };
-    let is_linear = given.excluded.contains(&numbers::PULLS[0]);
-    let names = numbers::names(free.recording, is_linear);
-    let Some((numbers, scale)) = begun_anew(&search(free, found.perfect), &null, &names) else {
+    let mut restating = numbers::restating(free.recording);
+    let terms = &null.hypothesis.terms;
+    restating.retain(|effect| terms.iter().all(|term| term.kind.name != effect.name()));
+    let Some((numbers, scale)) = begun_anew(&search(free, found.perfect), &null, &restating) else {
         return free.modelling;
     };
     let scaled = free.off_by(scale);
@@ -94,9 +97,8 @@ pub(crate) fn with_unstated(
     given: &Given<'_>,
     progress: fn(Stage),
 ) -> Option<Fit> {
-    let is_linear = given.excluded.contains(&numbers::PULLS[0]);
-    let names = numbers::unstated(problem.recording, is_linear);
-    if names.is_empty() {
+    let unstated = numbers::unstated(problem.recording);
+    if unstated.is_empty() {
         return None;
     }
     let bare = Hypothesis { terms: Vec::new() };
@@ -108,13 +110,17 @@ pub(crate) fn with_unstated(
         progress,
         perfect: Perfect::of(problem, &null).bounded(),
     };
-    let (fit, _) = begun_anew(&search, &null, &names)?;
+    let (fit, _) = begun_anew(&search, &null, &unstated)?;
     Some(problem.fit(&fit.hypothesis, fit.x, Part::All, scale::ITERATIONS))
 }
 
 /// The numbers that some effects say anew, on top of a fit, and the error scale at which they are fitted best.
-fn begun_anew(search: &Search<'_>, null: &Fit, names: &[&str]) -> Option<(Fit, f64)> {
-    let starts = numbers::restated(search, null, names);
+fn begun_anew(
+    search: &Search<'_>,
+    null: &Fit,
+    restating: &[&'static dyn Identification],
+) -> Option<(Fit, f64)> {
+    let starts = numbers::starts(search, null, restating);
     let fits = starts.into_iter().map(|terms| {
         let mut hypothesis = null.hypothesis.clone();
         hypothesis.terms.extend(terms);

@@ -2,7 +2,8 @@
 
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 
 /// Fits between two looks at the scale, and looks at most.
 pub(super) const ITERATIONS: usize = 6;

@@ -19,13 +19,15 @@ mod round;
 mod scan;
 mod screening;
 
+use crate::effects::{self, Landscape};
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Hypothesis, Term};
-use crate::fit::problem::{Part, Problem};
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::{FLOOR_DOUBT, Perfect};
 use crate::stage::Stage;
+use crate::term::Term;
 pub(crate) use place::Place;
-use place::bounces;
 use ranking::is_far_likelier;
 pub(crate) use ranking::{inseparable, luck, others, ties};
 pub(crate) use rival::Rival;
@@ -120,10 +122,11 @@ impl Selection {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
     }
 
-    /// False if a ripple is among the effects of which less than a wave was travelled.
-    fn repeats(&self, problem: &Problem<'_>) -> bool {
-        let mut fits = self.rounds.iter().map(|round| &round.rivals[0].fit);
-        fits.all(|fit| misnamed::repeats(problem, fit))
+    /// The name of a ripple among the effects of which less than a wave was travelled, if there is one.
+    fn unrepeated(&self, problem: &Problem<'_>) -> Option<&'static str> {
+        let mut winners = self.rounds.iter().map(|round| &round.rivals[0]);
+        let unrepeated = winners.find(|winner| !misnamed::repeats(problem, &winner.fit));
+        unrepeated.map(|winner| winner.name)
     }
 
     /// Terms of the null: numbers of the model that are not stated, and estimated with every hypothesis.
@@ -256,8 +259,13 @@ impl Selection {
         }
         let perfect = Perfect::of(problem, fit);
         // After some impacts even the right model has lost its way.
-        let bounces = fit.hypothesis.terms.iter().any(|t| bounces(t.kind.name));
-        let perfect = if bounces { perfect } else { perfect.bounded() };
+        let mut terms = fit.hypothesis.terms.iter();
+        let bounces = |t: &Term| effects::of(t.kind.name).landscape() == Landscape::Rugged;
+        let perfect = if terms.any(bounces) {
+            perfect
+        } else {
+            perfect.bounded()
+        };
         let as_foretold = || (1.0 / QUIET_GAP..QUIET_GAP).contains(&over_floor());
         is_quiet(fit, &perfect) && (leaves_little || as_foretold())
     }
@@ -301,22 +309,23 @@ pub(crate) fn select(
     };
     let null = base.unwrap_or_else(bare);
     let found = select_beyond(null.clone(), problem, given, progress);
-    if found.repeats(problem) {
+    let Some(ripple) = found.unrepeated(problem) else {
         return found;
-    }
-    pulls(&found, null, problem, given, progress).unwrap_or(found)
+    };
+    pulls(&found, ripple, null, problem, given, progress).unwrap_or(found)
 }
 
 /// What is found without a ripple of which less than a wave was travelled, if that does as much.
 fn pulls(
     found: &Selection,
+    ripple: &'static str,
     null: Fit,
     problem: &Problem<'_>,
     given: &Given<'_>,
     progress: fn(Stage),
 ) -> Option<Selection> {
     let mut without = given.clone();
-    without.excluded.push("cogging");
+    without.excluded.push(ripple);
     let pulls = select_beyond(null, problem, &without, progress);
     let [rippled, pulled] = [found.rounds.last()?, pulls.rounds.last()?];
     let suffice = pulls.rounds.len() <= MOST_PULLS && pulls.suffices(problem, &pulled.so_far);

@@ -1,6 +1,6 @@
 //! `paddle demo`: a step response, and a gap with its diagnosis.
 
-use super::gap::{diagnose, measure};
+use super::gap::{measure, results};
 use super::sim;
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         json: json!({
             "step": step.json,
             "gap": gap,
-            "diagnosis": diagnose::json(&outcome, &provenance),
+            "diagnosis": results::json(&outcome, &provenance),
             "files": files,
             "folder": out,
         }),

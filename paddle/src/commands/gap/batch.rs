@@ -1,6 +1,6 @@
 //! `paddle gap diagnose --batch`: many recordings in one call, begun again where it stopped.
 
-use super::diagnose::{json, save_model, save_report};
+use super::results::{json, save_model, save_report};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;

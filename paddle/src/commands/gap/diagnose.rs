@@ -1,17 +1,16 @@
 //! `paddle gap diagnose`: where a gap lies, which effect causes it, how far it shrinks.
 
 use super::batch;
+use super::results::{json, save_model, save_report};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;
 use crate::provenance::Provenance;
 use crate::report::{self, Labels};
 use clap::Args;
-use gap::{ModelFile, Options, Outcome};
+use gap::Options;
 use host_sim::effects::{self, EffectError};
-use recording::Recording;
-use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Which recording, and what to leave behind.
 #[derive(Args)]
@@ -91,35 +90,4 @@ fn options(without: &[String]) -> Result<Options, Failure> {
             progress: |stage| progress::doing(stage.to_string()),
         }),
     }
-}
-
-/// The diagnosis in the recording format's JSON.
-pub fn json(outcome: &Outcome, provenance: &Provenance) -> serde_json::Value {
-    // Keys are text and numbers are numbers: this cannot fail.
-    let mut whole = serde_json::to_value(&outcome.diagnosis).unwrap_or_default();
-    if let Value::Object(keys) = &mut whole {
-        keys.insert("provenance".into(), json!(provenance));
-    }
-    whole
-}
-
-/// Leaves the corrected model in a file.
-pub(super) fn save_model(
-    path: &Path,
-    recording: &Recording,
-    outcome: &Outcome,
-) -> Result<(), Failure> {
-    let file = ModelFile::new(&outcome.model, recording);
-    std::fs::write(path, file.to_string()).map_err(Failure::write(path))
-}
-
-/// Leaves the page in a file.
-pub(super) fn save_report(
-    path: &Path,
-    recording: &Recording,
-    outcome: &Outcome,
-    provenance: &Provenance,
-) -> Result<(), Failure> {
-    let page = report::page(recording, outcome, provenance)?;
-    std::fs::write(path, page).map_err(Failure::write(path))
 }

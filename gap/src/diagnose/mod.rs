@@ -17,6 +17,7 @@ use crate::diagnosis::{Closing, Diagnosis, FloorOf, NumberFinding, Region, Verdi
 use crate::fit::hypothesis::nudges;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
+use crate::instrument::timing;
 use crate::measure::{Gap, exceeds, measure};
 use crate::model_free::ModelFree;
 use crate::select::{self, Given, Selection};
@@ -134,7 +135,8 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         steps: &correction.steps,
         effects: &effects,
     };
-    let warnings = warnings::all(&problem, &selection, &doubts);
+    let mut warnings = warnings::all(&problem, &selection, &doubts);
+    warnings.extend(timing::doubt(&problem, selection.fit()).map(|doubt| doubt.to_string()));
     let diagnosis = Diagnosis {
         format: 1,
         verdict,

@@ -17,6 +17,8 @@ pub struct Predictor {
     sensor: Sensor,
     /// Whether the sensor reads the position as it is.
     reads_as_is: bool,
+    /// How much later the input of each run acts than is stated, s; as stated in runs beyond.
+    input_shifts_s: Vec<f64>,
 }
 
 /// Displacement of every restart state, in standard deviations of the fit of value and slope.
@@ -77,6 +79,15 @@ impl Predictor {
             reads_as_is: device.sensing.is_ideal(),
             device,
             sensor,
+            input_shifts_s: Vec::new(),
+        }
+    }
+
+    /// The same with an input that acts so much later than is stated in each run, s, or earlier.
+    pub(crate) fn shifted(self, input_shifts_s: Vec<f64>) -> Self {
+        Self {
+            input_shifts_s,
+            ..self
         }
     }
 
@@ -111,7 +122,7 @@ impl Predictor {
         drift.start_s = series.started_s + series.session_offset_s;
         let mut device = self.device.clone();
         device.mechanics.friction.drift = Some(drift);
-        Some(Self::of(device, self.sensor))
+        Some(Self::of(device, self.sensor).shifted(self.input_shifts_s.clone()))
     }
 
     fn through(&self, series: &Series, shift: Shift, wanted: impl Fn(usize) -> bool) -> Vec<f64> {
@@ -139,7 +150,9 @@ impl Predictor {
             self.sensor.cutoff_hz.is_some(),
         ];
         let low_passes = low_passes.into_iter().filter(|there| *there).count();
-        let response = DriveResponse::new(&self.device.drive, series);
+        let mut drive = self.device.drive.clone();
+        drive.delay_s += self.input_shifts_s.get(series.run).unwrap_or(&0.0);
+        let response = DriveResponse::new(&drive, series);
         let taken = self.taken(series, wanted);
         for (index, window) in series.windows.iter().enumerate() {
             if !taken[index] {

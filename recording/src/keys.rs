@@ -19,7 +19,13 @@ const TOP: [&str; 8] = [
 ];
 const UNITS: [&str; 2] = ["position", "input"];
 const SENSOR: [&str; 3] = ["resolution", "noise", "cutoff_hz"];
-const RUN: [&str; 4] = ["file", "drive", "input_time_std", "controller"];
+const RUN: [&str; 5] = [
+    "file",
+    "drive",
+    "input_time_std",
+    "input_sampling",
+    "controller",
+];
 const PID: [&str; 6] = ["kind", "kp", "ki", "kd", "period", "position_cutoff_hz"];
 
 /// Similarity (Jaro-Winkler, 0 to 1) from which a name passes for a slip of another.

@@ -48,7 +48,7 @@ pub use error::{Error, Fault};
 pub use manifest::Units;
 pub use model::{Model, Tolerance};
 pub use oddity::Oddity;
-pub use run::{Drive, Pid, Run};
+pub use run::{Drive, InputSampling, Pid, Run};
 pub use sensor::{Sensor, low_pass_gain};
 pub use statistics::sixth_differences;
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Fault};
 use crate::keys::{self, Lines};
-use crate::{Drive, Model, Oddity, Pid, Recording, Run, Sensor, Tolerance};
+use crate::{Drive, InputSampling, Model, Oddity, Pid, Recording, Run, Sensor, Tolerance};
 
 /// Name of the manifest inside the folder.
 pub(crate) const FILE: &str = "recording.toml";
@@ -79,8 +79,14 @@ pub(crate) struct RunEntry {
     pub drive: Drive,
     #[serde(default)]
     pub input_time_std: f64,
+    #[serde(default, skip_serializing_if = "is_mean")]
+    pub input_sampling: InputSampling,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
+}
+
+fn is_mean(sampling: &InputSampling) -> bool {
+    *sampling == InputSampling::Mean
 }
 
 /// `[runs.controller]`.
@@ -186,6 +192,7 @@ pub(crate) fn text(recording: &Recording) -> Result<String, toml::ser::Error> {
         file: run.file.clone(),
         drive: run.drive,
         input_time_std: run.input_time_std,
+        input_sampling: run.input_sampling,
         controller: run.controller.map(Controller::Pid),
     };
     toml::to_string(&Manifest {

@@ -118,6 +118,7 @@ fn read_run(folder: &Path, entry: RunEntry) -> Result<(Run, Vec<String>), Error>
         file: entry.file,
         drive: entry.drive,
         input_time_std: entry.input_time_std,
+        input_sampling: entry.input_sampling,
         controller: entry.controller.map(|Controller::Pid(pid)| pid),
         time: columns.time,
         input: columns.input,

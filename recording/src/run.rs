@@ -25,6 +25,27 @@ pub enum Drive {
     ClosedLoop,
 }
 
+/// What a row's `input` says of the time until the next row.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum InputSampling {
+    /// Its mean until then.
+    #[default]
+    Mean,
+    /// Its value at the row's instant. Between rows it then goes in a straight line; after the last it stays.
+    Point,
+}
+
+impl InputSampling {
+    /// As it is written in a manifest.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Point => "point",
+        }
+    }
+}
+
 /// The controller of a closed-loop run: input from position error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pid {
@@ -50,13 +71,15 @@ pub struct Run {
     pub file: String,
     /// How the input came about.
     pub drive: Drive,
-    /// Standard deviation of the input's alignment in time, s; above 0 where it was reconstructed.
+    /// Standard deviation of the time between input and position, s; above 0 where that is not known: it is estimated then.
     pub input_time_std: f64,
+    /// How the input was sampled.
+    pub input_sampling: InputSampling,
     /// The loop, if it is stated.
     pub controller: Option<Pid>,
     /// s, strictly increasing.
     pub time: Vec<f64>,
-    /// What the actuator was told, averaged until the next row and held.
+    /// What the actuator was told, as [`input_sampling`](Self::input_sampling) says.
     pub input: Vec<f64>,
     /// The position that the model is compared with.
     pub position: Vec<f64>,
@@ -87,6 +110,7 @@ impl Run {
             file: file.into(),
             drive,
             input_time_std: 0.0,
+            input_sampling: InputSampling::Mean,
             controller: None,
             time,
             input,
@@ -120,8 +144,11 @@ impl Run {
         self.columns_at(&rows)
     }
 
-    /// Some of its rows, in their order, the input of each averaged until the next.
+    /// Some of its rows, in their order, the input of each averaged until the next, unless it is of an instant.
     pub(crate) fn rows(&self, rows: &[usize]) -> Self {
+        if self.input_sampling == InputSampling::Point {
+            return self.columns_at(rows);
+        }
         let periods = self.periods();
         let ends = rows.iter().skip(1).copied().chain([self.len()]);
         let inputs = rows.iter().zip(ends).map(|(&from, to)| {
@@ -147,6 +174,7 @@ impl Run {
             file: self.file.clone(),
             drive: self.drive,
             input_time_std: self.input_time_std,
+            input_sampling: self.input_sampling,
             controller: self.controller,
             time: of(&self.time),
             input: of(&self.input),

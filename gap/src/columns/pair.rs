@@ -97,7 +97,11 @@ pub(crate) fn exchanged(recording: &Recording, column: &str) -> [Recording; 2] {
                 None => position,
             };
             let (time, input) = (run.time.clone(), run.input.clone());
-            Run::new("", run.drive, time, input, position)
+            Run {
+                input_time_std: run.input_time_std,
+                input_sampling: run.input_sampling,
+                ..Run::new("", run.drive, time, input, position)
+            }
         });
         own.runs = runs.collect();
         own

@@ -6,6 +6,7 @@ use super::steps::{Step, is_spare};
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Estimate, Finding, Tried, Verdict};
 use crate::fit::problem::Problem;
+use crate::instrument::timing::TimingDoubt;
 use crate::select::{self, Round, Selection};
 
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
@@ -18,9 +19,21 @@ const SURE_IN_PART: f64 = 0.85;
 /// Probability that the name of a further effect is right that hardly closes anything by itself: most often it makes up for
 /// another form of the one before it. Of eleven such names on seven blind sets two were right.
 const SURE_IF_SMALL: f64 = 0.5;
+/// Probability that a name is right beside a timing that the data contradict: less than even.
+const SURE_IF_TIMING_IS_DOUBTED: f64 = 0.45;
 /// What an effect rests on.
 const PREDICTION: &str = "prediction";
 const SENSOR_COMPARISON: &str = "sensor_comparison";
+
+/// Probability that a name is right at most, by the verdict and by whether the data prefer another timing of the input than stated:
+/// effects found with a wrong timing make up for it.
+pub(super) fn most_sure(verdict: Verdict, timing: Option<&TimingDoubt>) -> f64 {
+    match (verdict, timing) {
+        (_, Some(_)) => SURE_IF_TIMING_IS_DOUBTED,
+        (Verdict::PartlyExplained, None) => SURE_IN_PART,
+        _ => 1.0,
+    }
+}
 
 /// The effects of a selection, those that close most first.
 pub(super) fn findings(
@@ -28,12 +41,8 @@ pub(super) fn findings(
     selection: &Selection,
     steps: &[Step],
     comparison: Option<&Comparison>,
-    verdict: Verdict,
+    most_sure: f64,
 ) -> Vec<Finding> {
-    let most_sure = match verdict {
-        Verdict::PartlyExplained => SURE_IN_PART,
-        _ => 1.0,
-    };
     let fit = selection.fit();
     let units = &problem.recording.units;
     let stalls = fit.stalls(&problem.nudges);

@@ -18,6 +18,7 @@ use crate::effects;
 use crate::fit::hypothesis::nudges;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
+use crate::instrument::timing;
 use crate::measure::{Gap, exceeds, measure};
 use crate::model_free::ModelFree;
 use crate::select::{self, Given, Selection};
@@ -29,7 +30,7 @@ use crate::windows::unbroken::Unbroken;
 use crate::{comparison, experiment, locate, ruler};
 pub use corrected::{CorrectedEffect, CorrectedModel};
 use corrected::{corrected, nominal};
-use findings::{findings, tried};
+use findings::{findings, most_sure, tried};
 use host_sim::device::Device;
 use plausible::Implausible;
 use recording::Recording;
@@ -108,12 +109,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     if verdict == Verdict::NoGap {
         correction = Correction::of_numbers(&problem, &selection, &baseline);
     }
+    let timing = timing::doubt(&problem, selection.fit());
     let effects = findings(
         &problem,
         &selection,
         &correction.steps,
         comparison.as_ref(),
-        verdict,
+        most_sure(verdict, timing.as_ref()),
     );
     let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
 
@@ -131,6 +133,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let doubts = warnings::Doubts {
         comparison: comparison.as_ref(),
         rejection: rejection.as_ref(),
+        timing: timing.as_ref(),
         stand_in,
         steps: &correction.steps,
         effects: &effects,

@@ -26,7 +26,9 @@ pub(super) fn moved(
     let none = left_with(problem, fit, |_| false);
     let numbers = problem.nudges.iter().enumerate();
     let mut all: Vec<NumberFinding> = numbers
-        .filter(|(place, _)| fit.x[*place] != 0.0)
+        .filter(|(place, number)| {
+            fit.x[*place] != 0.0 && problem.recording.model.get(&number.name).is_some()
+        })
         .filter_map(|(place, number)| {
             let alone = left_with(problem, fit, |other| other == place);
             let others = left_with(problem, fit, |other| other != place);

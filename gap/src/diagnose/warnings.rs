@@ -7,12 +7,14 @@ use super::steps::Step;
 use crate::comparison::Comparison;
 use crate::diagnosis::Finding;
 use crate::fit::problem::Problem;
+use crate::instrument::timing::TimingDoubt;
 use crate::select::Selection;
 
 /// What the other stages of a diagnosis have to say.
 pub(super) struct Doubts<'a> {
     pub comparison: Option<&'a Comparison>,
     pub rejection: Option<&'a Rejection>,
+    pub timing: Option<&'a TimingDoubt>,
     pub stand_in: Option<StandIn>,
     pub steps: &'a [Step],
     pub effects: &'a [Finding],
@@ -33,6 +35,7 @@ pub(super) fn all(
     let compared = doubts.comparison.iter();
     lines.extend(compared.filter_map(|c| c.line(&recording.units.position)));
     lines.extend(doubts.rejection.iter().map(ToString::to_string));
+    lines.extend(doubts.timing.iter().map(ToString::to_string));
     let stalls = selection.fit().stalls(&problem.nudges);
     lines.extend(stalls.iter().map(ToString::to_string));
     lines.extend(doubts.stand_in.iter().map(ToString::to_string));

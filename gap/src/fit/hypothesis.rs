@@ -8,14 +8,20 @@ use recording::{Model, Recording};
 /// Standard deviations by which a number of the model may move.
 const NUDGE_REACH: f64 = 5.0;
 
-/// A number of the nominal model that is known only within a tolerance.
+/// A number of the nominal model that is known only within a tolerance, or by how much later the input of some runs acts than the
+/// rows say.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Nudge {
+    /// Of the model's, or [`INPUT_TIME`].
     pub name: String,
+    /// As it is stated; of the input's time its standard deviation, s, as it is stated as right.
     pub value: f64,
     /// Standard deviation over the value.
     pub relative: f64,
 }
+
+/// What the time between input and position is called among the model's numbers.
+pub(crate) const INPUT_TIME: &str = "input_time";
 
 impl Nudge {
     /// The number so many deviations from what is stated. Those are by factors above and by shares below, as it is not stated
@@ -28,18 +34,45 @@ impl Nudge {
     }
 }
 
-/// The stated tolerances that leave room: of numbers that are there and not zero.
+/// The stated tolerances that leave room: of numbers that are there and not zero; and one time between input and position for all
+/// runs of which the same standard deviation is stated.
 pub(crate) fn nudges(recording: &Recording) -> Vec<Nudge> {
     let stated = recording.tolerance.iter();
-    stated
-        .filter_map(|(name, relative)| {
-            let value = recording.model.get(name)?;
-            (relative * value.abs() > 0.0).then(|| Nudge {
-                name: name.to_owned(),
-                value,
-                relative,
-            })
+    let numbers = stated.filter_map(|(name, relative)| {
+        let value = recording.model.get(name)?;
+        (relative * value.abs() > 0.0).then(|| Nudge {
+            name: name.to_owned(),
+            value,
+            relative,
         })
+    });
+    numbers.chain(input_times(recording)).collect()
+}
+
+fn input_times(recording: &Recording) -> Vec<Nudge> {
+    let mut stds_s: Vec<f64> = recording
+        .runs
+        .iter()
+        .map(|run| run.input_time_std)
+        .collect();
+    stds_s.retain(|std_s| *std_s > 0.0);
+    stds_s.sort_by(f64::total_cmp);
+    stds_s.dedup();
+    let times = stds_s.into_iter().map(|value| Nudge {
+        name: INPUT_TIME.to_owned(),
+        value,
+        relative: 1.0,
+    });
+    times.collect()
+}
+
+/// By how much later than stated the input of each run acts at the coordinates `x`, s.
+pub(crate) fn input_shifts_s(recording: &Recording, nudges: &[Nudge], x: &[f64]) -> Vec<f64> {
+    let times = nudges.iter().zip(x).filter(|(n, _)| n.name == INPUT_TIME);
+    let times: Vec<(f64, f64)> = times.map(|(n, z)| (n.value, n.value * z)).collect();
+    let of_run = |std_s: f64| times.iter().find(|(stated_s, _)| *stated_s == std_s);
+    let runs = recording.runs.iter();
+    runs.map(|run| of_run(run.input_time_std).map_or(0.0, |(_, shift_s)| *shift_s))
         .collect()
 }
 

@@ -2,7 +2,7 @@
 
 use super::Fit;
 use super::costs::Costs;
-use super::hypothesis::{Hypothesis, Nudge};
+use super::hypothesis::{self, Hypothesis, Nudge};
 use super::part::Part;
 use super::whitening::{Whitening, dot, whitenings};
 use crate::predict::Predictor;
@@ -84,7 +84,8 @@ impl Problem<'_> {
 
     pub(crate) fn predictor(&self, hypothesis: &Hypothesis, x: &[f64]) -> Predictor {
         let device = hypothesis.device(&self.recording.model, &self.nudges, x);
-        Predictor::new(device, self.recording)
+        let shifts_s = hypothesis::input_shifts_s(self.recording, &self.nudges, x);
+        Predictor::new(device, self.recording).shifted(shifts_s)
     }
 
     /// Root mean square of measured minus predicted position on some data.

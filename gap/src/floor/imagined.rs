@@ -217,13 +217,17 @@ fn part(run: &Run, share: f64, skipped_s: f64) -> Run {
     let count = (run.time.len() as f64 * share).ceil() as usize;
     let rows = first..(first + count).min(run.time.len());
     let part = |column: &[f64]| column[rows.clone()].to_vec();
-    Run::new(
-        run.file.clone(),
-        run.drive,
-        part(&run.time),
-        part(&run.input),
-        part(&run.position),
-    )
+    Run {
+        input_time_std: run.input_time_std,
+        input_sampling: run.input_sampling,
+        ..Run::new(
+            run.file.clone(),
+            run.drive,
+            part(&run.time),
+            part(&run.input),
+            part(&run.position),
+        )
+    }
 }
 
 #[cfg(test)]

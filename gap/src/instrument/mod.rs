@@ -2,6 +2,7 @@
 
 mod law;
 mod meant;
+pub(crate) mod timing;
 
 pub use meant::UnitMistake;
 

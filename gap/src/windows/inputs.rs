@@ -63,6 +63,31 @@ impl Inputs {
         all
     }
 
+    /// Inputs that were sampled at some times and go in straight lines from one to the next, the last for ever: the means of so many
+    /// equal parts of the time between, with the measured velocity at each.
+    pub(crate) fn along(time: &[f64], input: &[f64], velocity: &[f64], parts: usize) -> Self {
+        let mut all = Self::default();
+        for (row, &start_s) in time.iter().enumerate() {
+            let end_s = time.get(row + 1).copied().unwrap_or(start_s);
+            let end = input.get(row + 1).copied().unwrap_or(input[row]);
+            let parts = if end_s > start_s { parts } else { 1 };
+            for part in 0..parts {
+                let share = part as f64 / parts as f64;
+                let middle = share + 0.5 / parts as f64;
+                let mean = input[row] + middle * (end - input[row]);
+                all.time.push(start_s + share * (end_s - start_s));
+                all.mean.push(mean);
+                all.parts.push(Part {
+                    input: mean,
+                    velocity: velocity[row],
+                    share: 1.0,
+                });
+                all.ends.push(all.parts.len());
+            }
+        }
+        all
+    }
+
     /// Those that begin within a stretch of time.
     pub(crate) fn within(&self, stretch_s: Range<f64>) -> Self {
         let before = |instant_s: f64| self.time.partition_point(|t| *t < instant_s);
@@ -77,6 +102,11 @@ impl Inputs {
                 .collect(),
             parts: self.parts[parts].to_vec(),
         }
+    }
+
+    /// One each.
+    pub(crate) fn means(self) -> Vec<f64> {
+        self.mean
     }
 
     fn start(&self, i: usize) -> usize {
@@ -122,6 +152,11 @@ mod tests {
             assert!((settled(&inputs, false, i) - drive.ratio * limited[i]).abs() < 1e-12);
         }
         assert_eq!(later.time, [2.5]);
+        let line = Inputs::along(&time[..2], &input[..2], &[0.0; 2], 2);
+        assert_eq!(
+            (line.time, line.mean),
+            (vec![0.0, 0.5, 1.0], vec![3.0, 1.0, 0.0])
+        );
         assert_eq!(settled(&later, false, 0), settled(&inputs, false, 1));
     }
 }

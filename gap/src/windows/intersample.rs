@@ -13,7 +13,12 @@ impl Series {
     /// Puts one possible course of a loop in the place of each row's mean input, which it keeps: where the mean lies between
     /// its neighbours, the step that it would come from, else the mean itself; and on all what the loop makes of the noise
     /// of its sensor.
+    ///
+    /// An input that was sampled at instants is no mean, and stays as it is.
     pub(crate) fn resample_inputs(&mut self, pid: &Pid, sensor_noise: f64) {
+        if self.told.is_some() {
+            return;
+        }
         let noise = told_noise(pid, sensor_noise);
         let mut draw = Noise::new(SEED);
         let (mut times, mut inputs, mut velocities) = (Vec::new(), Vec::new(), Vec::new());

@@ -6,7 +6,7 @@ use super::noise;
 use super::restart::Restart;
 use super::torque_profiles::TorqueProfiles;
 pub use super::window::Window;
-use recording::{Recording, Run, low_pass_gain};
+use recording::{InputSampling, Recording, Run, low_pass_gain};
 use std::ops::Range;
 
 /// A run as the prediction sees it.
@@ -27,7 +27,7 @@ pub struct Series {
     pub(crate) velocity: Vec<f64>,
     /// Largest magnitude of what was told.
     pub(crate) largest_input: f64,
-    /// What was told from sample to sample, where samples are put together.
+    /// What was told from sample to sample, where samples are put together or inputs were sampled at instants of slow rows.
     pub(crate) told: Option<Inputs>,
     /// What each position is the mean over, s; 0 for an instant.
     pub span_s: f64,
@@ -65,15 +65,20 @@ impl Series {
         let correlation = noise::correlation(recording, run, period_s);
         let goes_on = part_before(recording, index).is_some();
         let windows = windows(recording, run, goes_on, horizon_s, period_s, correlation);
+        let velocity = slopes(&run.time, &run.position, recording.restart_half_width);
+        let (input, told) = match run.input_sampling {
+            InputSampling::Mean => (run.input.clone(), None),
+            InputSampling::Point => along_lines(run, &velocity, period_s),
+        };
         Self {
             run: index,
             time: run.time.clone(),
             position: run.position.clone(),
             input_time: run.time.clone(),
-            input: run.input.clone(),
-            velocity: slopes(&run.time, &run.position, recording.restart_half_width),
+            input,
+            velocity,
             largest_input: largest(&run.input),
-            told: None,
+            told,
             span_s: 0.0,
             period_s,
             correlation,
@@ -244,6 +249,18 @@ impl Series {
         ));
         coarse
     }
+}
+
+/// Parts of a slow row in each of which the mean of an input on a straight line acts: what is left of the line then moves a mass by a
+/// sixteenth of what it does.
+const LINE_PARTS: f64 = 4.0;
+
+/// The mean of each row of an input that was sampled at the rows' instants, and what is told within the rows where they are slow.
+fn along_lines(run: &Run, velocity: &[f64], period_s: f64) -> (Vec<f64>, Option<Inputs>) {
+    let means = Inputs::along(&run.time, &run.input, velocity, 1);
+    let parts = (period_s / FINE_PERIOD_S).round().min(LINE_PARTS) as usize;
+    let told = (parts > 1).then(|| Inputs::along(&run.time, &run.input, velocity, parts));
+    (means.means(), told)
 }
 
 /// Slope of a column at each sample, from the first to the last within `half_width_s`, or from neighbour to neighbour, per s.

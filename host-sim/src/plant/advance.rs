@@ -1,11 +1,12 @@
 //! A step of the plant, from event to event.
 
 use super::event;
-use super::regime::{Regime, has_bristles, is_linked, pack, unpack};
+use super::regime::{Regime, Scheme, has_bristles, is_linked, pack, unpack};
+use super::stiff;
 use super::stribeck::Stride;
 use super::{Phase, Plant, State, Torque, Touch};
 
-/// hold it for ever.
+/// Share of a step that rest takes at least: a plant that breaks away at once would hold it for ever.
 const LEAST_HOLD: f64 = 1e-6;
 
 impl Plant {
@@ -49,10 +50,17 @@ impl Plant {
                         .min(piece)
                 }
             } else {
-                let closed = self.is_closed::<N>(state);
-                let longest = self
-                    .longest_step(state, torque.at(0.0), closed)
-                    .min(torque.longest_step());
+                let (scheme, longest) = self.scheme::<N>(state, &torque, piece, shortest_s);
+                let on_slope = self.longest_on_slope(state, torque.at(0.0), self.pace.on_slope);
+                let longest = longest.min(on_slope);
+                let (longest, shortest_s, most_events) = match scheme {
+                    Scheme::Stiff => (longest, dt_s / stiff::MOST_DIVISIONS, stiff::MOST_EVENTS),
+                    _ => (
+                        longest.min(torque.longest_step()),
+                        shortest_s,
+                        self.pace.most_events,
+                    ),
+                };
                 let h = piece.min(longest.max(shortest_s));
                 let bends = if has_bristles(N) && state.phase == Phase::Bristle {
                     let bristles = &self.parts.bristles;
@@ -61,8 +69,8 @@ impl Plant {
                     f64::INFINITY
                 };
                 let followed = h.min(bends.max(shortest_s));
-                let watched = events < self.pace.most_events;
-                let (taken, event) = self.flow::<N>(state, &torque, followed, watched, closed);
+                let watched = events < most_events;
+                let (taken, event) = self.flow::<N>(state, &torque, followed, watched, scheme);
                 let event = event || has_bristles(N) && self.slides_on(state, h);
                 events += usize::from(event);
                 taken
@@ -113,7 +121,7 @@ impl Plant {
         torque: &Torque,
         h: f64,
         watch: bool,
-        closed: bool,
+        scheme: Scheme,
     ) -> (f64, bool) {
         let load_position = if is_linked(N) {
             state.load_position
@@ -123,9 +131,14 @@ impl Plant {
         state
             .pendulum
             .follow(self.mechanics.from_hanging_rad(load_position));
-        let regime = Regime::<N>::of(self, state, torque, h, closed);
+        let regime = Regime::<N>::of(self, state, torque, h, scheme);
         let [direction, load_direction] = regime.directions();
-        let tolerance = watch.then_some(self.pace.event_tolerance);
+        let tolerance = if scheme == Scheme::Stiff {
+            stiff::EVENT_TOLERANCE
+        } else {
+            self.pace.event_tolerance
+        };
+        let tolerance = watch.then_some(tolerance);
         let step = event::advance(&regime, &pack::<N>(state), h, tolerance);
         unpack(&step.x, state);
         if !watch {
@@ -182,23 +195,53 @@ impl Plant {
         of_motor.min(load.longest_step(state.load_velocity.abs(), pull, stride))
     }
 
+    /// How what moves is stepped over the next `piece_s` at most, in steps no shorter than `shortest_s`, and the longest step that
+    /// its stiffest part allows then, s.
+    #[inline]
+    fn scheme<const N: usize>(
+        &self,
+        state: &State,
+        torque: &Torque,
+        piece_s: f64,
+        shortest_s: f64,
+    ) -> (Scheme, f64) {
+        let closed = self.is_closed::<N>(state);
+        let longest_s = self.longest_step(state, torque, closed);
+        // One mass takes no longer for an exact step than for two classical ones.
+        let least_s = if self.pace.closed_link && !is_linked(N) {
+            stiff::BEYOND_CLASSICAL * piece_s
+        } else {
+            piece_s.min(shortest_s)
+        };
+        if longest_s < least_s || torque.longest_step() < piece_s.min(shortest_s) {
+            return (Scheme::Stiff, self.longest_stiff_step(state, torque));
+        }
+        let scheme = if closed {
+            Scheme::ClosedLink
+        } else {
+            Scheme::Classical
+        };
+        (scheme, longest_s)
+    }
+
     /// The longest step that the stiffest part in action allows, s.
     #[inline]
-    fn longest_step(&self, state: &State, drive_nm: f64, closed: bool) -> f64 {
+    fn longest_step(&self, state: &State, torque: &Torque, closed: bool) -> f64 {
         let m = &self.mechanics;
         let mut longest = if closed {
             self.longest_closed_step_s
         } else {
             self.longest_step_s
         };
+        if m.drag != 0.0 {
+            longest = longest.min(self.pace.rate_step / self.drag_rate(state, torque.at(0.0)));
+        }
         for (touch, barrier) in state.touch.iter().zip(&self.parts.barriers) {
             if *touch == Touch::Pushing {
-                let natural = (barrier.stiffness * self.inverse_inertia[1]).sqrt();
-                let damped = barrier.damping * self.inverse_inertia[1];
-                longest = longest.min(self.pace.rate_step / (natural + damped));
+                let rate = barrier.rate(self.inverse_inertia[1]);
+                longest = longest.min(self.pace.rate_step / rate);
             }
         }
-        longest = longest.min(self.longest_on_slope(state, drive_nm, self.pace.on_slope));
         if state.phase == Phase::Bristle {
             let level = m.friction.highest_nm();
             let holding = level * m.friction.stribeck.ratio;

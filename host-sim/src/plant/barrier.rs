@@ -60,6 +60,12 @@ impl Barrier {
         self.stiffness * self.depth(position) + self.damping * self.side * velocity
     }
 
+    /// Rate of an inertia on it, 1/s.
+    #[inline]
+    pub(super) fn rate(&self, inverse_inertia: f64) -> f64 {
+        (self.stiffness.abs() * inverse_inertia).sqrt() + self.damping * inverse_inertia
+    }
+
     /// How the joint stands to it at this position and velocity.
     pub fn touch(&self, position: f64, velocity: f64) -> Touch {
         if self.holds() {

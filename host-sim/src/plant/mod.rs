@@ -20,6 +20,7 @@ mod event;
 mod follower;
 mod friction;
 mod glide;
+mod ground;
 mod link;
 mod pace;
 mod parts;
@@ -30,6 +31,7 @@ mod regime;
 mod runge_kutta;
 mod spot;
 mod sticking;
+mod stiff;
 mod stribeck;
 mod torque;
 mod two_mass;
@@ -119,6 +121,13 @@ impl Mechanics {
     fn fastest_rate(&self) -> f64 {
         let stiffness = self.stiffness.abs() + self.bent_stiffness();
         (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia
+    }
+
+    /// Of spring and viscous friction alone, on sides of these inverse inertias and with these shares of the friction, 1/s.
+    fn spring_rate(&self, inverse_inertia: [f64; 2], friction_share: [f64; 2]) -> f64 {
+        let damped =
+            |side: usize| friction_share[side] * self.viscous.abs() * inverse_inertia[side];
+        (self.stiffness.abs() * inverse_inertia[1]).sqrt() + damped(0).max(damped(1))
     }
 
     /// True if gravity or a spring pulls.
@@ -254,6 +263,8 @@ pub struct Plant {
     pace: Pace,
     /// Of friction on motor side and load side.
     slopes: Option<[Slope; 2]>,
+    /// Fastest rate of spring and viscous friction, 1/s.
+    spring_rate: f64,
     longest_step_s: f64,
     longest_closed_step_s: f64,
     longest_glide_s: f64,
@@ -313,6 +324,7 @@ impl Plant {
             slopes: (!stribeck.is_none()).then(|| [0, 1].map(slope)),
             link_modes: mechanics.link.as_ref().map(link_modes).unwrap_or_default(),
             pace,
+            spring_rate: mechanics.spring_rate(inverse_inertia, friction_share),
             longest_step_s: pace.rate_step / (rate + of_link(Link::fastest_rate)),
             longest_glide_s: match pace.glide_rate_step {
                 Some(rate_step) if mechanics.link.is_none() => rate_step / rate,

@@ -3,7 +3,9 @@
 use super::event::Flow;
 use super::link::Flank;
 use super::pendulum::Pendulum;
+use super::presliding::Bending;
 use super::runge_kutta::rk4;
+use super::stiff::{self, Linear};
 use super::two_mass::TwoMass;
 use super::{BARRIERS, Phase, Plant, Rest, State, Torque, Touch};
 
@@ -26,6 +28,8 @@ pub(super) struct Regime<'a, const N: usize> {
     constant_friction_nm: Option<f64>,
     /// The link, where it is stepped in closed form.
     closed: Option<Closed<'a>>,
+    /// What is stepped exactly, where that is stiff.
+    stiff: Option<Linear>,
     touch: &'a [Touch; BARRIERS],
 }
 
@@ -55,6 +59,17 @@ impl<'a> Closed<'a> {
             masses: plant.link_modes.within(flank, held),
         }
     }
+}
+
+/// How a regime is stepped.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scheme {
+    /// By Runge and Kutta.
+    Classical,
+    /// The link in closed form: all else is slow.
+    ClosedLink,
+    /// All that is linear exactly.
+    Stiff,
 }
 
 pub(super) const fn is_linked(n: usize) -> bool {
@@ -90,14 +105,14 @@ pub(super) fn unpack<const N: usize>(x: &[f64; N], state: &mut State) {
 }
 
 impl<'a, const N: usize> Regime<'a, N> {
-    /// That of `state` under `torque`, for a step of `step_s`; the link is stepped in closed form if `closed`.
+    /// That of `state` under `torque`, for a step of `step_s`.
     #[inline]
     pub(super) fn of(
         plant: &'a Plant,
         state: &'a State,
         torque: &'a Torque,
         step_s: f64,
-        closed: bool,
+        scheme: Scheme,
     ) -> Self {
         let directed = |dry: bool, phase: Phase| if dry { phase.direction() } else { 0.0 };
         let direction = directed(plant.dry, state.phase);
@@ -109,6 +124,13 @@ impl<'a, const N: usize> Regime<'a, N> {
             held: load_dry && state.load_phase == Phase::Stick,
             constant_friction_nm: plant.constant_friction_nm(1, load_direction),
         };
+        let held_sides = [held, load.held];
+        let bounded = scheme == Scheme::ClosedLink || scheme == Scheme::Stiff && is_linked(N);
+        let closed = bounded.then(|| Closed::of(plant, state, held_sides));
+        let stiff = (scheme == Scheme::Stiff).then(|| {
+            let linked = closed.as_ref().map(|closed| (closed.flank, held_sides));
+            Linear::of(plant, state, torque, linked)
+        });
         Self {
             plant,
             torque,
@@ -117,7 +139,8 @@ impl<'a, const N: usize> Regime<'a, N> {
             step_s,
             direction,
             held,
-            closed: closed.then(|| Closed::of(plant, state, [held, load.held])),
+            closed,
+            stiff,
             load,
             constant_friction_nm: plant.constant_friction_nm(0, direction),
             touch: &state.touch,
@@ -259,12 +282,10 @@ impl<'a, const N: usize> Regime<'a, N> {
             core::array::from_fn(|i| end_rate[i]),
         )
     }
-}
-
-impl<const N: usize> Flow<N> for Regime<'_, N> {
+    /// Time derivative of the state `x` under a drive, `t` after the start of the step.
     #[inline(always)]
-    fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
-        let (forces, bristle_rate) = self.forces(t, self.torque.at(t), x);
+    fn rate_under(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> [f64; N] {
+        let (forces, bristle_rate) = self.forces(t, drive_nm, x);
         let through = self.through(x);
         let mut rate = [0.0; N];
         rate[0] = x[1];
@@ -283,10 +304,55 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
         rate
     }
 
+    /// What is linear exactly, what else acts as it does halfway.
+    #[inline(never)]
+    fn exactly<const D: usize, const S: usize>(
+        &self,
+        rates: &[[f64; D]; D],
+        x: &[f64; N],
+        rate: &[f64; N],
+        t: f64,
+    ) -> ([f64; N], [f64; N]) {
+        let accelerations = |rate: &[f64; N]| [rate[1], if is_linked(N) { rate[3] } else { 0.0 }];
+        let bends = has_bristles(N) && self.direction == 0.0 && self.plant.dry;
+        let at = |masses: &[f64; D]| {
+            let mut there = *x;
+            there[..D - 2].copy_from_slice(&masses[..D - 2]);
+            if bends {
+                let mut bending = Bending::from(&self.plant.parts.bristles, x[N - 1]);
+                bending.go(there[0] - x[0]);
+                there[N - 1] = bending.deflection();
+            }
+            there
+        };
+        let step = stiff::Step::<D, S>::new(rates, &x[..D - 2], self.torque, t);
+        let mean_nm = self.torque.means(t)[0];
+        let halfway = |masses: &[f64; D], drive_nm: f64| {
+            accelerations(&self.rate_under(0.5 * t, drive_nm, &at(masses)))
+        };
+        let (end, masses_rate) = step.taken(rates, accelerations(rate), mean_nm, halfway);
+        let mut end_rate = [0.0; N];
+        end_rate[..D - 2].copy_from_slice(&masses_rate[..D - 2]);
+        let end = at(&end);
+        if bends {
+            end_rate[N - 1] = self.plant.parts.bristles.rate(end[1], end[N - 1]);
+        }
+        (end, end_rate)
+    }
+}
+
+impl<const N: usize> Flow<N> for Regime<'_, N> {
+    #[inline(always)]
+    fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
+        self.rate_under(t, self.torque.at(t), x)
+    }
+
     #[inline]
     fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]) {
-        match &self.closed {
-            Some(closed) if is_linked(N) => self.in_closed_form(closed.masses, x, rate, t),
+        match (&self.stiff, &self.closed) {
+            (Some(Linear::One(rates)), _) => self.exactly::<4, 2>(rates, x, rate, t),
+            (Some(Linear::Two(rates)), _) => self.exactly::<6, 3>(rates, x, rate, t),
+            (None, Some(closed)) if is_linked(N) => self.in_closed_form(closed.masses, x, rate, t),
             _ => rk4(|t, x| self.rate(t, x), x, rate, t),
         }
     }
@@ -297,7 +363,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
             Some(closed) => closed.masses.angle(h) > MOST_ON_A_CUBIC,
             None => false,
         };
-        self.plant.pace.cubic_events && !bends
+        self.plant.pace.cubic_events && !bends && self.stiff.is_none()
     }
 
     #[inline(always)]

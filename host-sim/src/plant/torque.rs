@@ -77,6 +77,20 @@ impl Torque {
         self.start_nm - self.target_nm + self.target_rate_nm_s * self.lag_s
     }
 
+    /// What fades of it and what goes evenly, at the start, N m, and how fast the latter does, N m/s.
+    #[inline]
+    pub(super) fn parts(&self) -> (f64, f64, f64) {
+        if self.is_held() {
+            return (0.0, self.target_nm, 0.0);
+        }
+        let fading_nm = if self.lag_s > 0.0 {
+            self.transient_nm()
+        } else {
+            0.0
+        };
+        (fading_nm, self.trailing_nm(0.0), self.target_rate_nm_s)
+    }
+
     #[inline]
     fn trailing_nm(&self, t_s: f64) -> f64 {
         self.target_nm + self.target_rate_nm_s * (t_s - self.lag_s)

@@ -104,7 +104,7 @@ impl<const D: usize, const S: usize> Map<D, S> {
 
 /// Sum of columns in these shares.
 #[inline(always)]
-fn combined<const D: usize, const N: usize>(
+pub(super) fn combined<const D: usize, const N: usize>(
     columns: &[[f64; D]; N],
     shares: &[f64; N],
 ) -> [f64; D] {

@@ -4,7 +4,7 @@ use crate::folder::Folder;
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
-use recording::{Drive, Model, Pid, Recording, Run, Sensor};
+use recording::{Drive, InputSampling, Model, Pid, Recording, Run, Sensor};
 
 const SAMPLES: usize = 20;
 
@@ -48,6 +48,7 @@ prop_compose! {
         start in -1e3..1e3, steps in vec(1e-4..1e-1, SAMPLES), mut position in column(),
         setpoint in option::of(column()), hall in column(), narrow in [narrow(), narrow(), narrow()],
         controller in option::of(pid()), input_time_std in 0.0..1.0, closed in any::<bool>(),
+        sampled in any::<bool>(),
     ) -> Run {
         let time = steps.iter().scan(start, |time, step| { *time += step; Some(*time) }).collect();
         // A constant input leaves nothing to judge units by, which is another test's matter.
@@ -58,7 +59,8 @@ prop_compose! {
         let mut run = Run::new("a.csv", drive, time, input, position);
         run.positions.insert("position_hall".into(), hall);
         [run.current, run.supply, run.temperature] = narrow;
-        Run { setpoint, controller, input_time_std, ..run }
+        let input_sampling = if sampled { InputSampling::Point } else { InputSampling::Mean };
+        Run { setpoint, controller, input_time_std, input_sampling, ..run }
     }
 }
 

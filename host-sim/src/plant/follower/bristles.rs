@@ -2,12 +2,14 @@
 
 use super::super::presliding::Bending;
 use super::super::{Phase, Touch};
-use super::Follower;
 use super::ride::Ride;
+use super::{Follower, is_answered};
 
-/// Angle of an oscillation on bristles that a step takes at most, and parts of a step at most.
+/// Angle of an oscillation on bristles that a part of a step takes, parts of a step at most, and product of the rate on springs and
+/// dampers and of a part above which it is too stiff for that.
 const BRISTLE_ANGLE: f64 = 0.2;
 const MOST_PARTS: f64 = 6.0;
+pub(super) const STIFF_RATE_STEP: f64 = 1.0;
 
 /// Parts of a step for the angle that an oscillation goes through within it.
 #[inline]
@@ -36,6 +38,7 @@ impl Follower<'_> {
             return;
         }
         let rate = self.bristle_rate();
+        let spring_rate = rate + plant.spring_rate;
         let mut bending = Bending::from(bristles, ride.state.deflection);
         let mut due = 0.0;
         while let Some(push) = ride.push() {
@@ -46,6 +49,9 @@ impl Follower<'_> {
             let [mean_nm, early_nm] = push.means_nm;
             let parts = parts_of(rate * push.lasts_s);
             let part_s = push.lasts_s / parts;
+            if spring_rate * part_s > STIFF_RATE_STEP || is_answered(&push, plant.spring_rate) {
+                break;
+            }
             let half_s = 0.5 * part_s;
             let (mut x, mut v) = (state.position, state.velocity);
             let (mut bent, mut way_due) = (bending, due);

@@ -1,15 +1,15 @@
 //! Two masses and their link.
 
+use super::super::ground::Ground;
 use super::super::link::Flank;
 use super::super::two_mass::flow_index;
 use super::super::zero_order_hold::ZeroOrderHold;
 use super::super::{Phase, Plant, Push, State};
 use super::bent::Bent;
-use super::ground::Ground;
 use super::level::Level;
 use super::ride::Ride;
 use super::side::Side;
-use super::{Follower, is_usual, late_s};
+use super::{Follower, LATE_RATE_STEP, is_answered, is_usual, late_s};
 
 impl Follower<'_> {
     /// Within one flank, whichever of the masses are held.
@@ -77,6 +77,8 @@ impl Follower<'_> {
                 && (!held[1] || load_sticks())
         };
         let is_held = held[0] || held[1];
+        let rate = plant.spring_rate + ground.rate(plant.inverse_inertia[1]);
+        let linked_rate = rate + link.fastest_rate(m.inertia);
         // Near what acted over the step before, which is near enough for the way halfway.
         let mut before_nm = None;
         let from = ride.next();
@@ -88,7 +90,19 @@ impl Follower<'_> {
             if varies && plant.is_steep(state, &push) {
                 break;
             }
+            if is_answered(&push, rate) || plant.drags(state, &push) {
+                break;
+            }
             let [mean_nm, early_nm] = push.means_nm;
+            let mut late_s = late_s(&push, step_s);
+            let own;
+            let (flow, step_s) = if linked_rate * late_s.abs() > LATE_RATE_STEP {
+                own = plant.two_masses_held(flank, held, &ground, push.lasts_s);
+                late_s = 0.0;
+                (&own, push.lasts_s)
+            } else {
+                (&**flow, step_s)
+            };
             let first_nm = match before_nm.filter(|_| !is_held) {
                 Some(before_nm) => before_nm,
                 None => bent_nm(&x, state.time_s, mean_nm),
@@ -115,7 +129,7 @@ impl Follower<'_> {
             }
             let acting = forces(acting_nm);
             let mut end = flow.whole.of(&x, &acting);
-            end = flow.soon(&end, &acting, late_s(&push, step_s));
+            end = flow.soon(&end, &acting, late_s);
             if is_linear {
                 let stopped =
                     |side: usize| sides[side].may_have_stopped(x[2 * side + 1], end[2 * side + 1]);
@@ -171,6 +185,17 @@ impl Plant {
         ground: &Ground,
         step_s: f64,
     ) -> ZeroOrderHold<4, 2> {
+        let viscous = self
+            .friction_share
+            .map(|share| share * self.mechanics.viscous);
+        let rates = self.two_mass_rates(flank, held, ground, viscous);
+        let [motor, load] = self.mobility(held);
+        let inputs = [[0.0, motor, 0.0, 0.0], [0.0, 0.0, 0.0, load]];
+        ZeroOrderHold::new(rates, inputs, step_s)
+    }
+
+    /// Inverse inertia of motor side and load side, 0 for one that is held, 1/(kg m²).
+    fn mobility(&self, held: [bool; 2]) -> [f64; 2] {
         let mobility = |side: usize| {
             if held[side] {
                 0.0
@@ -178,12 +203,20 @@ impl Plant {
                 self.inverse_inertia[side]
             }
         };
-        let [motor, load] = [mobility(0), mobility(1)];
+        [mobility(0), mobility(1)]
+    }
+
+    /// Rates of that flow, with this damping of motor side and load side in their bearings, N m s/rad.
+    pub(in super::super) fn two_mass_rates(
+        &self,
+        flank: Flank,
+        held: [bool; 2],
+        ground: &Ground,
+        viscous: [f64; 2],
+    ) -> [[f64; 4]; 4] {
+        let [motor, load] = self.mobility(held);
         let (stiffness, damping, _) = self.parts.link.spring(flank);
-        let viscous = self
-            .friction_share
-            .map(|share| share * self.mechanics.viscous);
-        let rates = [
+        [
             [0.0, -motor * stiffness, 0.0, load * stiffness],
             [1.0, -motor * (damping + viscous[0]), 0.0, load * damping],
             [
@@ -198,8 +231,6 @@ impl Plant {
                 1.0,
                 -load * (damping + viscous[1] + ground.damping),
             ],
-        ];
-        let inputs = [[0.0, motor, 0.0, 0.0], [0.0, 0.0, 0.0, load]];
-        ZeroOrderHold::new(rates, inputs, step_s)
+        ]
     }
 }

@@ -1,13 +1,13 @@
 //! Two masses and their link, the motor side on bristles.
 
+use super::super::ground::Ground;
 use super::super::presliding::Bending;
 use super::super::two_mass::flow_index;
 use super::super::{Phase, Touch};
 use super::bent::Bent;
-use super::bristles::parts_of;
-use super::ground::Ground;
+use super::bristles::{STIFF_RATE_STEP, parts_of};
 use super::ride::Ride;
-use super::{Follower, is_usual, late_s};
+use super::{Follower, LATE_RATE_STEP, is_answered, is_usual, late_s};
 
 /// The bristles hold the motor side at no time, and nothing holds the load side.
 const NONE_HELD: [bool; 2] = [false; 2];
@@ -28,6 +28,9 @@ impl Follower<'_> {
         let step_s = self.step_s;
         let parts = parts_of(self.bristle_rate() * step_s);
         let part_s = step_s / parts;
+        if self.bristle_rate() * part_s > STIFF_RATE_STEP {
+            return;
+        }
         let mut x = [
             state.position,
             state.velocity,
@@ -46,6 +49,7 @@ impl Follower<'_> {
             ground.constant_nm - stiffness * relaxed,
         ];
         let bent = [0, 1].map(|side| Bent::of(plant, side, 0.0));
+        let linked_rate = plant.spring_rate + link.fastest_rate(m.inertia);
         let mut pendulum = state.pendulum;
         let mut bending = Bending::from(bristles, state.deflection);
         let mut due = 0.0;
@@ -54,6 +58,9 @@ impl Follower<'_> {
         while let Some(push) = ride.push() {
             let state = &mut *ride.state;
             let goes_on = state.phase == Phase::Bristle && is_usual(&push, step_s);
+            let late_s = late_s(&push, step_s);
+            let is_late = linked_rate * late_s.abs() > LATE_RATE_STEP;
+            let goes_on = goes_on && !is_late && !is_answered(&push, plant.spring_rate);
             if !goes_on || state.time_s + push.lasts_s > until_s {
                 break;
             }
@@ -87,7 +94,7 @@ impl Follower<'_> {
                 way_due = end[0] - position;
             }
             let on_time = end[0];
-            end = flow.soon(&end, &forces(bent_nm), late_s(&push, step_s));
+            end = flow.soon(&end, &forces(bent_nm), late_s);
             // A torque that comes early moves the motor farther.
             end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
             way_due += end[0] - on_time;

@@ -4,7 +4,6 @@
 
 mod bent;
 mod bristles;
-mod ground;
 mod level;
 mod linked;
 mod linked_bristles;
@@ -13,11 +12,12 @@ mod side;
 mod sliding;
 
 use super::drift::Drifting;
+use super::ground::Ground;
 use super::pace::MIDPOINT_ON_SLOPE;
+use super::stiff::TURN;
 use super::two_mass::FLOWS;
 use super::zero_order_hold::ZeroOrderHold;
 use super::{Course, Phase, Plant, Push, Rest, State};
-use ground::Ground;
 use ride::Ride;
 
 /// A plant, with its linear flows over the step that recurs.
@@ -54,6 +54,11 @@ const PUSHED_RATE_STEP: f64 = 1.0;
 /// Share by which a step may differ from the one that recurs, and from which on that makes a difference.
 const NEAR_USUAL: f64 = 0.3;
 const SAME: f64 = 1e-9;
+/// Product of the fastest linear rate and what a step takes more or less than the one that recurs, up to which a parabola follows
+/// that: it errs by a sixth of the cube. Beyond, the step has a flow of its own.
+const LATE_RATE_STEP: f64 = 0.1;
+/// Product of the fastest linear rate and the step up to which a torque that changes within the step moves a mass as if it were free.
+const EARLY_RATE_STEP: f64 = 0.05;
 
 impl<'a> Follower<'a> {
     /// Of steps that mostly take `step_s`.
@@ -194,6 +199,13 @@ impl<'a> Follower<'a> {
     }
 }
 
+/// True if what acts changes within a step in which springs and dampers already answer to that.
+#[inline]
+fn is_answered(push: &Push, rate: f64) -> bool {
+    let [low, high] = push.bounds_nm;
+    rate * push.lasts_s > EARLY_RATE_STEP && low != high
+}
+
 /// True if a step takes about as long as most do.
 #[inline]
 fn is_usual(push: &Push, step_s: f64) -> bool {
@@ -212,14 +224,30 @@ fn late_s(push: &Push, step_s: f64) -> f64 {
 }
 
 impl Plant {
+    /// True if one mass on the ground may turn round twice within a step.
+    #[inline]
+    fn may_turn_twice(&self, ground: &Ground, step_s: f64) -> bool {
+        let inverse = self.inverse_inertia[0];
+        let half = 0.5 * (self.mechanics.viscous + ground.damping) * inverse;
+        let turns = ground.stiffness * inverse - half * half;
+        turns * step_s * step_s > TURN * TURN
+    }
+
     /// True if static friction that falls with speed is too steep for a step.
     #[inline]
     fn is_steep(&self, state: &State, push: &Push) -> bool {
         push.lasts_s > self.longest_on_slope(state, push.means_nm[0], MIDPOINT_ON_SLOPE)
     }
 
+    /// True if drag that grows with the square of the speed slows it too much within a step.
+    #[inline]
+    fn drags(&self, state: &State, push: &Push) -> bool {
+        self.mechanics.drag != 0.0
+            && self.drag_rate(state, push.means_nm[0]) * push.lasts_s > MIDPOINT_RATE_STEP
+    }
+
     /// 1/(kg m²), of the lighter side.
-    fn highest_mobility(&self) -> f64 {
+    pub(super) fn highest_mobility(&self) -> f64 {
         let [motor, load] = self.inverse_inertia;
         motor.max(load)
     }

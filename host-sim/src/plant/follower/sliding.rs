@@ -1,13 +1,13 @@
 //! One mass that slides.
 
 use super::super::Plant;
+use super::super::ground::Ground;
 use super::super::zero_order_hold::ZeroOrderHold;
 use super::bent::Bent;
-use super::ground::Ground;
 use super::level::Level;
 use super::ride::Ride;
 use super::side::Side;
-use super::{Follower, is_usual, late_s};
+use super::{Follower, LATE_RATE_STEP, is_answered, is_usual, late_s};
 
 impl Follower<'_> {
     /// As far as it slides in one direction.
@@ -25,6 +25,11 @@ impl Follower<'_> {
         };
         let direction = side.direction();
         let step_s = self.step_s;
+        let watches = plant.dry || !plant.parts.barriers.is_empty();
+        if watches && plant.may_turn_twice(&ground, step_s) {
+            return;
+        }
+        let rate = plant.spring_rate + ground.rate(plant.inverse_inertia[0]);
         let inverse = plant.inverse_inertia[0];
         let is_linear = self.is_linear;
         let flow = &*self
@@ -45,7 +50,19 @@ impl Follower<'_> {
             if bent.varies && plant.is_steep(state, &push) {
                 break;
             }
+            if is_answered(&push, rate) || plant.drags(state, &push) {
+                break;
+            }
             let [mean_nm, early_nm] = push.means_nm;
+            let mut late_s = late_s(&push, step_s);
+            let own;
+            let (flow, step_s) = if rate * late_s.abs() > LATE_RATE_STEP {
+                own = plant.one_mass_held(&ground, push.lasts_s);
+                late_s = 0.0;
+                (&own, push.lasts_s)
+            } else {
+                (flow, step_s)
+            };
             let halfway_s = state.time_s + 0.5 * step_s;
             let mut force = constant_nm + mean_nm - level.at(halfway_s);
             if !is_linear {
@@ -63,7 +80,7 @@ impl Follower<'_> {
             }
             let forces = [force];
             let mut end = flow.whole.of(&x, &forces);
-            end = flow.soon(&end, &forces, late_s(&push, step_s));
+            end = flow.soon(&end, &forces, late_s);
             // A torque that comes early moves it farther.
             end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
             if !side.has(end[1]) || plant.meets_barrier(state, end[0], end[1]) {
@@ -79,12 +96,17 @@ impl Follower<'_> {
 impl Plant {
     /// The linear flow of one mass.
     fn one_mass_held(&self, ground: &Ground, step_s: f64) -> ZeroOrderHold<2, 1> {
+        let rates = self.one_mass_rates(ground, self.mechanics.viscous);
+        ZeroOrderHold::new(rates, [[0.0, self.inverse_inertia[0]]], step_s)
+    }
+
+    /// Rates of the linear flow of one mass, with this damping beside that of the ground, N m s/rad.
+    pub(in super::super) fn one_mass_rates(&self, ground: &Ground, damping: f64) -> [[f64; 2]; 2] {
         let inverse = self.inverse_inertia[0];
-        let damping = self.mechanics.viscous + ground.damping;
-        let rates = [
+        let damping = damping + ground.damping;
+        [
             [0.0, -ground.stiffness * inverse],
             [1.0, -damping * inverse],
-        ];
-        ZeroOrderHold::new(rates, [[0.0, inverse]], step_s)
+        ]
     }
 }

@@ -1,6 +1,6 @@
 //! What pulls on the load side from outside in proportion to where it is and how fast: the spring, and barriers that push.
 
-use super::super::{Barrier, Plant, State, Touch};
+use super::{Barrier, Plant, State, Touch};
 
 /// `T = constant − stiffness · x − damping · v`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,0 +1,268 @@
+//! Whether the data say that `input` was sampled otherwise than is stated, or that it acts earlier or later.
+
+use crate::fit::Fit;
+use crate::fit::hypothesis::{Hypothesis, INPUT_TIME, nudges};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
+use crate::floor::{WHITE, mean_and_error};
+use crate::term::Term;
+use crate::windows::series;
+use crate::windows::statistics::rms;
+use recording::{InputSampling, Recording};
+use std::fmt;
+
+/// Standard errors of what is gained on windows that the fit has not seen: chance reaches them once in 700 recordings.
+const SURE: f64 = 3.0;
+/// Relative standard deviation of the model's numbers at least: they are to bend to either timing.
+const FREE: f64 = 0.5;
+/// Dry friction, and viscous friction at the typical speed, where the model has none, as a share of the typical torque.
+const SOME_FRICTION: f64 = 0.02;
+/// Samples that suffice.
+const MOST_SAMPLES: usize = 10_000;
+const ITERATIONS: usize = 12;
+/// Effects that do what another timing does.
+const OF_TIME: [&str; 3] = ["delay", "lag", "sensor_lag"];
+
+/// The timing that the data prefer to what is stated.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TimingDoubt {
+    preferred: Timing,
+    /// Median time between rows, s.
+    row_s: f64,
+    /// Gap with the model's numbers free, as stated and as preferred, in units of position, and these.
+    gaps: [f64; 2],
+    unit: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Timing {
+    Stated,
+    Sampled(InputSampling),
+    /// Later by so much, s, and its standard deviation.
+    Later(f64, f64),
+}
+
+/// A timing on trial: what each window costs that the fit has not seen, and what the model leaves.
+struct Trial {
+    timing: Timing,
+    costs: Vec<f64>,
+    gap: f64,
+}
+
+/// The trials of one hypothesis: as stated, and the best that surely costs less.
+struct Trials {
+    stated: Trial,
+    best: Option<Trial>,
+}
+
+/// Says so if another sampling than stated, or a shift of a row at most that nothing states, surely costs less on windows that the fit
+/// has not seen, with the numbers of the model free. Effects that were `found` may be what the timing makes of the motion, or what makes
+/// a timing of it: it must cost less beside them, too, or no more in their place.
+pub(crate) fn doubt(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
+    let recording = loosened(problem);
+    let row_s = series::median_period(&recording.runs.first()?.time);
+    let bare = Hypothesis { terms: Vec::new() };
+    let Trials { stated, best } = trials(problem, &recording, &bare, &[], row_s);
+    let best = best?;
+    let parts = found.hypothesis.parts(&found.x);
+    let effects = parts.filter(|(term, _)| !OF_TIME.contains(&term.kind.name));
+    let (terms, own): (Vec<Term>, Vec<&[f64]>) =
+        effects.map(|(term, own)| (term.clone(), own)).unzip();
+    if !terms.is_empty() {
+        let beside = trials(
+            problem,
+            &recording,
+            &Hypothesis { terms },
+            &own.concat(),
+            row_s,
+        );
+        let agrees = |other: &Trial| other.timing.is_like(best.timing);
+        let in_their_place = gain(&beside.stated, &best).0 >= 0.0;
+        if !beside.best.as_ref().is_some_and(agrees) && !in_their_place {
+            return None;
+        }
+    }
+    Some(TimingDoubt {
+        preferred: best.timing,
+        row_s,
+        gaps: [stated.gap, best.gap],
+        unit: recording.units.position.clone(),
+    })
+}
+
+/// Mean over the windows of what one trial costs more than another, and its standard error.
+fn gain(stated: &Trial, other: &Trial) -> (f64, f64) {
+    let gains = stated.costs.iter().zip(&other.costs).map(|(a, b)| a - b);
+    mean_and_error(&gains.collect::<Vec<f64>>())
+}
+
+/// Those of the effects of a hypothesis from `own` coordinates on.
+fn trials(
+    problem: &Problem<'_>,
+    recording: &Recording,
+    hypothesis: &Hypothesis,
+    own: &[f64],
+    row_s: f64,
+) -> Trials {
+    let on_trial =
+        |recording: &Recording, timing| trial(problem, recording, hypothesis, own, timing);
+    let stated = on_trial(recording, Timing::Stated);
+    let (level, error) = mean_and_error(&stated.costs);
+    if level <= WHITE + SURE * error {
+        return Trials { stated, best: None };
+    }
+    let mut resampled = recording.clone();
+    let mut sampled = InputSampling::Mean;
+    for run in &mut resampled.runs {
+        run.input_sampling = match run.input_sampling {
+            InputSampling::Mean => InputSampling::Point,
+            InputSampling::Point => InputSampling::Mean,
+        };
+        sampled = run.input_sampling;
+    }
+    let mut all = vec![on_trial(&resampled, Timing::Sampled(sampled))];
+    // Where a time is stated as uncertain, it is fitted anyway.
+    if recording.runs.iter().all(|run| run.input_time_std == 0.0) {
+        let mut shifted = recording.clone();
+        for run in &mut shifted.runs {
+            run.input_time_std = row_s;
+        }
+        let shifted = on_trial(&shifted, Timing::Later(0.0, 0.0));
+        all.extend(Some(shifted).filter(|trial| trial.timing.is_within(row_s)));
+    }
+    let mut sure = all.into_iter().filter(|trial| {
+        let (gain, error) = gain(&stated, trial);
+        gain > SURE * error && trial.gap < stated.gap
+    });
+    // Another sampling is half a row of shift that nothing had to be fitted for: what does not surely cost less is not preferred to it.
+    let best = sure.next().map(|first| {
+        let better = sure.find(|other| {
+            let (gain, error) = gain(&first, other);
+            gain > SURE * error
+        });
+        better.unwrap_or(first)
+    });
+    Trials { stated, best }
+}
+
+fn trial(
+    problem: &Problem<'_>,
+    recording: &Recording,
+    hypothesis: &Hypothesis,
+    own: &[f64],
+    timing: Timing,
+) -> Trial {
+    let series = series::coarse(recording, recording.horizon);
+    let problem = Problem {
+        recording,
+        series: series::thinned(series, MOST_SAMPLES),
+        nudges: nudges(recording),
+        modelling: problem.modelling,
+        quarter: None,
+    };
+    let mut x = vec![0.0; problem.nudges.len()];
+    x.extend(own);
+    let fit = problem.fit(hypothesis, x, Part::All, ITERATIONS);
+    let costs = problem.unseen(&fit, |fit, part| {
+        let costs = problem.costs(&fit.hypothesis, &fit.x, part);
+        (0..costs.per_sample.len()).map(|w| costs.log(w)).collect()
+    });
+    let shift = problem.nudges.iter().position(|n| n.name == INPUT_TIME);
+    let timing = match (timing, shift) {
+        (Timing::Later(..), Some(i)) => {
+            let std_s = problem.nudges[i].value;
+            Timing::Later(std_s * fit.x[i], std_s * fit.std[i])
+        }
+        _ => timing,
+    };
+    Trial {
+        timing,
+        costs,
+        gap: problem.plain_gap(&problem.series, &fit),
+    }
+}
+
+/// The recording with a model whose numbers are hardly known: frictions that are zero are a little, so that they may grow.
+fn loosened(problem: &Problem<'_>) -> Recording {
+    let mut recording = problem.recording.clone();
+    let model = &mut recording.model;
+    let inputs: Vec<f64> = problem
+        .series
+        .iter()
+        .flat_map(|s| s.input.iter().copied())
+        .collect();
+    let torque = model.ratio.abs() * rms(&inputs);
+    let speeds = problem
+        .series
+        .iter()
+        .flat_map(|s| s.velocity.iter().copied());
+    let speed = rms(&speeds.collect::<Vec<f64>>());
+    let some = SOME_FRICTION * torque;
+    if model.coulomb == 0.0 {
+        model.coulomb = some;
+    }
+    if model.viscous == 0.0 && speed > 0.0 {
+        model.viscous = some / speed;
+    }
+    for name in ["inertia", "viscous", "coulomb", "gravity", "stiffness"] {
+        let known = recording.tolerance.iter().find(|(of, _)| *of == name);
+        let stated = known.map_or(0.0, |(_, std)| std);
+        recording.tolerance.set(name, stated.max(FREE));
+    }
+    recording
+}
+
+impl Timing {
+    /// True if it is a shift of a row at most, and surely one.
+    fn is_within(self, row_s: f64) -> bool {
+        match self {
+            Self::Later(by_s, std_s) => by_s.abs() <= row_s && by_s.abs() > SURE * std_s,
+            Self::Sampled(_) | Self::Stated => true,
+        }
+    }
+
+    /// True if both bring the input to the same side: one that is sampled at instants is half a row earlier.
+    fn is_like(self, other: Self) -> bool {
+        let earlier = |timing: Self| match timing {
+            Self::Later(by_s, _) => by_s < 0.0,
+            Self::Sampled(sampling) => sampling == InputSampling::Point,
+            Self::Stated => false,
+        };
+        earlier(self) == earlier(other)
+    }
+}
+
+impl fmt::Display for TimingDoubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            preferred,
+            row_s,
+            gaps: [stated, best],
+            unit,
+        } = self;
+        let ms = |s: f64| 1e3 * s;
+        match preferred {
+            Timing::Stated => return Ok(()),
+            Timing::Sampled(InputSampling::Point) => write!(
+                f,
+                "the data prefer an `input` that is the value at each row's instant, not the mean until the next: state `input_sampling = \"point\"` if it was sampled so"
+            )?,
+            Timing::Sampled(InputSampling::Mean) => write!(
+                f,
+                "the data prefer an `input` that is the mean until the next row, not the value at each row's instant: leave `input_sampling` out if it was averaged"
+            )?,
+            Timing::Later(by_s, std_s) => write!(
+                f,
+                "the data prefer an `input` that acts {:.2} ± {:.2} ms {} than the rows say, which are {:.2} ms apart: state `input_time_std` if its time is uncertain, or `delay` if the device is late",
+                ms(by_s.abs()),
+                ms(*std_s),
+                if *by_s < 0.0 { "earlier" } else { "later" },
+                ms(*row_s),
+            )?,
+        }
+        write!(
+            f,
+            "; with the model's numbers free the gap is {best:.3e} {unit} then, and {stated:.3e} {unit} as stated"
+        )
+    }
+}

@@ -1,0 +1,245 @@
+//! A regime that is too stiff for a classical step. What acts in proportion to where the masses are and how fast they move, and the
+//! drive, are stepped exactly; what else acts does so as it does halfway (the exponential Rosenbrock midpoint rule: Hochbruck and
+//! Ostermann, Acta Numerica 19, 2010).
+
+use super::ground::Ground;
+use super::link::Flank;
+use super::zero_order_hold::{ZeroOrderHold, combined};
+use super::{Phase, Plant, State, Torque};
+
+/// A step is never divided further than this. What turns faster than [`TURN`] in such a part is not followed: its rows do not show
+/// it either.
+pub(super) const MOST_DIVISIONS: f64 = 64.0;
+/// More events than this within one step are chatter.
+pub(super) const MOST_EVENTS: usize = 64;
+/// Times that a quick classical step must be longer than the step for the phase of what turns fast: it then errs by 1e-4 of the
+/// turn, and not by 3e-3.
+pub(super) const BEYOND_CLASSICAL: f64 = 2.5;
+/// How closely an event is located, as a share of the step: what turns fast does so many times in a log.
+pub(super) const EVENT_TOLERANCE: f64 = 1e-9;
+/// Product of the fastest rate of what is not linear and the step.
+const BENT_RATE_STEP: f64 = 0.2;
+/// The same of bristles, which yield as they bend.
+const BRISTLE_ANGLE: f64 = 0.2;
+/// Angle, rad, that a mass turns through on its springs in a step at most where it may stop or strike: it does so once at most then.
+pub(super) const TURN: f64 = 0.5 * core::f64::consts::PI;
+
+/// Rates of a linear flow, by columns. Its state is position and velocity of each mass, then the drive: what decays of it and what
+/// grows evenly, N m.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Linear {
+    One([[f64; 4]; 4]),
+    Two([[f64; 6]; 6]),
+}
+
+impl Linear {
+    /// Of a plant in a state; the flank of its link and what is held, if there is a link.
+    pub(super) fn of(
+        plant: &Plant,
+        state: &State,
+        torque: &Torque,
+        linked: Option<(Flank, [bool; 2])>,
+    ) -> Self {
+        let ground = Ground::of(plant, state);
+        let damping = plant.damping(state);
+        let fades = if torque.lag_s > 0.0 {
+            -torque.lag_s.recip()
+        } else {
+            0.0
+        };
+        let bristles = plant.bristle_spring(state);
+        match linked {
+            Some((flank, held)) => {
+                let mut four = plant.two_mass_rates(flank, held, &ground, damping);
+                let motor = if held[0] {
+                    0.0
+                } else {
+                    plant.inverse_inertia[0]
+                };
+                four[0][1] -= motor * bristles.stiffness;
+                four[1][1] -= motor * bristles.damping;
+                Self::Two(driven(&four, motor, fades))
+            }
+            None => {
+                let ground = Ground {
+                    stiffness: ground.stiffness + bristles.stiffness,
+                    damping: ground.damping + bristles.damping,
+                    ..ground
+                };
+                let two = plant.one_mass_rates(&ground, damping[0]);
+                Self::One(driven(&two, plant.inverse_inertia[0], fades))
+            }
+        }
+    }
+}
+
+/// The rates of some masses with those of the drive, which pushes the first.
+fn driven<const M: usize, const D: usize>(
+    masses: &[[f64; M]; M],
+    motor: f64,
+    fades: f64,
+) -> [[f64; D]; D] {
+    let mut rates = [[0.0; D]; D];
+    for (column, of_masses) in rates.iter_mut().zip(masses) {
+        column[..M].copy_from_slice(of_masses);
+    }
+    for drive in &mut rates[M..] {
+        drive[1] = motor;
+    }
+    rates[M][M] = fades;
+    rates
+}
+
+/// A step of a linear flow under what else acts.
+pub(super) struct Step<const D: usize, const S: usize> {
+    hold: ZeroOrderHold<D, S>,
+    from: [f64; D],
+    /// How fast the drive grows, N m/s.
+    grows: f64,
+}
+
+impl<const D: usize, const S: usize> Step<D, S> {
+    /// From the positions and velocities of the masses, over `step_s`.
+    pub(super) fn new(rates: &[[f64; D]; D], masses: &[f64], torque: &Torque, step_s: f64) -> Self {
+        let mut inputs = [[0.0; D]; S];
+        for (mass, input) in inputs.iter_mut().enumerate() {
+            // The last is the growth of the drive.
+            let acts_on = if mass + 1 < S { 2 * mass + 1 } else { D - 1 };
+            input[acts_on] = 1.0;
+        }
+        let mut from = [0.0; D];
+        from[..D - 2].copy_from_slice(masses);
+        let (fading, steady, grows) = torque.parts();
+        (from[D - 2], from[D - 1]) = (fading, steady);
+        Self {
+            hold: ZeroOrderHold::new(*rates, inputs, step_s),
+            from,
+            grows,
+        }
+    }
+
+    /// What the linear flow accelerates the masses by, under a drive, rad/s².
+    fn pulled(&self, rates: &[[f64; D]; D], at: &[f64; D], drive_nm: f64) -> [f64; D] {
+        let mut at = *at;
+        (at[D - 2], at[D - 1]) = (0.0, drive_nm);
+        combined(rates, &at)
+    }
+
+    fn forces(&self, accelerations: [f64; 2]) -> [f64; S] {
+        core::array::from_fn(|i| {
+            if i + 1 < S {
+                accelerations[i]
+            } else {
+                self.grows
+            }
+        })
+    }
+
+    /// The masses halfway and at the end, and what they are accelerated by there. `total` is what all that acts accelerates
+    /// them by: at the start, and under a drive at the masses halfway.
+    pub(super) fn taken(
+        &self,
+        rates: &[[f64; D]; D],
+        start: [f64; 2],
+        mean_nm: f64,
+        halfway: impl Fn(&[f64; D], f64) -> [f64; 2],
+    ) -> ([f64; D], [f64; D]) {
+        let rest = |total: [f64; 2], pulled: [f64; D]| {
+            core::array::from_fn(|mass| {
+                let velocity = 2 * mass + 1;
+                if velocity < D - 2 {
+                    total[mass] - pulled[velocity]
+                } else {
+                    0.0
+                }
+            })
+        };
+        let drive_nm = self.from[D - 2] + self.from[D - 1];
+        let first = rest(start, self.pulled(rates, &self.from, drive_nm));
+        let midway = self.hold.half.of(&self.from, &self.forces(first));
+        let total = halfway(&midway, mean_nm);
+        let acting = self.forces(rest(total, self.pulled(rates, &midway, mean_nm)));
+        let end = self.hold.whole.of(&self.from, &acting);
+        let mut end_rate = combined(rates, &end);
+        for (mass, force) in acting[..S - 1].iter().enumerate() {
+            end_rate[2 * mass + 1] += force;
+        }
+        (end, end_rate)
+    }
+}
+
+/// Of bristles about where they are bent to.
+#[derive(Clone, Copy, Default)]
+struct BristleSpring {
+    /// N m/rad.
+    stiffness: f64,
+    /// N m s/rad.
+    damping: f64,
+}
+
+impl Plant {
+    /// Resistance to motion of motor side and load side, about their velocities, N m s/rad.
+    #[inline]
+    fn damping(&self, state: &State) -> [f64; 2] {
+        let m = &self.mechanics;
+        let speeds = [state.velocity, state.load_velocity].map(f64::abs);
+        core::array::from_fn(|side| self.friction_share[side] * (m.viscous + m.drag * speeds[side]))
+    }
+
+    fn bristle_spring(&self, state: &State) -> BristleSpring {
+        if !self.parts.has_bristles || !self.dry || state.phase != Phase::Bristle {
+            return BristleSpring::default();
+        }
+        let bristles = &self.parts.bristles;
+        // At rest they bend whichever way it goes.
+        let bends = match state.velocity {
+            0.0 => 1.0,
+            velocity => bristles.rate(velocity, state.deflection) / velocity,
+        };
+        let level_nm = self.mechanics.friction.highest_nm();
+        BristleSpring {
+            stiffness: bends * level_nm / bristles.distance,
+            damping: bends * bristles.damping,
+        }
+    }
+
+    /// At which drag that grows with the square of the speed slows a side, at the speed that it has or at that to which it is
+    /// pulled, 1/s.
+    pub(super) fn drag_rate(&self, state: &State, drive_nm: f64) -> f64 {
+        let drag = self.mechanics.drag;
+        let pull_nm = self.pull(state, drive_nm, self.through(state)).abs();
+        let speed = state.velocity.abs().max(state.load_velocity.abs());
+        2.0 * (drag * speed).max((drag * pull_nm).sqrt()) * self.highest_mobility()
+    }
+
+    /// The longest step of a stiff regime, s.
+    pub(super) fn longest_stiff_step(&self, state: &State, torque: &Torque) -> f64 {
+        let m = &self.mechanics;
+        let mobility = self.highest_mobility();
+        let bent = (m.bent_stiffness() * mobility).sqrt();
+        let mut longest = BENT_RATE_STEP / bent;
+        if m.drag != 0.0 {
+            longest = longest.min(BENT_RATE_STEP / self.drag_rate(state, torque.at(0.0)));
+        }
+        if self.dry || !self.parts.barriers.is_empty() || self.parts.has_link {
+            let ground = Ground::of(self, state);
+            let bristles = self.bristle_spring(state).stiffness;
+            let stiffness = ground.stiffness.abs() + bristles;
+            let damping = m.viscous + ground.damping;
+            if bristles > 0.0 {
+                // As long as a mass on them takes to bend them, against its inertia or through what damps it.
+                let natural_s = (bristles * mobility).sqrt().recip();
+                longest = longest.min(BRISTLE_ANGLE * natural_s.max(damping / bristles));
+            }
+            let turns = if self.parts.has_link {
+                let link = self.parts.link.natural_rate(m.inertia);
+                (stiffness * mobility).sqrt() + link
+            } else {
+                let half = 0.5 * damping * mobility;
+                (stiffness * mobility - half * half).max(0.0).sqrt()
+            };
+            longest = longest.min(TURN / turns);
+        }
+        longest
+    }
+}

@@ -40,17 +40,20 @@ mod sensor;
 mod spikes;
 mod statistics;
 mod stays;
+mod text;
+mod units;
 mod untrue;
 mod validate;
 mod write;
 
 pub use error::{Error, Fault};
-pub use manifest::Units;
-pub use model::{Model, Tolerance};
+pub use model::{Model, NoModel, Tolerance};
 pub use oddity::Oddity;
 pub use run::{Drive, Pid, Run};
 pub use sensor::{Sensor, low_pass_gain};
 pub use statistics::sixth_differences;
+pub use text::{open_file, plain_message, read_text};
+pub use units::Units;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -1,13 +1,13 @@
 //! From a folder to a [`Recording`].
 
-use std::fs::{self, File};
 use std::path::{Component, Path};
 
 use crate::columns;
-use crate::error::{Error, Fault};
+use crate::error::Error;
 use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
 use crate::repeated;
+use crate::text;
 use crate::untrue;
 use crate::validate;
 use crate::{Model, Oddity, Recording, Run};
@@ -21,14 +21,7 @@ impl Recording {
         let folder = folder.as_ref();
         let path = folder.join(manifest::FILE);
         let mend = "give a folder with a `recording.toml` in UTF-8";
-        let text = fs::read_to_string(&path).map_err(|source| {
-            Error::new(Fault::Io {
-                doing: "read",
-                source,
-                mend,
-            })
-            .in_file(&path)
-        })?;
+        let text = text::read_text(&path, mend)?;
         let Parsed {
             manifest,
             tolerance,
@@ -81,6 +74,7 @@ impl Recording {
             }
         }
         validate::sensors(&recording, &lines).map_err(|error| error.in_file(&path))?;
+        recording.oddities.extend(recording.units.oddities());
         recording.oddities.extend(inspect::session(&recording.runs));
         recording.assume_sensors();
         Ok(recording)
@@ -105,14 +99,7 @@ impl Recording {
 fn read_run(folder: &Path, entry: RunEntry) -> Result<(Run, Vec<String>), Error> {
     let path = folder.join(&entry.file);
     let mend = "put the CSV there or correct `file` in recording.toml";
-    let file = File::open(&path).map_err(|source| {
-        Error::new(Fault::Io {
-            doing: "read",
-            source,
-            mend,
-        })
-        .in_file(&path)
-    })?;
+    let file = text::open_file(&path, mend)?;
     let columns = columns::read(file).map_err(|error| error.in_file(&path))?;
     let run = Run {
         file: entry.file,

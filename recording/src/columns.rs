@@ -56,6 +56,15 @@ impl Sink {
         }
     }
 
+    /// Gives back what no further cell takes.
+    fn shrink(&mut self) {
+        match self {
+            Self::Wide(column) => column.shrink_to_fit(),
+            Self::Narrow(column) => column.shrink_to_fit(),
+            Self::Watched { .. } => {}
+        }
+    }
+
     /// Takes a cell and gives its value; `None` if it is not a number of a possible size and somebody needs it to be one.
     fn push(&mut self, cell: &[u8]) -> Option<f64> {
         match self {
@@ -190,7 +199,8 @@ fn parse(source: impl Read) -> Result<Columns, Found> {
     }
 
     let mut columns = Columns::default();
-    for (name, sink) in names.into_iter().zip(sinks) {
+    for (name, mut sink) in names.into_iter().zip(sinks) {
+        sink.shrink();
         match (name.as_str(), sink) {
             ("time", Sink::Wide(column)) => columns.time = column,
             ("input", Sink::Wide(column)) => columns.input = column,

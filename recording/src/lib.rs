@@ -106,6 +106,23 @@ impl Recording {
         }
     }
 
+    /// The same of other runs; those that it has are not copied, as they may be long.
+    #[must_use]
+    pub fn with_runs(&self, runs: Vec<Run>) -> Self {
+        Self {
+            folder: self.folder.clone(),
+            title: self.title.clone(),
+            units: self.units.clone(),
+            model: self.model,
+            tolerance: self.tolerance.clone(),
+            unstated: self.unstated.clone(),
+            sensors: self.sensors.clone(),
+            oddities: self.oddities.clone(),
+            runs,
+            ..*self
+        }
+    }
+
     /// What is odd about it as lines, one for what several runs share.
     pub fn warnings(&self) -> Vec<String> {
         oddity::lines(&self.oddities)

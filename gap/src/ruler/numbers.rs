@@ -63,7 +63,9 @@ pub(super) fn restated(search: &Search<'_>, null: &Fit, names: &[&str]) -> Vec<V
     let as_nominal: Vec<Term> = names
         .iter()
         .filter_map(|name| {
-            let found = tried.iter().find(|candidate| candidate.kind.name == *name)?;
+            let found = tried
+                .iter()
+                .find(|candidate| candidate.kind.name == *name)?;
             found.starts.last().cloned()
         })
         .collect();

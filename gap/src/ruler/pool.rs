@@ -110,11 +110,7 @@ impl ScoredPool {
     }
 
     /// The simplest set within one standard error of the best, once every effect beyond the first `kept` was left out of it in turn.
-    pub(super) fn without_needless(
-        mut self,
-        problem: &Problem<'_>,
-        kept: usize,
-    ) -> (Scored, Self) {
+    pub(super) fn without_needless(mut self, problem: &Problem<'_>, kept: usize) -> (Scored, Self) {
         let mut looked: Vec<Vec<&'static str>> = Vec::new();
         loop {
             let Some(set) = simplest(&self.sets).cloned() else {

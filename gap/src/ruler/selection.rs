@@ -23,7 +23,9 @@ pub(super) fn of(
     let rounds = order.iter().enumerate().map(|(rank, &place)| {
         let taken = &order[..=rank];
         let so_far = subset_fit(problem, &set.fit, kept, |p| taken.contains(&p));
-        let so_far = in_order(&so_far, kept, |fit, at| rank_of(fit, at, &set.fit, &order, kept));
+        let so_far = in_order(&so_far, kept, |fit, at| {
+            rank_of(fit, at, &set.fit, &order, kept)
+        });
         round(problem, set, pool, kept + place, so_far, found)
     });
     let rounds: Vec<Round> = rounds.collect();

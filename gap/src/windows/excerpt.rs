@@ -24,17 +24,7 @@ pub(crate) fn excerpt(recording: &Recording, most: usize) -> Cow<'_, Recording> 
         stretches.map(|rows| run.part(rows))
     });
     let runs = parts.filter(|part| part.len() >= restart::FEWEST).collect();
-    // All but the runs, which are too long to be copied for nothing.
-    Cow::Owned(Recording {
-        folder: recording.folder.clone(),
-        title: recording.title.clone(),
-        units: recording.units.clone(),
-        tolerance: recording.tolerance.clone(),
-        sensors: recording.sensors.clone(),
-        oddities: recording.oddities.clone(),
-        runs,
-        ..*recording
-    })
+    Cow::Owned(recording.with_runs(runs))
 }
 
 /// Rows of the stretches of a run that make up `share` of it, at least one.

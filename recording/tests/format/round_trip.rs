@@ -87,7 +87,14 @@ proptest! {
 #[test]
 fn a_number_that_is_not_stated_stays_unstated_when_the_recording_is_written_again() {
     let rows: String = (0..400)
-        .map(|k| format!("{},{},{}\n", 0.001 * f64::from(k), f64::from(k % 7), (0.03 * f64::from(k)).sin()))
+        .map(|k| {
+            format!(
+                "{},{},{}\n",
+                0.001 * f64::from(k),
+                f64::from(k % 7),
+                (0.03 * f64::from(k)).sin()
+            )
+        })
         .collect();
     let folder = Folder::empty().with("a.csv", format!("time,input,position\n{rows}")).with(
         "recording.toml",

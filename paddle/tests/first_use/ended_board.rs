@@ -48,7 +48,9 @@ fn a_live_board_that_is_ended_leaves_recording_and_trace_and_exits_with_0() {
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let port = lines.find(|line| line.as_ref().unwrap().starts_with("serial port: "));
         assert!(port.is_some());
-        std::thread::sleep(Duration::from_millis(1200));
+        // It has booted once it logs, 70 ms after power-on, however slow this machine is.
+        assert!(lines.any(|line| line.unwrap().starts_with("log ")));
+        std::thread::sleep(Duration::from_millis(300));
         let id = child.id().to_string();
         assert!(
             Command::new("kill")
@@ -63,8 +65,10 @@ fn a_live_board_that_is_ended_leaves_recording_and_trace_and_exits_with_0() {
         assert_eq!(output.status.code(), Some(0), "{signal}: {complaints}");
         assert_says(&said.join("\n"), &["recording in", "trace.csv"]);
         let rows = |path: PathBuf| std::fs::read_to_string(path).unwrap().lines().count();
-        assert!(rows(trace.join("trace.csv")) > 100, "{signal}");
-        assert!(rows(recording.join("board.csv")) > 100, "{signal}");
+        for file in [trace.join("trace.csv"), recording.join("board.csv")] {
+            let (file, rows) = (file.display().to_string(), rows(file));
+            assert!(rows > 50, "{signal}: {rows} rows in {file}");
+        }
         assert!(recording.join("recording.toml").is_file(), "{signal}");
         let console = std::fs::read_to_string(trace.join("console.txt")).unwrap();
         assert_says(&console, &["haptic paddle"]);

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use crate::case::{Case, CaseError, Mixture};
 use crate::diagnosis::{Diagnosis, Gap};
-use crate::score::{FreshGaps, Outcome, Summary, judge};
+use crate::score::{FreshGaps, Gaps, Outcome, Summary, judge};
 
 /// What is checked, and where everything is kept.
 #[derive(Clone, Debug)]
@@ -149,18 +149,23 @@ impl Check {
         let diagnosis = self.diagnose(&recording, &folder, &model)?;
         let took_s = begun.elapsed().as_secs_f64();
         unseal(&case, &folder)?;
-        let fresh = match &diagnosis {
-            Some(found)
-                if case.truth.fresh_floor.is_some()
-                    && !found.effects.is_empty()
-                    && model.exists() =>
-            {
-                self.measure_fresh(&folder.join(FRESH), &model)?
+        let claims = diagnosis
+            .as_ref()
+            .is_some_and(|found| !found.effects.is_empty() || !found.numbers.is_empty());
+        let mut gaps = Gaps::default();
+        if claims && model.exists() {
+            if case.truth.fresh_floor.is_some() {
+                gaps.fresh = self.measure_on(&folder.join(FRESH), &model)?;
             }
-            _ => None,
-        };
+            if let (Some(transfer), Some(_)) = (&case.transfer, case.truth.transfer_floor) {
+                let loaded = folder.join("model-with-load.toml");
+                if add_load(&model, transfer.load_inertia, &loaded)? {
+                    gaps.transfer = self.measure_on(&folder.join(TRANSFER), &loaded)?;
+                }
+            }
+        }
         let withheld = self.withheld.as_deref();
-        let mut outcome = judge(&case.truth, diagnosis.as_ref(), fresh, withheld);
+        let mut outcome = judge(&case.truth, diagnosis.as_ref(), gaps, withheld);
         // One that failed says nothing of its time, and must not pass for quick.
         outcome.elapsed_s.get_or_insert(took_s);
         Ok(outcome)
@@ -218,11 +223,11 @@ impl Check {
             .and_then(|text| serde_json::from_slice(&text).ok()))
     }
 
-    fn measure_fresh(&self, fresh: &Path, model: &Path) -> Result<Option<FreshGaps>, CheckError> {
+    fn measure_on(&self, other: &Path, model: &Path) -> Result<Option<FreshGaps>, CheckError> {
         let base = [
             "gap".into(),
             "measure".into(),
-            fresh.as_os_str().to_owned(),
+            other.as_os_str().to_owned(),
             "--json".into(),
             "-".into(),
         ];
@@ -272,11 +277,66 @@ impl Check {
 const POLL: Duration = Duration::from_millis(10);
 const RECORDING: &str = "recording";
 const FRESH: &str = "fresh";
+const TRANSFER: &str = "transfer";
 
 /// Writes what the diagnosis must not have seen.
 fn unseal(case: &Case, folder: &Path) -> Result<(), CheckError> {
     case.fresh.write(folder.join(FRESH))?;
+    if let Some(transfer) = &case.transfer {
+        transfer.recording.write(folder.join(TRANSFER))?;
+    }
     let path = folder.join("truth.json");
     let text = format!("{:#}\n", serde_json::json!(case.truth));
     fs::write(&path, text).map_err(|source| CheckError::Write { path, source })
+}
+
+/// Writes the saved `model` to `loaded` with `load_inertia` added, as its user would who knows the load: to the inertia of the
+/// model, and to that of the effect which replaces it. `false` if the file is not what `--save-model` writes.
+fn add_load(model: &Path, load_inertia: f64, loaded: &Path) -> Result<bool, CheckError> {
+    let text = fs::read_to_string(model).unwrap_or_default();
+    let Some(text) = with_load(&text, load_inertia) else {
+        return Ok(false);
+    };
+    let path = loaded.to_owned();
+    fs::write(loaded, text).map_err(|source| CheckError::Write { path, source })?;
+    Ok(true)
+}
+
+fn with_load(text: &str, load_inertia: f64) -> Option<String> {
+    let mut table: toml::Table = text.parse().ok()?;
+    add(table.get_mut("model")?.get_mut("inertia")?, load_inertia)?;
+    let effects = table.get_mut("effects").and_then(toml::Value::as_array_mut);
+    for effect in effects.into_iter().flatten() {
+        if effect.get("name").and_then(toml::Value::as_str) == Some("inertia") {
+            add(
+                effect.get_mut("parameters")?.get_mut("inertia")?,
+                load_inertia,
+            )?;
+        }
+    }
+    Some(table.to_string())
+}
+
+/// Adds to a number.
+fn add(value: &mut toml::Value, more: f64) -> Option<()> {
+    let number = value
+        .as_float()
+        .or_else(|| value.as_integer().map(|whole| whole as f64))?;
+    *value = toml::Value::Float(number + more);
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_known_load_is_added_to_the_model_and_to_the_effect_that_replaces_its_inertia() {
+        let saved = "[model]\ninertia = 2\n[[effects]]\nname = \"inertia\"\n[effects.parameters]\ninertia = 2.5\n";
+        let table: toml::Table = with_load(saved, 0.5).unwrap().parse().unwrap();
+        let stated = table["model"]["inertia"].as_float();
+        let found = table["effects"][0]["parameters"]["inertia"].as_float();
+        assert_eq!((stated, found), (Some(2.5), Some(3.0)), "{table}");
+        assert_eq!(with_load("title = 3", 0.5), None);
+    }
 }

@@ -39,6 +39,9 @@ pub struct Gap {
     /// On held-out data.
     #[serde(default)]
     pub shrink: Option<f64>,
+    /// 95 % interval of it.
+    #[serde(default)]
+    pub shrink_interval: Option<[f64; 2]>,
 }
 
 /// One effect found.
@@ -51,6 +54,19 @@ pub struct Found {
     /// Names that the excitation cannot tell from it.
     #[serde(default)]
     pub not_separable_from: Vec<String>,
+    /// How far it alone closes the gap.
+    #[serde(default)]
+    pub shrink: Option<f64>,
+}
+
+/// A stated number that had to move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Moved {
+    /// Its name in the model.
+    pub name: String,
+    /// How far it alone closes the gap.
+    #[serde(default)]
+    pub shrink: Option<f64>,
 }
 
 /// One region that carries more of the gap than its share of samples.
@@ -82,6 +98,9 @@ pub struct Diagnosis {
     /// In the order of what each contributes.
     #[serde(default)]
     pub effects: Vec<Found>,
+    /// In the order of what each closes.
+    #[serde(default)]
+    pub numbers: Vec<Moved>,
     /// Most guilty first.
     #[serde(default, rename = "where")]
     pub regions: Vec<Region>,

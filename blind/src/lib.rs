@@ -15,8 +15,8 @@ pub mod score;
 mod session;
 mod truth;
 
-pub use case::{Case, CaseError, GAP_OVER_FLOOR, Mixture};
+pub use case::{Case, CaseError, GAP_OVER_FLOOR, Mixture, SMALL_SHARE, Transfer};
 pub use check::{Check, CheckError};
 pub use diagnosis::{Diagnosis, Found, Gap, Region, Verdict};
 pub use scenario::VOCABULARY;
-pub use truth::{Effect, Kind, Place, Reference, Truth};
+pub use truth::{Effect, Kind, Place, Reference, Timing, Truth};

@@ -14,6 +14,8 @@ pub(crate) struct Log {
     /// End of the last row.
     pub end_s: f64,
     pub input: Vec<f64>,
+    /// The input that acted, tick by tick.
+    pub commanded: InputSeries,
     pub position: Vec<f64>,
     pub setpoint: Option<Vec<f64>>,
     /// A second, unaffected sensor of the same position.
@@ -66,6 +68,17 @@ impl Log {
     }
 }
 
+/// Rounds a column of inputs to seven digits of its largest value.
+pub(crate) fn round_input(input: &mut [f64]) {
+    let largest = input
+        .iter()
+        .fold(f64::MIN_POSITIVE, |most, u| most.max(u.abs()));
+    let grain = decimal(largest * 1e-7);
+    for value in input {
+        *value = (*value / grain).round() * grain;
+    }
+}
+
 /// Least and largest value.
 pub(crate) fn extremes(column: &[f64]) -> (f64, f64) {
     column
@@ -111,6 +124,7 @@ fn carry_out_run(reality: &Reality, run: usize, plan: &Plan, logging: &Logging) 
         time_s: Vec::new(),
         end_s: plan.ticks_s[plan.ticks_s.len() - 1],
         input: Vec::new(),
+        commanded: InputSeries::default(),
         position: Vec::new(),
         setpoint: matches!(plan.drive, Drive::Closed { .. }).then(Vec::new),
         second: logging.second.map(|_| Vec::new()),
@@ -187,18 +201,13 @@ fn carry_out_run(reality: &Reality, run: usize, plan: &Plan, logging: &Logging) 
         log.input.push(impulse / (log.end_s - begun));
     }
     log.restarts = restarts;
-    let round = |column: &mut Vec<f64>, grain: f64| {
-        for value in column {
+    log.commanded = series;
+    round_input(&mut log.input);
+    if logging.sensor.resolution == 0.0 {
+        let grain = decimal(logging.grain);
+        for value in &mut log.position {
             *value = (*value / grain).round() * grain;
         }
-    };
-    let largest = log
-        .input
-        .iter()
-        .fold(f64::MIN_POSITIVE, |most, u| most.max(u.abs()));
-    round(&mut log.input, decimal(largest * 1e-7));
-    if logging.sensor.resolution == 0.0 {
-        round(&mut log.position, decimal(logging.grain));
     }
     log
 }

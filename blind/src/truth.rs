@@ -75,6 +75,9 @@ pub struct Effect {
     pub form: String,
     /// Where it acts; empty if in no place more than in others.
     pub places: Vec<Place>,
+    /// In a messy case: the rms change of the prediction that it causes, over the one that the dominant cause causes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
 }
 
 /// What kind of case it is.
@@ -89,6 +92,8 @@ pub enum Kind {
     Nothing,
     /// A cause that the vocabulary has no name for.
     Outside,
+    /// One dominant cause, with several small ones, wrong numbers and bad timing beside it.
+    Messy,
 }
 
 /// Gaps that only somebody who knows the truth can measure, in units of position.
@@ -104,6 +109,19 @@ pub struct Reference {
     pub tolerances_alone: f64,
 }
 
+/// What is wrong with the times of a messy recording.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// The input column is ahead of the position column by this many rows.
+    pub offset_rows: f64,
+    /// The input column is the value at an instant; the manifest does not say so.
+    pub point_sampled: bool,
+    /// Standard deviation of the errors of the logged times, in rows.
+    pub stamp_std_rows: f64,
+    /// The rms change of the prediction that all of this causes, over the one that the dominant cause causes.
+    pub share: f64,
+}
+
 /// The truth of one case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
@@ -115,11 +133,18 @@ pub struct Truth {
     pub kind: Kind,
     /// The device, for people.
     pub device: String,
-    /// What was hidden; of a pair the one that contributes more comes first.
+    /// What was hidden, the one that contributes most first. In a messy case stated numbers that are off stand among them,
+    /// each under the name of its effect.
     pub effects: Vec<Effect>,
     /// What the truth itself reaches.
     pub reference: Reference,
     /// Gap of the true model on the fresh recording, with its hidden states known, in units of position; `None` where that
     /// recording does not show what is hidden well enough to judge a claim on it.
     pub fresh_floor: Option<f64>,
+    /// The same for the recording with another excitation, amplitude and load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transfer_floor: Option<f64>,
+    /// Of a messy case.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timing: Option<Timing>,
 }

@@ -1,11 +1,13 @@
 //! What a case promises, whatever is hidden in it.
 
-use blind::{Case, GAP_OVER_FLOOR, Kind, Mixture, VOCABULARY};
+use blind::{Case, GAP_OVER_FLOOR, Kind, Mixture, SMALL_SHARE, VOCABULARY};
 use recording::Recording;
+use std::sync::LazyLock;
 
 fn only(name: &str) -> Mixture {
     Mixture {
         only: Some(name.into()),
+        ..Mixture::default()
     }
 }
 
@@ -55,4 +57,137 @@ fn an_effect_that_does_not_exist_is_refused_with_the_names_that_do() {
         error.contains("`stribek`") && error.contains("stribeck"),
         "{error}"
     );
+}
+
+fn messy() -> Mixture {
+    Mixture {
+        messy: true,
+        transfer: true,
+        ..Mixture::default()
+    }
+}
+
+/// Some messy cases: making one takes a second.
+static MESSY: LazyLock<Vec<Case>> = LazyLock::new(|| {
+    let cases = (1..=8).map(|case| Case::make(23, case, &messy()));
+    cases.map(Result::unwrap).collect()
+});
+
+#[test]
+fn a_messy_case_depends_on_its_seed_and_number_alone() {
+    let case = &MESSY[2];
+    let again = Case::make(23, 3, &messy()).unwrap();
+    assert_eq!(case.truth, again.truth);
+    assert_eq!(case.recording, again.recording);
+    assert_eq!(case.fresh, again.fresh);
+    let transfers = [case, &again].map(|case| case.transfer.as_ref().map(|t| &t.recording));
+    assert_eq!(transfers[0], transfers[1]);
+    let other = Case::make(24, 3, &messy()).unwrap();
+    assert_ne!(case.recording, other.recording);
+}
+
+#[test]
+fn every_small_cause_changes_the_prediction_by_5_to_25_percent_of_what_the_dominant_one_does() {
+    for case in MESSY.iter() {
+        let truth = &case.truth;
+        assert_eq!(truth.kind, Kind::Messy);
+        assert_eq!(truth.effects[0].share, Some(1.0), "{:?}", truth.effects[0]);
+        let shares: Vec<f64> = truth.effects.iter().filter_map(|e| e.share).collect();
+        assert_eq!(shares.len(), truth.effects.len(), "each has a share");
+        assert!(
+            shares[1..].is_sorted_by(|a, b| a >= b),
+            "the list goes by size: {shares:?}"
+        );
+        let small: Vec<f64> = truth.effects[1..]
+            .iter()
+            .filter(|effect| effect.form.starts_with("Hidden") || effect.form.starts_with("Cause"))
+            .filter_map(|effect| effect.share)
+            .collect();
+        assert!((3..=5).contains(&small.len()), "{small:?}");
+        let [low, high] = SMALL_SHARE;
+        assert!(
+            small.iter().all(|share| (low..=high).contains(share)),
+            "{small:?}"
+        );
+        let timing = truth.timing.expect("a messy case says what its times are");
+        assert!(timing.share <= high, "{timing:?}");
+        assert!(timing.offset_rows.abs() <= 0.5, "{timing:?}");
+    }
+}
+
+#[test]
+fn stated_numbers_of_a_messy_case_are_off_by_no_more_than_30_percent_and_a_tolerance_is_plausible()
+{
+    for case in MESSY.iter() {
+        for effect in &case.truth.effects {
+            let Some(number) = effect.form.strip_prefix("stated ") else {
+                continue;
+            };
+            let number = number.split_whitespace().next().unwrap();
+            assert!(effect.strength.abs() <= 0.3, "{number}: {effect:?}");
+            let stated = case
+                .recording
+                .tolerance
+                .iter()
+                .find(|(name, _)| *name == number);
+            if let Some((_, tolerance)) = stated {
+                let error = effect.strength.abs() / (1.0 + effect.strength);
+                // A small error may stand beside a tolerance that is larger; a large one never beside one that is tiny.
+                assert!(error < 2.1 * tolerance, "{number}: {error} of {tolerance}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_of_a_messy_case_are_uneven_and_come_at_50_to_10_000_hz() {
+    for case in MESSY.iter() {
+        for run in &case.recording.runs {
+            let rate_hz = (run.len() - 1) as f64 / run.duration_s();
+            assert!((45.0..11_000.0).contains(&rate_hz), "{rate_hz} Hz");
+            let first_s = run.time[1] - run.time[0];
+            let even = run.time.windows(2).all(|pair| pair[1] - pair[0] == first_s);
+            assert!(!even, "{}: all periods are {first_s} s", run.file);
+        }
+    }
+}
+
+#[test]
+fn another_load_and_excitation_are_another_recording_of_a_device_with_the_same_other_numbers() {
+    let case = MESSY.iter().find(|case| case.transfer.is_some());
+    let case = case.expect("one of eight devices takes another load");
+    let transfer = case.transfer.as_ref().unwrap();
+    let [mut with, without] = [transfer.recording.model, case.recording.model];
+    assert!(transfer.load_inertia > 0.0);
+    assert!(
+        (with.inertia - without.inertia - transfer.load_inertia).abs() < 1e-12 * with.inertia,
+        "{with:?} {without:?}"
+    );
+    with.inertia = without.inertia;
+    assert_eq!(with, without);
+    let half_span = |recording: &Recording| {
+        let position = recording.runs.iter().flat_map(|run| &run.position);
+        let (low, high) = position.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        });
+        0.5 * (high - low)
+    };
+    let over = half_span(&transfer.recording) / half_span(&case.recording);
+    assert!((over - 1.0).abs() > 0.1, "amplitude times {over}");
+}
+
+#[test]
+fn the_clean_case_is_the_same_whether_it_is_transferred_or_not() {
+    let transfer = Mixture {
+        transfer: true,
+        ..Mixture::default()
+    };
+    for number in 1..=2 {
+        let [plain, other] = [Mixture::default(), transfer.clone()]
+            .map(|mixture| Case::make(31, number, &mixture).unwrap());
+        assert_eq!(plain.recording, other.recording);
+        assert_eq!(plain.fresh, other.fresh);
+        assert_eq!(plain.truth.effects, other.truth.effects);
+        assert!(plain.transfer.is_none());
+    }
 }

@@ -25,6 +25,7 @@ fn check(folder: &std::path::Path, script: &str) -> Check {
         seed: 5,
         mixture: Mixture {
             only: Some("torque_offset".into()),
+            ..Mixture::default()
         },
         withheld: None,
         jobs: 1,
@@ -104,5 +105,55 @@ fn a_diagnosis_without_end_is_given_up() {
     check.patience = Duration::from_millis(50);
     let summary = check.run(|_| ()).unwrap();
     assert_eq!(summary.outcomes[0].answer, "failed");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Diagnoses, saves a model, and measures it on other recordings: half the nominal gap, nothing at all with a known load.
+const SAVES_A_MODEL: &str = r#"
+if [ "$2" = measure ]; then
+  case "$7" in
+    "") gap=2.0 ;;
+    *with-load*) gap=0.0 ;;
+    *) gap=1.0 ;;
+  esac
+  echo "{\"format\": 1, \"gap\": {\"before\": $gap, \"floor\": 0.0}}"
+  exit 0
+fi
+[ "$(ls "$3/.." | grep -v "^diagnosis.log$")" = recording ] || exit 4
+[ "$(ls "$3" | grep -v -e '^run-.*csv$' )" = recording.toml ] || exit 5
+printf '[model]\ninertia = 1.0\n' > "$7"
+cat > "$5" <<'END'
+{"format": 1, "verdict": "explained",
+ "gap": {"before": 1, "floor": 0, "after": 0, "shrink": 1, "shrink_interval": [0.9, 1]},
+ "effects": [{"name": "torque_offset", "confidence": 0.99}], "where": [], "elapsed_s": 0.1}
+END
+"#;
+
+#[test]
+fn a_messy_truth_is_sealed_and_the_saved_model_meets_a_known_load_afterwards() {
+    let folder = folder("messy");
+    let mut check = check(&folder, SAVES_A_MODEL);
+    check.cases = 4;
+    check.mixture.messy = true;
+    check.mixture.transfer = true;
+    let summary = check.run(|_| ()).unwrap();
+    assert!(
+        summary.outcomes.iter().all(|outcome| outcome.first),
+        "{summary}"
+    );
+    for (k, outcome) in summary.outcomes.iter().enumerate() {
+        let case = check.folder.join(format!("case-{:04}", k + 1));
+        assert!(case.join("truth.json").exists());
+        assert_eq!(
+            case.join("model-with-load.toml").exists(),
+            outcome.transfer.is_some()
+        );
+        assert!(outcome.transfer.is_none() || case.join("transfer/recording.toml").exists());
+    }
+    let kept: Vec<_> = summary.outcomes.iter().filter_map(|o| o.transfer).collect();
+    assert!(
+        !kept.is_empty() && kept.iter().all(|kept| kept.shrink > 0.99),
+        "{kept:?}"
+    );
     std::fs::remove_dir_all(folder).unwrap();
 }

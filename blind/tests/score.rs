@@ -1,6 +1,6 @@
 //! The scorer on truths and diagnoses made by hand.
 
-use blind::score::{FreshGaps, Outcome, Summary, judge};
+use blind::score::{FreshGaps, Gaps, Outcome, Summary, judge};
 use blind::{Diagnosis, Effect, Kind, Place, Reference, Truth};
 use serde_json::json;
 
@@ -17,6 +17,7 @@ fn truth(kind: Kind, names: &[&str]) -> Truth {
                 strength: 1.0,
                 form: String::new(),
                 places: vec![Place::on("velocity", -0.1, 0.1), Place::in_run(1, 2.0, 3.0)],
+                share: None,
             })
             .collect(),
         reference: Reference {
@@ -26,6 +27,8 @@ fn truth(kind: Kind, names: &[&str]) -> Truth {
             tolerances_alone: 0.0,
         },
         fresh_floor: Some(0.2),
+        transfer_floor: None,
+        timing: None,
     }
 }
 
@@ -54,7 +57,7 @@ fn with_region(mut diagnosis: Diagnosis, regions: serde_json::Value) -> Diagnosi
 }
 
 fn plain(truth: &Truth, diagnosis: &Diagnosis) -> Outcome {
-    judge(truth, Some(diagnosis), None, None)
+    judge(truth, Some(diagnosis), Gaps::default(), None)
 }
 
 #[test]
@@ -114,9 +117,14 @@ fn outside_the_vocabulary_only_a_confident_name_is_wrong() {
 fn a_withheld_effect_is_outside_the_vocabulary() {
     let truth = truth(Kind::Single, &["lag"]);
     let named = says("explained", &[("delay", 0.95, &[])]);
-    let outcome = judge(&truth, Some(&named), None, Some("lag"));
+    let outcome = judge(&truth, Some(&named), Gaps::default(), Some("lag"));
     assert_eq!((outcome.kind, outcome.right), (Kind::Outside, false));
-    let honest = judge(&truth, Some(&says("unexplained", &[])), None, Some("lag"));
+    let honest = judge(
+        &truth,
+        Some(&says("unexplained", &[])),
+        Gaps::default(),
+        Some("lag"),
+    );
     assert!(honest.right);
 }
 
@@ -147,16 +155,22 @@ fn a_place_needs_its_axis_an_overlap_and_its_run() {
 fn a_claim_is_held_against_the_fresh_recording() {
     let truth = truth(Kind::Single, &["lag"]);
     let said = says("explained", &[("lag", 0.9, &[])]);
-    let fresh = FreshGaps {
-        nominal: 2.0,
-        corrected: 0.65,
+    let fresh = Gaps {
+        fresh: Some(FreshGaps {
+            nominal: 2.0,
+            corrected: 0.65,
+        }),
+        transfer: None,
     };
-    let outcome = judge(&truth, Some(&said), Some(fresh), None);
+    let outcome = judge(&truth, Some(&said), fresh, None);
     // From 2 to 0.65 of the way to the 0.2 that the truth leaves.
     assert!((outcome.claim_error.unwrap() - (0.9 - 0.75)).abs() < 1e-12);
     // The true model gets from 1 to 0.1, the diagnosis to 0.19.
     assert!((outcome.relative_shrink.unwrap() - 0.9).abs() < 1e-12);
-    assert_eq!(judge(&truth, Some(&said), None, None).claim_error, None);
+    assert_eq!(
+        judge(&truth, Some(&said), Gaps::default(), None).claim_error,
+        None
+    );
 }
 
 #[test]
@@ -167,7 +181,7 @@ fn the_summary_counts_by_kind_and_calibrates() {
         plain(&single, &says("explained", &[("lag", 0.92, &[])])),
         plain(&single, &says("explained", &[("delay", 0.97, &["lag"])])),
         plain(&single, &says("explained", &[("lag", 0.75, &["delay"])])),
-        judge(&single, None, None, None),
+        judge(&single, None, Gaps::default(), None),
         plain(&nothing, &says("no_gap", &[])),
     ];
     let summary = Summary::of(outcomes);
@@ -183,4 +197,141 @@ fn the_summary_counts_by_kind_and_calibrates() {
     assert_eq!((confident.given, confident.right), (2, 1));
     let binned: usize = summary.calibration.bins.iter().map(|bin| bin.given).sum();
     assert_eq!(binned, 3);
+}
+
+/// A messy truth: lag dominates, then a stated `coulomb` that is off, cogging, and a cause outside the vocabulary.
+fn messy() -> Truth {
+    truth(Kind::Messy, &["lag", "coulomb", "cogging", "torque_tone"])
+}
+
+fn with_numbers(mut diagnosis: Diagnosis, numbers: serde_json::Value) -> Diagnosis {
+    diagnosis.numbers = serde_json::from_value(numbers).unwrap();
+    diagnosis
+}
+
+#[test]
+fn in_a_messy_case_the_dominant_cause_comes_first_or_is_called_not_separable() {
+    let first = plain(&messy(), &says("explained", &[("lag", 0.9, &[])]));
+    assert!(first.first && first.in_class && first.right);
+    let class = plain(&messy(), &says("explained", &[("delay", 0.5, &["lag"])]));
+    assert!(!class.first && class.in_class && !class.right);
+    let later = says("explained", &[("cogging", 0.9, &[]), ("lag", 0.9, &[])]);
+    let later = plain(&messy(), &later);
+    assert!(!later.first && later.in_class, "named, but not first");
+}
+
+#[test]
+fn in_a_messy_case_every_cause_that_is_present_is_there_and_only_sure_names_are_counted() {
+    let said = says(
+        "partly_explained",
+        &[
+            ("lag", 0.9, &["sensor_lag"]),
+            ("coulomb", 0.8, &[]),
+            ("cogging", 0.7, &[]),
+            ("viscous", 0.69, &[]),
+            ("spring", 0.7, &[]),
+        ],
+    );
+    let outcome = plain(&messy(), &said);
+    assert_eq!(outcome.sure_names, 4);
+    assert_eq!(outcome.not_there, ["spring"]);
+}
+
+#[test]
+fn a_number_that_moved_is_no_name_but_finds_the_cause_that_it_is() {
+    let wrong = with_numbers(
+        says("explained", &[("lag", 0.9, &[])]),
+        json!([{"name": "viscous", "stated": 1.0, "found": 2.0, "shrink": 0.2}]),
+    );
+    let outcome = plain(&messy(), &wrong);
+    assert!(outcome.first && outcome.not_there.is_empty(), "{outcome:?}");
+
+    let off = truth(Kind::Messy, &["spring", "lag"]);
+    let stiffness = json!([{"name": "stiffness", "shrink": 0.6}]);
+    let alone = plain(&off, &with_numbers(says("no_gap", &[]), stiffness.clone()));
+    assert!(alone.first && alone.in_class && !alone.silent);
+    let mut beside = with_numbers(says("explained", &[("lag", 0.9, &[])]), stiffness);
+    beside.effects[0].shrink = Some(0.7);
+    assert!(!plain(&off, &beside).first, "the effect closes more");
+    beside.effects[0].shrink = Some(0.5);
+    assert!(plain(&off, &beside).first, "the number closes more");
+}
+
+#[test]
+fn a_dominant_cause_without_a_name_wants_no_sure_name_that_is_not_there() {
+    let outside = truth(Kind::Messy, &["torque_tone", "lag"]);
+    let small = plain(&outside, &says("partly_explained", &[("lag", 0.9, &[])]));
+    assert!(small.right && !small.first, "a small one is there");
+    let unsure = plain(&outside, &says("explained", &[("spring", 0.6, &[])]));
+    assert!(unsure.right);
+    let sure = plain(&outside, &says("explained", &[("spring", 0.8, &[])]));
+    assert!(!sure.right);
+}
+
+#[test]
+fn the_messy_rows_count_cases_names_and_silence() {
+    let outside = truth(Kind::Messy, &["torque_tone", "lag"]);
+    let outcomes = vec![
+        plain(&messy(), &says("explained", &[("lag", 0.9, &[])])),
+        plain(
+            &messy(),
+            &says(
+                "explained",
+                &[("spring", 0.8, &["lag"]), ("gravity", 0.9, &[])],
+            ),
+        ),
+        plain(&messy(), &says("unexplained", &[])),
+        judge(&messy(), None, Gaps::default(), None),
+        plain(&outside, &says("unexplained", &[])),
+    ];
+    let summary = Summary::of(outcomes);
+    let row = |what: &str| {
+        let row = summary.rows.iter().find(|row| row.what.contains(what));
+        row.unwrap_or_else(|| panic!("no row {what}: {summary}"))
+    };
+    let first = row("first finding is the dominant cause");
+    assert_eq!((first.measured, first.cases), (Some(0.25), 4));
+    assert_eq!(row("dominant named or not separable").measured, Some(0.5));
+    assert_eq!(row("cases with a name >= 0.7").measured, Some(0.2));
+    let names = row("names >= 0.7 that are not there");
+    assert_eq!((names.measured, names.cases), (Some(2.0 / 3.0), 3));
+    assert_eq!(row("outside vocabulary").measured, Some(1.0));
+    assert_eq!(row("nothing found").measured, Some(0.25));
+    let clean = |row: &blind::score::Row| row.what == "first name is the true one";
+    assert!(!summary.rows.iter().any(clean), "no empty rows: {summary}");
+}
+
+#[test]
+fn a_claim_is_held_against_another_load_and_its_interval_with_it() {
+    let mut truth = messy();
+    truth.transfer_floor = Some(0.5);
+    let mut said = says("explained", &[("lag", 0.9, &[])]);
+    said.gap.shrink_interval = Some([0.85, 1.0]);
+    let gaps = |corrected| Gaps {
+        fresh: Some(FreshGaps {
+            nominal: 2.0,
+            corrected: 0.1,
+        }),
+        transfer: Some(FreshGaps {
+            nominal: 2.0,
+            corrected,
+        }),
+    };
+    let outcome = judge(&truth, Some(&said), gaps(0.8), None);
+    let transfer = outcome.transfer.unwrap();
+    assert!((transfer.shrink - 0.8).abs() < 1e-12, "{transfer:?}");
+    assert!((transfer.over_claimed.unwrap() - 0.8 / 0.9).abs() < 1e-12);
+    assert_eq!(transfer.interval_holds, Some(false));
+    // A little beyond what the truth reaches is not outside an interval that ends there.
+    assert_eq!(outcome.fresh.unwrap().interval_holds, Some(true));
+    let worse = judge(&truth, Some(&said), gaps(2.3), None);
+    let summary = Summary::of(vec![outcome, worse]);
+    let measured = |what: &str| {
+        let row = summary.rows.iter().find(|row| row.what.contains(what));
+        row.and_then(|row| row.measured)
+    };
+    let worst = measured("claimed one, worst").unwrap();
+    assert!((worst + 0.2 / 0.9).abs() < 1e-12, "{worst}");
+    assert_eq!(measured("transfer: 95 % shrink intervals"), Some(0.0));
+    assert_eq!(measured("hold on fresh data"), Some(1.0));
 }

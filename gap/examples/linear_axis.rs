@@ -48,10 +48,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for effect in &diagnosis.effects {
         println!("{} ({:.0} % sure)", effect.name, 100.0 * effect.confidence);
         for (name, number) in &effect.parameters {
-            println!(
-                "  {name} = {:.3} ± {:.3} {}",
-                number.value, number.std, number.unit
-            );
+            let std = number
+                .std
+                .map_or(String::new(), |std| format!(" ± {std:.3}"));
+            println!("  {name} = {:.3}{std} {}", number.value, number.unit);
         }
     }
     Ok(())

@@ -17,15 +17,34 @@ pub enum Verdict {
     Unexplained,
 }
 
+/// The model that a floor belongs to: how much noise and restarts leave depends on the motion that they disturb.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FloorOf {
+    /// The model as the diagnosis corrects it.
+    CorrectedModel,
+    /// The model as stated, where what was found leaves no less than it, or where nothing was found.
+    NominalModel,
+}
+
 /// Gap before and after, on data that the fit has not seen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Closing {
     /// Of the nominal model, in units of position.
     pub before: f64,
-    /// What no model can undercut, in units of position.
+    /// What noise, quantising and restarts alone would leave, in units of position, if the model that `floor_of` names were
+    /// right.
     pub floor: f64,
+    /// Whose motion the floor was made with.
+    pub floor_of: FloorOf,
+    /// The same floor if the nominal model were right, as [`crate::measure`] gives it.
+    pub nominal_floor: f64,
     /// Of the corrected model, in units of position.
     pub after: f64,
+    /// Of a predictor that knows no model: the position stays where it was at the restart.
+    pub standing: f64,
+    /// Of another one: the position goes on at the restart's velocity.
+    pub coasting: f64,
     /// `(before − after) / (before − floor)`.
     pub shrink: f64,
     /// 95 %.
@@ -50,8 +69,31 @@ impl Closing {
 pub struct Estimate {
     /// In `unit`.
     pub value: f64,
-    /// Standard deviation, in `unit`.
-    pub std: f64,
+    /// Standard deviation, in `unit`; `None` where it is not known: for a number that was not fitted, and for one whose fit
+    /// ended where it may have stalled.
+    pub std: Option<f64>,
+    /// As a text.
+    pub unit: String,
+    /// True if the data moved it.
+    #[serde(skip)]
+    pub is_fitted: bool,
+}
+
+/// A number of the model that had to move, or that is not stated and was estimated.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NumberFinding {
+    /// Its name in `[model]`.
+    pub name: String,
+    /// As the recording states it, in `unit`; `None` where it does not.
+    pub stated: Option<f64>,
+    /// As fitted, in `unit`.
+    pub found: f64,
+    /// Standard deviation of `found`, in `unit`; `None` where it is not known.
+    pub std: Option<f64>,
+    /// Distance from what is stated, in stated standard deviations; `None` where nothing is stated.
+    pub sigmas: Option<f64>,
+    /// Share of the gap that its move closes, the other numbers refitted.
+    pub shrink: f64,
     /// As a text.
     pub unit: String,
 }
@@ -84,7 +126,22 @@ pub struct Finding {
 /// Name of the velocities at a rest or a reversal and right after.
 pub const AFTER_REST: &str = "rest and right after";
 
-/// A part of the data that carries more of the gap than its share of the samples.
+/// What the gap is measured by where a part of it is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MeasuredBy {
+    /// The squared residual of short predictions, beyond noise: where the gap arises.
+    ShortPredictions,
+    /// The squared residual of predictions over the whole horizon: where the gap has grown largest.
+    WholeHorizon,
+    /// The power of the acceleration that short predictions miss, over frequency.
+    Spectrum,
+    /// How much better a second position sensor is predicted.
+    SecondSensor,
+}
+
+/// A part of the data that carries clearly more of the gap than its share of the samples: the lower end of its
+/// `share_of_gap_interval` is above `share_of_samples`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Region {
     /// `velocity`, `position`, `time`, `input`, `acceleration`, `frequency`, `channel` or `run`.
@@ -98,12 +155,57 @@ pub struct Region {
     pub name: Option<String>,
     /// Index of the run, where it lies in one.
     pub run: Option<usize>,
-    /// Of the squared residual of short predictions, beyond noise.
+    /// What the share of the gap is a share of.
+    pub measured_by: MeasuredBy,
+    /// From 0 to 1.
     pub share_of_gap: f64,
     /// 95 %.
     pub share_of_gap_interval: [f64; 2],
     /// Of the samples; for a frequency, of the power of motion and input.
     pub share_of_samples: f64,
+    /// The same shares all along the axis; `None` for a channel.
+    #[serde(skip)]
+    pub profile: Option<Profile>,
+}
+
+impl Region {
+    /// True if the lower end of the interval of its share of the gap is above its share of the samples.
+    pub fn is_clear(&self) -> bool {
+        self.share_of_gap_interval[0] > self.share_of_samples
+    }
+}
+
+/// Shares of gap and samples all along an axis: what the regions on it were chosen by.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// What a place on the axis is.
+    pub along: &'static str,
+    /// In the order of the axis, one beginning where the one before it ends.
+    pub parts: Vec<ProfilePart>,
+    /// Where on it the region begins and ends: always at an end of a part.
+    pub marked: [f64; 2],
+}
+
+/// A part of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProfilePart {
+    /// In the recording's units.
+    pub from: f64,
+    /// In the recording's units.
+    pub to: f64,
+    /// File of the run that it is, if it is one.
+    pub run: Option<String>,
+    /// Share of the gap that lies in it.
+    pub share_of_gap: f64,
+    /// Share of the samples, as in [`Region::share_of_samples`].
+    pub share_of_samples: f64,
+}
+
+impl ProfilePart {
+    /// Share of the gap over share of the samples, 1 where both are the same; not a number without samples.
+    pub fn density(&self) -> f64 {
+        self.share_of_gap / self.share_of_samples
+    }
 }
 
 /// An effect that was tried.
@@ -142,11 +244,16 @@ pub struct Diagnosis {
     pub gap: Closing,
     /// Which, in the order of what each contributes.
     pub effects: Vec<Finding>,
+    /// Numbers of the model that had to move, in the order of what each closes.
+    pub numbers: Vec<NumberFinding>,
     /// Where, the most telling first.
     #[serde(rename = "where")]
     pub regions: Vec<Region>,
     /// What else was tried.
     pub candidates: Vec<Tried>,
+    /// Why nothing is named although something closed the gap; it is among the warnings, too.
+    #[serde(skip)]
+    pub rejection: Option<String>,
     /// What to record next, if names are left that cannot be told apart.
     pub next_experiment: Option<NextExperiment>,
     /// What was odd and worked around, and what not to rely on.

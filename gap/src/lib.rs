@@ -20,24 +20,28 @@
 //!
 //! `examples/linear_axis.rs` makes a recording in memory and tries an effect by hand.
 
-mod candidate;
+mod columns;
 mod comparison;
 mod diagnose;
 pub mod diagnosis;
+pub mod effects;
 mod experiment;
 mod fit;
 mod floor;
+mod guess;
 mod instrument;
 mod locate;
 #[cfg(test)]
 mod made;
 mod measure;
 pub mod model_file;
+mod model_free;
 pub mod predict;
 mod ruler;
 mod select;
 mod shrink;
 mod stage;
+mod term;
 mod windows;
 
 pub use diagnose::{CorrectedEffect, CorrectedModel, Options, Outcome, diagnose};

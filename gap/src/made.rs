@@ -1,8 +1,8 @@
 //! Recordings that tests are made with.
 
-use crate::candidate::{self, Evidence};
-use crate::fit::hypothesis::{Coordinate, Term};
 use crate::fit::problem::Problem;
+use crate::guess::{self, Evidence};
+use crate::term::{Coordinate, Term};
 use crate::windows::motion::{Motion, Scales};
 use crate::windows::series;
 use host_sim::device::Device;
@@ -31,7 +31,7 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
 
 /// An effect that begins at some numbers that are free, the others as they are by default.
 pub(crate) fn term(name: &str, free: &[Coordinate]) -> Term {
-    candidate::term(effects::kind(name).unwrap(), free.to_vec(), &[])
+    guess::start::term(effects::kind(name).unwrap(), free.to_vec(), &[])
 }
 
 /// What is `told` of what is seen of some effects, once the motions are `changed`.

@@ -1,7 +1,7 @@
 //! Windowed prediction: what a device would have done with the recorded input.
 
+use crate::windows::drive_response::DriveResponse;
 use crate::windows::series::{FINE_PERIOD_S, Series, Window, session_start};
-use crate::windows::told::Told;
 use core::f64::consts::TAU;
 use host_sim::decay::Decay;
 use host_sim::device::Device;
@@ -139,7 +139,7 @@ impl Predictor {
             self.sensor.cutoff_hz.is_some(),
         ];
         let low_passes = low_passes.into_iter().filter(|there| *there).count();
-        let told = Told::new(&self.device.drive, series);
+        let response = DriveResponse::new(&self.device.drive, series);
         let taken = self.taken(series, wanted);
         for (index, window) in series.windows.iter().enumerate() {
             if !taken[index] {
@@ -148,10 +148,10 @@ impl Predictor {
             let restart_s = window.restart.time_s;
             let follows = remembers && (index == 0 || taken[index - 1]);
             let samples = window.samples.clone();
-            told.in_window(index, |course| {
+            response.in_window(index, |course| {
                 if follows {
                     let mut seen = [0.0];
-                    follower.follow(&mut running.state, &course.lead, told.gain, &mut seen);
+                    follower.follow(&mut running.state, &course.lead, response.gain, &mut seen);
                     self.read(&mut running, series, seen[0], restart_s);
                 }
                 let x = self.restart(&mut running, series, window, shift, follows);
@@ -161,7 +161,7 @@ impl Predictor {
                     seen.fill(x);
                     return;
                 }
-                follower.follow(&mut running.state, &course.steps, told.gain, seen);
+                follower.follow(&mut running.state, &course.steps, response.gain, seen);
                 series.averaging.show(samples.start, seen, low_passes);
             });
             running.read_s = restart_s;
@@ -379,7 +379,7 @@ impl Predictor {
 mod tests {
     use super::*;
     use crate::fit::hypothesis::Hypothesis;
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
     use crate::windows::series;
 

@@ -9,6 +9,7 @@ mod numbers;
 mod plant_choice;
 mod plot;
 mod progress;
+mod provenance;
 mod report;
 mod spectrum;
 mod targets;

@@ -594,11 +594,11 @@ fn a_diagnosis_has_the_keys_of_the_format_and_leaves_the_files_that_were_asked_f
     };
     assert_eq!(
         keys(&diagnosis),
-        "candidates effects elapsed_s format gap next_experiment verdict warnings where"
+        "candidates effects elapsed_s format gap next_experiment provenance verdict warnings where"
     );
     assert_eq!(
         keys(&diagnosis["gap"]),
-        "after before floor shrink shrink_interval unit"
+        "after before floor floor_of nominal_floor shrink shrink_interval unit"
     );
     assert_eq!(
         keys(&diagnosis["effects"][0]),
@@ -608,13 +608,92 @@ fn a_diagnosis_has_the_keys_of_the_format_and_leaves_the_files_that_were_asked_f
     assert_eq!(keys(&diagnosis["candidates"][0]), "after name why_not");
 
     let measured = ["gap", "measure", recording.to_str().unwrap()];
-    let nominal = json(&measured)["gap"]["before"].as_f64().unwrap();
+    let stated = json(&measured)["gap"].clone();
     let with_model = [&measured[..], &["--model", model.to_str().unwrap()]].concat();
-    let corrected = json(&with_model)["gap"]["before"].as_f64().unwrap();
+    let saved = json(&with_model)["gap"].clone();
+    let [nominal, corrected] = [&stated, &saved].map(|gap| gap["before"].as_f64().unwrap());
     assert_eq!(diagnosis["gap"]["before"], nominal);
+    assert_eq!(
+        (&stated["floor_of"], &saved["floor_of"]),
+        (&"nominal_model".into(), &"model_given".into())
+    );
+    assert_eq!(diagnosis["gap"]["nominal_floor"], stated["floor"]);
+    assert_eq!(diagnosis["gap"]["floor_of"], "corrected_model");
+    assert_eq!(diagnosis["gap"]["floor"], saved["floor"]);
     assert!(corrected < 0.2 * nominal, "{corrected} of {nominal}");
     let page = std::fs::read_to_string(&page).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains("Static friction"));
+}
+
+#[test]
+fn a_gap_that_nothing_explains_has_the_floor_that_measuring_gives() {
+    let out = folder("one-floor");
+    let recording = recorded(&out, "hidden", &["--with", "stribeck:static_ratio=1.8"]);
+    let recording = recording.to_str().unwrap();
+    let kinds = json(&["effects"]);
+    let names = kinds["effects"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|kind| &kind["name"]);
+    let without = names.flat_map(|name| ["--without", name.as_str().unwrap()]);
+    let diagnose = ["gap", "diagnose", recording].into_iter().chain(without);
+    let diagnosis = json(&diagnose.collect::<Vec<_>>());
+    assert_eq!(diagnosis["verdict"], "unexplained");
+    let gap = &diagnosis["gap"];
+    let measured = &json(&["gap", "measure", recording])["gap"];
+    for key in ["before", "floor", "floor_of", "unit"] {
+        assert_eq!(gap[key], measured[key], "{key}: {gap} and {measured}");
+    }
+    assert_eq!(gap["nominal_floor"], gap["floor"]);
+}
+
+#[test]
+fn a_result_says_which_program_made_it_from_which_bytes() {
+    let out = folder("provenance");
+    let recording = recorded(&out, "plain", &[]);
+    let csv = std::fs::read_dir(&recording).unwrap().count();
+    let page = out.join("report.html");
+    let [recording, page] = [&recording, &page].map(|path| path.to_str().unwrap());
+    let calls = [
+        vec!["gap", "diagnose", recording, "--report", page],
+        vec!["gap", "measure", recording],
+    ];
+    let model = out.join("empty.toml");
+    std::fs::write(&model, "").unwrap();
+    for call in &calls {
+        let provenance = json(call)["provenance"].clone();
+        assert_eq!(provenance["version"], env!("CARGO_PKG_VERSION"));
+        let commit = provenance["commit"].as_str().unwrap();
+        let hash = commit.trim_end_matches("-dirty");
+        let is_hash = hash.len() == 40 && hash.bytes().all(|b| b.is_ascii_hexdigit());
+        assert!(is_hash || commit == "unknown", "{commit}");
+        let command = provenance["command"].as_str().unwrap();
+        assert!(command.starts_with("paddle gap "), "{command}");
+        assert!(command.contains(recording), "{command}");
+        let time = provenance["time"].as_str().unwrap();
+        assert!(
+            time.starts_with("20") && time.ends_with('Z') && time.len() == 20,
+            "{time}"
+        );
+        let files = provenance["files"].as_array().unwrap();
+        assert_eq!(files.len(), csv, "{files:?}");
+        assert_eq!(files[0]["file"], "recording.toml");
+        for file in files {
+            let sum = file["sha256"].as_str().unwrap();
+            assert!(
+                sum.len() == 64 && sum.bytes().all(|b| b.is_ascii_hexdigit()),
+                "{sum}"
+            );
+        }
+    }
+    // The digest of "", by FIPS 180-4.
+    let with_model = [&calls[1][..], &["--model", model.to_str().unwrap()]].concat();
+    let files = &json(&with_model)["provenance"]["files"];
+    let sum = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+    assert_eq!(files.as_array().unwrap().last().unwrap()["sha256"], sum);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains("SHA-256") && page.contains("recording.toml"));
 }
 
 #[test]

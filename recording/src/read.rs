@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::path::{Component, Path};
+use std::path::Path;
 
 use crate::columns;
 use crate::error::Error;
@@ -168,13 +168,4 @@ impl Seek for Watched<'_> {
         self.bytes = self.file.seek(to)?;
         Ok(self.bytes)
     }
-}
-
-/// Whether `file` names something inside the folder that it is joined to.
-pub(crate) fn is_inside(file: &str) -> bool {
-    let path = Path::new(file);
-    !file.is_empty()
-        && path
-            .components()
-            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }

@@ -5,8 +5,8 @@ use crate::keys::{self, Lines};
 use crate::manifest::{self, Controller, Manifest, Parsed};
 use crate::model::{FINITE, NOT_NEGATIVE, POSITIVE};
 use crate::plausible;
-use crate::read::is_inside;
 use crate::{Model, Recording, Run, Tolerance};
+use std::path::{Component, Path};
 
 /// Relative error of times that were printed and summed.
 const ROUNDING: f64 = 1e-6;
@@ -161,4 +161,13 @@ pub(crate) fn position_columns(recording: &Recording) -> impl Iterator<Item = &s
         .flat_map(|run| run.positions.keys())
         .map(String::as_str);
     std::iter::once("position").chain(further)
+}
+
+/// Whether `file` names something inside the folder that it is joined to.
+pub(crate) fn is_inside(file: &str) -> bool {
+    let path = Path::new(file);
+    !file.is_empty()
+        && path
+            .components()
+            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::{Error, Fault};
 use crate::manifest;
-use crate::read::is_inside;
+use crate::validate::is_inside;
 use crate::{Recording, Run};
 
 impl Recording {

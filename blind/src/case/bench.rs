@@ -4,6 +4,8 @@ use recording::{Model, Recording, Tolerance};
 
 use super::FINE_STEPS;
 use super::secret::Secret;
+use super::timing::WrongTimes;
+use crate::draw::Draw;
 use crate::prediction::{self, HiddenStates, Restart};
 use crate::reality::Reality;
 use crate::scenario::{Plan, Plant, Scale};
@@ -97,6 +99,20 @@ impl Bench {
             }
         }
         effect
+    }
+
+    /// The recording of `plans` as a logger with wrong `times` writes it down.
+    pub(super) fn written_down(
+        &self,
+        plans: &[Plan],
+        logs: &[Log],
+        times: WrongTimes,
+        draw: &mut Draw,
+    ) -> Recording {
+        let mut recording = self.recording(plans, &times.write_down_all(logs, draw));
+        let row_s = self.plant.tick_s * self.plant.ticks_per_row as f64;
+        times.state(&mut recording, row_s);
+        recording
     }
 
     pub(super) fn recording(&self, plans: &[Plan], logs: &[Log]) -> Recording {

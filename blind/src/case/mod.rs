@@ -3,23 +3,33 @@
 mod amplitude;
 mod bench;
 mod logging;
+mod messy;
+mod numbers;
+mod parts;
 mod secret;
 mod stated;
 mod strength;
+mod timing;
+mod transfer;
 
 use recording::Recording;
 
 use crate::draw::Draw;
 use crate::prediction::Restart;
 use crate::scenario::{Cause, Family, Hidden, Plan, Plant, VOCABULARY};
-use crate::session;
+use crate::session::{self, Logging};
 use crate::truth::{Kind, Truth};
 use amplitude::size_up;
 use bench::Bench;
 use logging::logging;
+use messy::Dominant;
+pub(crate) use numbers::effect_of;
+pub use parts::SMALL_SHARE;
 use secret::Secret;
 use stated::{limit_input, narrow_travel, overstate, tolerance};
 use strength::{hide, order_pair};
+use timing::WrongTimes;
+pub use transfer::Transfer;
 
 /// The gap of what is hidden, in floors.
 pub const GAP_OVER_FLOOR: [f64; 2] = [5.0, 100.0];
@@ -35,6 +45,8 @@ pub struct Case {
     pub recording: Recording,
     /// For judging what it claims.
     pub fresh: Recording,
+    /// The same device with another excitation, amplitude and load, where one was asked for and the device allows it.
+    pub transfer: Option<Transfer>,
     /// What the scorer sees.
     pub truth: Truth,
 }
@@ -42,8 +54,12 @@ pub struct Case {
 /// Which kinds and names are drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Mixture {
-    /// Only this effect; `None` is the default mixture.
+    /// Only this effect, or it as the dominant cause; `None` is the default mixture.
     pub only: Option<String>,
+    /// Devices as real ones are: one dominant cause, several small ones, numbers that are off, wrong times.
+    pub messy: bool,
+    /// A third recording of each device, with another excitation, amplitude and load.
+    pub transfer: bool,
 }
 
 /// No case could be made.
@@ -72,10 +88,6 @@ impl Case {
     /// [`CaseError`].
     pub fn make(seed: u64, case: u64, mixture: &Mixture) -> Result<Self, CaseError> {
         let mut draw = Draw::of_case(seed, case);
-        let kind = match &mixture.only {
-            Some(_) => Kind::Single,
-            None => draw_kind(&mut draw),
-        };
         let only = match &mixture.only {
             None => None,
             Some(name) => Some(
@@ -85,20 +97,45 @@ impl Case {
                     .ok_or_else(|| CaseError::UnknownEffect { name: name.clone() })?,
             ),
         };
+        if mixture.messy {
+            let dominant = match only {
+                Some(name) => Dominant::Known(name),
+                None => Dominant::draw(&mut draw),
+            };
+            return search(&mut draw, seed, case, |draw| {
+                messy::attempt(draw, dominant, mixture.transfer)
+            });
+        }
+        let kind = match only {
+            Some(_) => Kind::Single,
+            None => draw_kind(&mut draw),
+        };
         let names = match kind {
             Kind::Single => vec![only.unwrap_or_else(|| draw.pick(&VOCABULARY))],
             Kind::Pair => pair(&mut draw),
-            Kind::Nothing | Kind::Outside => Vec::new(),
+            Kind::Nothing | Kind::Outside | Kind::Messy => Vec::new(),
         };
-        for _ in 0..DEVICES {
-            if let Some(mut found) = attempt(&mut draw.split(), kind, &names) {
-                found.truth.seed = seed;
-                found.truth.case = case;
-                return Ok(found);
-            }
-        }
-        Err(CaseError::Exhausted { seed, case })
+        search(&mut draw, seed, case, |draw| {
+            attempt(draw, kind, &names, mixture.transfer)
+        })
     }
+}
+
+/// The first device that suits.
+fn search(
+    draw: &mut Draw,
+    seed: u64,
+    case: u64,
+    attempt: impl Fn(&mut Draw) -> Option<Case>,
+) -> Result<Case, CaseError> {
+    for _ in 0..DEVICES {
+        if let Some(mut found) = attempt(&mut draw.split()) {
+            found.truth.seed = seed;
+            found.truth.case = case;
+            return Ok(found);
+        }
+    }
+    Err(CaseError::Exhausted { seed, case })
 }
 
 fn draw_kind(draw: &mut Draw) -> Kind {
@@ -110,28 +147,35 @@ fn draw_kind(draw: &mut Draw) -> Kind {
     }
 }
 
-/// Two effects that do not cover each other by nature.
+/// Effects that cover each other by nature.
+const ALIKE: [[&str; 2]; 12] = [
+    ["torque_gain", "inertia"],
+    ["torque_gain", "sensor_gain"],
+    ["inertia", "sensor_gain"],
+    ["torque_offset", "asymmetric_coulomb"],
+    ["coulomb", "asymmetric_coulomb"],
+    ["gravity", "spring"],
+    ["lag", "delay"],
+    ["lag", "sensor_lag"],
+    ["delay", "sensor_lag"],
+    ["viscous", "quadratic_drag"],
+    ["stribeck", "presliding"],
+    ["backlash", "compliance"],
+];
+
+/// Whether two effects are the same or cover each other by nature.
+fn alike(a: &str, b: &str) -> bool {
+    a == b
+        || ALIKE
+            .iter()
+            .any(|pair| pair.contains(&a) && pair.contains(&b))
+}
+
+/// Two effects that are not alike.
 fn pair(draw: &mut Draw) -> Vec<&'static str> {
-    const ALIKE: [[&str; 2]; 12] = [
-        ["torque_gain", "inertia"],
-        ["torque_gain", "sensor_gain"],
-        ["inertia", "sensor_gain"],
-        ["torque_offset", "asymmetric_coulomb"],
-        ["coulomb", "asymmetric_coulomb"],
-        ["gravity", "spring"],
-        ["lag", "delay"],
-        ["lag", "sensor_lag"],
-        ["delay", "sensor_lag"],
-        ["viscous", "quadratic_drag"],
-        ["stribeck", "presliding"],
-        ["backlash", "compliance"],
-    ];
     loop {
         let pair = [draw.pick(&VOCABULARY), draw.pick(&VOCABULARY)];
-        let alike = ALIKE
-            .iter()
-            .any(|[a, b]| pair == [*a, *b] || pair == [*b, *a]);
-        if pair[0] != pair[1] && !alike {
+        if !alike(pair[0], pair[1]) {
             return pair.to_vec();
         }
     }
@@ -148,7 +192,28 @@ const SENSING: [&str; 5] = [
 /// Effects that are over when the recording is.
 const BOUND_TO_A_MOMENT: [&str; 2] = ["contact", "lost_counts"];
 
-fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> {
+/// Whether motor and load are not at one place.
+fn two_sided(names: &[&str]) -> bool {
+    ["backlash", "compliance"]
+        .iter()
+        .any(|name| names.contains(name))
+}
+
+/// How predictions restart on `plant`; `wide` for a fit over more samples than usual.
+fn restart(plant: &Plant, logging: &Logging, wide: bool) -> Restart {
+    Restart {
+        horizon_s: plant.horizon_s,
+        half_width_s: if wide {
+            0.02
+        } else {
+            Recording::RESTART_HALF_WIDTH
+        },
+        logged_gain: logging.logged_gain,
+        logged_lag_s: plant.tick_s * (1.0 - logging.logged_gain) / logging.logged_gain,
+    }
+}
+
+fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str], transfers: bool) -> Option<Case> {
     let has = |wanted: &[&str]| names.iter().any(|name| wanted.contains(name));
     let mut plant = Plant::draw(draw, names);
     let mut secrets: Vec<Secret> = match kind {
@@ -159,12 +224,7 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
             .collect(),
     };
     overstate(draw, &mut plant, &secrets);
-    let logging = logging(
-        draw,
-        &plant,
-        has(&SENSING),
-        has(&["backlash", "compliance"]),
-    );
+    let logging = logging(draw, &plant, has(&SENSING), two_sided(names));
     let mut plans = Plan::session(draw, &plant);
     let scale = size_up(&mut plans, &plant, &logging)?;
     limit_input(draw, &mut plant, &scale, &secrets);
@@ -172,16 +232,7 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
     let tolerance = tolerance(draw, &plant, &secrets);
     let nominal = session::nominal(&plant.model, &tolerance, draw);
     let wide = plant.family == Family::Servo && draw.chance(0.5);
-    let restart = Restart {
-        horizon_s: plant.horizon_s,
-        half_width_s: if wide {
-            0.02
-        } else {
-            Recording::RESTART_HALF_WIDTH
-        },
-        logged_gain: logging.logged_gain,
-        logged_lag_s: plant.tick_s * (1.0 - logging.logged_gain) / logging.logged_gain,
-    };
+    let restart = restart(&plant, &logging, wide);
     let per_run_clocks = !has(&["friction_drift"]) && draw.chance(0.5);
     let bench = Bench {
         plant,
@@ -202,6 +253,10 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
     size_up(&mut fresh_plans, &bench.plant, &bench.logging)?;
     let fresh = bench.measure(&reality, &fresh_plans, &scale)?;
     let shows = fresh.reference.hidden_alone > GAP_OVER_FLOOR[0] * fresh.reference.after;
+    let lasts = !has(&BOUND_TO_A_MOMENT);
+    let transfer = transfers
+        .then(|| transfer::transfer(draw, &bench, &reality, WrongTimes::NONE))
+        .flatten();
 
     Some(Case {
         recording: bench.recording(&plans, &measured.logs),
@@ -216,7 +271,12 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str]) -> Option<Case> 
                 .map(|secret| bench.describe(secret, &scale))
                 .collect(),
             reference: measured.reference,
-            fresh_floor: (shows && !has(&BOUND_TO_A_MOMENT)).then_some(fresh.reference.after),
+            fresh_floor: (shows && lasts).then_some(fresh.reference.after),
+            transfer_floor: transfer
+                .as_ref()
+                .and_then(|transfer| transfer.floor.filter(|_| lasts)),
+            timing: None,
         },
+        transfer,
     })
 }

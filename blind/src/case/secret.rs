@@ -4,6 +4,11 @@ use crate::reality::Reality;
 use crate::scenario::{Cause, Hidden, Scale};
 use crate::truth::Effect;
 
+/// Least strength of a small cause over the least one of a cause that stands alone. What is stiffer the weaker it is keeps
+/// within what the steps of the simulation resolve.
+const WEAKEST: f64 = 0.02;
+const STIFF_WEAKEST: f64 = 0.3;
+
 /// An effect of the vocabulary, or a cause outside it.
 #[derive(Clone, Debug)]
 pub(super) enum Secret {
@@ -30,6 +35,27 @@ impl Secret {
         (*strength / before - 1.0).abs() > 0.01
     }
 
+    /// Lets the strength fall far below its usual range, and starts it at the weak end of that.
+    pub(super) fn weaken(&mut self) {
+        let (name, strength, range) = match self {
+            Self::Known(hidden) => (hidden.name, &mut hidden.strength, &mut hidden.range),
+            Self::Foreign(cause) => (cause.name, &mut cause.strength, &mut cause.range),
+        };
+        *strength = range[0];
+        range[0] *= match name {
+            "compliance" | "presliding" | "backlash" => STIFF_WEAKEST,
+            _ => WEAKEST,
+        };
+    }
+
+    /// Its name, whether of the vocabulary or not.
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Self::Known(hidden) => hidden.name,
+            Self::Foreign(cause) => cause.name,
+        }
+    }
+
     pub(super) fn describe(&self, scale: &Scale) -> Effect {
         let (name, strength, places, form) = match self {
             Self::Known(hidden) => (
@@ -50,6 +76,7 @@ impl Secret {
             strength,
             form,
             places,
+            share: None,
         }
     }
 }

@@ -14,6 +14,16 @@ const OVERSTATED_TIMES: [f64; 2] = [0.05, 0.4];
 const OVERSTATED_STOPS: [f64; 2] = [0.5, 0.9];
 const PRESSED: f64 = 0.02;
 
+/// Numbers of a model with the least and the largest relative tolerance that is usual for them.
+pub(super) const USUAL_TOLERANCES: [(&str, f64, f64); 6] = [
+    ("inertia", 0.005, 0.03),
+    ("viscous", 0.05, 0.3),
+    ("coulomb", 0.02, 0.15),
+    ("gravity", 0.01, 0.05),
+    ("stiffness", 0.01, 0.05),
+    ("ratio", 0.003, 0.02),
+];
+
 /// States lags and delays that the device has not, or not so long.
 pub(super) fn overstate(draw: &mut Draw, plant: &mut Plant, secrets: &[Secret]) {
     for name in overstated(secrets) {
@@ -73,15 +83,7 @@ pub(super) fn tolerance(draw: &mut Draw, plant: &Plant, secrets: &[Secret]) -> T
     if !draw.chance(0.6) {
         return tolerance;
     }
-    let usual = [
-        ("inertia", 0.005, 0.03),
-        ("viscous", 0.05, 0.3),
-        ("coulomb", 0.02, 0.15),
-        ("gravity", 0.01, 0.05),
-        ("stiffness", 0.01, 0.05),
-        ("ratio", 0.003, 0.02),
-    ];
-    for (name, low, high) in usual {
+    for (name, low, high) in USUAL_TOLERANCES {
         let relative = draw.log_uniform(low, high);
         let touched = known(secrets).any(|hidden| hidden.touches().contains(&name));
         // What is hidden in a number must lie far outside what is stated about it.

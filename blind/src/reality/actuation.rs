@@ -21,6 +21,26 @@ impl InputSeries {
         self.value.push(value);
     }
 
+    /// What is commanded at `time_s`, the first entry also before it; 0 without entries.
+    pub fn value_at(&self, time_s: f64) -> f64 {
+        let next = self.since_s.partition_point(|since| *since <= time_s);
+        let value = self.value.get(next.saturating_sub(1));
+        value.copied().unwrap_or(0.0)
+    }
+
+    /// The mean between two instants, the second of which is later.
+    pub fn mean(&self, from_s: f64, to_s: f64) -> f64 {
+        let first = self.since_s.partition_point(|since| *since <= from_s);
+        let last = self.since_s.partition_point(|since| *since < to_s);
+        let changes = self.since_s[first.min(last)..last].iter().copied();
+        let (mut at_s, mut impulse) = (from_s, 0.0);
+        for change_s in changes.chain([to_s]) {
+            impulse += self.value_at(at_s) * (change_s - at_s);
+            at_s = change_s;
+        }
+        impulse / (to_s - from_s)
+    }
+
     /// What is commanded at `time_s`; 0 before the first entry. `cursor` remembers the place between calls.
     fn at(&self, time_s: f64, cursor: &mut usize) -> f64 {
         if *cursor > self.since_s.len() || (*cursor > 0 && self.since_s[*cursor - 1] > time_s) {

@@ -39,6 +39,9 @@ const LOW_PASSED: f64 = 0.25;
 const CORNERS: [f64; 2] = [0.15, 0.7];
 const LEAST_CORNER: f64 = 15.0;
 
+/// A horizon of a device that is logged at another rate has at least this many rows.
+const LEAST_HORIZON_ROWS: f64 = 12.0;
+
 /// Share of the devices whose torque is known to lag, and by which share of the motion's time constant.
 const LAGGING: f64 = 0.25;
 const KNOWN_LAGS: [f64; 2] = [0.005, 0.05];
@@ -84,6 +87,24 @@ impl Plant {
             plant.model.lag = share / (TAU * plant.motion_hz);
         }
         plant
+    }
+
+    /// Logs the device at another rate, `rows_hz`, with `ticks_per_row` ticks of the loop a row, and predicts over enough rows.
+    pub fn resample(&mut self, rows_hz: f64, ticks_per_row: usize) {
+        let tick_s = 1.0 / (rows_hz * ticks_per_row as f64);
+        // The corner of a low-pass in the log goes with the rate of the loop; a log that is thinned has none.
+        self.sensor.cutoff_hz = self
+            .sensor
+            .cutoff_hz
+            .filter(|_| ticks_per_row == 1)
+            .map(|hz| {
+                let corner_hz = hz * self.tick_s / tick_s;
+                corner_hz.max(LEAST_CORNER * self.motion_hz).round()
+            });
+        self.tick_s = (tick_s * 1e7).round() / 1e7;
+        self.ticks_per_row = ticks_per_row;
+        self.horizon_s = self.horizon_s.max(LEAST_HORIZON_ROWS / rows_hz);
+        self.horizon_s = (self.horizon_s * 100.0).ceil() / 100.0;
     }
 
     /// Torque that the typical motion takes, N m.

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::messy;
+use super::transfer::Kept;
 use crate::diagnosis::{Diagnosis, Region, Verdict};
 use crate::truth::{Kind, Place, Truth};
 
@@ -21,10 +23,19 @@ pub struct FreshGaps {
 
 impl FreshGaps {
     /// How far the corrected model closes the fresh gap to the `floor` that the truth leaves; `None` if there is none to close.
-    fn shrink(self, floor: f64) -> Option<f64> {
+    pub(super) fn shrink(self, floor: f64) -> Option<f64> {
         let open = self.nominal - floor;
         (open > 0.0).then(|| (self.nominal - self.corrected) / open)
     }
+}
+
+/// Gaps on recordings that the diagnosis did not see; `None` where they say nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gaps {
+    /// On a fresh one of the same kind.
+    pub fresh: Option<FreshGaps>,
+    /// On one with another excitation, amplitude and load.
+    pub transfer: Option<FreshGaps>,
 }
 
 /// What became of one case.
@@ -58,13 +69,35 @@ pub struct Outcome {
     pub relative_shrink: Option<f64>,
     /// Time of the diagnosis, s.
     pub elapsed_s: Option<f64>,
+    /// Of a messy case: whether the dominant cause has a name.
+    #[serde(skip)]
+    pub nameable: bool,
+    /// Of a messy case: names with a confidence of 0.7 or more.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub sure_names: usize,
+    /// Of a messy case: those among them that are not there.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_there: Vec<String>,
+    /// Of a messy case: nothing is named and no number moved.
+    #[serde(skip)]
+    pub silent: bool,
+    /// What the fresh recording says of the claims on a messy case.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fresh: Option<Kept>,
+    /// What is kept with another excitation, amplitude and load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transfer: Option<Kept>,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Judges `diagnosis` (`None`: it failed) with the effect called `withheld` out of its library.
 pub fn judge(
     truth: &Truth,
     diagnosis: Option<&Diagnosis>,
-    fresh: Option<FreshGaps>,
+    gaps: Gaps,
     withheld: Option<&str>,
 ) -> Outcome {
     let kind = match truth.kind {
@@ -81,6 +114,7 @@ pub fn judge(
     // A cause outside the vocabulary has no name that could be right.
     let nameable: Vec<&str> = match kind {
         Kind::Outside => Vec::new(),
+        Kind::Messy => messy::there(truth, withheld),
         _ => truth
             .effects
             .iter()
@@ -103,10 +137,16 @@ pub fn judge(
         all_named: false,
         names: 0,
         right: false,
-        place: has_place(truth).then_some(false),
+        place: places(truth).next().map(|_| false),
         claim_error: None,
         relative_shrink: None,
         elapsed_s: None,
+        nameable: true,
+        sure_names: 0,
+        not_there: Vec::new(),
+        silent: false,
+        fresh: None,
+        transfer: None,
     };
     let Some(diagnosis) = diagnosis else {
         return outcome;
@@ -151,21 +191,32 @@ pub fn judge(
             Verdict::PartlyExplained => !confidently_wrong,
             Verdict::NoGap | Verdict::Explained => false,
         },
+        Kind::Messy => false,
     };
-    if outcome.place.is_some() {
-        outcome.place = Some(diagnosis.regions.iter().take(REGIONS).any(|region| {
-            truth
-                .effects
-                .iter()
-                .flat_map(|effect| &effect.places)
-                .any(|place| hits(region, place))
-        }));
+    if kind == Kind::Messy {
+        messy::judge(&mut outcome, truth, diagnosis, withheld);
     }
-    if matches!(kind, Kind::Single | Kind::Pair) {
+    if outcome.place.is_some() {
+        outcome.place = Some(
+            diagnosis
+                .regions
+                .iter()
+                .take(REGIONS)
+                .any(|region| places(truth).any(|place| hits(region, place))),
+        );
+    }
+    if matches!(kind, Kind::Single | Kind::Pair | Kind::Messy) {
         let claimed = diagnosis.gap.shrink;
-        let kept = fresh.zip(truth.fresh_floor);
-        let kept = kept.and_then(|(gaps, floor)| gaps.shrink(floor));
-        outcome.claim_error = claimed.zip(kept).map(|(claimed, kept)| claimed - kept);
+        let kept = |gaps: Option<FreshGaps>, floor: Option<f64>| {
+            let (gaps, floor) = gaps.zip(floor)?;
+            Kept::of(&diagnosis.gap, gaps, floor)
+        };
+        let fresh = kept(gaps.fresh, truth.fresh_floor);
+        outcome.claim_error = claimed
+            .zip(fresh)
+            .map(|(claimed, fresh)| claimed - fresh.shrink);
+        outcome.fresh = fresh.filter(|_| kind == Kind::Messy);
+        outcome.transfer = kept(gaps.transfer, truth.transfer_floor);
         let reachable = diagnosis.gap.before - truth.reference.after;
         let after = diagnosis.gap.after.unwrap_or(diagnosis.gap.before);
         outcome.relative_shrink =
@@ -175,8 +226,14 @@ pub fn judge(
     outcome
 }
 
-fn has_place(truth: &Truth) -> bool {
-    truth.effects.iter().any(|effect| !effect.places.is_empty())
+/// Where what is hidden acts; of a messy case, where the dominant cause acts.
+fn places(truth: &Truth) -> impl Iterator<Item = &Place> {
+    let shown = match truth.kind {
+        Kind::Messy => 1,
+        _ => truth.effects.len(),
+    };
+    let effects = truth.effects.iter().take(shown);
+    effects.flat_map(|effect| &effect.places)
 }
 
 /// Whether a region lies on the axis of a place and overlaps it.

@@ -5,7 +5,7 @@ use std::fmt::{self, Display};
 
 use serde::Serialize;
 
-use super::{Calibration, Outcome};
+use super::{Calibration, Outcome, messy, transfer};
 use crate::truth::Kind;
 
 /// What is aimed at.
@@ -16,6 +16,8 @@ pub enum Goal {
     AtLeast(f64),
     /// This or less.
     AtMost(f64),
+    /// Nothing: the figure is shown for information.
+    None,
 }
 
 /// One line of the table.
@@ -40,7 +42,71 @@ impl Row {
         self.measured.map(|measured| match self.goal {
             Goal::AtLeast(goal) => measured >= goal,
             Goal::AtMost(goal) => measured <= goal,
+            Goal::None => true,
         })
+    }
+
+    /// The share of `values` that are true.
+    fn share(what: &'static str, goal: Goal, values: impl Iterator<Item = bool>) -> Self {
+        let (mut cases, mut right) = (0, 0.0);
+        for value in values {
+            cases += 1;
+            right += f64::from(u8::from(value));
+        }
+        Self {
+            what,
+            goal,
+            measured: (cases > 0).then(|| right / cases as f64),
+            cases,
+            percent: true,
+        }
+    }
+
+    /// A share that should be `goal` or more.
+    pub(super) fn at_least(
+        what: &'static str,
+        goal: f64,
+        values: impl Iterator<Item = bool>,
+    ) -> Self {
+        Self::share(what, Goal::AtLeast(goal), values)
+    }
+
+    /// A share that should be `goal` or less.
+    pub(super) fn at_most(
+        what: &'static str,
+        goal: f64,
+        values: impl Iterator<Item = bool>,
+    ) -> Self {
+        Self::share(what, Goal::AtMost(goal), values)
+    }
+
+    /// A share for information.
+    pub(super) fn shown(what: &'static str, values: impl Iterator<Item = bool>) -> Self {
+        Self::share(what, Goal::None, values)
+    }
+
+    /// A mean for information.
+    pub(super) fn mean(what: &'static str, values: impl Iterator<Item = f64>) -> Self {
+        let values: Vec<f64> = values.collect();
+        Self {
+            what,
+            goal: Goal::None,
+            measured: (!values.is_empty())
+                .then(|| values.iter().sum::<f64>() / values.len() as f64),
+            cases: values.len(),
+            percent: false,
+        }
+    }
+
+    /// The value below which the share `at` of `values` lies.
+    pub(super) fn quantile(what: &'static str, goal: Goal, values: Vec<f64>, at: f64) -> Self {
+        Self {
+            what,
+            goal,
+            cases: values.len(),
+            measured: quantile(values, at),
+            percent: false,
+        }
     }
 }
 
@@ -60,100 +126,15 @@ pub struct Summary {
 impl Summary {
     /// The table of `outcomes`.
     pub fn of(outcomes: Vec<Outcome>) -> Self {
-        let of = |kind: Kind| outcomes.iter().filter(move |outcome| outcome.kind == kind);
-        let share = |what, goal, values: Vec<bool>| {
-            let right = values.iter().filter(|value| **value).count() as f64;
-            let measured = (!values.is_empty()).then(|| right / values.len() as f64);
-            Row {
-                what,
-                goal: Goal::AtLeast(goal),
-                measured,
-                cases: values.len(),
-                percent: true,
-            }
+        let clean = outcomes.is_empty() || outcomes.iter().any(|o| o.kind != Kind::Messy);
+        let mut rows = if clean {
+            naming_rows(&outcomes)
+        } else {
+            Vec::new()
         };
-        let part = |what, goal, values: Vec<f64>, at: f64| {
-            let cases = values.len();
-            Row {
-                what,
-                goal,
-                measured: quantile(values, at),
-                cases,
-                percent: false,
-            }
-        };
-        let singles: Vec<f64> = of(Kind::Single)
-            .map(|outcome| outcome.names as f64)
-            .collect();
-        let mean =
-            (!singles.is_empty()).then(|| singles.iter().sum::<f64>() / singles.len() as f64);
-        let claims: Vec<f64> = outcomes
-            .iter()
-            .filter_map(|o| o.claim_error.map(f64::abs))
-            .collect();
-        let rows = vec![
-            share(
-                "first name is the true one",
-                0.95,
-                of(Kind::Single).map(|o| o.first).collect(),
-            ),
-            share(
-                "true one named or not separable",
-                0.99,
-                of(Kind::Single).map(|o| o.in_class).collect(),
-            ),
-            Row {
-                what: "names given on average",
-                goal: Goal::AtMost(1.4),
-                measured: mean,
-                cases: singles.len(),
-                percent: false,
-            },
-            share(
-                "nothing wrong: no_gap",
-                0.98,
-                of(Kind::Nothing).map(|o| o.right).collect(),
-            ),
-            share(
-                "outside the vocabulary: no confident wrong name",
-                0.90,
-                of(Kind::Outside).map(|o| o.right).collect(),
-            ),
-            share(
-                "two effects: both named",
-                0.85,
-                of(Kind::Pair).map(|o| o.all_named).collect(),
-            ),
-            share(
-                "where",
-                0.95,
-                outcomes.iter().filter_map(|o| o.place).collect(),
-            ),
-            part(
-                "|claimed - fresh shrink|, median",
-                Goal::AtMost(0.03),
-                claims.clone(),
-                0.5,
-            ),
-            part(
-                "|claimed - fresh shrink|, 95th percentile",
-                Goal::AtMost(0.15),
-                claims,
-                0.95,
-            ),
-            part(
-                "shrink over that of the truth, median",
-                Goal::AtLeast(0.95),
-                outcomes.iter().filter_map(|o| o.relative_shrink).collect(),
-                0.5,
-            ),
-            part(
-                "time of a diagnosis, 95th percentile, s",
-                Goal::AtMost(3.0),
-                outcomes.iter().filter_map(|o| o.elapsed_s).collect(),
-                0.95,
-            ),
-        ];
+        rows.extend(messy::rows(&outcomes));
+        rows.extend(common_rows(&outcomes));
+        rows.extend(transfer::rows(&outcomes));
         let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
         for outcome in &outcomes {
             let answers = confusion.entry(label(outcome)).or_default();
@@ -168,9 +149,92 @@ impl Summary {
     }
 }
 
+/// Rows on what is named in cases with one or two effects, none, or one outside the vocabulary.
+fn naming_rows(outcomes: &[Outcome]) -> Vec<Row> {
+    let of = |kind: Kind| outcomes.iter().filter(move |outcome| outcome.kind == kind);
+    let singles: Vec<f64> = of(Kind::Single)
+        .map(|outcome| outcome.names as f64)
+        .collect();
+    let mean = (!singles.is_empty()).then(|| singles.iter().sum::<f64>() / singles.len() as f64);
+    vec![
+        Row::at_least(
+            "first name is the true one",
+            0.95,
+            of(Kind::Single).map(|o| o.first),
+        ),
+        Row::at_least(
+            "true one named or not separable",
+            0.99,
+            of(Kind::Single).map(|o| o.in_class),
+        ),
+        Row {
+            what: "names given on average",
+            goal: Goal::AtMost(1.4),
+            measured: mean,
+            cases: singles.len(),
+            percent: false,
+        },
+        Row::at_least(
+            "nothing wrong: no_gap",
+            0.98,
+            of(Kind::Nothing).map(|o| o.right),
+        ),
+        Row::at_least(
+            "outside the vocabulary: no confident wrong name",
+            0.90,
+            of(Kind::Outside).map(|o| o.right),
+        ),
+        Row::at_least(
+            "two effects: both named",
+            0.85,
+            of(Kind::Pair).map(|o| o.all_named),
+        ),
+    ]
+}
+
+/// Rows on places, claims and times, in cases of any kind.
+fn common_rows(outcomes: &[Outcome]) -> Vec<Row> {
+    let claims: Vec<f64> = outcomes
+        .iter()
+        .filter_map(|o| o.claim_error.map(f64::abs))
+        .collect();
+    vec![
+        Row::at_least("where", 0.95, outcomes.iter().filter_map(|o| o.place)),
+        Row::quantile(
+            "|claimed - fresh shrink|, median",
+            Goal::AtMost(0.03),
+            claims.clone(),
+            0.5,
+        ),
+        Row::quantile(
+            "|claimed - fresh shrink|, 95th percentile",
+            Goal::AtMost(0.15),
+            claims,
+            0.95,
+        ),
+        Row::quantile(
+            "shrink over that of the truth, median",
+            Goal::AtLeast(0.95),
+            outcomes.iter().filter_map(|o| o.relative_shrink).collect(),
+            0.5,
+        ),
+        Row::quantile(
+            "time of a diagnosis, 95th percentile, s",
+            Goal::AtMost(3.0),
+            outcomes.iter().filter_map(|o| o.elapsed_s).collect(),
+            0.95,
+        ),
+    ]
+}
+
 fn label(outcome: &Outcome) -> String {
     let names = outcome.truth.join(" + ");
     match outcome.kind {
+        Kind::Messy => {
+            let dominant = outcome.truth.first().map_or("", String::as_str);
+            let outside = if outcome.nameable { "" } else { "outside: " };
+            format!("{outside}{dominant}")
+        }
         Kind::Single | Kind::Pair => names,
         Kind::Nothing => "nothing".into(),
         Kind::Outside => format!("outside: {names}"),
@@ -197,11 +261,18 @@ impl Display for Outcome {
         if let Some((confidence, _)) = self.confidences.first() {
             write!(f, " {confidence:4.2}")?;
         }
+        for name in &self.not_there {
+            write!(f, " not there: {name}")?;
+        }
         if self.place == Some(false) {
             write!(f, " elsewhere")?;
         }
         if let Some(error) = self.claim_error {
             write!(f, " claim {error:+.2}")?;
+        }
+        let over_claimed = self.transfer.and_then(|kept| kept.over_claimed);
+        if let Some(over_claimed) = over_claimed {
+            write!(f, " transfer {over_claimed:.2}")?;
         }
         if let Some(elapsed_s) = self.elapsed_s {
             write!(f, " {elapsed_s:.1} s")?;
@@ -228,6 +299,7 @@ impl Display for Summary {
             let goal = match row.goal {
                 Goal::AtLeast(goal) => format!(">= {}", show(goal)),
                 Goal::AtMost(goal) => format!("<= {}", show(goal)),
+                Goal::None => String::new(),
             };
             let measured = row.measured.map_or("-".into(), show);
             let missed = if row.met() == Some(false) {

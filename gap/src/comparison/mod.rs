@@ -4,28 +4,21 @@
 //! What both share, such as play in a coupling before either of them, no comparison shows; the format has each column
 //! be a sensor of its own.
 
-mod columns;
 mod likeness;
 
+use crate::columns::{self, Columns, disagreement, mean_square, residuals};
+use crate::effects;
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
-use crate::fit::problem::{Part, Problem};
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
 use crate::shrink::{resampled, shrink};
+use crate::term::{Coordinate, Scale, Term};
 use crate::windows::series::Series;
-use columns::Columns;
 use host_sim::effects::Kind;
-use likeness::{Likeness, disagreement, likenesses, mean_square, residuals};
+use likeness::{Likeness, likenesses};
 use recording::Recording;
-
-/// Names of the sensing effects.
-pub(crate) const SENSING: [&str; 5] = [
-    "sensor_gain",
-    "sensor_nonlinearity",
-    "sensor_hysteresis",
-    "sensor_lag",
-    "lost_counts",
-];
 
 /// Columns whose disagreement goes with no effect by more than this share of the noise, in squares, agree.
 const AGREEMENT: f64 = 0.1;
@@ -137,7 +130,7 @@ impl Comparison {
     /// Effects of `position` that are known not to be there.
     pub(crate) fn excluded(&self) -> Vec<&'static str> {
         let like = self.like().map(|like| like.kind.name);
-        let all = SENSING.into_iter();
+        let all = effects::sensing().map(|effect| effect.name());
         match &self.outcome {
             // More than one of them may be there.
             Outcome::Unlike => Vec::new(),
@@ -283,7 +276,7 @@ fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
     let mut ties: Vec<&'static str> = all.filter(tied).map(|other| other.kind.name).collect();
     ties.dedup();
     // A curve that is bent by nothing is a gain.
-    ties.retain(|name| (*name, best.kind.name) != ("sensor_nonlinearity", "sensor_gain"));
+    ties.retain(|name| !effects::of(name).contains(best.kind.name));
     Some(Match {
         shrink: shrink(&before, &after, &floor, &before),
         kind: best.kind,
@@ -388,6 +381,11 @@ mod tests {
     use host_sim::sensors::Noise;
     use recording::{Drive, Model, Run, Sensor};
 
+    /// Names of all sensing effects.
+    fn sensing() -> Vec<&'static str> {
+        effects::sensing().map(|effect| effect.name()).collect()
+    }
+
     const PERIOD_S: f64 = 1e-3;
     const SAMPLES: usize = 8000;
     const NOISE: [f64; 2] = [1e-4, 3e-4];
@@ -458,7 +456,7 @@ mod tests {
             matches!(comparison.outcome, Outcome::Agree),
             "{comparison:?}"
         );
-        assert_eq!(comparison.excluded(), SENSING);
+        assert_eq!(comparison.excluded(), sensing());
     }
 
     #[test]
@@ -522,7 +520,7 @@ mod tests {
                 matches!(comparison.outcome, Outcome::OtherWrong),
                 "{effect}: {comparison:?}"
             );
-            assert_eq!(comparison.excluded(), SENSING);
+            assert_eq!(comparison.excluded(), sensing());
         }
     }
 }

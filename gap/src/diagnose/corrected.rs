@@ -55,3 +55,11 @@ pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
         effects,
     }
 }
+
+/// The nominal model, as the recording states it.
+pub(super) fn nominal(recording: &recording::Recording) -> CorrectedModel {
+    CorrectedModel {
+        model: recording.model,
+        effects: Vec::new(),
+    }
+}

@@ -1,5 +1,6 @@
 //! The effects that are named, how sure that is, and what was tried beside them.
 
+use super::plausible::Implausible;
 use super::relief::is_relieved;
 use super::steps::{Step, is_spare};
 use crate::comparison::{Comparison, Match};
@@ -35,8 +36,10 @@ pub(super) fn findings(
     };
     let fit = selection.fit();
     let units = &problem.recording.units;
+    let stalls = fit.stalls(&problem.nudges);
     let fitted = fit.hypothesis.parts(&fit.x);
     let fitted = fitted.zip(fit.hypothesis.parts(&fit.std));
+    let fitted = fitted.skip(selection.base());
     let mut all = Vec::new();
     let rounds = selection.rounds.iter().zip(steps);
     for ((place, (round, step)), ((term, x), (_, std))) in rounds.enumerate().zip(fitted) {
@@ -50,14 +53,15 @@ pub(super) fn findings(
             let std = term.spread(i, x, std);
             let name = term.kind.value_name(i, values.len());
             let unit = quantity.unit(&units.position, &units.input);
-            parameters.insert(
-                name,
-                Estimate {
-                    value: *value,
-                    std,
-                    unit,
-                },
-            );
+            let is_stalled = stalls.iter().any(|s| s.is_of(term.kind.name, &name));
+            let is_known = std > 0.0 && std.is_finite() && !is_stalled;
+            let estimate = Estimate {
+                value: *value,
+                std: is_known.then_some(std),
+                unit,
+                is_fitted: std > 0.0,
+            };
+            parameters.insert(name, estimate);
         }
         all.push(Finding {
             name: term.kind.name,
@@ -118,7 +122,12 @@ pub(super) fn confidence(round: &Round, perfect: f64) -> f64 {
 }
 
 /// What was tried and not `named`, those that leave least first.
-pub(super) fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]) -> Vec<Tried> {
+pub(super) fn tried(
+    problem: &Problem<'_>,
+    selection: &Selection,
+    named: &[&str],
+    implausible: &[Implausible],
+) -> Vec<Tried> {
     let mut all: Vec<Tried> = Vec::new();
     for round in selection.rounds.iter().chain(&selection.last) {
         let winner = &round.rivals[0];
@@ -128,7 +137,10 @@ pub(super) fn tried(problem: &Problem<'_>, selection: &Selection, named: &[&str]
                 continue;
             }
             let gain = round.known.costs.level() - rival.fit.costs.level();
-            let why_not = if gain <= 0.0 {
+            let no_device = implausible.iter().find(|one| one.effect == rival.name);
+            let why_not = if let Some(no_device) = no_device {
+                no_device.to_string()
+            } else if gain <= 0.0 {
                 "no gain".to_owned()
             } else if rival.name == winner.name {
                 "no gain on held-out data".to_owned()

@@ -2,31 +2,42 @@
 
 mod corrected;
 mod findings;
+mod numbers;
+mod plausible;
+mod rejection;
 mod relief;
 mod stand_in;
 mod steps;
+mod unit_factor;
 mod verdict;
+mod warnings;
 
 use crate::comparison::{Comparison, Match};
-use crate::diagnosis::{Closing, Diagnosis, Verdict};
+use crate::diagnosis::{Closing, Diagnosis, FloorOf, NumberFinding, Region, Verdict};
+use crate::effects;
 use crate::fit::hypothesis::nudges;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
-use crate::measure::{exceeds, measure};
-use crate::select::{self, Given};
+use crate::measure::{Gap, exceeds, measure};
+use crate::model_free::ModelFree;
+use crate::select::{self, Given, Selection};
+use crate::shrink::shrink;
 use crate::stage::Stage;
+use crate::windows::run_order::canonical;
 use crate::windows::series;
 use crate::windows::unbroken::Unbroken;
 use crate::{comparison, experiment, locate, ruler};
-use corrected::corrected;
 pub use corrected::{CorrectedEffect, CorrectedModel};
+use corrected::{corrected, nominal};
 use findings::{findings, tried};
 use host_sim::device::Device;
+use plausible::Implausible;
 use recording::Recording;
-use relief::Relief;
+use rejection::Rejection;
 use stand_in::StandIn;
 use std::time::Instant;
-use steps::{Step, closing_steps};
+use steps::{Closed, Step, closing_steps};
+use unit_factor::UnitFactor;
 use verdict::verdict;
 
 /// What to leave out, and whom to tell.
@@ -52,7 +63,7 @@ impl Default for Options {
 pub struct Outcome {
     /// What is said.
     pub diagnosis: Diagnosis,
-    /// The corrected model.
+    /// The corrected model, on which `gap.after` was measured; without effects and moved numbers it is the nominal one.
     pub model: CorrectedModel,
 }
 
@@ -68,123 +79,297 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
     let progress = options.progress;
     progress(Stage::Windows);
-    let Unbroken { recording, runs } = &Unbroken::of(recording);
-    let nominal = Device::nominal(&recording.model);
+    let (ordered, places) = canonical(recording);
+    let Unbroken { recording, runs } = &Unbroken::of(&ordered);
+    let of_run = |part: usize| places[runs[part]];
     // Where noise and restarts alone leave as much, there is hardly anything to name.
-    let (before, is_gap) = exceeds(recording, &nominal, FLOOR_DOUBT);
-    let problem = |horizon_s, quarter| Problem {
-        recording,
-        series: few(recording, horizon_s),
-        nudges: nudges(recording),
-        modelling: MODELLING_SHARE * before,
-        quarter,
-    };
-    let quarter = problem(0.25 * recording.horizon, None);
-    let problem = problem(recording.horizon, Some(Box::new(quarter)));
+    let (before, is_gap) = exceeds(recording, &Device::nominal(&recording.model), FLOOR_DOUBT);
+    let problem = problem(recording, before);
     let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
-    let without = options.without.iter().map(String::as_str);
-    let cleared = comparison.iter().flat_map(|c| c.excluded());
-    let no_pendulum = recording.units.is_length() && recording.model.gravity == 0.0;
-    let linear = no_pendulum.then_some("gravity");
-    let excluded: Vec<&str> = without.chain(cleared).chain(linear).collect();
-    let like = comparison.as_ref().and_then(Comparison::like);
-    let like = like.filter(|like| !excluded.contains(&like.kind.name));
-    let given = Given {
-        is_gap,
-        measured: like.map(Match::term),
-        certain: comparison.as_ref().is_some_and(Comparison::is_certain),
-        excluded,
-    };
-    let selection = select::select(&problem, &given, progress);
-    let measured = ruler::measured(&problem, &selection, &given, progress);
-    let is_measured = measured.is_some();
-    let (problem, mut selection) = measured.unwrap_or((problem, selection));
-    let refined = if is_measured {
-        None
-    } else {
-        selection.refined(&problem, &given, progress)
-    };
+    let given = given(recording, is_gap, comparison.as_ref(), options);
 
-    progress(Stage::Shrink);
-    let refined = refined.and_then(|(exact, mut refined)| {
-        let steps = closing_steps(&exact, &mut refined);
-        (refined.rounds.len() > selection.rounds.len()).then_some((exact, refined, steps))
-    });
-    let (problem, selection, mut steps) = refined.unwrap_or_else(|| {
-        let steps = closing_steps(&problem, &mut selection);
-        (problem, selection, steps)
-    });
-    let model = corrected(&problem, selection.fit());
-    let (after, _) = measure(recording, &model.device());
-    // A model that could not come below what there was before closes nothing of it.
-    let comes_below = after.floor < before || selection.rounds.is_empty();
-    let floor = if comes_below {
-        after.floor
-    } else {
-        measure(recording, &nominal).0.floor
-    };
-    // What the model leaves of the very recording that it was fitted to is the least that it leaves of others.
-    if before > floor {
-        Step::bounded(&mut steps, (before - after.before) / (before - floor));
+    let base = ruler::with_unstated(&problem, &given, progress);
+    let found = select::select(&problem, base, &given, progress);
+    let (problem, mut selection, closed) = chosen(problem, found, &given, progress);
+    let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
+    let (closed, implausible) = without_implausible(&problem, &mut selection, closed);
+
+    let baseline = Baseline::of(&problem);
+    let mut correction = Correction::of(&problem, &selection, closed, &baseline);
+    let rejection = unit_factor
+        .map(Rejection::UnitMistake)
+        .or_else(|| correction.rejection(&baseline.model_free, &selection));
+    if rejection.is_some() {
+        selection.withdraw(0);
+        correction = Correction::none(&problem, &baseline);
     }
-    let total = steps.last().map_or([0.0; 3], |step| step.total);
-    let closing = Closing {
-        before,
-        floor,
-        after: before - total[0] * (before - floor),
-        shrink: total[0],
-        shrink_interval: [total[1], total[2]],
-        unit: recording.units.position.clone(),
-    };
-
     let stand_in = StandIn::of(&problem, &selection);
-    let verdict = verdict(&problem, &selection, &closing, stand_in);
-    let effects = findings(&problem, &selection, &steps, comparison.as_ref(), verdict);
-    let names: Vec<&str> = effects.iter().map(|e| e.name).collect();
+    let verdict = verdict(&problem, &selection, &correction.gap, stand_in);
+    if verdict == Verdict::NoGap {
+        correction = Correction::of_numbers(&problem, &selection, &baseline);
+    }
+    let effects = findings(
+        &problem,
+        &selection,
+        &correction.steps,
+        comparison.as_ref(),
+        verdict,
+    );
+    let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
 
     progress(Stage::Where);
     let regions = if verdict == Verdict::NoGap {
         Vec::new()
     } else {
         let mut regions = locate::regions(&problem, &selection.null, comparison.as_ref());
-        for run in regions.iter_mut().filter_map(|region| region.run.as_mut()) {
-            *run = runs[*run];
-        }
+        let named = |region: &mut Region| region.run = region.run.map(of_run);
+        regions.iter_mut().for_each(named);
         regions
     };
     progress(Stage::NextExperiment);
     let next_experiment = experiment::separating(&problem, &selection);
-
-    let oddities = recording.warnings().into_iter();
-    let disagreement = comparison
-        .iter()
-        .filter_map(|c| c.line(&recording.units.position));
-    let stalls = selection.fit().stalls(&problem.nudges);
-    let stalls = stalls.iter().map(ToString::to_string);
-    let doubt = stand_in.iter().map(ToString::to_string);
-    let small = selection.rounds.iter().zip(&steps);
-    let small = small.filter(|(_, step)| step.is_small());
-    let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.nudges));
-    let reliefs = reliefs.map(|relief| relief.to_string());
-    let seen = effects.iter().filter(|effect| !effect.held_out);
-    let seen = seen.map(|effect| {
-        format!(
-            "{} shows in too few windows for any to be held out: its shrink is on data that the fit has seen",
-            effect.name
-        )
-    });
-    let warnings = oddities.chain(disagreement).chain(stalls);
-    let warnings: Vec<String> = warnings.chain(doubt).chain(reliefs).chain(seen).collect();
+    let doubts = warnings::Doubts {
+        comparison: comparison.as_ref(),
+        rejection: rejection.as_ref(),
+        stand_in,
+        steps: &correction.steps,
+        effects: &effects,
+    };
+    let warnings = warnings::all(&problem, &selection, &doubts);
     let diagnosis = Diagnosis {
         format: 1,
         verdict,
         regions,
-        candidates: tried(&problem, &selection, &names),
-        gap: closing,
+        candidates: tried(&problem, &selection, &names, &implausible),
+        gap: correction.gap,
         effects,
+        numbers: correction.numbers,
         next_experiment,
+        rejection: rejection.map(|rejection| rejection.to_string()),
         warnings,
         elapsed_s: started.elapsed().as_secs_f64(),
     };
-    Outcome { diagnosis, model }
+    Outcome {
+        diagnosis,
+        model: correction.model,
+    }
+}
+
+/// The data that every fit shares, where the nominal model leaves a gap of `before`, in units of position.
+fn problem(recording: &Recording, before: f64) -> Problem<'_> {
+    let of = |horizon_s, quarter| Problem {
+        recording,
+        series: few(recording, horizon_s),
+        nudges: nudges(recording),
+        modelling: MODELLING_SHARE * before,
+        quarter,
+    };
+    let quarter = of(0.25 * recording.horizon, None);
+    of(recording.horizon, Some(Box::new(quarter)))
+}
+
+/// What is known before the search.
+fn given<'a>(
+    recording: &Recording,
+    is_gap: bool,
+    comparison: Option<&'a Comparison>,
+    options: &'a Options,
+) -> Given<'a> {
+    let without = options.without.iter().map(String::as_str);
+    let cleared = comparison.iter().flat_map(|compared| compared.excluded());
+    let impossible = effects::all().filter(|effect| effect.is_impossible(recording));
+    let impossible = impossible.map(|effect| effect.name());
+    let excluded: Vec<&str> = without.chain(cleared).chain(impossible).collect();
+    let like = comparison.and_then(Comparison::like);
+    let like = like.filter(|like| !excluded.contains(&like.kind.name));
+    Given {
+        is_gap,
+        measured: like.map(Match::term),
+        certain: comparison.is_some_and(Comparison::is_certain),
+        excluded,
+    }
+}
+
+/// What is left of a search once all sets of effects that it met were measured alike, with what each of its effects closes.
+fn chosen<'a>(
+    problem: Problem<'a>,
+    found: Selection,
+    given: &Given<'_>,
+    progress: fn(Stage),
+) -> (Problem<'a>, Selection, Closed) {
+    if let Some((problem, mut measured)) = ruler::measured(&problem, &found, given, progress) {
+        progress(Stage::Shrink);
+        let closed = closing_steps(&problem, &mut measured);
+        return (problem, measured, closed);
+    }
+    let mut found = found;
+    let refined = found.refined(&problem, given, progress);
+    progress(Stage::Shrink);
+    if let Some((exact, mut refined)) = refined {
+        let closed = closing_steps(&exact, &mut refined);
+        if refined.rounds.len() > found.rounds.len() {
+            return (exact, refined, closed);
+        }
+    }
+    let closed = closing_steps(&problem, &mut found);
+    (problem, found, closed)
+}
+
+/// Takes back the effects of which a number is one that no device has; says which and why.
+fn without_implausible(
+    problem: &Problem<'_>,
+    selection: &mut Selection,
+    mut closed: Closed,
+) -> (Closed, Vec<Implausible>) {
+    let mut all = Vec::new();
+    loop {
+        let base = selection.base();
+        let mut places = selection.kept()..selection.rounds.len();
+        let found = places.find_map(|place| {
+            let implausible = Implausible::of(problem, selection.fit(), base + place)?;
+            Some((place, implausible))
+        });
+        let Some((place, implausible)) = found else {
+            return (closed, all);
+        };
+        all.push(implausible);
+        selection.withdraw_one(problem, place);
+        closed = closing_steps(problem, selection);
+    }
+}
+
+/// What predicts without any correction.
+struct Baseline {
+    /// Gap and floor of the nominal model.
+    nominal: Gap,
+    /// Squares of each window that it leaves.
+    squares: Vec<f64>,
+    model_free: ModelFree,
+}
+
+impl Baseline {
+    fn of(problem: &Problem<'_>) -> Self {
+        let device = Device::nominal(&problem.recording.model);
+        Self {
+            nominal: measure(problem.recording, &device).0,
+            squares: problem.nominal_squares(),
+            model_free: ModelFree::of(&problem.series),
+        }
+    }
+
+    /// How far a gap closes above a floor, by its shrink and the 95 % interval of that.
+    fn closing(
+        &self,
+        problem: &Problem<'_>,
+        (floor, floor_of): (f64, FloorOf),
+        [shrink, low, high]: [f64; 3],
+    ) -> Closing {
+        let before = self.nominal.before;
+        Closing {
+            before,
+            floor,
+            floor_of,
+            nominal_floor: self.nominal.floor,
+            after: before - shrink * (before - floor),
+            standing: problem.rms(&self.model_free.standing),
+            coasting: problem.rms(&self.model_free.coasting),
+            shrink,
+            shrink_interval: [low, high],
+            unit: self.nominal.unit.clone(),
+        }
+    }
+}
+
+/// A corrected model, and how far it closes the gap.
+struct Correction {
+    model: CorrectedModel,
+    gap: Closing,
+    steps: Vec<Step>,
+    numbers: Vec<NumberFinding>,
+    /// Squares of each window that it leaves on data that its fit has not seen.
+    after: Vec<f64>,
+}
+
+impl Correction {
+    /// The nominal model.
+    fn none(problem: &Problem<'_>, baseline: &Baseline) -> Self {
+        let floor = (baseline.nominal.floor, FloorOf::NominalModel);
+        Self {
+            model: nominal(problem.recording),
+            gap: baseline.closing(problem, floor, [0.0; 3]),
+            steps: Vec::new(),
+            numbers: Vec::new(),
+            after: baseline.squares.clone(),
+        }
+    }
+
+    /// The effects of a selection, with the numbers of the model where they have gone.
+    fn of(
+        problem: &Problem<'_>,
+        selection: &Selection,
+        closed: Closed,
+        baseline: &Baseline,
+    ) -> Self {
+        let Closed { mut steps, after } = closed;
+        if selection.rounds.is_empty() {
+            return Self::none(problem, baseline);
+        }
+        let before = baseline.nominal.before;
+        let model = corrected(problem, selection.fit());
+        let (measured, _) = measure(problem.recording, &model.device());
+        // A model that could not come below what there was before closes nothing of it.
+        let (floor, floor_of) = if measured.floor < before {
+            (measured.floor, FloorOf::CorrectedModel)
+        } else {
+            (baseline.nominal.floor, FloorOf::NominalModel)
+        };
+        // What the model leaves of the very recording that it was fitted to is the least that it leaves of others.
+        if before > floor {
+            Step::bounded(&mut steps, (before - measured.before) / (before - floor));
+        }
+        let total = steps.last().map_or([0.0; 3], |step| step.total);
+        let floors = problem.floor_squares(selection.fit());
+        Self {
+            gap: baseline.closing(problem, (floor, floor_of), total),
+            numbers: numbers::moved(problem, selection.fit(), &baseline.squares, &floors),
+            model,
+            steps,
+            after,
+        }
+    }
+
+    /// The numbers of the model where the null has moved them, if that surely closes something.
+    fn of_numbers(problem: &Problem<'_>, selection: &Selection, baseline: &Baseline) -> Self {
+        let none = Self::none(problem, baseline);
+        let fit = &selection.null;
+        let floors = problem.floor_squares(fit);
+        let numbers = numbers::moved(problem, fit, &none.after, &floors);
+        let after = problem.unseen(fit, |fit, half| problem.window_squares(fit, half));
+        let total = shrink(&none.after, &after, &floors, &none.after);
+        if numbers.is_empty() || total[1] <= 0.0 {
+            return none;
+        }
+        let model = corrected(problem, fit);
+        let (measured, _) = measure(problem.recording, &model.device());
+        let floor = (
+            measured.floor.min(baseline.nominal.before),
+            FloorOf::CorrectedModel,
+        );
+        Self {
+            gap: baseline.closing(problem, floor, total),
+            model,
+            numbers,
+            after,
+            ..none
+        }
+    }
+
+    /// The reason to reject it, if there is one; what two columns show needs no prediction.
+    fn rejection(&self, model_free: &ModelFree, selection: &Selection) -> Option<Rejection> {
+        let is_judged = !selection.rounds.is_empty() && !selection.given;
+        let lowest = self.gap.shrink_interval[0];
+        is_judged
+            .then(|| Rejection::of(&self.after, model_free, lowest))
+            .flatten()
+    }
 }

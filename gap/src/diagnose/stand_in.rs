@@ -1,11 +1,11 @@
 //! Effects that bend to what has no name: they close the gap, and would close that of another cause as well.
 
 use super::findings::confidence;
-use crate::candidate::{contact, waves_short};
+use crate::effects::{self, Family, Identification, contact};
 use crate::fit::Fit;
-use crate::fit::hypothesis::Term;
 use crate::fit::problem::Problem;
 use crate::select::{Round, Selection};
+use crate::term::Term;
 use crate::windows::series::Series;
 use std::fmt;
 
@@ -20,9 +20,15 @@ const SURE_HAND: f64 = 0.9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum StandIn {
     /// Less than a wave of a ripple was travelled: any force over position looks so.
-    Wave { travelled: f64 },
+    Wave {
+        effect: &'static str,
+        travelled: f64,
+    },
     /// A soft transmission behind a drive that is late, or before a sensor that is: so is any drive with dynamics of its own.
-    Drive { late: &'static str },
+    Drive {
+        resonance: &'static str,
+        late: &'static str,
+    },
     /// A spring beside another weight: together they bend, as a spring does that softens.
     Restoring,
     /// So many effects that together they bend to any cause: of seven times that three were named on nine blind and outside sets
@@ -37,7 +43,8 @@ pub(super) enum StandIn {
 impl StandIn {
     /// The reason to doubt what was found, if there is one.
     pub(super) fn of(problem: &Problem<'_>, selection: &Selection) -> Option<Self> {
-        let of_effects = Self::of_effects(problem, selection.fit(), selection.kept());
+        let certain = selection.base() + selection.kept();
+        let of_effects = Self::of_effects(problem, selection.fit(), certain);
         let of_hand = |round: &Round| {
             let hand = hand(round)?;
             if let Some(index) = most_of_run(problem, &hand) {
@@ -52,37 +59,39 @@ impl StandIn {
 
     /// The reason that lies in the effects beyond the first ones that are `certain`.
     fn of_effects(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
-        let predictor = problem.predictor(&fit.hypothesis, &fit.x);
-        let cogging = predictor.device().mechanics.cogging;
-        let short = cogging.and_then(|c| waves_short(c.wave_number, problem.extremes()));
-        if let Some(travelled) = short {
-            return Some(Self::Wave { travelled });
+        let fitted = fit.hypothesis.parts(&fit.x);
+        let mut short = fitted.filter_map(|(term, x)| {
+            let effect = effects::of(term.kind.name);
+            let travelled = effect.too_few_periods(&term.moved(x), problem.extremes())?;
+            Some(Self::Wave {
+                effect: effect.name(),
+                travelled,
+            })
+        });
+        if let Some(short) = short.next() {
+            return Some(short);
         }
         let found = fit.hypothesis.terms.iter().skip(certain);
-        let names: Vec<&str> = found.map(|term| term.kind.name).collect();
-        if names.len() >= MANY {
-            let effects = names.len();
+        let found = found.map(|term| effects::of(term.kind.name));
+        let found: Vec<&dyn Identification> = found.collect();
+        if found.len() >= MANY {
+            let effects = found.len();
             return Some(Self::Many { effects });
         }
-        if ["gravity", "spring"]
-            .iter()
-            .all(|name| names.contains(name))
-        {
+        let of = |family| found.iter().filter(move |e| e.family() == Some(family));
+        if of(Family::Restoring).count() > 1 {
             return Some(Self::Restoring);
         }
-        let late = ["delay", "lag", "sensor_lag"]
-            .into_iter()
-            .find(|n| names.contains(n))?;
-        names
-            .contains(&"compliance")
-            .then_some(Self::Drive { late })
+        let late = of(Family::Lateness).next()?.name();
+        let resonance = found.iter().find(|effect| effect.resonates())?.name();
+        Some(Self::Drive { resonance, late })
     }
 }
 
 /// The hand that a round is about, if it is about one.
 fn hand(round: &Round) -> Option<Term> {
     let last = round.rivals[0].fit.last_term()?;
-    (last.kind.name == "contact").then_some(last)
+    effects::of(last.kind.name).comes_and_goes().then_some(last)
 }
 
 /// The run of which a stay of a hand is most.
@@ -104,14 +113,14 @@ fn most_of_run(problem: &Problem<'_>, hand: &Term) -> Option<usize> {
 impl fmt::Display for StandIn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Wave { travelled } => write!(
+            Self::Wave { effect, travelled } => write!(
                 f,
-                "only {travelled:.1} waves of the cogging were travelled: any force over position would look so; \
+                "only {travelled:.1} waves of the {effect} were travelled: any force over position would look so; \
                  record a longer travel to see whether it repeats"
             ),
-            Self::Drive { late } => write!(
+            Self::Drive { resonance, late } => write!(
                 f,
-                "compliance and {late} together act as a drive with a resonance of its own would: measure the torque \
+                "{resonance} and {late} together act as a drive with a resonance of its own would: measure the torque \
                  or the motor's side to tell"
             ),
             Self::Many { effects } => write!(
@@ -140,7 +149,7 @@ impl fmt::Display for StandIn {
 mod tests {
     use super::*;
     use crate::fit::hypothesis::Hypothesis;
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
     use crate::select::{Place, Rival};
     use core::f64::consts::TAU;

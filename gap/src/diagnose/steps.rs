@@ -1,8 +1,10 @@
 //! How far each effect in turn closes the gap, on windows that the fits have not seen.
 
 use super::relief::is_relieved;
+use crate::effects;
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::select::{self, Rival, Round, Selection};
 use crate::shrink::{resampled, shrink};
@@ -63,7 +65,7 @@ impl Step {
 
 /// The other effects, fitted on from where they stand beside the one at `place`.
 fn without(problem: &Problem<'_>, selection: &Selection, place: usize) -> Fit {
-    let (hypothesis, x) = selection.fit().without(place);
+    let (hypothesis, x) = selection.fit().without(selection.base() + place);
     problem.fit(&hypothesis, x, Part::All, SPARED_ITERATIONS)
 }
 
@@ -88,12 +90,25 @@ fn closed_beside(problem: &Problem<'_>, selection: &Selection, place: usize) -> 
     let all = selection.fit();
     let others = self::without(problem, selection, place);
     let [without, with] = [&others, all].map(|fit| problem.window_squares(fit, Part::All));
-    let nominal = problem.window_squares(&selection.null.as_stated(), Part::All);
+    let nominal = problem.nominal_squares();
     shrink(&without, &with, &problem.floor_squares(all), &nominal)[0]
 }
 
+/// The steps of a selection, and the squares of each window that it leaves on data that its fit has not seen.
+pub(super) struct Closed {
+    pub steps: Vec<Step>,
+    pub after: Vec<f64>,
+}
+
 /// The step of each effect that is left of a selection once those are taken back that close nothing.
-pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) -> Vec<Step> {
+pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) -> Closed {
+    let (steps, mut left) = surviving_steps(problem, selection);
+    left.truncate(steps.len() + 1);
+    let after = left.pop().unwrap_or_default();
+    Closed { steps, after }
+}
+
+fn surviving_steps(problem: &Problem<'_>, selection: &mut Selection) -> (Vec<Step>, Vec<Vec<f64>>) {
     let kept = selection.kept();
     if selection.rounds.len() > kept && selection.leaves_most(problem) {
         selection.withdraw(kept);
@@ -116,7 +131,7 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
         steps = self::steps(problem, selection.fit(), &left);
     }
     if kept > 0 {
-        return steps;
+        return (steps, left);
     }
     // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
     let hidden = |floors| selection.null_leaves_at_most(floors, problem);
@@ -130,7 +145,7 @@ pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) ->
         selection.withdraw(0);
         selection.quiet |= is_none;
     }
-    steps
+    (steps, left)
 }
 
 /// True if the steps together surely close something.
@@ -147,7 +162,10 @@ fn is_formulation(selection: &Selection) -> bool {
 fn is_as_bristles(round: &Round) -> bool {
     let gain = |rival: &Rival| round.known.costs.level() - rival.fit.costs.level();
     let most = gain(&round.rivals[0]);
-    let mut bristles = round.rivals.iter().filter(|r| r.name == "presliding");
+    let mut bristles = round
+        .rivals
+        .iter()
+        .filter(|r| effects::of(r.name).reformulates_friction());
     bristles.any(|rival| gain(rival) >= NEARLY_ALL * most)
 }
 
@@ -175,7 +193,7 @@ fn hardly_closes(floor: &[f64], nominal: &[f64], before: &[f64], after: &[f64]) 
 /// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
 /// have not seen.
 fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
-    let nominal = problem.window_squares(&selection.null.as_stated(), Part::All);
+    let nominal = problem.nominal_squares();
     let left = selection.rounds.iter().map(|round| {
         if round.place.by_few {
             problem.window_squares(&round.so_far, Part::All)
@@ -219,7 +237,8 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
 /// is a hand.
 fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) -> bool {
     let winner = &selection.rounds[i].rivals[0];
-    if winner.name == "contact" && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
+    let comes_and_goes = effects::of(winner.name).comes_and_goes();
+    if comes_and_goes && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
         // What comes after a hand may be most of what it leaves.
         return closed_beside(problem, selection, i) < LEAST_HAND_SHRINK;
     }
@@ -232,7 +251,7 @@ fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) 
     let typical = !step.was_at_floor && before - after >= LEAST_TYPICAL_SHRINK && is_real;
     // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
     let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
-    let jumps = winner.name == "lost_counts" && winner.is_event();
+    let jumps = winner.is_event() && !comes_and_goes;
     let jumps = jumps && (step.is_at_floor || halves);
     let finishes = step.own[0] >= FORMULATION && step.of_rest >= LEAST_SHRINK_OF_REST;
     // A number that lies well is not worth a gap that is larger.

@@ -2,7 +2,8 @@
 
 use super::separation::separation;
 use super::trial::{Setting, readings};
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::fit::{DIFFERENCES, Fit, aside};
 use haptic_paddle::excitation::Excitation;
 use host_sim::device::Device;

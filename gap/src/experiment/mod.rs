@@ -8,7 +8,7 @@ mod trial;
 use crate::diagnosis::NextExperiment;
 use crate::fit::problem::Problem;
 use crate::select::{Rival, Selection, ties};
-use crate::windows::motion::rms;
+use crate::windows::statistics::rms;
 use contender::Contender;
 use haptic_paddle::excitation::{Excitation, Shape};
 use rayon::prelude::*;
@@ -198,11 +198,12 @@ mod tests {
     use super::*;
     use crate::fit::Fit;
     use crate::fit::costs::Costs;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
-    use crate::fit::problem::Part;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::part::Part;
     use crate::floor::{Perfect, WHITE};
     use crate::made;
     use crate::select::{Place, Round};
+    use crate::term::{Coordinate, Scale, Term};
     use host_sim::effects::Effect;
     use recording::{Drive, Model, Recording, Run};
 
@@ -263,6 +264,7 @@ mod tests {
             rivals,
             screened: Vec::new(),
             place: Place::given(false),
+            confidence: None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! What a model costs on windows of data.
 
-use super::problem::Part;
+use super::part::Part;
 use super::whitening::dot;
 
 /// What one point costs on the windows of a part.

@@ -1,7 +1,8 @@
 //! What fits of one more effect on top of a known one share, and what such an effect promises to first order.
 
 use super::hypothesis::Hypothesis;
-use super::problem::{PRIOR_WEIGHT, Part, Problem};
+use super::part::Part;
+use super::problem::{PRIOR_WEIGHT, Problem};
 use super::whitening::{Whitening, dot};
 use super::{DIFFERENCES, Fit, Slope, aside};
 use nalgebra::{DMatrix, DVector};
@@ -337,8 +338,8 @@ impl Ground {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     /// A spring relaxed in the middle.
     fn spring(stiffness: f64) -> Hypothesis {

@@ -2,10 +2,12 @@
 
 use super::costs::Costs;
 use super::ground::Ground;
-use super::hypothesis::{Hypothesis, Term};
-use super::problem::{PRIOR_WEIGHT, Part, Problem};
+use super::hypothesis::Hypothesis;
+use super::part::Part;
+use super::problem::{PRIOR_WEIGHT, Problem};
 use super::whitening::{Whitening, dot};
 use crate::predict::Predictor;
+use crate::term::Term;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -406,8 +408,8 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     fn term(name: &str, free: &[(usize, f64, f64)]) -> Term {
         let linear = |&(parameter, start, scale)| Coordinate {

@@ -4,6 +4,7 @@ pub(crate) mod costs;
 pub(crate) mod ground;
 pub(crate) mod hypothesis;
 mod least_squares;
+pub(crate) mod part;
 mod polish;
 pub(crate) mod problem;
 pub(crate) mod stalls;

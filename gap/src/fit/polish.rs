@@ -2,7 +2,8 @@
 
 use super::costs::Costs;
 use super::hypothesis::Hypothesis;
-use super::problem::{Part, Problem};
+use super::part::Part;
+use super::problem::Problem;
 use super::{Fit, within};
 use rayon::prelude::*;
 
@@ -116,8 +117,8 @@ impl Problem<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     const PLAY: f64 = 0.02;
 

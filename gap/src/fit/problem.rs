@@ -3,9 +3,11 @@
 use super::Fit;
 use super::costs::Costs;
 use super::hypothesis::{Hypothesis, Nudge};
+use super::part::Part;
 use super::whitening::{Whitening, dot, whitenings};
 use crate::predict::Predictor;
 use crate::windows::series::Series;
+use host_sim::device::Device;
 use rayon::prelude::*;
 use recording::{Recording, Run};
 
@@ -18,32 +20,6 @@ pub(crate) struct Problem<'a> {
     pub modelling: f64,
     /// The same data restarted four times as often.
     pub quarter: Option<Box<Problem<'a>>>,
-}
-
-/// Which windows take part, by running index over all series.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Part<'a> {
-    All,
-    /// One of two halves.
-    Half(bool),
-    /// Those that are true here.
-    Chosen(&'a [bool]),
-}
-
-impl Part<'_> {
-    pub(crate) fn has(self, window: usize) -> bool {
-        match self {
-            Self::All => true,
-            Self::Half(first) => (turn(window) < 0.5) == first,
-            Self::Chosen(chosen) => chosen.get(window).copied().unwrap_or(false),
-        }
-    }
-}
-
-/// A number from 0 to 1 for each window, in a sequence that no period fits.
-pub(crate) fn turn(window: usize) -> f64 {
-    // The golden ratio's multiples are the sequence worst matched by any period.
-    (window as f64 + 0.5) * 0.618_033_988_749_895 % 1.0
 }
 
 /// Weight of a squared standard deviation of tolerance against the robust cost of a window.
@@ -98,14 +74,6 @@ impl Problem<'_> {
         self.series.iter().flat_map(|s| s.position.iter().copied())
     }
 
-    /// How fast all windows begin.
-    pub(crate) fn restart_speeds(&self) -> Vec<f64> {
-        self.series
-            .iter()
-            .flat_map(Series::restart_speeds)
-            .collect()
-    }
-
     /// The lowest and the highest of them.
     pub(crate) fn extremes(&self) -> [f64; 2] {
         self.positions()
@@ -136,6 +104,12 @@ impl Problem<'_> {
     /// Squared residuals of each window of a part, by running index; NaN for the others.
     pub(crate) fn window_squares(&self, fit: &Fit, part: Part<'_>) -> Vec<f64> {
         self.squares(&self.predictor(&fit.hypothesis, &fit.x), part)
+    }
+
+    /// Squared residuals of the nominal model, by window.
+    pub(crate) fn nominal_squares(&self) -> Vec<f64> {
+        let nominal = Device::nominal(&self.recording.model);
+        self.squares(&Predictor::new(nominal, self.recording), Part::All)
     }
 
     /// The same of what predicts.

@@ -59,6 +59,19 @@ impl Fit {
     }
 }
 
+impl Stall {
+    /// True if this is the number `name` of an effect.
+    pub(crate) fn is_of(&self, kind: &str, name: &str) -> bool {
+        match self {
+            Self::Model { .. } => false,
+            Self::Effect {
+                effect, name: own, ..
+            }
+            | Self::Idle { effect, name: own } => *effect == kind && own == name,
+        }
+    }
+}
+
 /// Whether a coordinate is at the upper end of its reach, if it is at either.
 fn end(x: f64, [low, high]: [f64; 2]) -> Option<bool> {
     let near = AT_END * (high - low);
@@ -96,7 +109,8 @@ impl fmt::Display for Stall {
 mod tests {
     use super::*;
     use crate::fit::costs::Costs;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale, Term};
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::term::{Coordinate, Scale, Term};
     use host_sim::effects;
 
     #[test]

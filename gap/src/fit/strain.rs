@@ -38,7 +38,7 @@ impl Fit {
 mod tests {
     use super::*;
     use crate::fit::hypothesis::Hypothesis;
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
 
     /// Whether numbers that have moved so far are likely, and whether they are strained.

@@ -95,9 +95,10 @@ fn left(
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::hypothesis::{Hypothesis, Term};
-    use crate::fit::problem::Part;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::part::Part;
     use crate::made;
+    use crate::term::Term;
 
     /// Root of what is left of the windows of some recordings by a model that has the effects that are `known`, over what the
     /// floor of them is.

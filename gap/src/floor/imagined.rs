@@ -1,9 +1,9 @@
 //! A recording as a model that is right would have made it: of the same motion, with the same sensor.
 
 use crate::predict::Predictor;
-use crate::windows::motion::quantile;
 use crate::windows::restart::Restart;
 use crate::windows::series::{self, Series, Window};
+use crate::windows::statistics::quantile;
 use host_sim::sensors::Noise;
 use recording::{Recording, Run};
 

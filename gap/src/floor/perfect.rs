@@ -2,7 +2,8 @@
 
 use super::imagined::Imagined;
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::windows::series;
 
 /// Robust cost of a window whose residual is white and of the known size: ln(1 + 1).

@@ -2,7 +2,8 @@
 
 use super::{LOOKED_AT, floor_squares};
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::windows::series;
 
 impl Problem<'_> {
@@ -56,7 +57,7 @@ fn ratio([squares, floor]: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use crate::fit::hypothesis::Hypothesis;
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
 
     #[test]

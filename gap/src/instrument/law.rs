@@ -1,7 +1,7 @@
 //! A controller that was not stated: no open loop follows the noise of the position.
 
-use crate::windows::motion::quantile;
 use crate::windows::series::largest;
+use crate::windows::statistics::quantile;
 use nalgebra::{DMatrix, DVector};
 use recording::{Run, sixth_differences};
 

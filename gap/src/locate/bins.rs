@@ -7,7 +7,7 @@ pub(super) struct Point {
     pub at: f64,
     /// Which of the things measured it is.
     pub index: usize,
-    /// Prediction window that it lies in: within one, nothing is independent.
+    /// Prediction window that it lies in, or whatever else is drawn as a whole: within one, nothing is independent.
     pub block: usize,
     /// Samples, or what stands for them.
     pub weight: f64,
@@ -41,7 +41,7 @@ impl Stretch {
         self.share_of_gap - self.share_of_weight
     }
 
-    fn meets(&self, other: &Self) -> bool {
+    pub(super) fn meets(&self, other: &Self) -> bool {
         self.from < other.to && other.from < self.to
     }
 }
@@ -76,6 +76,15 @@ impl Bins {
         })
     }
 
+    /// The same with every point in a block of its own, for an axis that is the recording itself: what lies in one window of it
+    /// is no draw from many.
+    pub(super) fn each_alone(mut self) -> Self {
+        for (block, point) in self.points.iter_mut().enumerate() {
+            point.block = block;
+        }
+        self
+    }
+
     /// Where bin `i` begins, half way between the points on either side.
     fn edge(&self, i: usize) -> f64 {
         let bound = self.bounds[i];
@@ -106,6 +115,38 @@ impl Bins {
             share_of_gap: excess / self.excess,
             share_of_weight: weight / self.weight,
         }
+    }
+
+    /// All of the axis in consecutive stretches: the bins, parted where those of `stretches` begin and end.
+    pub(super) fn parted_at(&self, stretches: &[Stretch]) -> Vec<Stretch> {
+        let whole = self.whole();
+        let inside = |end: &f64| *end > whole.from && *end < whole.to;
+        let ends = stretches.iter().flat_map(|s| [s.from, s.to]).filter(inside);
+        let mut edges: Vec<f64> = (0..self.bounds.len()).map(|i| self.edge(i)).collect();
+        edges.extend(ends);
+        edges.sort_by(f64::total_cmp);
+        edges.dedup();
+        let mut first = 0;
+        let last = edges.len().saturating_sub(1);
+        let parts = edges.windows(2).zip(1..).map(|(ends, place)| {
+            // What lies where a stretch begins belongs to it, as it does there.
+            let begins = stretches.iter().any(|s| s.from == ends[1]);
+            let is_before =
+                |p: &Point| place == last || p.at < ends[1] || (p.at == ends[1] && !begins);
+            let rest = &self.points[first..];
+            let inside = &rest[..rest.partition_point(is_before)];
+            first += inside.len();
+            let [weight, excess] = inside
+                .iter()
+                .fold([0.0; 2], |[w, e], p| [w + p.weight, e + p.excess]);
+            Stretch {
+                from: ends[0],
+                to: ends[1],
+                share_of_gap: excess / self.excess,
+                share_of_weight: weight / self.weight,
+            }
+        });
+        parts.collect()
     }
 
     /// Shares of weight and gap of each bin.
@@ -203,7 +244,7 @@ impl Bins {
         self.bounds.windows(2).map(|b| &self.points[b[0]..b[1]])
     }
 
-    /// 95 % interval of the share of the gap that `stretch` carries, by resampling the windows.
+    /// 95 % interval of the share of the gap that `stretch` carries, by resampling the blocks.
     pub(super) fn interval(&self, stretch: &Stretch) -> [f64; 2] {
         let blocks = self.points.iter().map(|p| p.block).max().unwrap_or(0) + 1;
         let mut sums = vec![[0.0; 2]; blocks];
@@ -348,6 +389,26 @@ mod tests {
         };
         assert!(surplus(|i| if i / 5 % 4 == 0 { 9.0 } else { 0.0 }) > 0.5);
         assert!(surplus(|i| if i % 20 == 0 { 40.0 } else { 0.0 }) < 0.1);
+    }
+
+    #[test]
+    fn the_parts_of_an_axis_add_up_to_a_stretch_wherever_it_ends() {
+        let bins = Bins::new(points(|x| 1.0 + x), 7).unwrap();
+        for (from, to) in [(20.0, 31.0), (-5.0, 12.3), (40.2, 140.0)] {
+            let stretch = bins.stretch(from, to);
+            let parts = bins.parted_at(&[stretch]);
+            let sum = |within: &dyn Fn(&Stretch) -> bool| {
+                let parts = parts.iter().filter(|part| within(part));
+                parts.fold([0.0; 2], |[g, w], part| {
+                    [g + part.share_of_gap, w + part.share_of_weight]
+                })
+            };
+            let [gap, weight] = sum(&|part| part.from >= from && part.to <= to);
+            assert!((gap - stretch.share_of_gap).abs() < 1e-9, "{parts:?}");
+            assert!((weight - stretch.share_of_weight).abs() < 1e-9, "{parts:?}");
+            let [gap, weight] = sum(&|_| true);
+            assert!((gap - 1.0).abs() < 1e-9 && (weight - 1.0).abs() < 1e-9);
+        }
     }
 
     #[test]

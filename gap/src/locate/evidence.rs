@@ -5,6 +5,7 @@ use super::innovation::{Innovation, Place};
 use super::level::Level;
 use super::recurrence::Recurrence;
 use super::spectrum;
+use crate::diagnosis::MeasuredBy;
 use crate::windows::series::Series;
 
 /// Bins of an axis.
@@ -44,6 +45,9 @@ const MEMORY_WEIGHT: f64 = 3.0;
 /// What speaks for an axis.
 pub(super) struct Evidence {
     pub axis: &'static str,
+    /// What a place on it is.
+    pub along: &'static str,
+    pub measured_by: MeasuredBy,
     pub bins: Bins,
     pub stretch: Stretch,
     /// How far what lies in the stretch reaches beyond it.
@@ -58,6 +62,8 @@ impl Evidence {
     pub(super) fn new(axis: &'static str, bins: Bins, stretch: Stretch, strength: f64) -> Self {
         Self {
             axis,
+            along: axis,
+            measured_by: MeasuredBy::ShortPredictions,
             bins,
             stretch,
             reach: 0.0,
@@ -216,6 +222,7 @@ impl<'a> Axes<'a> {
             strength: now.strength + rest.surplus() - surplus,
             reach: self.reach(&stretch, |i| i.slowest, since),
             after_rest: true,
+            along: "slowest velocity from shortly before on",
             stretch,
             bins,
             ..now
@@ -254,6 +261,7 @@ impl<'a> Axes<'a> {
                 above
             },
             bins,
+            along: "largest input during a short prediction",
             reach: 0.0,
             ..now
         })
@@ -278,7 +286,7 @@ impl<'a> Axes<'a> {
         if overlap || cut.surplus() >= MOST_OF_STRETCH * stretch.surplus() {
             stretch = cut;
         }
-        Some(Evidence::new("time", bins, stretch, strength))
+        Some(Evidence::new("time", bins.each_alone(), stretch, strength))
     }
 
     /// The run that carries most beyond its share.
@@ -287,10 +295,11 @@ impl<'a> Axes<'a> {
         let runs = self
             .series
             .iter()
-            .map(|s| bins.stretch(s.run as f64, s.run as f64));
+            .map(|s| bins.stretch(s.run as f64 - 0.5, s.run as f64 + 0.5));
         let stretch = runs.max_by(|a, b| a.surplus().total_cmp(&b.surplus()))?;
         let strength = RUN_WEIGHT * stretch.surplus();
-        (stretch.surplus() > LEAST_SURPLUS).then(|| Evidence::new("run", bins, stretch, strength))
+        (stretch.surplus() > LEAST_SURPLUS)
+            .then(|| Evidence::new("run", bins.each_alone(), stretch, strength))
     }
 
     /// A band of frequencies; what goes with the change of the input is an error of phase and belongs here.
@@ -301,7 +310,10 @@ impl<'a> Axes<'a> {
         let change = self.bins(|i| i.input_change, |i| i.excess, BINS)?;
         let of_phase = self.explained(&change) + MEMORY_WEIGHT * self.recurrence.memory;
         let strength = BAND_WEIGHT * stretch.surplus() + of_phase;
-        Some(Evidence::new("frequency", bins, stretch, strength))
+        Some(Evidence {
+            measured_by: MeasuredBy::Spectrum,
+            ..Evidence::new("frequency", bins, stretch, strength)
+        })
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::bins::{Bins, Point};
 use super::evidence::{BINS, Evidence, LEAST_SURPLUS};
+use crate::diagnosis::MeasuredBy;
 use crate::windows::series::{Series, slopes};
 
 /// A column of a series, one value a sample.
@@ -13,7 +14,7 @@ pub(super) fn grown(
     series: &[Series],
     predictions: &[Vec<f64>],
     half_width_s: f64,
-    told: &[Evidence],
+    told: &[&str],
 ) -> Option<Evidence> {
     let velocity = move |s: &Series| slopes(&s.time, &s.position, half_width_s);
     let acceleration = move |s: &Series| slopes(&s.time, &velocity(s), half_width_s);
@@ -23,13 +24,14 @@ pub(super) fn grown(
         ("input", &|s| s.input.clone()),
         ("acceleration", &acceleration),
     ];
-    let others = axes
-        .into_iter()
-        .filter(|(axis, _)| told.iter().all(|t| t.axis != *axis));
+    let others = axes.into_iter().filter(|(axis, _)| !told.contains(axis));
     let standing_out = others.filter_map(|(axis, column)| {
         let bins = Bins::new(points(series, predictions, column), BINS)?;
         let stretch = bins.best(None)?;
-        Some(Evidence::new(axis, bins, stretch, stretch.surplus()))
+        Some(Evidence {
+            measured_by: MeasuredBy::WholeHorizon,
+            ..Evidence::new(axis, bins, stretch, stretch.surplus())
+        })
     });
     let best = standing_out.max_by(|a, b| a.strength.total_cmp(&b.strength))?;
     (best.strength > LEAST_SURPLUS).then_some(best)
@@ -76,7 +78,7 @@ mod tests {
         let predictions: Vec<Vec<f64>> = series.iter().map(missed).collect();
         let first = grown(&series, &predictions, half_width_s, &[]).unwrap();
         assert_eq!(first.axis, "velocity");
-        let other = grown(&series, &predictions, half_width_s, &[first]);
+        let other = grown(&series, &predictions, half_width_s, &[first.axis]);
         assert!(other.is_none_or(|other| other.axis != "velocity"));
     }
 }

@@ -6,19 +6,19 @@ mod grown;
 mod innovation;
 mod level;
 mod recurrence;
+mod region;
 mod spectrum;
 
 use crate::comparison::{Comparison, Outcome};
-use crate::diagnosis::{AFTER_REST, Region};
+use crate::diagnosis::{MeasuredBy, Region};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::windows::series::{MOST_SAMPLES, Series, fine, thinned};
-use bins::Stretch;
-use evidence::{Evidence, LEAST_SURPLUS};
+use crate::windows::series::{MOST_SAMPLES, fine, thinned};
+use evidence::Evidence;
 use grown::grown;
 use host_sim::effects::Channel;
 use innovation::innovations;
-use recording::Recording;
+use region::Told;
 
 /// A share of the gap that is most of it: its place is told first.
 const MOST: f64 = 0.5;
@@ -30,7 +30,7 @@ const AXES: usize = 3;
 /// places on blind sets six more were among the first three then than if it were always told, of 1436 on others one more.
 const GROWN_WEIGHT: f64 = 2.5;
 
-/// Parts of the data that carry more of the gap than their share of the samples, the most telling first: different
+/// Parts of the data that carry clearly more of the gap than their share of the samples, the most telling first: different
 /// axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
 pub(crate) fn regions(
     problem: &Problem<'_>,
@@ -53,16 +53,19 @@ pub(crate) fn regions(
 fn sensing(comparison: &Comparison) -> Option<Region> {
     let [share, low, high] = comparison.share;
     let disagrees = !matches!(comparison.outcome, Outcome::Agree);
-    (disagrees && low > 0.0).then(|| Region {
+    let region = Region {
         axis: "channel",
         from: None,
         to: None,
         name: Some(Channel::Sensing.name().to_owned()),
         run: None,
         share_of_gap: share,
+        measured_by: MeasuredBy::SecondSensor,
         share_of_gap_interval: [low, high],
         share_of_samples: ONE_CHANNEL,
-    })
+        profile: None,
+    };
+    (disagrees && region.is_clear()).then_some(region)
 }
 
 /// Axes, two of which tell where the gap arises and the third where it has come to be largest, unless another says much more
@@ -89,74 +92,41 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
         return Vec::new();
     }
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
-    let mut axes = evidence::Axes::new(&all, series).ranked();
-    axes.truncate(AXES);
+    let told_of = |evidence: Evidence| {
+        let told = Told::of(recording, series, &evidence)?;
+        Some((evidence, told))
+    };
+    let ranked = evidence::Axes::new(&all, series).ranked();
+    let mut axes: Vec<(Evidence, Told)> =
+        ranked.into_iter().filter_map(told_of).take(AXES).collect();
     let third = (axes.len() == AXES).then(|| axes.pop()).flatten();
     let half_width_s = recording.restart_half_width;
-    let grown = grown(series, &predictions, half_width_s, &axes);
+    let told: Vec<&str> = axes.iter().map(|(evidence, _)| evidence.axis).collect();
+    let grown = grown(series, &predictions, half_width_s, &told);
     let speaks = |grown: &Evidence| {
         let third = third.as_ref();
-        third.is_none_or(|third| GROWN_WEIGHT * grown.strength >= third.strength)
+        third.is_none_or(|(third, _)| GROWN_WEIGHT * grown.strength >= third.strength)
     };
-    axes.extend(grown.filter(speaks));
-    let third = third.filter(|third| axes.iter().all(|told| told.axis != third.axis));
+    axes.extend(grown.filter(speaks).and_then(told_of));
+    let is_new = |(third, _): &(Evidence, Told)| axes.iter().all(|(e, _)| e.axis != third.axis);
+    let third = third.filter(is_new);
     axes.extend(third);
-    // Runs do not lie beside one another.
-    let second = axes.iter().filter(|e| e.axis != "run").filter_map(|e| {
-        let stretch = e.bins.best(Some(&e.stretch))?;
-        (stretch.surplus() > LEAST_SURPLUS).then_some((e, stretch))
-    });
-    let first = axes.iter().map(|e| (e, e.stretch));
+    let (first, second): (Vec<_>, Vec<_>) = axes
+        .into_iter()
+        .map(|(_, told)| (told.first, told.second))
+        .unzip();
     first
-        .chain(second)
-        .map(|(e, stretch)| region(recording, series, e, stretch))
+        .into_iter()
+        .chain(second.into_iter().flatten())
         .collect()
-}
-
-fn region(
-    recording: &Recording,
-    series: &[Series],
-    evidence: &Evidence,
-    stretch: Stretch,
-) -> Region {
-    let mut region = Region {
-        axis: evidence.axis,
-        from: Some(stretch.from - evidence.reach),
-        to: Some(stretch.to + evidence.reach),
-        name: (evidence.after_rest && stretch == evidence.stretch).then(|| AFTER_REST.to_owned()),
-        run: None,
-        share_of_gap: stretch.share_of_gap,
-        share_of_gap_interval: evidence.bins.interval(&stretch),
-        share_of_samples: stretch.share_of_weight,
-    };
-    match evidence.axis {
-        "run" => {
-            let index = stretch.from as usize;
-            region.name = Some(recording.runs[index].file.clone());
-            region.run = Some(index);
-            (region.from, region.to) = (None, None);
-        }
-        "time" => {
-            let inside = series.iter().find(|s| {
-                let span = s.session_span_s();
-                span.is_some_and(|[from, to]| stretch.from >= from && stretch.to <= to)
-            });
-            if let Some(series) = inside {
-                region.run = Some(series.run);
-                region.from = Some(stretch.from - series.session_offset_s);
-                region.to = Some(stretch.to - series.session_offset_s);
-            }
-        }
-        _ => {}
-    }
-    region
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::AFTER_REST;
     use crate::fit::hypothesis::{Hypothesis, nudges};
-    use crate::fit::problem::Part;
+    use crate::fit::part::Part;
     use crate::made;
 
     fn found(effects: &[&str]) -> Vec<Region> {

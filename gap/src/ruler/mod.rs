@@ -13,8 +13,11 @@ mod scale;
 mod scored;
 mod selection;
 
+use crate::effects::Identification;
+use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::Perfect;
 use crate::select::{Given, Search, Selection};
 use crate::stage::Stage;
@@ -62,16 +65,10 @@ fn on_all_numbers(
         progress,
         perfect,
     };
-    let is_linear = given.excluded.contains(&numbers::PULLS[0]);
-    let names = numbers::names(free.recording, is_linear);
-    let starts = numbers::restated(&search(free, found.perfect), &null, &names);
-    let fits = starts.into_iter().map(|terms| {
-        let mut hypothesis = null.hypothesis.clone();
-        hypothesis.terms.extend(terms);
-        let x = vec![0.0; hypothesis.dimensions(&free.nudges)];
-        scale::annealed(free, &hypothesis, x)
-    });
-    let Some((numbers, scale)) = fits.min_by(|a, b| a.1.total_cmp(&b.1)) else {
+    let mut restating = numbers::restating(free.recording);
+    let terms = &null.hypothesis.terms;
+    restating.retain(|effect| terms.iter().all(|term| term.kind.name != effect.name()));
+    let Some((numbers, scale)) = begun_anew(&search(free, found.perfect), &null, &restating) else {
         return free.modelling;
     };
     let scaled = free.off_by(scale);
@@ -92,6 +89,46 @@ fn on_all_numbers(
         known = round.so_far;
     }
     scale
+}
+
+/// The model with its numbers that are not stated estimated, each as a term; none where all are stated.
+pub(crate) fn with_unstated(
+    problem: &Problem<'_>,
+    given: &Given<'_>,
+    progress: fn(Stage),
+) -> Option<Fit> {
+    let unstated = numbers::unstated(problem.recording);
+    if unstated.is_empty() {
+        return None;
+    }
+    let bare = Hypothesis { terms: Vec::new() };
+    let x = vec![0.0; bare.dimensions(&problem.nudges)];
+    let null = problem.fit(&bare, x, Part::All, 0);
+    let search = Search {
+        problem,
+        given,
+        progress,
+        perfect: Perfect::of(problem, &null).bounded(),
+    };
+    let (fit, _) = begun_anew(&search, &null, &unstated)?;
+    Some(problem.fit(&fit.hypothesis, fit.x, Part::All, scale::ITERATIONS))
+}
+
+/// The numbers that some effects say anew, on top of a fit, and the error scale at which they are fitted best.
+fn begun_anew(
+    search: &Search<'_>,
+    null: &Fit,
+    restating: &[&'static dyn Identification],
+) -> Option<(Fit, f64)> {
+    let starts = numbers::starts(search, null, restating);
+    let fits = starts.into_iter().map(|terms| {
+        let mut hypothesis = null.hypothesis.clone();
+        hypothesis.terms.extend(terms);
+        let mut x = null.x.clone();
+        x.resize(hypothesis.dimensions(&search.problem.nudges), 0.0);
+        scale::annealed(search.problem, &hypothesis, x)
+    });
+    fits.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// A place to fit from.

@@ -1,52 +1,28 @@
-//! The model's own numbers, freed.
+//! The model's main numbers, freed.
 
-use crate::candidate::Evidence;
-use crate::candidate::regression::regress;
+use crate::effects::{self, Identification};
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Nudge, Term};
+use crate::fit::hypothesis::Nudge;
 use crate::fit::problem::Problem;
+use crate::guess::balance::Balance;
 use crate::select::Search;
+use crate::term::Term;
+use host_sim::effects::Quantity;
 use recording::Recording;
 
-/// Relative standard deviations of numbers that are stated without a tolerance, when they are freed. The trial in
-/// `docs/accuracy.md` compared numbers held, freed so, and freed widely: held and wide cost twenty points of first names.
-const UNTOLD: [(&str, f64); 4] = [
-    ("inertia", 0.05),
-    ("coulomb", 0.10),
-    ("viscous", 0.30),
-    ("gravity", 0.05),
-];
-
-/// The two that pull an axis back, of a rotary one and of a linear one.
-pub(super) const PULLS: [&str; 2] = ["gravity", "spring"];
-
-/// Names of the effects that say the main numbers anew: where `ratio` is not stated the gain of the torque stands for how much it
-/// accelerates, as the inertia is stated then.
-pub(super) fn names(recording: &Recording, is_linear: bool) -> [&'static str; 4] {
-    let accelerates = if recording.unstated.contains(&"ratio") {
-        "torque_gain"
-    } else {
-        "inertia"
-    };
-    [
-        accelerates,
-        "viscous",
-        "coulomb",
-        PULLS[usize::from(is_linear)],
-    ]
-}
-
-/// The numbers that may move within their stated tolerances, and those without one that may move within [`UNTOLD`].
-/// `ratio` without a tolerance stays: it only scales the others.
+/// The numbers that may move within their stated tolerances, and main numbers without one that may move as far as such numbers are
+/// usually off.
 pub(super) fn freed(problem: &Problem<'_>) -> Vec<Nudge> {
     let mut all = problem.nudges.clone();
-    for (name, relative) in UNTOLD {
-        let is_there = all.iter().any(|number| number.name == name);
-        let value = problem.recording.model.get(name).unwrap_or(0.0);
-        if !is_there && value != 0.0 {
-            let name = name.to_owned();
+    for number in effects::all().filter_map(Identification::main_number) {
+        let is_there = all.iter().any(|other| other.name == number.name);
+        let value = problem.recording.model.get(number.name).unwrap_or(0.0);
+        if let Some(relative) = number.usual_error
+            && !is_there
+            && value != 0.0
+        {
             all.push(Nudge {
-                name,
+                name: number.name.to_owned(),
                 value,
                 relative,
             });
@@ -55,51 +31,59 @@ pub(super) fn freed(problem: &Problem<'_>) -> Vec<Nudge> {
     all
 }
 
-/// The effects that say each of the model's main numbers anew: one of the two that set how much a torque accelerates, both
-/// frictions, and what pulls at the axis. Each starts twice: where the nominal model has it, and where a regression of the
-/// missing torque on all of them puts it.
-pub(super) fn restated(search: &Search<'_>, null: &Fit, names: &[&str]) -> Vec<Vec<Term>> {
-    let tried = search.tried(null, &[]);
-    let as_nominal: Vec<Term> = names
-        .iter()
-        .filter_map(|name| {
-            let found = tried
-                .iter()
-                .find(|candidate| candidate.kind.name == *name)?;
-            found.starts.last().cloned()
-        })
-        .collect();
-    let regressed = search.evidence(null, |evidence| regressed(evidence, &as_nominal));
-    core::iter::once(as_nominal).chain(regressed).collect()
+/// The effects that say the main numbers anew: of the two that set how much a torque accelerates, the inertia, or the gain where the
+/// ratio is not stated.
+pub(super) fn restating(recording: &Recording) -> Vec<&'static dyn Identification> {
+    let is_gain_free = is_gain_free(recording);
+    let is_wanted = |effect: &&dyn Identification| {
+        let Some(number) = effect.main_number() else {
+            return false;
+        };
+        let is_inertia = effect.kind().parameter(0).quantity == Quantity::Inertia;
+        let is_gain = number.usual_error.is_none();
+        let is_other_scale = (is_inertia && is_gain_free) || (is_gain && !is_gain_free);
+        !is_other_scale && !effect.is_impossible(recording)
+    };
+    effects::all().filter(is_wanted).collect()
 }
 
-/// The terms begun where one regression of the missing torque on all of them puts each.
-fn regressed(evidence: &Evidence<'_>, terms: &[Term]) -> Option<Vec<Term>> {
-    let nominal = &evidence.device.mechanics;
-    let angle_rad = nominal.angle_rad;
-    let [inertia, viscous, coulomb, sine, cosine] = regress(evidence, |moment| {
-        let (sin, cos) = (angle_rad * moment.position).sin_cos();
-        [
-            -moment.acceleration,
-            -moment.velocity,
-            -moment.velocity.signum(),
-            -sin,
-            cos,
-        ]
-    })?;
-    let (sin, cos) = (angle_rad * nominal.gravity_zero).sin_cos();
-    let [sine, cosine] = [sine + nominal.gravity * cos, cosine + nominal.gravity * sin];
-    let inertia = (nominal.inertia + inertia).max(LEAST_INERTIA * nominal.inertia);
-    let begun = terms.iter().map(|term| match term.kind.name {
-        "inertia" => term.begun(&[(0, inertia)]),
-        "torque_gain" => term.begun(&[(0, nominal.inertia / inertia)]),
-        "viscous" => term.begun(&[(0, (nominal.viscous + viscous).max(0.0))]),
-        "coulomb" => term.begun(&[(0, (nominal.friction.level_nm[0] + coulomb).max(0.0))]),
-        "gravity" => term.begun(&[(0, sine.hypot(cosine)), (1, cosine.atan2(sine) / angle_rad)]),
-        _ => term.clone(),
+/// Those of them whose numbers are not stated.
+pub(super) fn unstated(recording: &Recording) -> Vec<&'static dyn Identification> {
+    let mut all = restating(recording);
+    all.retain(|effect| {
+        let number = effect.main_number();
+        number.is_some_and(|number| recording.unstated.contains(&number.name))
     });
-    Some(begun.collect())
+    all
 }
 
-/// Share of the stated inertia that a regression may come down to: noise of the acceleration draws it towards none.
-const LEAST_INERTIA: f64 = 0.02;
+/// True where the ratio of torque to input is not stated.
+fn is_gain_free(recording: &Recording) -> bool {
+    let mut gains = effects::all().filter_map(Identification::main_number);
+    gains.any(|number| number.usual_error.is_none() && recording.unstated.contains(&number.name))
+}
+
+/// Some of these effects as terms, from two starts: where the nominal model has them, and where the balance of torques puts them.
+pub(super) fn starts(
+    search: &Search<'_>,
+    null: &Fit,
+    restating: &[&'static dyn Identification],
+) -> Vec<Vec<Term>> {
+    let tried = search.tried(null, &[]);
+    let as_nominal = restating.iter().filter_map(|effect| {
+        let found = tried
+            .iter()
+            .find(|candidate| candidate.effect.name() == effect.name())?;
+        Some((*effect, found.starts.last()?.clone()))
+    });
+    let as_nominal: Vec<(&dyn Identification, Term)> = as_nominal.collect();
+    let is_gain_free = is_gain_free(search.problem.recording);
+    let balance = search.evidence(null, |evidence| Balance::of(evidence, is_gain_free));
+    let balanced = balance.map(|balance| {
+        let terms = as_nominal.iter();
+        let terms = terms.map(|(effect, term)| effect.balanced(term, &balance));
+        terms.collect()
+    });
+    let as_nominal = as_nominal.iter().map(|(_, term)| term.clone()).collect();
+    core::iter::once(as_nominal).chain(balanced).collect()
+}

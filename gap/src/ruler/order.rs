@@ -2,7 +2,8 @@
 
 use super::scored::Scored;
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use rayon::prelude::*;
 
 const ITERATIONS: usize = 5;

@@ -2,10 +2,11 @@
 
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 
 /// Fits between two looks at the scale, and looks at most.
-const ITERATIONS: usize = 6;
+pub(super) const ITERATIONS: usize = 6;
 const MOST_LOOKS: usize = 6;
 /// A scale that falls by less than this factor has settled.
 const SETTLED: f64 = 0.7;

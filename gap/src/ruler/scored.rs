@@ -2,7 +2,8 @@
 
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
 
 const ITERATIONS: usize = 8;

@@ -4,8 +4,9 @@ use super::level;
 use super::rival::extended;
 use crate::fit::Fit;
 use crate::fit::ground::Ground;
-use crate::fit::hypothesis::Term;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
+use crate::term::Term;
 use rayon::prelude::*;
 use std::borrow::Cow;
 

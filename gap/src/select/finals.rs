@@ -2,12 +2,12 @@
 
 use super::kin::relatives;
 use super::level;
-use super::place::is_local;
 use super::ranking::luck;
 use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, SHORT_ITERATIONS, Search};
+use crate::effects;
 use crate::fit::Fit;
-use crate::fit::problem::Part;
+use crate::fit::part::Part;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
@@ -51,7 +51,7 @@ impl Search<'_> {
             .map(|rival| rival.map_or(0.0, |rival| level(&rival.fit)));
         let limit = short_of(best, IN_REACH, worst);
         let finalists = screened.into_iter().enumerate().filter(|(rank, rival)| {
-            let is_local = is_local(rival.name);
+            let is_local = effects::of(rival.name).is_local();
             local += usize::from(is_local);
             let taken = *rank < FINALISTS || (is_local && local <= MOST_LOCAL);
             *rank < FEWEST_FINALISTS || (taken && level(&rival.fit) <= limit)

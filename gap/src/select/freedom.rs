@@ -3,10 +3,11 @@
 use super::level;
 use super::ranking::enough;
 use super::round::{POLISHING_ITERATIONS, SHORT_ITERATIONS, Search};
-use crate::candidate::{loosened, one_sided, untouched};
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::problem::Part;
+use crate::fit::part::Part;
+use crate::term::Term;
 
 impl Search<'_> {
     /// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
@@ -29,31 +30,40 @@ impl Search<'_> {
         Some(self.problem.fit(&hypothesis, x, part, POLISHING_ITERATIONS))
     }
 
-    /// One of two stops where the other gains next to nothing: beyond the motion any place would do.
-    pub(super) fn one_stop(&self, known: &Fit, both: &Fit) -> Option<Fit> {
-        let (stops, others) = both.hypothesis.terms.split_last()?;
-        let (before, own) = both.x.split_at(both.x.len() - stops.free.len());
-        let travel = self.problem.recording.model.travel;
-        let untouched = untouched(travel, self.problem.extremes());
-        let single = one_sided(stops, own, untouched).into_iter();
-        let fits = single.map(|(stop, own)| {
-            let terms = [others, &[stop]].concat();
+    /// A fit with its last effect in a form of fewer free parameters, where those it has more gain next to nothing.
+    pub(super) fn reduced(&self, known: &Fit, full: &Fit) -> Option<Fit> {
+        let (last, others) = full.hypothesis.terms.split_last()?;
+        let (before, own) = full.x.split_at(full.x.len() - last.free.len());
+        let model = &self.problem.recording.model;
+        let effect = effects::of(last.kind.name);
+        let forms = effect.reduced_forms(last, own, model, self.problem.extremes());
+        let fits = forms.into_iter().map(|(form, own)| {
+            let terms = [others, &[form]].concat();
             let x = [before, &own].concat();
             let hypothesis = Hypothesis { terms };
             self.problem
                 .fit(&hypothesis, x, Part::All, SHORT_ITERATIONS)
         });
-        let enough = enough(known, both);
+        let enough = enough(known, full);
         let fits = fits.filter(|fit| level(fit) <= enough);
         fits.min_by(|a, b| level(a).total_cmp(&level(b)))
     }
 }
 
+/// An effect with more of its shape free, of a motion that goes `half_span` to either side; none if there is no more.
+fn loosened(given: &Term, half_span: f64) -> Option<Term> {
+    let shape = effects::of(given.kind.name).further_shape(given, half_span);
+    let starts: Vec<(usize, f64)> = shape.iter().map(|c| (c.parameter, c.start)).collect();
+    let mut loosened = given.begun(&starts);
+    loosened.free.extend(&shape);
+    (!shape.is_empty()).then_some(loosened)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::round::on;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     /// How suddenly static friction falls, and how slowly the last of it, once that is freed, where it was given to fall with
     /// an exponent of 1 and no tail.

@@ -2,11 +2,14 @@
 
 use super::level;
 use super::place::stands_out;
-use crate::candidate::contact;
+use crate::effects::contact;
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Hypothesis, Term};
-use crate::fit::problem::{Part, Problem};
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::Perfect;
+use crate::guess::push::LONGEST_SHARE;
+use crate::term::Term;
 use rayon::prelude::*;
 
 /// Moves of an instant that are tried, as shares of how long the hand is there, and how many are made at most.
@@ -133,7 +136,7 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: us
 
 /// The longest that a hand may be there in all, s.
 fn longest_s(problem: &Problem<'_>) -> f64 {
-    contact::LONGEST_SHARE * problem.duration_s()
+    LONGEST_SHARE * problem.duration_s()
 }
 
 /// True if the hand that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
@@ -180,8 +183,8 @@ fn timed(mut hand: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sy
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use crate::term::{Coordinate, Scale};
     use host_sim::effects::Effect;
 
     /// The contact that is written so, all its numbers free but the side.

@@ -1,22 +1,13 @@
 //! Effects that make nearly the same of a motion that is not wide or fast: each is tried from where another stands.
 
-use super::ranking::is_special;
 use super::rival::Rival;
-use crate::candidate::further;
-use crate::fit::hypothesis::Term;
+use crate::effects;
+use crate::term::Term;
 use recording::Model;
 
-const KIN: [&[&str]; 5] = [
-    &["torque_offset", "asymmetric_coulomb"],
-    &["viscous", "quadratic_drag"],
-    &["gravity", "spring"],
-    &["delay", "lag", "sensor_lag"],
-    &["inertia", "torque_gain", "sensor_gain"],
-];
-
 fn is_akin(one: &str, other: &str) -> bool {
-    let both = |kin: &&[&str]| kin.contains(&one) && kin.contains(&other);
-    one != other && KIN.iter().any(both)
+    let family = effects::of(one).family();
+    one != other && family.is_some() && family == effects::of(other).family()
 }
 
 /// The special cases and the kin of a rival among `all`, from where it stands on top of `model`: what else is known of the
@@ -27,7 +18,7 @@ pub(super) fn relatives(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> 
     };
     let beside = |terms: &[Term]| -> Vec<&str> { terms.iter().map(|t| t.kind.name).collect() };
     let moved = all.iter().filter_map(|rival| {
-        let is_special = is_special(rival.name, to.name);
+        let is_special = effects::of(to.name).gives_way_to(rival.name);
         // Alone they find their own way.
         let is_akin = is_akin(rival.name, to.name) && !known.is_empty();
         let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
@@ -49,42 +40,8 @@ pub(super) fn relatives(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> 
 
 /// A term begun where it makes of a small motion what one that is akin does, each in place of a number of `model`.
 fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
-    // Slope of a restoring torque, and where it vanishes.
-    let restoring = |name: &str| match name {
-        "gravity" => Some([model.gravity, model.gravity_zero]),
-        "spring" => Some([model.stiffness, model.stiffness_zero]),
-        _ => None,
-    };
-    let names = [own, other].map(|term| term.kind.name);
-    if let [Some(own_nominal), Some(other_nominal)] = names.map(restoring) {
-        let other = [other.values[0], other.values[1]];
-        let moment = |[slope, zero]: [f64; 2]| slope * zero;
-        let slope = own_nominal[0] + other[0] - other_nominal[0];
-        let zero = (moment(own_nominal) + moment(other) - moment(other_nominal)) / slope;
-        return (slope > 0.0 && zero.is_finite()).then(|| own.begun(&[(0, slope), (1, zero)]));
-    }
-    if let ("asymmetric_coulomb", "torque_offset") = (own.kind.name, other.kind.name) {
-        // What pushes forward is less friction that way and more the other way.
-        let levels = [-1.0, 1.0].map(|way| model.coulomb + way * other.values[0]);
-        let is_friction = levels.iter().all(|level| *level > 0.0);
-        return is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]));
-    }
-    if let ("lag", "sensor_lag") = (own.kind.name, other.kind.name) {
-        // Behind a lag of the model's own that of a sensor is another one.
-        return (model.lag > 0.0).then(|| further(&own.begun(&[(0, other.values[0])])));
-    }
-    // How many times as much it moves.
-    let size = |term: &Term| match term.kind.name {
-        "inertia" => Some(model.inertia / term.values[0]),
-        "torque_gain" | "sensor_gain" => Some(term.values[0]),
-        _ => None,
-    };
-    let (_, times) = size(own).zip(size(other))?;
-    let value = match own.kind.name {
-        "inertia" => model.inertia / times,
-        _ => times,
-    };
-    (value > 0.0 && value.is_finite()).then(|| own.begun(&[(0, value)]))
+    let motion = effects::of(other.kind.name).on_small_motion(other, model)?;
+    effects::of(own.kind.name).begun_from(own, motion, model)
 }
 
 #[cfg(test)]
@@ -92,8 +49,9 @@ mod tests {
     use super::*;
     use crate::fit::Fit;
     use crate::fit::costs::Costs;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::fit::hypothesis::Hypothesis;
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     /// An effect that is begun at `values`, all of them free.
     fn term(name: &str, values: &[f64]) -> Term {

@@ -1,42 +1,30 @@
 //! Effects that do not act as their names say.
 
-use super::ranking::{contains, enough};
+use super::ranking::enough;
 use super::round::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
 use super::{hand, level};
-use crate::candidate::{loses_all_along, push_at_most, waves_short};
+use crate::effects::{self, Fitted};
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
-use host_sim::effects;
-
-/// Share of the inertia below which a side of a transmission is none: half of the least that is typical.
-const LIGHTEST_SIDE: f64 = 0.05;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 
 impl Search<'_> {
-    /// True if the last effect of a fit does not act as its name says: a hand with which something is missing and that never
-    /// goes, or of which no stiffness can be told; a counter that loses of any motion; a stop that is hardly ever left; or a
-    /// transmission whose spring takes longer than a prediction to come back through its damper, so that what it makes is a lag,
-    /// or one side of which weighs nothing, so that its friction bends.
+    /// True if the last effect of a fit does not act as its name says, or is a hand with which something is missing and that never
+    /// goes, or of which no stiffness can be told.
     pub(super) fn is_misnamed(&self, fit: &Fit) -> bool {
         let Some(last) = fit.last_term() else {
             return false;
         };
-        match last.kind.name {
-            "contact" if level(fit) > self.quiet() => {
-                !hand::is_stiff(fit) || hand::is_lasting(self.problem, fit, FITTING_ITERATIONS)
-            }
-            "lost_counts" => loses_all_along(&last, &self.problem.restart_speeds()),
-            "end_stop" => push_at_most(&last, self.problem.positions()),
-            "backlash" | "compliance" => {
-                let predictor = self.problem.predictor(&fit.hypothesis, &fit.x);
-                let link = &predictor.device().mechanics.link;
-                let horizon_s = self.problem.recording.horizon;
-                link.is_some_and(|link| {
-                    let lighter = link.load_share.min(1.0 - link.load_share);
-                    link.damping > horizon_s * link.stiffness || lighter < LIGHTEST_SIDE
-                })
-            }
-            _ => false,
+        let effect = effects::of(last.kind.name);
+        if effect.comes_and_goes() && level(fit) > self.quiet() {
+            return !hand::is_stiff(fit) || hand::is_lasting(self.problem, fit, FITTING_ITERATIONS);
         }
+        effect.is_degenerate(&Fitted {
+            term: &last,
+            device: self.problem.predictor(&fit.hypothesis, &fit.x).device(),
+            series: &self.problem.series,
+            horizon_s: self.problem.recording.horizon,
+        })
     }
 
     /// True if the last effect of a fit does no more than a special case of it that is not to be named.
@@ -45,8 +33,9 @@ impl Search<'_> {
             return false;
         };
         let excluded = self.given.excluded.iter();
-        let special = excluded.filter(|special| contains(last.kind.name, special));
-        let mut special = special.filter_map(|special| last.reduced(effects::kind(special)?));
+        let effect = effects::of(last.kind.name);
+        let special = excluded.filter(|special| effect.contains(special));
+        let mut special = special.filter_map(|special| last.reduced(effects::of(special).kind()));
         special.any(|special| {
             let (mut hypothesis, mut x) = fit.without(fit.hypothesis.terms.len() - 1);
             x.resize(x.len() + special.free.len(), 0.0);
@@ -61,11 +50,9 @@ impl Search<'_> {
 
 /// False if the last effect of a fit is a ripple of which less than a wave was travelled: a pull that bends does as much.
 pub(super) fn repeats(problem: &Problem<'_>, fit: &Fit) -> bool {
-    const WAVE_NUMBER: usize = 1;
-    let ripple = fit.last_term().filter(|term| term.kind.name == "cogging");
-    ripple.is_none_or(|ripple| {
-        let wave_number = ripple.values[WAVE_NUMBER];
-        waves_short(wave_number, problem.extremes()).is_none()
+    fit.last_term().is_none_or(|last| {
+        let effect = effects::of(last.kind.name);
+        effect.too_few_periods(&last, problem.extremes()).is_none()
     })
 }
 
@@ -74,8 +61,8 @@ mod tests {
     use super::super::Given;
     use super::super::round::on;
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     #[test]
     fn a_spring_that_comes_back_later_than_a_prediction_ends_is_a_lag() {

@@ -19,13 +19,15 @@ mod round;
 mod scan;
 mod screening;
 
+use crate::effects::{self, Landscape};
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Hypothesis, Term};
-use crate::fit::problem::{Part, Problem};
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::{FLOOR_DOUBT, Perfect};
 use crate::stage::Stage;
+use crate::term::Term;
 pub(crate) use place::Place;
-use place::bounces;
 use ranking::is_far_likelier;
 pub(crate) use ranking::{inseparable, luck, others, ties};
 pub(crate) use rival::Rival;
@@ -120,10 +122,16 @@ impl Selection {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
     }
 
-    /// False if a ripple is among the effects of which less than a wave was travelled.
-    fn repeats(&self, problem: &Problem<'_>) -> bool {
-        let mut fits = self.rounds.iter().map(|round| &round.rivals[0].fit);
-        fits.all(|fit| misnamed::repeats(problem, fit))
+    /// The name of a ripple among the effects of which less than a wave was travelled, if there is one.
+    fn unrepeated(&self, problem: &Problem<'_>) -> Option<&'static str> {
+        let mut winners = self.rounds.iter().map(|round| &round.rivals[0]);
+        let unrepeated = winners.find(|winner| !misnamed::repeats(problem, &winner.fit));
+        unrepeated.map(|winner| winner.name)
+    }
+
+    /// Terms of the null: numbers of the model that are not stated, and estimated with every hypothesis.
+    pub(crate) fn base(&self) -> usize {
+        self.null.hypothesis.terms.len()
     }
 
     /// Effects that were given: they are there whatever they close.
@@ -180,6 +188,7 @@ impl Selection {
 
     /// Takes back one effect; those after it are fitted anew without it.
     pub(crate) fn withdraw_one(&mut self, problem: &Problem<'_>, place: usize) {
+        let base = self.base();
         let mut later = self.rounds.split_off(place).into_iter();
         self.last = later.next();
         self.rounds.extend(later);
@@ -188,7 +197,7 @@ impl Selection {
             None => self.null.clone(),
         };
         for round in &mut self.rounds[place..] {
-            *round = round.without(problem, place, known);
+            *round = round.without(problem, base + place, known);
             known = round.so_far.clone();
         }
     }
@@ -250,8 +259,13 @@ impl Selection {
         }
         let perfect = Perfect::of(problem, fit);
         // After some impacts even the right model has lost its way.
-        let bounces = fit.hypothesis.terms.iter().any(|t| bounces(t.kind.name));
-        let perfect = if bounces { perfect } else { perfect.bounded() };
+        let mut terms = fit.hypothesis.terms.iter();
+        let bounces = |t: &Term| effects::of(t.kind.name).landscape() == Landscape::Rugged;
+        let perfect = if terms.any(bounces) {
+            perfect
+        } else {
+            perfect.bounded()
+        };
         let as_foretold = || (1.0 / QUIET_GAP..QUIET_GAP).contains(&over_floor());
         is_quiet(fit, &perfect) && (leaves_little || as_foretold())
     }
@@ -279,31 +293,39 @@ fn level(fit: &Fit) -> f64 {
 }
 
 /// Finds the effect that explains most, or the two that do together, then what is left beside them, each
-/// fitted jointly with the others.
-pub(crate) fn select(problem: &Problem<'_>, given: &Given<'_>, progress: fn(Stage)) -> Selection {
+/// fitted jointly with the others, and with the terms of `base`, which say numbers of the model that are not stated.
+pub(crate) fn select(
+    problem: &Problem<'_>,
+    base: Option<Fit>,
+    given: &Given<'_>,
+    progress: fn(Stage),
+) -> Selection {
     progress(Stage::Nominal);
-    let bare = Hypothesis { terms: Vec::new() };
-    let x = vec![0.0; bare.dimensions(&problem.nudges)];
-    let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
-    let far = problem.nominal_afar(&null, NULL_ITERATIONS);
-    let null = far.unwrap_or(null);
+    let bare = || {
+        let bare = Hypothesis { terms: Vec::new() };
+        let x = vec![0.0; bare.dimensions(&problem.nudges)];
+        let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
+        problem.nominal_afar(&null, NULL_ITERATIONS).unwrap_or(null)
+    };
+    let null = base.unwrap_or_else(bare);
     let found = select_beyond(null.clone(), problem, given, progress);
-    if found.repeats(problem) {
+    let Some(ripple) = found.unrepeated(problem) else {
         return found;
-    }
-    pulls(&found, null, problem, given, progress).unwrap_or(found)
+    };
+    pulls(&found, ripple, null, problem, given, progress).unwrap_or(found)
 }
 
 /// What is found without a ripple of which less than a wave was travelled, if that does as much.
 fn pulls(
     found: &Selection,
+    ripple: &'static str,
     null: Fit,
     problem: &Problem<'_>,
     given: &Given<'_>,
     progress: fn(Stage),
 ) -> Option<Selection> {
     let mut without = given.clone();
-    without.excluded.push("cogging");
+    without.excluded.push(ripple);
     let pulls = select_beyond(null, problem, &without, progress);
     let [rippled, pulled] = [found.rounds.last()?, pulls.rounds.last()?];
     let suffice = pulls.rounds.len() <= MOST_PULLS && pulls.suffices(problem, &pulled.so_far);
@@ -420,7 +442,7 @@ mod tests {
     /// What is found of some effects, in the order of the alphabet.
     fn found(hidden: &[&str]) -> Vec<&'static str> {
         let recording = made::recording(hidden);
-        let selection = select(&made::problem(&recording), &Given::A_GAP, |_| {});
+        let selection = select(&made::problem(&recording), None, &Given::A_GAP, |_| {});
         let rounds = selection.rounds.iter();
         let mut names: Vec<&str> = rounds.map(|round| round.rivals[0].name).collect();
         names.sort_unstable();

@@ -2,12 +2,13 @@
 
 use super::finals::join;
 use super::level;
-use super::place::{bounces, earns_its_place};
-use super::ranking::{contains, enough, ranked};
+use super::place::earns_its_place;
+use super::ranking::{enough, ranked};
 use super::rival::{Rival, extended, turned};
 use super::round::{FITTING_ITERATIONS, Round, Search};
+use crate::effects::{self, Landscape};
 use crate::fit::Fit;
-use crate::fit::problem::Part;
+use crate::fit::part::Part;
 
 /// Share of the excess over the perfect level that two effects may leave in screening for no others to be looked for, if they
 /// leave no more than the floor of the gap.
@@ -35,7 +36,7 @@ impl Search<'_> {
         let null = &first.known;
         // What bounces is looked for anew beside each.
         let mut hints = first.screened.clone();
-        hints.retain(|rival| !bounces(rival.name));
+        hints.retain(|rival| effects::of(rival.name).landscape() != Landscape::Rugged);
         let chosen = self.screening_windows(null);
         let leaders = self.leaders(first, if lead { LEADERS } else { 0 });
         let (looked, suffices) = self.led(null, leaders, &chosen, &hints);
@@ -134,7 +135,8 @@ impl Search<'_> {
                 .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS)
         };
         let general = both.fit.hypothesis.terms.first()?.kind.name;
-        let specials = first.rivals.iter().filter(|r| contains(general, r.name));
+        let effect = effects::of(general);
+        let specials = first.rivals.iter().filter(|r| effect.contains(r.name));
         let mut specials = specials.peekable();
         specials.peek()?;
         let (hypothesis, x) = both.fit.without(0);
@@ -281,9 +283,9 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale, Term};
     use crate::made;
     use crate::select::round;
+    use crate::term::{Coordinate, Scale, Term};
 
     /// An effect of which the first number is free.
     fn term(name: &str, start: f64) -> Term {

@@ -1,9 +1,11 @@
 //! Whether an effect is more than luck.
 
 use super::{Rival, is_quiet};
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::costs::Costs;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::{Perfect, mean_and_error};
 
 /// A gain on windows that the fit has not seen must be this many standard errors from zero. With some
@@ -65,8 +67,8 @@ pub(super) fn earns_its_place(
     // Where nothing seems to be missing, only what shows in a window or two is.
     let is_missing = known.is_strained() || !is_quiet(known, perfect);
     let by_unseen = by_unseen && !winner.is_event() && is_missing;
-    let is_local = winner.is_event() || matches!(winner.name, "end_stop" | "saturation");
-    let by_few = !by_unseen && is_local && stands_out(&seen, perfect);
+    let may_be_few = winner.is_event() || effects::of(winner.name).may_show_in_few_windows();
+    let by_few = !by_unseen && may_be_few && stands_out(&seen, perfect);
     Place {
         significance,
         earned: by_unseen || by_few,
@@ -96,26 +98,6 @@ const HARMLESS_GAIN: f64 = 1.5;
 /// Sum of robust costs that an effect bound to a moment must gain: the logarithm of the number of places,
 /// instants and sizes searched, with a margin.
 const EVENT_GAIN: f64 = 4.0;
-
-/// True for effects that may show in a window or two.
-pub(super) fn is_local(name: &str) -> bool {
-    matches!(name, "contact" | "end_stop" | "lost_counts")
-}
-
-/// True for effects of which a scan over many sizes says where they may be.
-pub(super) fn is_scanned(name: &str) -> bool {
-    matches!(name, "backlash" | "compliance")
-}
-
-/// True for effects whose starts promise nothing to first order: all hangs on what is carried over.
-pub(super) fn bends(name: &str) -> bool {
-    name == "presliding"
-}
-
-/// True for effects whose impacts leave no slope to follow.
-pub(super) fn bounces(name: &str) -> bool {
-    name == "backlash"
-}
 
 /// Fits to two halves of the windows, and what each costs on the windows of the other.
 struct HeldOut {

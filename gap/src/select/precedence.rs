@@ -2,12 +2,13 @@
 
 use super::finals::best_of;
 use super::misnamed::repeats;
-use super::ranking::{contains, is_as_likely, is_far_likelier, ranked};
+use super::ranking::{is_as_likely, is_far_likelier, ranked};
 use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
 use super::{MOST_LEFT_EXPLAINED, is_quiet, level};
+use crate::effects;
 use crate::fit::Fit;
-use crate::fit::problem::Part;
+use crate::fit::part::Part;
 use crate::floor::Perfect;
 
 impl Search<'_> {
@@ -20,7 +21,7 @@ impl Search<'_> {
         let most = 0.5 * (level(known) + level(&best.fit));
         for rival in &mut rivals {
             let is_open = level(&rival.fit) > self.quiet() || is_far_likelier(&best, rival);
-            if contains(best.name, rival.name) && is_open && level(&rival.fit) <= most {
+            if effects::of(best.name).contains(rival.name) && is_open && level(&rival.fit) <= most {
                 rival.fit = self.problem.polished(&rival.fit, POLISHING_ITERATIONS);
                 // What it is to give way to may do no more than a shape that it was not free to take.
                 if is_far_likelier(&best, rival)
@@ -35,12 +36,13 @@ impl Search<'_> {
         rivals
     }
 
-    /// The rivals, another weight hanging where it is stated to hang if it does as well there.
-    pub(super) fn hung_as_stated(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
-        const ZERO: usize = 1;
-        let stated = self.problem.recording.model.gravity_zero;
-        for rival in rivals.iter_mut().filter(|r| r.name == "gravity") {
-            let Some(mut held) = rival.with_held(ZERO, stated) else {
+    /// The rivals, those with a parameter that the model states held there if they do as well.
+    pub(super) fn held_as_stated(&self, known: &Fit, mut rivals: Vec<Rival>) -> Vec<Rival> {
+        let model = &self.problem.recording.model;
+        for rival in &mut rivals {
+            let stated = effects::of(rival.name).stated_parameter(model);
+            let held = stated.and_then(|(place, value)| rival.with_held(place, value));
+            let Some(mut held) = held else {
                 continue;
             };
             let Fit { hypothesis, x, .. } = held.fit;
@@ -75,7 +77,7 @@ impl Search<'_> {
                     && is_as_likely(rival, &rivals[0])
                     && is_quiet(&rival.fit, &Perfect::of(self.problem, &rival.fit).bounded())
             };
-            contains(rivals[0].name, rival.name)
+            effects::of(rivals[0].name).contains(rival.name)
                 && (pulls.is_some_and(|most| level(&rival.fit) <= most) || leaves_nothing())
         });
         if let Some(special) = special {
@@ -89,8 +91,8 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::round::on;
-    use crate::fit::hypothesis::{Coordinate, Scale, Term};
     use crate::made;
+    use crate::term::{Coordinate, Scale, Term};
     use core::f64::consts::PI;
 
     #[test]

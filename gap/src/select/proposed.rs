@@ -1,15 +1,15 @@
 //! Two effects of which neither need show much alone: pairs that promise most together.
 
 use super::field::{FIRST_ITERATIONS, Field, sorted};
-use super::place::{is_local, is_scanned};
-use super::ranking::contains;
 use super::rival::{Rival, extended};
 use super::round::Search;
 use super::screening::{BEGUN, MANY_ITERATIONS};
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::ground::Direction;
-use crate::fit::hypothesis::{Hypothesis, Term};
-use crate::fit::problem::Part;
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::part::Part;
+use crate::term::Term;
 use rayon::prelude::*;
 
 /// Pairs that are fitted because they promise most together.
@@ -29,8 +29,8 @@ impl Search<'_> {
         let alone = alone.filter_map(|rival| rival.fit.last_term());
         let mut starts: Vec<Term> = alone.collect();
         let others = self.tried(null, &[]).into_iter().filter(|candidate| {
-            let name = candidate.kind.name;
-            !is_local(name) && !is_scanned(name)
+            let effect = candidate.effect;
+            !effect.is_local() && !effect.landscape().is_scanned()
         });
         starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, BEGUN)));
         let mut proposed = field.pairs(&starts);
@@ -85,7 +85,7 @@ impl Field<'_> {
         // What contains another needs no other beside it.
         let is_pair = |[i, j]: &[usize; 2]| {
             let [a, b] = [i, j].map(|i: &usize| starts[*i].kind.name);
-            a != b && !contains(a, b) && !contains(b, a)
+            a != b && !effects::of(a).contains(b) && !effects::of(b).contains(a)
         };
         let pairs: Vec<[usize; 2]> = pairs.filter(is_pair).collect();
         let nudges = self.problem.nudges.len();

@@ -3,6 +3,7 @@
 use super::rival::Rival;
 use super::round::Round;
 use super::{QUIET_EXCESS, level};
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::PRIOR_WEIGHT;
 
@@ -51,8 +52,9 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     // A special case needs even less to be preferred to what contains it.
     let gain = (level(known) - best).max(0.0);
     let near = best + SPECIAL_PARSIMONY * gain;
-    let special = (0..rivals.len())
-        .filter(|&i| is_as_good(i, near) && is_special(rivals[i].name, rivals[winner].name));
+    let special = (0..rivals.len()).filter(|&i| {
+        is_as_good(i, near) && effects::of(rivals[winner].name).gives_way_to(rivals[i].name)
+    });
     let winner = special.min().unwrap_or(winner);
     let winner = rivals.remove(winner);
     rivals.insert(0, winner);
@@ -96,29 +98,6 @@ pub(super) fn enough(known: &Fit, best: &Fit) -> f64 {
     level(best) + PARSIMONY * (level(known) - level(best)).max(0.0)
 }
 
-/// True if `special` does with fewer numbers what `general` does too.
-pub(super) fn is_special(special: &str, general: &str) -> bool {
-    contains(general, special) || (special, general) == ("torque_offset", "asymmetric_coulomb")
-}
-
-/// True if `general` is `special` for some of its parameters.
-pub(super) fn contains(general: &str, special: &str) -> bool {
-    matches!(
-        (general, special),
-        (
-            "asymmetric_coulomb" | "friction_drift" | "position_dependent_coulomb" | "stribeck",
-            "coulomb"
-        ) | ("backlash", "compliance")
-            | ("sensor_nonlinearity", "sensor_gain")
-            | (
-                "cogging" | "contact" | "end_stop" | "gravity" | "spring",
-                "torque_offset"
-            )
-            | ("cogging" | "contact" | "end_stop", "gravity" | "spring")
-            | ("contact", "end_stop")
-    )
-}
-
 /// What one fit may leave less than another by luck, where both are made of as much: what a parameter is worth.
 pub(crate) fn luck(fit: &Fit) -> f64 {
     let windows = fit.costs.per_sample.len();
@@ -131,7 +110,7 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
     let close = level(&winner.fit) + luck(&winner.fit).max(TIE_SHARE * gain);
     let tied = round.rivals[1..].iter().filter(|rival| {
-        if contains(rival.name, winner.name) {
+        if effects::of(rival.name).contains(winner.name) {
             // What saves more than its further parameters are worth was set aside for their sake alone.
             saved(winner, rival) > worth(winner, rival)
         } else {
@@ -141,16 +120,19 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     tied.map(|rival| rival.name).collect()
 }
 
-/// Names in a round that may as well be the winner's: those that this recording cannot tell from it, and what no recording
-/// can, as a reading that comes late by a dead time is that of a device that is driven late.
+/// Names in a round that may as well be the winner's: those that this recording cannot tell from it, and those that no
+/// recording can.
 pub(crate) fn inseparable(round: &Round) -> Vec<&'static str> {
     let mut names = ties(round);
     let winner = &round.rivals[0];
-    let last = winner.fit.last_term();
-    let is_late = winner.name == "delay" && last.is_some_and(|delay| delay.values[0] > 0.0);
-    let reading = round.rivals.iter().find(|rival| rival.name == "sensor_lag");
-    if let Some(reading) = reading.filter(|reading| is_late && !names.contains(&reading.name)) {
-        names.push(reading.name);
+    let Some(last) = winner.fit.last_term() else {
+        return names;
+    };
+    for other in effects::of(winner.name).indistinguishable(&last) {
+        let was_tried = round.rivals.iter().any(|rival| rival.name == other.name());
+        if was_tried && !names.contains(&other.name()) {
+            names.push(other.name());
+        }
     }
     names
 }
@@ -160,16 +142,17 @@ pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
     let winner = round.rivals[0].name;
     round.rivals[1..]
         .iter()
-        .filter(move |rival| !contains(rival.name, winner))
+        .filter(move |rival| !effects::of(rival.name).contains(winner))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fit::costs::Costs;
-    use crate::fit::hypothesis::{Coordinate, Hypothesis, Scale};
+    use crate::fit::hypothesis::Hypothesis;
     use crate::made;
     use crate::select::Place;
+    use crate::term::{Coordinate, Scale};
 
     const KNOWN: f64 = 2.0;
     const BEST: f64 = 0.7;

@@ -4,7 +4,8 @@ use super::rival::Rival;
 use super::round::{FITTING_ITERATIONS, Round, Search};
 use super::{Given, LEAST_PROMISED, LEAST_PROMISED_AT_FLOOR, LOUD_GAP, Selection};
 use crate::fit::Fit;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::Perfect;
 use crate::stage::Stage;
 use rayon::prelude::*;
@@ -91,7 +92,7 @@ mod tests {
         let nominal = problem.fit(&bare, Vec::new(), Part::All, 0);
         problem.modelling = 0.2 * problem.plain_gap(&problem.series, &nominal);
         let given = Given::A_GAP;
-        let coarse = select(&problem, &given, |_| {});
+        let coarse = select(&problem, None, &given, |_| {});
         let refined = coarse.refined(&problem, &given, |_| {});
         let names = |selection: &Selection| {
             let rounds = selection.rounds.iter();

@@ -1,7 +1,8 @@
 //! A hypothesis with one more effect.
 
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Hypothesis, Term};
+use crate::fit::hypothesis::Hypothesis;
+use crate::term::Term;
 
 /// A hypothesis that was tried in addition to what was known.
 #[derive(Clone, Debug)]
@@ -97,8 +98,8 @@ pub(super) fn turned(both: &Rival) -> Option<Rival> {
 mod tests {
     use super::*;
     use crate::fit::costs::Costs;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::made;
+    use crate::term::{Coordinate, Scale};
 
     /// A rival of one effect at a point off its start.
     fn rival(name: &str, free: &[Coordinate], x: &[f64]) -> Rival {

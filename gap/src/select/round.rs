@@ -3,14 +3,16 @@
 use super::evolution::evolved;
 use super::finals::{best_of, join_all};
 use super::hand;
-use super::place::{Place, bounces, earns_its_place};
+use super::place::{Place, earns_its_place};
 use super::rival::{Rival, extended};
 use super::{Given, QUIET_EXCESS, level};
+use crate::effects::{self, Landscape};
 use crate::fit::Fit;
-use crate::fit::hypothesis::Term;
-use crate::fit::problem::{Part, Problem};
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
 use crate::floor::Perfect;
 use crate::stage::Stage;
+use crate::term::Term;
 
 /// Iterations for all finalists, for those that are near the best then, and more for the one that is named.
 pub(super) const SHORT_ITERATIONS: usize = 3;
@@ -167,14 +169,14 @@ impl Search<'_> {
         (self.progress)(Stage::Judging);
         let best = best_of(&rivals)?.name;
         let rivals = self.with_specials_polished(known, rivals);
-        let rivals = self.hung_as_stated(known, rivals);
+        let rivals = self.held_as_stated(known, rivals);
         let mut rivals = self.ordered(known, rivals)?;
         let Rival { name, fit: winner } = &mut rivals[0];
-        if bounces(name) {
+        if effects::of(name).landscape() == Landscape::Rugged {
             let costs = |x: &[f64]| self.problem.costs(&winner.hypothesis, x, Part::All);
             (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
         }
-        if *name == "contact" {
+        if effects::of(name).comes_and_goes() {
             *winner = hand::found(
                 self.problem,
                 &self.perfect,
@@ -191,16 +193,14 @@ impl Search<'_> {
         if let Some(loosened) = self.loosened(known, winner) {
             *winner = loosened;
         }
-        if *name == "end_stop"
-            && let Some(single) = self.one_stop(known, winner)
-        {
-            *winner = single;
+        if let Some(reduced) = self.reduced(known, winner) {
+            *winner = reduced;
         }
         let first = *name;
         if first != best {
             let related = self.related(&rivals[0], &screened);
             join_all(&mut rivals, related);
-            rivals = self.hung_as_stated(known, rivals);
+            rivals = self.held_as_stated(known, rivals);
             rivals = self.ordered(known, rivals)?;
         }
         let Rival { name, fit: winner } = &mut rivals[0];

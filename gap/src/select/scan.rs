@@ -4,8 +4,8 @@ use super::evolution::evolved;
 use super::field::{Field, lowest};
 use super::screening::MANY_ITERATIONS;
 use crate::fit::Fit;
-use crate::fit::hypothesis::Term;
 use crate::floor::WHITE;
+use crate::term::Term;
 use rayon::prelude::*;
 
 /// Lowest points of a scan, which is made once, that are fitted.
@@ -119,7 +119,7 @@ mod tests {
             let chosen = vec![true; search.problem.window_count()];
             let field = Field::new(search.problem, null, chosen);
             let candidates = search.tried(null, &[]).into_iter();
-            let mut twists = candidates.filter(|c| c.kind.name == "compliance");
+            let mut twists = candidates.filter(|c| c.effect.name() == "compliance");
             let starts = twists.next().unwrap().starts;
             let low = minima(&starts, |start| field.cost(start));
             (field.scanned(None, &starts), low)

@@ -2,15 +2,16 @@
 
 use super::field::{Field, sorted};
 use super::finals::join_all;
-use super::place::{bends, bounces, is_local, is_scanned};
 use super::rival::Rival;
 use super::round::Search;
 use super::{QUIET_EXCESS, level};
-use crate::candidate::{Candidate, Evidence, candidates};
+use crate::effects::{Candidate, Landscape, candidates};
 use crate::fit::Fit;
-use crate::fit::hypothesis::Term;
-use crate::fit::problem::{Part, Problem, turn};
+use crate::fit::part::{Part, turn};
+use crate::fit::problem::Problem;
+use crate::guess::Evidence;
 use crate::stage::Stage;
+use crate::term::Term;
 use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
 use std::cell::LazyCell;
@@ -70,19 +71,22 @@ impl Search<'_> {
             .map(|given| Field::new(problem, given, chosen));
         let field = as_given.as_ref().unwrap_or(&as_fitted);
         // One start is a hint.
-        let is_scan =
-            |c: &Candidate| bounces(c.kind.name) || is_scanned(c.kind.name) && c.starts.len() > 1;
+        let is_scan = |c: &Candidate| match c.effect.landscape() {
+            Landscape::Rugged => true,
+            landscape => landscape.is_scanned() && c.starts.len() > 1,
+        };
         let tried = self.tried(field.known, hints);
         let (scans, few): (Vec<_>, Vec<_>) = tried.into_iter().partition(is_scan);
-        let (hinted, few): (Vec<_>, Vec<_>) =
-            few.into_iter().partition(|c| is_scanned(c.kind.name));
+        let (hinted, few): (Vec<_>, Vec<_>) = few
+            .into_iter()
+            .partition(|c| c.effect.landscape().is_scanned());
         let has_two_masses = self.has_two_masses(known);
         let fitted = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
-            let name = candidate.kind.name;
-            let (field, begun, kept) = if is_local(name) {
+            let effect = candidate.effect;
+            let (field, begun, kept) = if effect.is_local() {
                 // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
                 (&as_fitted, VARIANT_BEGUN, VARIANT_KEPT)
-            } else if bends(name) && !has_two_masses {
+            } else if effect.landscape() == Landscape::Hysteretic && !has_two_masses {
                 // A form that promises more from afar may still lead to less; beside two masses trying all takes too long.
                 (field, candidate.starts.len(), STARTS_KEPT)
             } else {
@@ -113,7 +117,7 @@ impl Search<'_> {
             let [before, after] = [field.known, best].map(|fit| whole.cost_of(fit));
             let enough = before - LEAST_SCANNED_GAIN * (before - after);
             let scanned = self.fitted_on(known, &whole.chosen, &scans, enough, |candidate| {
-                let starts = if bounces(candidate.kind.name) {
+                let starts = if candidate.effect.landscape() == Landscape::Rugged {
                     whole.searched(soon.as_ref(), &candidate.starts, best)
                 } else {
                     whole.scanned(soon.as_ref(), &candidate.starts)
@@ -181,7 +185,7 @@ impl Search<'_> {
             PROMISING
         };
         let part = Part::Chosen(chosen);
-        let begun = tried.par_iter().map(|c| (begun(c), c.kind.name));
+        let begun = tried.par_iter().map(|c| (begun(c), c.effect.name()));
         let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
         begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
         let there = self
@@ -239,14 +243,14 @@ impl Search<'_> {
         let mut tried = self.evidence(known, candidates);
         let terms = &known.hypothesis.terms;
         tried.retain(|candidate| {
-            let name = candidate.kind.name;
+            let name = candidate.effect.name();
             !self.given.excluded.contains(&name) && terms.iter().all(|term| term.kind.name != name)
         });
         for candidate in &mut tried {
-            let name = candidate.kind.name;
+            let name = candidate.effect.name();
             let measured = self.given.measured.as_ref().filter(|t| t.kind.name == name);
             let hint = hints.iter().find(|hint| hint.name == name);
-            let hint = hint.filter(|_| is_scanned(name));
+            let hint = hint.filter(|_| candidate.effect.landscape().is_scanned());
             if let Some(start) = measured.cloned().or_else(|| hint?.fit.last_term()) {
                 candidate.starts = vec![start];
             }
@@ -324,10 +328,10 @@ fn samples(problem: &Problem<'_>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Coordinate, Scale};
     use crate::floor::WHITE;
     use crate::made;
     use crate::select::round;
+    use crate::term::{Coordinate, Scale};
     use recording::Recording;
 
     /// A dead band of a width that is fitted, and of a form that is not.

@@ -1,7 +1,7 @@
 //! What a loop may have told between the rows of a log that is slower than itself: the column has its means alone.
 
 use super::series::{Series, largest};
-use super::told::Courses;
+use super::torque_profiles::TorqueProfiles;
 use host_sim::sensors::Noise;
 use recording::{Pid, low_pass_gain};
 
@@ -40,7 +40,7 @@ impl Series {
         }
         self.largest_input = largest(&inputs);
         (self.input_time, self.input, self.velocity) = (times, inputs, velocities);
-        self.courses = Courses::default();
+        self.torque_profiles = TorqueProfiles::default();
     }
 }
 

@@ -1,12 +1,16 @@
 //! Recordings cut into windows of prediction, with the state that was measured where each begins.
 
 mod averaging;
+pub(crate) mod drive_response;
 pub(crate) mod excerpt;
 mod inputs;
 pub(crate) mod intersample;
 pub(crate) mod motion;
 pub(crate) mod noise;
 pub mod restart;
+pub(crate) mod run_order;
 pub mod series;
-pub(crate) mod told;
+pub(crate) mod statistics;
+mod torque_profiles;
 pub(crate) mod unbroken;
+mod window;

@@ -1,8 +1,8 @@
 //! Noise of the position sensor, from the data themselves.
 
-use super::motion::quantile;
 use super::restart::Restart;
-use super::series::Window;
+use super::statistics::quantile;
+use super::window::Window;
 use nalgebra::DMatrix;
 use recording::{Recording, Run, low_pass_gain};
 

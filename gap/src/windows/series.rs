@@ -4,22 +4,10 @@ use super::averaging::Averaging;
 use super::inputs::Inputs;
 use super::noise;
 use super::restart::Restart;
-use super::told::Courses;
+use super::torque_profiles::TorqueProfiles;
+pub use super::window::Window;
 use recording::{Recording, Run, low_pass_gain};
 use std::ops::Range;
-
-/// One prediction window.
-#[derive(Clone, Debug)]
-pub struct Window {
-    /// Samples that are predicted.
-    pub samples: Range<usize>,
-    /// State from which they are.
-    pub restart: Restart,
-    /// Standard deviation of a sample here, in units of position.
-    pub noise: f64,
-    /// That of the samples that the restart is fitted to.
-    pub restart_noise: f64,
-}
 
 /// A run as the prediction sees it.
 #[derive(Clone, Debug)]
@@ -58,7 +46,7 @@ pub struct Series {
     /// What the samples show of a motion.
     pub(crate) averaging: Averaging,
     /// What drives make of the inputs.
-    pub(crate) courses: Courses,
+    pub(crate) torque_profiles: TorqueProfiles,
 }
 
 /// Period that suffices for whatever moves, s, and the longest to about which samples are put together in long windows of long
@@ -94,7 +82,7 @@ impl Series {
             goes_on,
             windows,
             averaging: Averaging::default(),
-            courses: Courses::default(),
+            torque_profiles: TorqueProfiles::default(),
         }
     }
 
@@ -179,7 +167,7 @@ impl Series {
             session_offset_s: self.session_offset_s,
             started_s: self.started_s,
             goes_on: self.goes_on || rows.start > 0,
-            courses: Courses::default(),
+            torque_profiles: TorqueProfiles::default(),
         }
     }
 
@@ -202,7 +190,7 @@ impl Series {
             correlation: self.correlation.powi(group as i32),
             windows: Vec::new(),
             averaging: Averaging::default(),
-            courses: Courses::default(),
+            torque_profiles: TorqueProfiles::default(),
             ..self
         };
         let averaged = noise::averaged(group, self.correlation);

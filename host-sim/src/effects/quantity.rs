@@ -34,6 +34,20 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// Of a number of the nominal model, by its name there; `None` for its ratio, which is torque over input.
+    pub fn of_model(number: &str) -> Option<Self> {
+        Some(match number {
+            "inertia" => Self::Inertia,
+            "viscous" | "stop_damping" => Self::Damping,
+            "coulomb" | "gravity" | "offset" => Self::Torque,
+            "stiffness" | "stop_stiffness" => Self::Stiffness,
+            "delay" | "lag" => Self::Time,
+            "input_limit" => Self::Input,
+            "gravity_zero" | "stiffness_zero" | "travel" => Self::Position,
+            _ => return None,
+        })
+    }
+
     /// The unit for an axis whose position and input have these units.
     pub fn unit(self, position: &str, input: &str) -> String {
         let torque = if position == "m" || position == "mm" {

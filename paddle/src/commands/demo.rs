@@ -1,10 +1,11 @@
 //! `paddle demo`: a step response, and a gap with its diagnosis.
 
-use super::gap::{diagnose, measure};
+use super::gap::{measure, results};
 use super::sim;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::provenance::Provenance;
 use crate::report::{self, Labels};
 use crate::targets::{Target, Use};
 use clap::Args;
@@ -49,9 +50,13 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     for run in &runs {
         measure::leave(&mut predictions, run, &gap);
     }
+    let provenance = Provenance::of(folder.path(), &recording)?;
     let outcome = gap::diagnose(&recording, &Options::default());
     let mut diagnosis = Folder::new(out);
-    diagnosis.draw("report.html", report::page(&recording, &outcome));
+    diagnosis.draw(
+        "report.html",
+        report::page(&recording, &outcome, &provenance),
+    );
     diagnosis.put(
         "corrected.toml",
         &ModelFile::new(&outcome.model, &recording).to_string(),
@@ -76,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         json: json!({
             "step": step.json,
             "gap": gap,
-            "diagnosis": diagnose::json(&outcome),
+            "diagnosis": results::json(&outcome, &provenance),
             "files": files,
             "folder": out,
         }),

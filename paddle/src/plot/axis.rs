@@ -38,6 +38,8 @@ pub struct Axis {
     pub scale: Scale,
     pub range: Range<f64>,
     pub ticks: Vec<f64>,
+    /// What is written at them, if it is not their values.
+    names: Vec<String>,
 }
 
 /// Share of the range that is left free at either end of the values.
@@ -72,6 +74,17 @@ impl Axis {
             scale,
             range,
             ticks,
+            names: Vec::new(),
+        }
+    }
+
+    /// The same with these ticks, each with what is written at it.
+    pub fn with_ticks(self, ticks: &[(f64, String)]) -> Self {
+        let (ticks, names) = ticks.iter().cloned().unzip();
+        Self {
+            ticks,
+            names,
+            ..self
         }
     }
 
@@ -87,6 +100,10 @@ impl Axis {
 
     /// Text at a tick.
     pub fn label(&self, tick: f64) -> String {
+        let named = self.ticks.iter().position(|t| *t == tick);
+        if let Some(name) = named.and_then(|place| self.names.get(place)) {
+            return name.clone();
+        }
         significant(self.scale.value(tick), TICK_DIGITS)
     }
 }

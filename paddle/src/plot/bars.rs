@@ -2,7 +2,7 @@
 
 use super::axis;
 use super::ink::Ink;
-use super::sheet::{self, LARGE, PlotError, SMALL, UNIT, WIDTH};
+use super::sheet::{self, LARGE, PlotError, SMALL, UNIT, WIDTH, Words};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
 
@@ -56,7 +56,15 @@ impl Bars {
             false => 0.0,
         };
         let height = TOP + ROW * self.bars.len() as i32 + BOTTOM;
-        sheet::draw(height, |area| {
+        let said = self
+            .bars
+            .iter()
+            .map(|b| format!("{} {}", b.label, value(b)));
+        let words = Words {
+            title: self.title.clone(),
+            description: format!("Bars: {}.", said.collect::<Vec<_>>().join("; ")),
+        };
+        sheet::draw(height, &words, |area| {
             let at = (GAP, TOP / 2);
             sheet::write(area, &self.title, at, HPos::Left, sheet::font(LARGE))?;
             for (place, bar) in (0..).zip(&self.bars) {

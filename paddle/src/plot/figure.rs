@@ -1,8 +1,10 @@
 //! Lines over a common abscissa, in one panel or several.
 
-use super::axis::{Axis, Scale};
+use super::axis::{self, Axis, Scale};
 use super::ink::Ink;
-use super::sheet::{self, AXIS, Area, Failure, GRID, LARGE, PlotError, SMALL, TEXT, UNIT, WIDTH};
+use super::sheet::{
+    self, AXIS, Area, Failure, GRID, LARGE, PlotError, SMALL, TEXT, UNIT, WIDTH, Words,
+};
 use super::thin;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -83,6 +85,8 @@ pub struct Figure {
     pub x_label: String,
     /// Layout of the abscissa.
     pub x_scale: Scale,
+    /// Where ticks are and what is written at them; none for ticks at round values.
+    pub x_ticks: Vec<(f64, String)>,
     /// From top to bottom; the first is the tallest.
     pub panels: Vec<Panel>,
 }
@@ -228,7 +232,43 @@ fn text(size: f64, vertical: VPos) -> TextStyle<'static> {
     sheet::font(size).pos(Pos::new(HPos::Left, vertical))
 }
 
+impl Panel {
+    /// What it shows, in a sentence; with the places that are shaded, if the abscissa `has_values`.
+    fn in_words(&self, has_values: bool) -> String {
+        let lines: Vec<_> = self.lines.iter().map(|line| line.label.as_str()).collect();
+        let ends = |values: &mut dyn Iterator<Item = f64>| {
+            let values = values.filter(|value| value.is_finite());
+            values.fold(None, |ends: Option<[f64; 2]>, value| {
+                Some(ends.map_or([value; 2], |[low, high]| [low.min(value), high.max(value)]))
+            })
+        };
+        let range = ends(&mut self.ordinates()).map_or(String::new(), |[low, high]| {
+            format!(" from {} to {}", axis::rounded(low), axis::rounded(high))
+        });
+        let shaded = self.regions.iter().map(|region| {
+            let [from, to] = [region.from, region.to].map(axis::rounded);
+            match has_values {
+                true => format!(", shaded from {from} to {to}"),
+                false => String::new(),
+            }
+        });
+        let shaded: String = shaded.collect();
+        format!("{}{range}: {}{shaded}.", self.y_label, lines.join(", "))
+    }
+}
+
 impl Figure {
+    /// The same for those who do not see it.
+    fn words(&self) -> Words {
+        let has_values = self.x_ticks.is_empty();
+        let panels = self.panels.iter().map(|panel| panel.in_words(has_values));
+        let panels: Vec<_> = panels.collect();
+        Words {
+            title: self.title.clone(),
+            description: format!("Over {}. {}", self.x_label, panels.join(" ")),
+        }
+    }
+
     /// The chart as SVG text.
     ///
     /// # Errors
@@ -240,6 +280,10 @@ impl Figure {
             self.x_scale,
             8,
         );
+        let x = match self.x_ticks.is_empty() {
+            true => x,
+            false => x.with_ticks(&self.x_ticks),
+        };
         let legend = match self.panels.iter().any(|panel| panel.lines.len() > 1) {
             true => lines()
                 .map(|line| sheet::width_of(&line.label, SMALL) + SWATCH + 18)
@@ -248,7 +292,7 @@ impl Figure {
             false => 0,
         };
         let panels: i32 = (0..self.panels.len()).map(Panel::height).sum();
-        sheet::draw(TITLE + panels + X_LABEL, |area| {
+        sheet::draw(TITLE + panels + X_LABEL, &self.words(), |area| {
             let at = (LEFT, TITLE / 2 + 2);
             sheet::write(area, &self.title, at, HPos::Left, sheet::font(LARGE))?;
             let mut top = TITLE;
@@ -263,5 +307,42 @@ impl Figure {
             let at = (middle, top + X_LABEL / 2 - 2);
             sheet::write(area, &self.x_label, at, HPos::Center, sheet::font(SMALL))
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chart_says_what_it_shows_to_those_who_do_not_see_it() {
+        let figure = Figure {
+            title: "run <1> & more".into(),
+            x_label: "time, s".into(),
+            panels: vec![Panel {
+                y_label: "position, degrees".into(),
+                lines: vec![Line::new(
+                    "measured",
+                    Ink::Measured,
+                    &[0.0, 1.0],
+                    &[-2.0, 4.0],
+                )],
+                regions: vec![Band {
+                    from: 0.25,
+                    to: 0.5,
+                }],
+                ..Panel::default()
+            }],
+            ..Figure::default()
+        };
+        let svg = figure.svg().unwrap();
+        for said in [
+            "role=\"img\" aria-label=\"run &lt;1&gt; &amp; more\"",
+            "<title>run &lt;1&gt; &amp; more</title>",
+            "<desc>Over time, s. position, degrees from −2 to 4: measured, shaded from 0.25 to 0.5.</desc>",
+            "viewBox",
+        ] {
+            assert!(svg.contains(said), "{said} is not in {svg}");
+        }
     }
 }

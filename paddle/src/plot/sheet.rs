@@ -32,9 +32,18 @@ pub type Failure = DrawingAreaErrorKind<std::io::Error>;
 #[error("cannot draw the plot: {0}; report it with the command that you typed")]
 pub struct PlotError(String);
 
-/// The SVG text of what `draw` puts on white paper `height` pixels high.
+/// What a chart says to those who do not see it.
+pub struct Words {
+    /// Its title.
+    pub title: String,
+    /// What is drawn, in sentences.
+    pub description: String,
+}
+
+/// The SVG text of what `draw` puts on white paper `height` pixels high, with the same in `words`.
 pub fn draw(
     height: i32,
+    words: &Words,
     draw: impl FnOnce(&Area<'_>) -> Result<(), Failure>,
 ) -> Result<String, PlotError> {
     let mut svg = String::new();
@@ -46,11 +55,25 @@ pub fn draw(
             .and_then(|()| area.present())
             .map_err(|error| PlotError(error.to_string()))?;
     }
-    Ok(svg.replacen(
-        &format!("width=\"{}\" height=\"{}\"", size[0], size[1]),
-        &format!("width=\"{WIDTH}\" height=\"{height}\""),
-        1,
-    ))
+    let [title, description] = [&words.title, &words.description].map(|text| escaped(text));
+    let size = format!("width=\"{}\" height=\"{}\"", size[0], size[1]);
+    let labelled =
+        format!("role=\"img\" aria-label=\"{title}\" width=\"{WIDTH}\" height=\"{height}\"");
+    let svg = svg.replacen(&size, &labelled, 1);
+    Ok(match svg.split_once(">\n") {
+        Some((root, rest)) => {
+            format!("{root}>\n<title>{title}</title>\n<desc>{description}</desc>\n{rest}")
+        }
+        None => svg,
+    })
+}
+
+/// Text that is safe within XML.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 /// Type of `size` pixels.

@@ -1,7 +1,5 @@
 //! Bars that stand in the cell of a table and shrink with it.
 
-use std::ops::Range;
-
 /// Colour of a bar, as in the plots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
@@ -26,16 +24,16 @@ impl Tone {
     }
 }
 
-/// A bar from zero to `value` on a scale over `range`, with whiskers over `interval`.
-pub fn bar(value: f64, range: &Range<f64>, interval: Option<[f64; 2]>, tone: Tone) -> String {
-    let span = range.end - range.start;
-    let place = |value: f64| match (100.0 * (value - range.start) / span).clamp(0.0, 100.0) {
+/// A bar from zero to `value` on a scale from zero to `most`, with whiskers over `interval`. What is below zero has no bar: its
+/// length would pass for that of what is above.
+pub fn bar(value: f64, most: f64, interval: Option<[f64; 2]>, tone: Tone) -> String {
+    let place = |value: f64| match (100.0 * value / most).clamp(0.0, 100.0) {
         place if place.is_finite() => place,
         _ => 0.0,
     };
-    let (from, to) = (place(value.min(0.0)), place(value.max(0.0)));
-    let whiskers = interval.map_or(String::new(), |[low, high]| {
-        let [low, high] = [place(low), place(high)];
+    let whiskers = interval.map(|ends| ends.map(place));
+    let whiskers = whiskers.filter(|[low, high]| high > low);
+    let whiskers = whiskers.map_or(String::new(), |[low, high]| {
         format!(
             "<path d=\"M{low:.1} 5H{high:.1}M{low:.1} 2V8M{high:.1} 2V8\" stroke=\"#222\" fill=\"none\" \
              vector-effect=\"non-scaling-stroke\"/>"
@@ -43,8 +41,9 @@ pub fn bar(value: f64, range: &Range<f64>, interval: Option<[f64; 2]>, tone: Ton
     });
     format!(
         "<svg class=\"bar\" viewBox=\"0 0 100 10\" preserveAspectRatio=\"none\" aria-hidden=\"true\">\
-         <rect x=\"{from:.1}\" y=\"1\" width=\"{:.1}\" height=\"8\" fill=\"{}\"/>{whiskers}</svg>",
-        to - from,
+         <path d=\"M0 0V10\" stroke=\"#888\" vector-effect=\"non-scaling-stroke\"/>\
+         <rect x=\"0\" y=\"1\" width=\"{:.1}\" height=\"8\" fill=\"{}\"/>{whiskers}</svg>",
+        place(value),
         tone.color()
     )
 }
@@ -56,13 +55,23 @@ mod tests {
     #[test]
     fn a_bar_never_leaves_its_cell() {
         for value in [-2.0, 0.0, 0.4, 7.0, f64::NAN, f64::INFINITY] {
-            let svg = bar(value, &(0.0..1.0), Some([value, 9.0]), Tone::Model);
+            let svg = bar(value, 1.0, Some([value, 9.0]), Tone::Model);
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         }
-        assert!(bar(0.4, &(0.0..1.0), None, Tone::Model).contains("width=\"40.0\""));
+        assert!(bar(0.4, 1.0, None, Tone::Model).contains("width=\"40.0\""));
+    }
+
+    #[test]
+    fn what_is_negative_has_no_bar() {
+        let worse = bar(-0.5, 1.0, Some([-0.8, -0.2]), Tone::Corrected);
         assert!(
-            bar(-0.5, &(-1.0..1.0), None, Tone::Model)
-                .contains("x=\"25.0\" y=\"1\" width=\"25.0\"")
+            worse.contains("width=\"0.0\"") && !worse.contains("#222"),
+            "{worse}"
+        );
+        let unsure = bar(-0.1, 1.0, Some([-0.3, 0.2]), Tone::Corrected);
+        assert!(
+            unsure.contains("width=\"0.0\"") && unsure.contains("M0.0 5H20.0"),
+            "{unsure}"
         );
     }
 }

@@ -3,258 +3,32 @@
 use super::quantity::{Display, show};
 use super::region::Labels;
 use gap::diagnosis::{Estimate, Finding};
+use gap::effects::{Nominal, Part};
 use host_sim::effects;
 
-/// Name in the vocabulary, what it is called in general, and what it is with its numbers.
-const WORDS: [(&str, &str, &str); 28] = [
-    (
-        "torque_gain",
-        "another torque gain",
-        "a torque of {gain} times what was told",
-    ),
-    (
-        "torque_offset",
-        "a constant torque",
-        "a constant torque of {torque}",
-    ),
-    (
-        "deadband",
-        "a dead band",
-        "a dead band of {width} in the input",
-    ),
-    (
-        "saturation",
-        "saturation",
-        "an input that saturates at {limit}",
-    ),
-    ("lag", "lag of the torque", "a torque that lags by {time}"),
-    ("delay", "delay", "a torque that comes {time} late"),
-    ("cogging", "cogging", "cogging of {amplitude}"),
-    (
-        "coulomb",
-        "another level of dry friction",
-        "dry friction of {level}",
-    ),
-    (
-        "asymmetric_coulomb",
-        "dry friction that depends on the direction",
-        "dry friction of {positive} against positive and {negative} against negative motion",
-    ),
-    (
-        "position_dependent_coulomb",
-        "dry friction that depends on the position",
-        "dry friction that depends on the position",
-    ),
-    (
-        "stribeck",
-        "static friction",
-        "static friction {static_ratio} times the sliding level",
-    ),
-    (
-        "viscous",
-        "viscous friction",
-        "viscous friction of {coefficient}",
-    ),
-    (
-        "quadratic_drag",
-        "quadratic drag",
-        "drag of {coefficient} times the square of the speed",
-    ),
-    (
-        "presliding",
-        "presliding",
-        "presliding (dry friction that gives way by {distance} before it slides)",
-    ),
-    (
-        "load_dependent_friction",
-        "dry friction that grows with the load",
-        "dry friction that grows by {share} of the driving torque",
-    ),
-    (
-        "friction_drift",
-        "drifting friction",
-        "dry friction that changes by {rate}",
-    ),
-    ("inertia", "another inertia", "an inertia of {inertia}"),
-    (
-        "gravity",
-        "another weight",
-        "a weight of {weight} that hangs at {zero}",
-    ),
-    (
-        "spring",
-        "a spring",
-        "a spring of {stiffness} that is relaxed at {zero}",
-    ),
-    ("end_stop", "a hard stop", "a hard stop"),
-    ("backlash", "backlash", "backlash of {play}"),
-    (
-        "compliance",
-        "a compliant transmission",
-        "a compliant transmission of {stiffness}",
-    ),
-    (
-        "sensor_gain",
-        "another sensor gain",
-        "a sensor that shows {gain} times the way gone",
-    ),
-    (
-        "sensor_nonlinearity",
-        "a bent sensor curve",
-        "a bent sensor curve",
-    ),
-    (
-        "sensor_hysteresis",
-        "hysteresis of the sensor",
-        "a sensor with {width} of hysteresis",
-    ),
-    (
-        "sensor_lag",
-        "lag of the sensor",
-        "a sensor that lags by {time}",
-    ),
-    (
-        "lost_counts",
-        "lost counts",
-        "a sensor that jumps by {jump} at {time}",
-    ),
-    (
-        "contact",
-        "contact with something outside",
-        "something outside that pushes back from {from} to {to}",
-    ),
-];
-
-/// What the effect `name` is called in general.
-pub fn noun(name: &str) -> &str {
-    let known = WORDS.iter().find(|(known, ..)| *known == name);
-    known.map_or(name, |(_, noun, _)| noun)
-}
-
-/// Share of the nominal level below which dry friction does not act.
-const INERT: f64 = 0.01;
+pub use gap::effects::noun;
 
 /// What was found, with its numbers.
 pub fn phrase(finding: &Finding, labels: &Labels) -> String {
-    let name = finding.name;
-    let Some((_, noun, template)) = WORDS.iter().find(|(known, ..)| *known == name) else {
-        return name.to_owned();
+    let nominal = Nominal {
+        coulomb: labels.coulomb,
+        input_limit: labels.input_limit,
+        has_stops: labels.has_stops,
+        has_runs: labels.runs.len() > 1,
     };
-    let fitted = |parameter: &str| finding.parameters.get(parameter).filter(|e| e.std > 0.0);
-    let value = |parameter: &str| finding.parameters.get(parameter).map(|e| e.value);
-    let times = |name: &str| {
-        let names = finding.parameters.keys();
-        names.filter(|n| n.starts_with(name)).count()
-    };
-    let is_raised = labels.input_limit.is_some() && value("limit") > labels.input_limit;
-    match name {
-        "end_stop" => {
-            // A stop that was not fitted is out of reach.
-            let stops: Vec<_> = ["lower", "upper"].into_iter().filter_map(fitted).collect();
-            match stops[..] {
-                [one] => format!("a hard stop at {}", shown(one)),
-                [one, other] => format!("hard stops at {} and {}", shown(one), shown(other)),
-                _ if labels.has_stops => "stops that are not met where the model has them".into(),
-                _ => (*noun).to_owned(),
-            }
-        }
-        "coulomb" if labels.coulomb > 0.0 && finding.parameters.contains_key("level") => {
-            let level = &finding.parameters["level"];
-            let nominal = show(labels.coulomb, &level.unit);
-            match level.value < INERT * labels.coulomb {
-                true => format!("dry friction that does not act (none of the {nominal})"),
-                false => format!("dry friction of {} in place of {nominal}", shown(level)),
-            }
-        }
-        "lag" | "delay" if value("time").is_some_and(|time| time < 0.0) => {
-            let time = &finding.parameters["time"];
-            let less = show(-time.value, &time.unit);
-            match name {
-                "lag" => format!("a torque that lags by {less} less than the model has it"),
-                _ => format!("a torque that comes {less} sooner than the model has it"),
-            }
-        }
-        "saturation" if is_raised && fitted("limit").is_none() => {
-            "an input that is not clipped where the model clips it".to_owned()
-        }
-        "contact" if !finding.parameters.contains_key("from") => {
-            format!("something outside that comes {} times", times("from"))
-        }
-        "contact" if value("side") == Some(0.0) => {
-            let held = "something outside that holds it from {from} to {to}";
-            filled(held, finding).unwrap_or_else(|| (*noun).to_owned())
-        }
-        "friction_drift" if value("anew") == Some(1.0) && labels.runs.len() > 1 => {
-            let once = of_form(name, fitted, value).unwrap_or(template);
-            let anew = filled(once, finding).map(|once| format!("{once} in every run"));
-            anew.unwrap_or_else(|| (*noun).to_owned())
-        }
-        "lost_counts" if fitted("share").is_none() && !finding.parameters.contains_key("jump") => {
-            format!("a sensor that jumps {} times", times("jump"))
-        }
-        _ => {
-            let template = of_form(name, fitted, value).unwrap_or(template);
-            filled(template, finding).unwrap_or_else(|| (*noun).to_owned())
-        }
-    }
+    let phrase = gap::effects::phrase(finding, &nominal);
+    phrase.0.iter().map(written).collect()
 }
 
-/// The template of an effect that has another form than the simplest, by what was `fitted` of it and its values.
-fn of_form<'a>(
-    name: &str,
-    fitted: impl Fn(&str) -> Option<&'a Estimate>,
-    value: impl Fn(&str) -> Option<f64>,
-) -> Option<&'static str> {
-    let is_twice = || value("twice") == Some(1.0);
-    match name {
-        "position_dependent_coulomb" if fitted("spot").is_some() => {
-            Some("dry friction that differs around {spot_position}")
+fn written(part: &Part) -> String {
+    match part {
+        Part::Words(words) => words.to_string(),
+        Part::Number(estimate) => shown(estimate),
+        Part::Instant { at, lasts } => {
+            let decimals = (1.0 - lasts.log10().floor()).clamp(0.0, MOST_DECIMALS) as usize;
+            format!("{:.decimals$} {}", at.value, at.unit)
         }
-        "load_dependent_friction" if fitted("passive").is_some() => Some(
-            "dry friction that grows by {share} of what the drive and {passive} times the weight or spring pull together",
-        ),
-        "friction_drift" if fitted("step").is_some() => Some(match fitted("step_at") {
-            Some(_) => "dry friction that steps by {step} at {step_at}",
-            // No sample tells when.
-            None => "dry friction that steps by {step} between two runs",
-        }),
-        "saturation" if fitted("no_load").is_some() => {
-            Some("an input that saturates at {limit} at rest, and at nothing at {no_load}")
-        }
-        "lag" if is_twice() => Some("a torque that lags by {time}, and by as much again"),
-        "sensor_lag" if is_twice() => Some("a sensor that lags by {time}, and by as much again"),
-        "lost_counts" if fitted("share").is_some() => {
-            Some("a sensor that loses {share} of the speed beyond {speed}")
-        }
-        _ => None,
     }
-}
-
-/// The template with the numbers of `finding`; `None` if it lacks one.
-fn filled(template: &str, finding: &Finding) -> Option<String> {
-    let mut text = String::new();
-    let mut rest = template;
-    while let Some((before, after)) = rest.split_once('{') {
-        let (name, after) = after.split_once('}')?;
-        text.push_str(before);
-        let estimate = finding.parameters.get(name)?;
-        text.push_str(&instant(name, estimate, finding).unwrap_or_else(|| shown(estimate)));
-        rest = after;
-    }
-    text.push_str(rest);
-    Some(text)
-}
-
-/// One end of a stretch of time, to a tenth of how long that lasts; `None` for another number.
-fn instant(name: &str, estimate: &Estimate, finding: &Finding) -> Option<String> {
-    let [from, to] = ["from", "to"].map(|end| finding.parameters.get(end));
-    let lasts = (to?.value - from?.value).abs();
-    if !matches!(name, "from" | "to") || !lasts.is_normal() {
-        return None;
-    }
-    let decimals = (1.0 - lasts.log10().floor()).clamp(0.0, MOST_DECIMALS);
-    let decimals = decimals as usize;
-    Some(format!("{:.decimals$} {}", estimate.value, estimate.unit))
 }
 
 /// Of an instant.
@@ -271,10 +45,19 @@ fn shown(estimate: &Estimate) -> String {
 /// Difference up to which two digits of a factor do not tell it from 1.
 const NEAR_ONE: f64 = 0.1;
 
-/// What was found, with its standard deviation.
+/// What was found, with its standard deviation where that is known.
 pub fn with_std(estimate: &Estimate) -> String {
     let display = Display::of(&estimate.unit, estimate.value);
     display.show_with_std(estimate.value, estimate.std)
+}
+
+/// Why a number has no standard deviation, if it has none.
+pub fn why_no_std(estimate: &Estimate) -> Option<&'static str> {
+    match (estimate.std, estimate.is_fitted) {
+        (Some(_), _) => None,
+        (None, true) => Some("uncertainty not known"),
+        (None, false) => Some("not fitted"),
+    }
 }
 
 /// The parameters that say something, in the order of the vocabulary, and the rest: those that were held where they do
@@ -293,7 +76,7 @@ pub fn parameters(finding: &Finding) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
     });
     let default = |name: &str| place(name).map_or(0.0, |place| known[place].default);
     all.into_iter().partition(|(name, estimate)| {
-        estimate.std > 0.0 || (estimate.value != 0.0 && estimate.value != default(name))
+        estimate.is_fitted || (estimate.value != 0.0 && estimate.value != default(name))
     })
 }
 
@@ -325,7 +108,13 @@ mod tests {
     fn finding(name: &'static str, numbers: &[(&str, f64, f64, &str)]) -> Finding {
         let parameters = numbers.iter().map(|&(name, value, std, unit)| {
             let unit = unit.to_owned();
-            (name.to_owned(), Estimate { value, std, unit })
+            let estimate = Estimate {
+                value,
+                std: (std > 0.0).then_some(std),
+                unit,
+                is_fitted: std > 0.0,
+            };
+            (name.to_owned(), estimate)
         });
         Finding {
             name,
@@ -375,24 +164,6 @@ mod tests {
             phrase(&stepping, &labels()),
             "dry friction that steps by −0.30 at 4.0 s in every run"
         );
-    }
-
-    #[test]
-    fn every_effect_has_words_whose_numbers_exist() {
-        for kind in effects::KINDS {
-            let numbers: Vec<_> = kind
-                .parameters
-                .iter()
-                .map(|p| (p.name, 0.25, 0.1, "1"))
-                .collect();
-            let phrase = phrase(&finding(kind.name, &numbers), &labels());
-            assert!(!phrase.contains('{') && phrase != kind.name, "{phrase}");
-            let (_, _, template) = WORDS.iter().find(|(n, ..)| *n == kind.name).unwrap();
-            assert_eq!(
-                template.contains('{'),
-                filled(template, &finding(kind.name, &numbers)).unwrap() != *template
-            );
-        }
     }
 
     #[test]

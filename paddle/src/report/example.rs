@@ -2,7 +2,8 @@
 
 use super::region::Labels;
 use gap::diagnosis::{
-    Closing, Diagnosis, Estimate, Finding, NextExperiment, Region, Tried, Verdict,
+    Closing, Diagnosis, Estimate, Finding, FloorOf, MeasuredBy, NextExperiment, Profile,
+    ProfilePart, Region, Tried, Verdict,
 };
 use std::collections::BTreeMap;
 
@@ -18,12 +19,31 @@ pub fn labels() -> Labels {
     }
 }
 
+/// Three parts of an axis, the middle one with most of the gap.
+pub fn profile(along: &'static str, edges: [f64; 4]) -> Profile {
+    let shares = [[0.2, 0.5], [0.71, 0.12], [0.09, 0.38]];
+    let parts = edges.windows(2).zip(shares);
+    let parts = parts.map(|(ends, [share_of_gap, share_of_samples])| ProfilePart {
+        from: ends[0],
+        to: ends[1],
+        run: None,
+        share_of_gap,
+        share_of_samples,
+    });
+    Profile {
+        along,
+        parts: parts.collect(),
+        marked: [edges[1], edges[2]],
+    }
+}
+
 /// Static friction that could as well be presliding.
 pub fn stribeck() -> Diagnosis {
     let ratio = Estimate {
         value: 1.4,
-        std: 0.05,
+        std: Some(0.05),
         unit: "1".into(),
+        is_fitted: true,
     };
     let tried = |name, after: f64| Tried {
         name,
@@ -36,6 +56,8 @@ pub fn stribeck() -> Diagnosis {
         gap: Closing {
             before: 0.56f64.to_radians(),
             floor: 0.02f64.to_radians(),
+            floor_of: FloorOf::CorrectedModel,
+            nominal_floor: 0.03f64.to_radians(),
             after: 0.12f64.to_radians(),
             shrink: 0.81,
             shrink_interval: [0.76, 0.85],
@@ -58,9 +80,11 @@ pub fn stribeck() -> Diagnosis {
             to: Some(0.05),
             name: None,
             run: None,
+            measured_by: MeasuredBy::ShortPredictions,
             share_of_gap: 0.71,
             share_of_gap_interval: [0.62, 0.79],
             share_of_samples: 0.12,
+            profile: Some(profile("velocity", [-0.3, -0.05, 0.05, 0.3])),
         }],
         candidates: vec![
             tried("viscous", 0.47),

@@ -2,29 +2,30 @@
 
 use super::bar::{Tone, bar};
 use super::charts::{Charts, RUNS};
-use super::course::{arising, courses};
+use super::course::courses;
 use super::effect;
-use super::paragraph::{experiment, headline, on_which_data, paragraph};
+use super::paragraph::{experiment, floors, headline, on_which_data, paragraph};
 use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
 use crate::plot::PlotError;
+use crate::provenance::Provenance;
 use gap::Outcome;
 use gap::diagnosis::{Diagnosis, Finding};
 use recording::{Model, Recording};
 
 const STYLE: &str = include_str!("page.css");
-/// Axes along which the residual is always shown.
-const AXES: [&str; 2] = ["velocity", "position"];
-/// Further ones, shown where a part of the gap lies on them.
-const MORE_AXES: [&str; 2] = ["input", "acceleration"];
 /// Rivals that are listed.
 const CANDIDATES: usize = 12;
 
-/// The page of a diagnosis.
+/// The page of a diagnosis, with where it comes from.
 ///
 /// # Errors
 /// [`PlotError`] if a plot cannot be drawn.
-pub fn page(recording: &Recording, outcome: &Outcome) -> Result<String, PlotError> {
+pub fn page(
+    recording: &Recording,
+    outcome: &Outcome,
+    provenance: &Provenance,
+) -> Result<String, PlotError> {
     let labels = Labels::of(recording);
     let diagnosis = &outcome.diagnosis;
     let title = match recording.title.trim() {
@@ -35,12 +36,12 @@ pub fn page(recording: &Recording, outcome: &Outcome) -> Result<String, PlotErro
         findings(diagnosis),
         shrinks(diagnosis),
         plots(recording, outcome, &labels)?,
-        regions(diagnosis, &labels),
         candidates(diagnosis),
         numbers(recording, &outcome.model.model),
         next(diagnosis, &labels),
         warnings(diagnosis),
         method(recording, diagnosis),
+        origin(provenance),
     ];
     Ok(format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -89,14 +90,14 @@ fn section(heading: &str, body: &str) -> String {
     }
 }
 
-fn table(heads: &[&str], rows: impl Iterator<Item = String>) -> String {
+fn table(caption: &str, heads: &[&str], rows: impl Iterator<Item = String>) -> String {
     let heads: String = heads
         .iter()
-        .map(|head| format!("<th>{head}</th>"))
+        .map(|head| format!("<th scope=\"col\">{head}</th>"))
         .collect();
     let rows: String = rows.collect();
     format!(
-        "<div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
+        "<div class=\"wide\"><table>\n<caption>{caption}</caption>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
     )
 }
 
@@ -121,10 +122,8 @@ fn finding(finding: &Finding) -> String {
     };
     let (told, held) = effect::parameters(finding);
     let rows = told.into_iter().map(|(name, estimate)| {
-        let held = match estimate.std > 0.0 {
-            true => "",
-            false => " <small>held</small>",
-        };
+        let why = effect::why_no_std(estimate);
+        let held = why.map_or(String::new(), |why| format!(" <small>{why}</small>"));
         format!(
             "<tr><td><code>{}</code><br><small>{}</small></td><td>{}{held}</td></tr>\n",
             escaped(name),
@@ -138,7 +137,7 @@ fn finding(finding: &Finding) -> String {
     let held = match held.is_empty() {
         true => String::new(),
         false => format!(
-            "<p class=\"note\">Held: {}.</p>\n",
+            "<p class=\"note\">Not fitted: {}.</p>\n",
             escaped(&held.join(", "))
         ),
     };
@@ -150,7 +149,11 @@ fn finding(finding: &Finding) -> String {
         percent(finding.confidence),
         escaped(about),
         equation_in_html(equation),
-        table(&["parameter", "value ± standard deviation"], rows)
+        table(
+            "Its numbers, with one standard deviation where that is known.",
+            &["parameter", "value"],
+            rows
+        )
     )
 }
 
@@ -167,26 +170,20 @@ fn shrinks(diagnosis: &Diagnosis) -> String {
     if all.len() > 1 {
         all.push(("all together", gap.shrink, gap.shrink_interval));
     }
-    let least = all
-        .iter()
-        .fold(0.0, |least: f64, (.., [low, _])| least.min(*low));
-    let range = least..1.0;
     let rows = all.into_iter().map(|(name, shrink, interval)| {
+        let worse = if shrink < 0.0 { "<br><small>no less than before</small>" } else { "" };
         format!(
-            "<tr><td>{}</td><td class=\"cell\">{}</td><td class=\"number\">{}<br><small>{} to {}</small></td></tr>\n",
+            "<tr><td>{}</td><td class=\"cell\">{}</td><td class=\"number\">{}<br><small>{} to {}</small>{worse}</td></tr>\n",
             escaped(name),
-            bar(shrink, &range, Some(interval), Tone::Corrected),
+            bar(shrink, 1.0, Some(interval), Tone::Corrected),
             percent(shrink),
             percent(interval[0]),
             percent(interval[1])
         )
     });
     let body = table(
-        &[
-            "effect",
-            "share of the way to the floor",
-            "with 95 % interval",
-        ],
+        "Share of the way from the gap down to the floor, with its 95 % interval. What is below zero has no bar.",
+        &["effect", "share of the way", ""],
         rows,
     );
     section(
@@ -195,67 +192,52 @@ fn shrinks(diagnosis: &Diagnosis) -> String {
     )
 }
 
+fn figure(svg: &str, caption: &str) -> String {
+    format!(
+        "<figure>\n{svg}\n<figcaption>{}</figcaption>\n</figure>\n",
+        escaped(caption)
+    )
+}
+
 fn plots(recording: &Recording, outcome: &Outcome, labels: &Labels) -> Result<String, PlotError> {
     let courses = courses(recording, outcome);
-    let regions = &outcome.diagnosis.regions;
-    let (short_s, arising) = arising(recording, outcome);
     let charts = Charts {
         courses: &courses,
-        arising: &arising,
-        regions,
+        regions: &outcome.diagnosis.regions,
         labels,
         horizon_s: recording.horizon,
-        half_width_s: recording.restart_half_width,
     };
-    let figure = |svg: String| format!("<figure>{svg}</figure>\n");
-    let mut body = String::new();
+    let legend = legend(!outcome.diagnosis.effects.is_empty());
+    let mut seen = String::new();
     if let Some(svg) = charts.stretch() {
-        body.push_str(&legend(!outcome.diagnosis.effects.is_empty()));
-        body.push_str(&figure(svg?));
-    }
-    let seen = section(
-        "What was measured, and what the models make of it",
-        &format!(
-            "{body}<p class=\"note\">The models are re-started from the measurement every {}; in between they see the \
-             input alone.</p>\n",
+        let caption = format!(
+            "Position above, measured minus model below. The models are re-started from the measurement every {}; in \
+             between they see the input alone.",
             show(recording.horizon, "s")
-        ),
-    );
-    let mut body = String::new();
-    if !regions.is_empty() {
-        body.push_str("<p class=\"note\">Marked: the parts that carry more of the gap than their share of the samples, along two axes \
-             where it arises, and along a third where that is plain, too, or where it has grown largest.</p>\n");
+        );
+        seen = legend.clone() + &figure(&svg?, &caption);
     }
-    for svg in charts.over_time()? {
-        body.push_str(&figure(svg));
+    let mut missed = legend;
+    for (svg, course) in charts.over_time()? {
+        let caption = format!("What the models miss over all of {course}.");
+        missed.push_str(&figure(&svg, &caption));
     }
     if courses.len() > RUNS {
-        body.push_str(&format!(
+        missed.push_str(&format!(
             "<p class=\"note\">The {RUNS} of {} runs that carry most of the gap.</p>\n",
             courses.len()
         ));
     }
-    body.push_str(&format!(
-        "<p class=\"note\">Along velocity and the like, predictions of {} show where the gap arises, before it has \
-         grown.</p>\n",
-        show(short_s, "s")
-    ));
-    let more = MORE_AXES
-        .into_iter()
-        .filter(|axis| regions.iter().any(|region| region.axis == *axis));
-    for axis in AXES.into_iter().chain(more) {
-        if let Some(svg) = charts.along(axis) {
-            body.push_str(&figure(svg?));
-        }
+    let mut shares = String::new();
+    for captioned in charts.shares()? {
+        shares.push_str(&figure(&captioned.svg, &captioned.caption));
     }
-    if let Some(svg) = charts.over_frequency() {
-        body.push_str(&figure(svg?));
-    }
-    Ok(seen
-        + &section(
-            "What the models miss: over time, velocity, position and frequency",
-            &body,
-        ))
+    let place = regions(&outcome.diagnosis, labels) + &shares;
+    Ok(
+        section("What was measured, and what the models make of it", &seen)
+            + &section("What the models miss over time", &missed)
+            + &section("Where the gap lies", &place),
+    )
 }
 
 /// For screens too narrow for that of the plots.
@@ -275,20 +257,26 @@ fn regions(diagnosis: &Diagnosis, labels: &Labels) -> String {
     }
     let rows = diagnosis.regions.iter().map(|region| {
         let run = region.run.and_then(|run| labels.runs.get(run));
-        let run = run.map_or(String::new(), |file| format!("<br><small>{}</small>", escaped(file)));
+        let run = run.map_or(String::new(), |file| {
+            format!("<br><small>{}</small>", escaped(file))
+        });
         format!(
-            "<tr><td>{}</td><td>{}{run}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
+            "<tr><td>{}</td><td>{}{run}</td><td class=\"number\">{}<br><small>{} to {}</small></td>\
+             <td class=\"number\">{}</td></tr>\n",
             region.axis,
             escaped(&region::range(region, labels)),
             percent(region.share_of_gap),
+            percent(region.share_of_gap_interval[0]),
+            percent(region.share_of_gap_interval[1]),
             percent(region.share_of_samples)
         )
     });
-    let body = table(
+    table(
+        "Parts that carry clearly more of the gap than their share of the samples: the lower end of the 95 % interval \
+         is above it. Of a frequency the share is that of the power of motion and input.",
         &["along", "from … to", "of the gap", "of the samples"],
         rows,
-    );
-    section("Where the gap lies", &body)
+    )
 }
 
 fn candidates(diagnosis: &Diagnosis) -> String {
@@ -302,13 +290,12 @@ fn candidates(diagnosis: &Diagnosis) -> String {
         .clone()
         .map(|tried| tried.after)
         .fold(gap.before, f64::max);
-    let range = 0.0..largest;
     let row = |name: &str, note: &str, value: f64, tone: Tone| {
         format!(
             "<tr><td>{}<br><small>{}</small></td><td class=\"cell\">{}</td><td class=\"number\">{}</td></tr>\n",
             escaped(name),
             escaped(note),
-            bar(value, &range, None, tone),
+            bar(value, largest, None, tone),
             display.show(value)
         )
     };
@@ -340,7 +327,11 @@ fn candidates(diagnosis: &Diagnosis) -> String {
         gap.before,
         Tone::Model,
     ));
-    let mut body = table(&["with", "gap that is left", ""], rows.into_iter());
+    let mut body = table(
+        "Gap that is left with each.",
+        &["with", "gap that is left", ""],
+        rows.into_iter(),
+    );
     if !diagnosis.effects.is_empty() {
         body.push_str(
             "<p class=\"note\">What leaves about as little as what was found was tried on top of it.</p>\n",
@@ -354,12 +345,13 @@ fn numbers(recording: &Recording, corrected: &Model) -> String {
     let moved = Model::NAMES.into_iter().filter_map(|name| {
         let (stated, now) = (recording.model.get(name)?, corrected.get(name)?);
         (stated != now).then(|| {
-            let relative = (now - stated) / stated;
+            let relative = match stated == 0.0 {
+                true => String::new(),
+                false => format!(" <small>({:+.1} %)</small>", 100.0 * (now - stated) / stated),
+            };
             format!(
-                "<tr><td><code>{name}</code></td><td class=\"number\">{stated:.4e} ± {}</td><td class=\"number\">{now:.4e} \
-                 <small>({:+.1} %)</small></td></tr>\n",
-                percent(recording.tolerance.of(name)),
-                100.0 * relative
+                "<tr><td><code>{name}</code></td><td class=\"number\">{stated:.4e} ± {}</td><td class=\"number\">{now:.4e}{relative}</td></tr>\n",
+                percent(recording.tolerance.of(name))
             )
         })
     });
@@ -368,6 +360,7 @@ fn numbers(recording: &Recording, corrected: &Model) -> String {
         return String::new();
     }
     let body = table(
+        "Stated numbers that moved, within their tolerances.",
         &["number", "stated", "as fitted within that"],
         rows.into_iter(),
     );
@@ -405,6 +398,26 @@ fn warnings(diagnosis: &Diagnosis) -> String {
     }
 }
 
+/// Which program made it, when, and from what.
+fn origin(provenance: &Provenance) -> String {
+    let files = provenance.files.iter().map(|file| {
+        format!(
+            "<tr><td>{}</td><td><code class=\"hash\">{}</code></td></tr>\n",
+            escaped(&file.file),
+            file.sha256
+        )
+    });
+    let body = format!(
+        "<p>paddle {}, commit <code class=\"hash\">{}</code>, at {}: <code>{}</code></p>\n{}",
+        provenance.version,
+        provenance.commit,
+        provenance.time,
+        escaped(&provenance.command),
+        table("What was read.", &["file", "SHA-256"], files)
+    );
+    section("Where this comes from", &body)
+}
+
 fn method(recording: &Recording, diagnosis: &Diagnosis) -> String {
     let samples: usize = recording.runs.iter().map(|run| run.time.len()).sum();
     let duration_s: f64 = recording.runs.iter().map(recording::Run::duration_s).sum();
@@ -415,7 +428,7 @@ fn method(recording: &Recording, diagnosis: &Diagnosis) -> String {
     let body = format!(
         "<p>{samples} samples of {runs}, {} in all. The model predicts the position from the input alone and is \
          re-started from the measured state every {}. The gap is the root mean square of measured minus predicted \
-         position; the floor is what noise, quantising and the restarts would leave of it with a perfect model.</p>\n\
+         position; the floor is what noise, quantising and the restarts would leave of it with a perfect model.{}</p>\n\
          <p>Each effect of the library was switched into the simulation and its numbers were fitted so that the \
          prediction matches, with the model’s own numbers free within the tolerances stated for them. What it gains was \
          then judged on windows that the fit had not seen. An effect is named only if that gain is beyond chance and the \
@@ -423,6 +436,7 @@ fn method(recording: &Recording, diagnosis: &Diagnosis) -> String {
          before. Intervals are 95 %, by resampling the windows. This took {}.</p>\n",
         show(duration_s, "s"),
         show(recording.horizon, "s"),
+        floors(diagnosis).map_or(String::new(), |floors| format!(" {}", escaped(&floors))),
         show(diagnosis.elapsed_s, "s")
     );
     section("What was done", &body)
@@ -467,8 +481,9 @@ fn escaped(text: &str) -> String {
 mod tests {
     use super::super::example;
     use super::*;
+    use crate::provenance;
     use gap::CorrectedModel;
-    use gap::diagnosis::{Region, Verdict};
+    use gap::diagnosis::{FloorOf, MeasuredBy, Region, Verdict};
     use host_sim::effects::Effect;
     use recording::{Drive, Run};
 
@@ -519,16 +534,19 @@ mod tests {
             from: Some(1.0),
             to: Some(1.4),
             run: Some(1),
+            profile: Some(example::profile("time", [0.0, 1.0, 1.4, 4.0])),
             ..diagnosis.regions[0].clone()
         };
         let band = Region {
             axis: "frequency",
             from: Some(20.0),
             to: Some(28.0),
+            measured_by: MeasuredBy::Spectrum,
+            profile: Some(example::profile("frequency", [3.0, 20.0, 28.0, 60.0])),
             ..diagnosis.regions[0].clone()
         };
         diagnosis.regions.extend([time, band]);
-        let html = page(&recording(), &outcome(diagnosis)).unwrap();
+        let html = page(&recording(), &outcome(diagnosis), &provenance::example()).unwrap();
         let elsewhere = html.replace("http://www.w3.org/2000/svg", "");
         for outside in [
             "http:", "https:", "src=", "url(", "@import", "<script", "<link",
@@ -538,14 +556,80 @@ mod tests {
         assert!(html.contains("Paddle &lt;24&gt; &amp; &quot;co&quot;"));
         assert!(!html.contains("NaN"));
         for tag in [
-            "section", "table", "figure", "svg", "tr", "td", "article", "dl", "p",
+            "section",
+            "table",
+            "caption",
+            "figure",
+            "figcaption",
+            "svg",
+            "title",
+            "desc",
+            "tr",
+            "td",
+            "article",
+            "dl",
+            "p",
         ] {
             let opened = html.matches(&format!("<{tag}>")).count()
                 + html.matches(&format!("<{tag} ")).count();
             assert_eq!(opened, html.matches(&format!("</{tag}>")).count(), "{tag}");
         }
-        // Stretch, two runs over time, velocity, position, frequency.
-        assert_eq!(html.matches("<figure>").count(), 6);
+        // Stretch, two runs over time, and shares along velocity, time and frequency.
+        let count = |text: &str| html.matches(text).count();
+        assert_eq!(count("<figure>"), 6);
+        for of_each in ["<figcaption>", "role=\"img\" aria-label=", "<desc>"] {
+            assert_eq!(count(of_each), 6, "{of_each}");
+        }
+        assert_eq!(count("<table>"), count("<caption>"));
+    }
+
+    #[test]
+    fn the_page_says_where_it_comes_from() {
+        let html = page(
+            &recording(),
+            &outcome(example::stribeck()),
+            &provenance::example(),
+        )
+        .unwrap();
+        for said in [
+            "paddle 0.1.0",
+            "0123abcd",
+            "2026-01-02T03:04:05Z",
+            "paddle gap diagnose 'a &amp; b'",
+            "sine.csv",
+            "00ff",
+        ] {
+            assert!(html.contains(said), "{said}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_known_is_given_no_interval() {
+        let mut diagnosis = example::stribeck();
+        let parameters = &mut diagnosis.effects[0].parameters;
+        let ratio = parameters.get_mut("static_ratio").unwrap();
+        ratio.std = None;
+        let text = super::super::text(&diagnosis, &example::labels());
+        let html = page(&recording(), &outcome(diagnosis), &provenance::example()).unwrap();
+        for page in [text, html] {
+            assert!(
+                page.contains("uncertainty not known") && !page.contains("± 0.05"),
+                "{page}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_shrink_below_zero_has_no_bar() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.effects[0].shrink = -0.4;
+        diagnosis.effects[0].shrink_interval = [-0.6, -0.2];
+        let html = page(&recording(), &outcome(diagnosis), &provenance::example()).unwrap();
+        let row = html
+            .split("<tr>")
+            .find(|row| row.contains("−40 %"))
+            .unwrap();
+        assert!(row.contains("width=\"0.0\""), "{row}");
     }
 
     #[test]
@@ -553,7 +637,8 @@ mod tests {
         let mut diagnosis = example::stribeck();
         diagnosis.verdict = Verdict::Unexplained;
         diagnosis.effects.clear();
-        let html = page(&recording(), &outcome(diagnosis)).unwrap();
+        diagnosis.gap.floor_of = FloorOf::NominalModel;
+        let html = page(&recording(), &outcome(diagnosis), &provenance::example()).unwrap();
         assert!(!html.contains("corrected model") && html.contains("nominal model"));
     }
 }

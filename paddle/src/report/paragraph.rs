@@ -3,7 +3,7 @@
 use super::effect::{noun, phrase};
 use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
-use gap::diagnosis::{Diagnosis, Finding, NextExperiment, Region, Verdict};
+use gap::diagnosis::{Diagnosis, Finding, FloorOf, NextExperiment, Region, Verdict};
 
 /// Candidates that are said not to explain it.
 const RULED_OUT: usize = 2;
@@ -45,9 +45,10 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
         ));
         return sentences.join(" ");
     }
-    if let Some(region) = diagnosis.regions.first() {
-        sentences.push(located(region, labels));
-    }
+    sentences.push(match diagnosis.regions.first() {
+        Some(region) => located(region, labels),
+        None => "No part of the recording carries clearly more of the gap than its share of the samples.".into(),
+    });
     let is_aside = |effect: &&Finding| effect.shrink < LITTLE && effect.confidence < SURE;
     let (mut aside, mut main): (Vec<_>, Vec<_>) = diagnosis.effects.iter().partition(is_aside);
     if main.is_empty() {
@@ -105,6 +106,20 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     sentences.join(" ")
 }
 
+/// Of which model the floor is, where the nominal one has another.
+pub fn floors(diagnosis: &Diagnosis) -> Option<String> {
+    let gap = &diagnosis.gap;
+    let display = Display::of(&gap.unit, gap.before);
+    let [floor, nominal] = [gap.floor, gap.nominal_floor].map(|floor| display.show(floor));
+    (gap.floor_of == FloorOf::CorrectedModel && floor != nominal).then(|| {
+        format!(
+            "The floor of {floor} is that of the corrected model: what noise, quantising and restarts alone would leave if it \
+             were right. If the nominal model were right, they would leave {nominal}, which is the floor that `paddle gap \
+             measure` gives for it."
+        )
+    })
+}
+
 /// That the gap was seen to fall on data the fit has not seen, if all of it was.
 pub fn on_which_data(diagnosis: &Diagnosis) -> &'static str {
     match diagnosis.effects.iter().all(|effect| effect.held_out) {
@@ -114,9 +129,6 @@ pub fn on_which_data(diagnosis: &Diagnosis) -> &'static str {
 }
 
 fn located(region: &Region, labels: &Labels) -> String {
-    if let Some(all) = region::all_of_axis(region) {
-        return format!("The gap is spread over {all}.");
-    }
     let share = percent(region.share_of_gap);
     let part = match region.share_of_gap >= MOST {
         true => format!("Most of the gap ({share})"),
@@ -259,7 +271,7 @@ fn capitalized(text: &str) -> String {
 mod tests {
     use super::super::example;
     use super::*;
-    use gap::diagnosis::Tried;
+    use gap::diagnosis::{MeasuredBy, Tried};
     use std::collections::BTreeMap;
 
     #[test]
@@ -276,10 +288,10 @@ mod tests {
     #[test]
     fn a_gap_that_is_everywhere_has_no_place() {
         let mut diagnosis = example::stribeck();
-        diagnosis.regions[0].share_of_samples = 1.0;
+        diagnosis.regions.clear();
         let text = paragraph(&diagnosis, &example::labels());
         assert!(
-            text.starts_with("The gap is spread over all velocities."),
+            text.starts_with("No part of the recording carries clearly more of the gap"),
             "{text}"
         );
     }
@@ -441,9 +453,11 @@ mod tests {
             to: Some(1.6),
             name: None,
             run: Some(1),
+            measured_by: MeasuredBy::ShortPredictions,
             share_of_gap: 0.4,
             share_of_gap_interval: [0.3, 0.5],
             share_of_samples: 0.04,
+            profile: None,
         };
         let text = paragraph(&diagnosis, &example::labels());
         assert!(

@@ -46,6 +46,11 @@ impl Display {
         }
     }
 
+    /// `value` of the format's unit, without it.
+    pub fn number(&self, value: f64) -> String {
+        significant(value * self.factor, DIGITS)
+    }
+
     /// `value` of the format's unit, with unit.
     pub fn show(&self, value: f64) -> String {
         format!(
@@ -55,13 +60,12 @@ impl Display {
         )
     }
 
-    /// `value` ± one standard deviation, rounded to where the deviation begins.
-    pub fn show_with_std(&self, value: f64, std: f64) -> String {
-        let (value, std) = (value * self.factor, std * self.factor);
-        // A number that was not fitted, or whose spread is not known.
-        if !(std > 0.0 && std.is_finite()) {
+    /// `value` ± one standard deviation, rounded to where the deviation begins; alone where that is not known.
+    pub fn show_with_std(&self, value: f64, std: Option<f64>) -> String {
+        let value = value * self.factor;
+        let Some(std) = std.map(|std| std * self.factor) else {
             return format!("{}{}", significant(value, DIGITS + 1), self.suffix);
-        }
+        };
         let decimals = DIGITS - 1 - power_of_ten(std, DIGITS);
         let [value, std] = [value, std].map(|v| match FINEST >= decimals {
             true => signed(v, format!("{:.*}", decimals.max(0) as usize, v.abs())),
@@ -174,11 +178,13 @@ mod tests {
     #[test]
     fn a_value_ends_where_its_deviation_does() {
         let plain = Display::of("1", 1.4);
-        assert_eq!(plain.show_with_std(1.4127, 0.0512), "1.413 ± 0.051");
-        assert_eq!(plain.show_with_std(1.4127, 0.0), "1.41");
-        assert_eq!(plain.show_with_std(1.4127, f64::NAN), "1.41");
+        assert_eq!(plain.show_with_std(1.4127, Some(0.0512)), "1.413 ± 0.051");
+        assert_eq!(plain.show_with_std(1.4127, None), "1.41");
         let short = Display::of("s", 0.003);
-        assert_eq!(short.show_with_std(0.0031, 0.0004), "(3.10 ± 0.40) ms");
+        assert_eq!(
+            short.show_with_std(0.0031, Some(0.0004)),
+            "(3.10 ± 0.40) ms"
+        );
     }
 
     #[test]

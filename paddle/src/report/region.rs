@@ -86,25 +86,6 @@ fn is_around_zero(region: &Region) -> bool {
     (-from).min(to) >= ABOUT_AS_FAR * (-from).max(to)
 }
 
-/// Share of the samples from which on a region is all of its axis.
-const ALL: f64 = 0.99;
-
-/// What a region is all of, if it is no place on its axis.
-pub fn all_of_axis(region: &Region) -> Option<&'static str> {
-    if region.share_of_samples < ALL {
-        return None;
-    }
-    match region.axis {
-        "velocity" => Some("all velocities"),
-        "position" => Some("all positions"),
-        "acceleration" => Some("all accelerations"),
-        "input" => Some("all inputs"),
-        "frequency" => Some("all frequencies"),
-        "time" | "run" => Some("all of the time"),
-        _ => None,
-    }
-}
-
 /// The region as it follows "the gap sits".
 pub fn phrase(region: &Region, labels: &Labels) -> String {
     let range = range(region, labels);

@@ -1,7 +1,7 @@
 //! A diagnosis for a terminal.
 
 use super::effect;
-use super::paragraph::{experiment, headline, paragraph};
+use super::paragraph::{experiment, floors, headline, paragraph};
 use super::quantity::{Display, hundredths, percent};
 use super::region::{self, Labels};
 use gap::diagnosis::{Diagnosis, Finding};
@@ -19,6 +19,9 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
     }
     line(&mut text, format_args!("{}\n", headline(diagnosis.verdict)));
     text.push_str(&wrapped(&paragraph(diagnosis, labels)));
+    if let Some(floors) = floors(diagnosis) {
+        text.push_str(&wrapped(&floors));
+    }
     if !diagnosis.effects.is_empty() {
         line(
             &mut text,
@@ -79,9 +82,10 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
 fn row(text: &mut String, finding: &Finding) {
     let [low, high] = finding.shrink_interval.map(hundredths);
     let (told, _) = effect::parameters(finding);
-    let mut parameters = told
-        .into_iter()
-        .map(|(name, estimate)| format!("{name} {}", effect::with_std(estimate)));
+    let mut parameters = told.into_iter().map(|(name, estimate)| {
+        let why = effect::why_no_std(estimate).map_or(String::new(), |why| format!(" ({why})"));
+        format!("{name} {}{why}", effect::with_std(estimate))
+    });
     line(
         text,
         format_args!(

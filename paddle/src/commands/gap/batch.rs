@@ -1,9 +1,10 @@
 //! `paddle gap diagnose --batch`: many recordings in one call, begun again where it stopped.
 
-use super::diagnose::{json, save_model, save_report};
+use super::results::{json, save_model, save_report};
 use crate::answer::{Answer, rounded};
 use crate::failure::Failure;
 use crate::progress;
+use crate::provenance::Provenance;
 use gap::{Options, Outcome, Recording};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -152,11 +153,12 @@ fn with(path: &Path, extension: &str) -> PathBuf {
 /// Diagnoses one recording and leaves its results, if that is possible.
 fn diagnosed(case: &Case, options: &Options) -> Result<(Value, Result<(), Failure>), Failure> {
     let recording = super::read(&case.folder)?;
+    let provenance = Provenance::of(&case.folder, &recording)?;
     let diagnosis = AssertUnwindSafe(|| gap::diagnose(&recording, options));
     let outcome = catch_unwind(diagnosis).map_err(|_| Failure::Fault)?;
-    let mut line = stamped(json(&outcome), case, options);
+    let mut line = stamped(json(&outcome, &provenance), case, options);
     rounded(&mut line);
-    let saved = save(case, &recording, &outcome, &line);
+    let saved = save(case, &recording, &outcome, &provenance, &line);
     Ok((line, saved))
 }
 
@@ -165,13 +167,15 @@ fn save(
     case: &Case,
     recording: &Recording,
     outcome: &Outcome,
+    provenance: &Provenance,
     line: &Value,
 ) -> Result<(), Failure> {
     if let Some(parent) = case.results.parent() {
         std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
     }
     save_model(&with(&case.results, "toml"), recording, outcome)?;
-    save_report(&with(&case.results, "html"), recording, outcome)?;
+    let page = with(&case.results, "html");
+    save_report(&page, recording, outcome, provenance)?;
     let (begun, whole) = (
         with(&case.results, "json.part"),
         with(&case.results, "json"),

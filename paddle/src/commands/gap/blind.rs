@@ -18,6 +18,7 @@ use std::time::Duration;
   paddle gap blind --cases 200 --seed 1
   paddle gap blind --cases 100 --seed 2,3,4
   paddle gap blind --cases 20 --seed 7 --effect stribeck --withhold stribeck
+  paddle gap blind --cases 40 --seed 11 --messy --transfer
   paddle gap blind --cases 40 --seed 3 --generate-only --out recordings
 
 Each case is a recording of a random device with something hidden in it, made by a simulation that shares nothing with
@@ -31,7 +32,13 @@ pub struct Arguments {
     /// Seed of the set; a case depends on it and its number alone. Several seeds make several sets, scored as one.
     #[arg(long, value_delimiter = ',', default_value = "1", value_parser = numbers::whole)]
     seed: Vec<u64>,
-    /// Hide this effect alone in every case.
+    /// Devices as real ones are: one dominant cause, three to five small ones, numbers that are off, wrong times.
+    #[arg(long)]
+    messy: bool,
+    /// Judge the saved model on another recording of the device, with another excitation, amplitude and load.
+    #[arg(long)]
+    transfer: bool,
+    /// Hide this effect alone in every case; with --messy, as the dominant cause.
     #[arg(long, value_name = "NAME")]
     effect: Option<String>,
     /// Take this effect out of the diagnosis's library.
@@ -133,6 +140,8 @@ impl Arguments {
             seed,
             mixture: Mixture {
                 only: self.effect.clone(),
+                messy: self.messy,
+                transfer: self.transfer,
             },
             withheld: self.withhold.clone(),
             jobs: usize::try_from(self.jobs).unwrap_or(usize::MAX),

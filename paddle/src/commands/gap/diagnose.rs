@@ -1,15 +1,16 @@
 //! `paddle gap diagnose`: where a gap lies, which effect causes it, how far it shrinks.
 
 use super::batch;
+use super::results::{json, save_model, save_report};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;
+use crate::provenance::Provenance;
 use crate::report::{self, Labels};
 use crate::targets::{Target, Use};
 use clap::Args;
-use gap::{ModelFile, Options, Outcome, Stage};
+use gap::{Options, Stage};
 use host_sim::effects::{self, EffectError};
-use recording::Recording;
 use std::path::{Path, PathBuf};
 
 /// Which recording, and what to leave behind.
@@ -61,6 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         return batch::run(&arguments.batch, &arguments.out, &options);
     };
     let recording = super::read(folder)?;
+    let provenance = Provenance::of(folder, &recording)?;
     let outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
     let mut amiss = Vec::new();
@@ -77,11 +79,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     }
     if let Some(path) = &arguments.report {
         progress::doing("drawing the report".into());
-        say("report", path, save_report(path, &recording, &outcome));
+        let saved = save_report(path, &recording, &outcome, &provenance);
+        say("report", path, saved);
     }
     Ok(Answer {
         text,
-        json: json(&outcome),
+        json: json(&outcome, &provenance),
         amiss,
     })
 }
@@ -128,30 +131,4 @@ fn usually_done(stage: Stage) -> f64 {
         Stage::Where => 0.9,
         Stage::NextExperiment => 0.98,
     }
-}
-
-/// The diagnosis in the recording format's JSON.
-pub fn json(outcome: &Outcome) -> serde_json::Value {
-    // Keys are text and numbers are numbers: this cannot fail.
-    serde_json::to_value(&outcome.diagnosis).unwrap_or_default()
-}
-
-/// Leaves the corrected model in a file.
-pub(super) fn save_model(
-    path: &Path,
-    recording: &Recording,
-    outcome: &Outcome,
-) -> Result<(), Failure> {
-    let file = ModelFile::new(&outcome.model, recording);
-    std::fs::write(path, file.to_string()).map_err(Failure::write(path))
-}
-
-/// Leaves the page in a file.
-pub(super) fn save_report(
-    path: &Path,
-    recording: &Recording,
-    outcome: &Outcome,
-) -> Result<(), Failure> {
-    let page = report::page(recording, outcome)?;
-    std::fs::write(path, page).map_err(Failure::write(path))
 }

@@ -5,6 +5,7 @@ use crate::device_file::{self, DeviceFile};
 use crate::failure::Failure;
 use crate::files::{self, Folder};
 use crate::plot::{Figure, Ink, Line, Panel};
+use crate::provenance::Provenance;
 use crate::targets::{Target, Use};
 use clap::Args;
 use gap::model_file::LeftOut;
@@ -34,20 +35,27 @@ pub struct Arguments {
     predictions: Option<PathBuf>,
 }
 
+const FLOOR_OF_GIVEN: &str =
+    "the floor is what noise, quantising and restarts alone would leave if this model were right\n";
+const FLOOR_OF_NOMINAL: &str = "the floor is what noise, quantising and restarts alone would leave if the nominal model were \
+     right; `paddle gap diagnose` gives that of the corrected model, and this one beside it\n";
+
 /// Measures.
 ///
 /// # Errors
 /// [`Failure`] for a recording or a model that cannot be used.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let recording = super::read(&arguments.recording)?;
+    let mut provenance = Provenance::of(&arguments.recording, &recording)?;
     let mut warnings = recording.warnings();
-    let device = match &arguments.model {
+    let (device, floor_of) = match &arguments.model {
         Some(path) => {
+            provenance = provenance.and(path)?;
             let (device, left_out) = device(path, &recording)?;
             warnings.extend(left_out.iter().map(ToString::to_string));
-            device
+            (device, "model_given")
         }
-        None => Device::nominal(&recording.model),
+        None => (Device::nominal(&recording.model), "nominal_model"),
     };
     let (gap, runs) = gap::measure(&recording, &device);
     let mut text: String = warnings
@@ -55,6 +63,10 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         .map(|warning| format!("warning: {warning}\n"))
         .collect();
     text.push_str(&sentence(&gap));
+    text.push_str(match arguments.model {
+        Some(_) => FLOOR_OF_GIVEN,
+        None => FLOOR_OF_NOMINAL,
+    });
     let mut amiss = Vec::new();
     if let Some(folder) = &arguments.predictions {
         let mut folder = Folder::new(folder);
@@ -68,7 +80,17 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     }
     Ok(Answer {
         text,
-        json: json!({ "format": 1, "gap": gap, "warnings": warnings }),
+        json: json!({
+            "format": 1,
+            "gap": {
+                "before": gap.before,
+                "floor": gap.floor,
+                "floor_of": floor_of,
+                "unit": gap.unit,
+            },
+            "warnings": warnings,
+            "provenance": provenance,
+        }),
         amiss,
     })
 }

@@ -4,6 +4,7 @@ mod batch;
 pub mod blind;
 pub mod diagnose;
 pub mod measure;
+pub mod results;
 
 use crate::answer::Answer;
 use crate::failure::Failure;

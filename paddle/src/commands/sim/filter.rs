@@ -224,6 +224,7 @@ fn noise_figure(cases: &[Case]) -> Figure {
         title: "Torque at the motor while following a sine of 5°, 0.5 Hz".into(),
         x_label: "frequency, Hz".into(),
         x_scale: Scale::Logarithmic,
+        x_ticks: Vec::new(),
         panels: vec![Panel {
             y_label: "amplitude density, mN m/√Hz".into(),
             y_scale: Scale::Logarithmic,

@@ -1,0 +1,153 @@
+//! By how much two columns of one position differ, and what a sensing effect leaves of that.
+
+use super::pair::{Columns, Track};
+use host_sim::device::Device;
+use host_sim::effects::Kind;
+use host_sim::sensing::Reading;
+use nalgebra::{DMatrix, DVector};
+use recording::Model;
+
+/// Points of a search along one parameter, over the whole range, and steps that narrow it then.
+const GRID: usize = 24;
+const NARROWINGS: usize = 24;
+
+/// The disagreement with the sizes of things in it.
+pub(crate) struct Disagreement<'a> {
+    pub columns: &'a Columns,
+    /// Shown less reference, sample by sample.
+    pub difference: Vec<f64>,
+    /// Where the device was, sample by sample.
+    pub reference: Vec<f64>,
+    /// Of the positions.
+    pub span: f64,
+    /// Largest distance from zero.
+    pub reach: f64,
+    /// Duration of a window, s.
+    pub window_s: f64,
+}
+
+impl<'a> Disagreement<'a> {
+    pub(crate) fn of(columns: &'a Columns) -> Self {
+        let tracks = &columns.tracks;
+        let reference: Vec<f64> = tracks.iter().flat_map(|t| &t.reference).copied().collect();
+        let (low, high) = reference
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+                (low.min(*x), high.max(*x))
+            });
+        let window = tracks.first().and_then(|track| {
+            let window = track.windows.first()?;
+            Some(track.session_s[window.end - 1] - track.session_s[window.start])
+        });
+        Self {
+            columns,
+            difference: differences(tracks),
+            span: (high - low).max(f64::MIN_POSITIVE),
+            reach: low.abs().max(high.abs()).max(f64::MIN_POSITIVE),
+            window_s: window.unwrap_or(0.0).max(f64::MIN_POSITIVE),
+            reference,
+        }
+    }
+
+    /// Mean square of the disagreement as it is.
+    pub(crate) fn before(&self) -> f64 {
+        mean_square(&less_mean(self.difference.clone()))
+    }
+
+    /// Mean square of what an effect leaves of it.
+    pub(crate) fn left(&self, kind: &Kind, values: &[f64]) -> f64 {
+        mean_square(&residuals(&self.columns.tracks, kind, values))
+    }
+
+    /// Least squares of the disagreement by functions of the reference.
+    pub(crate) fn linear<const N: usize>(&self, row: impl Fn(f64) -> [f64; N]) -> Option<[f64; N]> {
+        let mut normal = DMatrix::<f64>::zeros(N, N);
+        let mut right = DVector::<f64>::zeros(N);
+        for (&x, difference) in self.reference.iter().zip(&self.difference) {
+            let row = row(x);
+            for a in 0..N {
+                right[a] += row[a] * difference;
+                for b in 0..N {
+                    normal[(a, b)] += row[a] * row[b];
+                }
+            }
+        }
+        let solution = normal.cholesky()?.solve(&right);
+        let found: [f64; N] = core::array::from_fn(|i| solution[i]);
+        found.iter().all(|c| c.is_finite()).then_some(found)
+    }
+}
+
+/// What `kind` leaves, sample by sample over all tracks, less the mean: the columns' zeros may differ.
+pub(crate) fn residuals(tracks: &[Track], kind: &Kind, values: &[f64]) -> Vec<f64> {
+    let mut device = Device::nominal(&Model::new(1.0));
+    kind.install(&mut device, values);
+    let sensing = &device.sensing;
+    let mut all = Vec::new();
+    for track in tracks {
+        let mut reading = Reading::at_rest(sensing, track.reference[0]);
+        let mut before_s = track.session_s[0];
+        for ((&now_s, &x), shown) in track
+            .session_s
+            .iter()
+            .zip(&track.reference)
+            .zip(&track.shown)
+        {
+            let y = reading.follow(sensing, x, now_s - before_s) + sensing.jumped(now_s);
+            before_s = now_s;
+            all.push(shown - y);
+        }
+    }
+    less_mean(all)
+}
+
+/// The disagreement, less its mean.
+pub(crate) fn disagreement(tracks: &[Track]) -> Vec<f64> {
+    less_mean(differences(tracks))
+}
+
+fn differences(tracks: &[Track]) -> Vec<f64> {
+    let differences = tracks.iter().flat_map(|track| {
+        let pairs = track.shown.iter().zip(&track.reference);
+        pairs.map(|(shown, x)| shown - x)
+    });
+    differences.collect()
+}
+
+/// The same values with a mean of zero.
+pub(crate) fn less_mean(mut values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter_mut().for_each(|v| *v -= mean);
+    values
+}
+
+/// Mean of the squares.
+pub(crate) fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Where `f` is lowest in a range of positive values: on a logarithmic grid, then by golden sections around its
+/// lowest point (Kiefer, Proceedings of the AMS 4, 1953).
+pub(crate) fn lowest(range: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
+    let [low, high] = range.map(f64::ln);
+    let at = |k: usize| low + (high - low) * k as f64 / (GRID - 1) as f64;
+    let values: Vec<f64> = (0..GRID).map(|k| f(at(k).exp())).collect();
+    let best = (0..GRID).min_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let best = best.unwrap_or(0);
+    let (mut a, mut b) = (at(best.saturating_sub(1)), at((best + 1).min(GRID - 1)));
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut c, mut d) = (b - golden * (b - a), a + golden * (b - a));
+    let (mut fc, mut fd) = (f(c.exp()), f(d.exp()));
+    for _ in 0..NARROWINGS {
+        if fc < fd {
+            (b, d, fd) = (d, c, fc);
+            c = b - golden * (b - a);
+            fc = f(c.exp());
+        } else {
+            (a, c, fc) = (c, d, fd);
+            d = a + golden * (b - a);
+            fd = f(d.exp());
+        }
+    }
+    (0.5 * (a + b)).exp()
+}

@@ -1,0 +1,117 @@
+//! The stated numbers of the model that had to move.
+
+use crate::diagnosis::NumberFinding;
+use crate::effects;
+use crate::fit::Fit;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
+use crate::shrink::shrink;
+use host_sim::effects::Quantity;
+use recording::Recording;
+
+/// Share of the gap that the move of a number must close to be said.
+const LEAST_SHRINK: f64 = 0.05;
+const ITERATIONS: usize = 6;
+
+/// The numbers that a fit had to move, those that close most first. What a move closes is the mean of what it closes alone and
+/// beside the moves of all others, each refitted: half-way between the two ends of its Shapley share. Numbers that are not stated
+/// are always said. `nominal` and `floor` are squares by window.
+pub(super) fn moved(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    nominal: &[f64],
+    floor: &[f64],
+) -> Vec<NumberFinding> {
+    let with = problem.window_squares(fit, Part::All);
+    let none = left_with(problem, fit, |_| false);
+    let numbers = problem.nudges.iter().enumerate();
+    let mut all: Vec<NumberFinding> = numbers
+        .filter(|(place, _)| fit.x[*place] != 0.0)
+        .filter_map(|(place, number)| {
+            let alone = left_with(problem, fit, |other| other == place);
+            let others = left_with(problem, fit, |other| other != place);
+            let [alone, ..] = shrink(&none, &alone, floor, nominal);
+            let [beside, ..] = shrink(&others, &with, floor, nominal);
+            let share = 0.5 * (alone + beside);
+            let moved_by = fit.x[place];
+            let found = number.at(moved_by);
+            let spread = number.at(moved_by + fit.std[place]) - found;
+            (share >= LEAST_SHRINK).then(|| NumberFinding {
+                name: number.name.clone(),
+                stated: Some(number.value),
+                found,
+                std: spread.is_finite().then_some(spread.abs()),
+                sigmas: Some(moved_by.abs()),
+                shrink: share,
+                unit: unit(&number.name, problem.recording),
+            })
+        })
+        .collect();
+    all.extend(estimated(problem, fit, &with, nominal, floor));
+    all.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
+    all
+}
+
+/// Squares of each window where only those numbers have moved that are `free`, refitted with the effects of a fit.
+fn left_with(problem: &Problem<'_>, fit: &Fit, free: impl Fn(usize) -> bool) -> Vec<f64> {
+    let count = problem.nudges.len();
+    let kept: Vec<usize> = (0..count).filter(|place| free(*place)).collect();
+    let numbers: Vec<_> = kept.iter().map(|&k| problem.nudges[k].clone()).collect();
+    let x = kept.iter().map(|&place| fit.x[place]);
+    let x = x.chain(fit.x[count..].iter().copied()).collect();
+    let held = problem.off_by(problem.modelling).with_numbers(&numbers);
+    let held_fit = held.fit(&fit.hypothesis, x, Part::All, ITERATIONS);
+    held.window_squares(&held_fit, Part::All)
+}
+
+/// The numbers that are not stated, as estimated.
+fn estimated(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    with: &[f64],
+    nominal: &[f64],
+    floor: &[f64],
+) -> Vec<NumberFinding> {
+    let recording = problem.recording;
+    let parts = fit
+        .hypothesis
+        .parts(&fit.x)
+        .zip(fit.hypothesis.parts(&fit.std));
+    let mut all = Vec::new();
+    for (place, ((term, x), (_, std))) in parts.enumerate() {
+        let number = effects::of(term.kind.name).main_number();
+        let Some(number) = number.filter(|number| recording.unstated.contains(&number.name)) else {
+            continue;
+        };
+        let name = number.name;
+        let (hypothesis, x_without) = fit.without(place);
+        let without = problem.fit(&hypothesis, x_without, Part::All, ITERATIONS);
+        let without = problem.window_squares(&without, Part::All);
+        let [share, ..] = shrink(&without, with, floor, nominal);
+        // A number that only scales the others is said as a multiple of what is assumed.
+        let assumed = match number.usual_error {
+            None => recording.model.get(name).unwrap_or(1.0),
+            Some(_) => 1.0,
+        };
+        let found = assumed * term.at(x)[0];
+        let spread = assumed * term.spread(0, x, std);
+        all.push(NumberFinding {
+            name: name.to_owned(),
+            stated: None,
+            found,
+            std: spread.is_finite().then_some(spread.abs()),
+            sigmas: None,
+            shrink: share,
+            unit: unit(name, recording),
+        });
+    }
+    all
+}
+
+/// Unit of a number of the model.
+fn unit(name: &str, recording: &Recording) -> String {
+    let units = &recording.units;
+    let of = |quantity: Quantity| quantity.unit(&units.position, &units.input);
+    let ratio = || format!("{}/({})", of(Quantity::Torque), units.input);
+    Quantity::of_model(name).map_or_else(ratio, of)
+}

@@ -1,0 +1,124 @@
+//! Sizes of effects that no device has: a fit that ends there bends to something else.
+
+use crate::fit::Fit;
+use crate::fit::problem::Problem;
+use crate::term::Term;
+use host_sim::effects::{Parameter, Quantity};
+use recording::Model;
+use std::fmt;
+
+/// Factor beyond the typical range of a size at which it is far outside.
+const FAR: f64 = 3.0;
+/// The stated inertia of the paddle, for which the typical inertias are given, kg m².
+const PADDLE_INERTIA: f64 = 5.755e-4;
+
+/// A number of an effect that no device has.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Implausible {
+    /// The effect.
+    pub effect: &'static str,
+    parameter: String,
+    value: f64,
+    is_at_end: bool,
+}
+
+impl Implausible {
+    /// The first such number of the effect at a place of a fit, if there is one.
+    pub(super) fn of(problem: &Problem<'_>, fit: &Fit, place: usize) -> Option<Self> {
+        let (term, x) = fit.hypothesis.parts(&fit.x).nth(place)?;
+        let values = term.at(x);
+        let model = &problem.recording.model;
+        let mut free = term.free.iter().zip(x);
+        free.find_map(|(coordinate, x)| {
+            let parameter = term.kind.parameter(coordinate.parameter);
+            let value = values[coordinate.parameter];
+            let [low, high] = coordinate.reach(parameter);
+            let is_at_end = !(low..high).contains(x) && is_unusual(parameter, value, model, 1.0);
+            let is_far = is_unusual(parameter, value, model, FAR);
+            (is_at_end || is_far).then(|| Self {
+                effect: term.kind.name,
+                parameter: name(term, coordinate.parameter),
+                value,
+                is_at_end,
+            })
+        })
+    }
+}
+
+fn name(term: &Term, parameter: usize) -> String {
+    term.kind.value_name(parameter, term.values.len())
+}
+
+/// True if a pure number or an inertia is this many times outside its typical range. Other sizes depend on the device.
+fn is_unusual(parameter: &Parameter, value: f64, model: &Model, times: f64) -> bool {
+    let [low, high] = parameter.typical;
+    let size = match parameter.quantity {
+        Quantity::Ratio => value,
+        Quantity::Inertia => value / model.inertia * PADDLE_INERTIA,
+        _ => return false,
+    };
+    let is_below = low > 0.0 && size < low / times;
+    let is_outside = size > times * high.abs().max(low.abs()) || (low < 0.0 && size < times * low);
+    is_below || is_outside
+}
+
+impl fmt::Display for Implausible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            parameter, value, ..
+        } = self;
+        if self.is_at_end {
+            write!(f, "its {parameter} ends at a bound, {value:.3}")
+        } else {
+            write!(
+                f,
+                "its {parameter} of {value:.3} is far outside what is typical"
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::hypothesis::Hypothesis;
+    use crate::fit::part::Part;
+    use crate::made;
+    use crate::term::{Coordinate, Scale};
+
+    fn implausible(name: &str, start: f64) -> bool {
+        let recording = made::recording(&[]);
+        let problem = made::problem(&recording);
+        let free = Coordinate {
+            parameter: 0,
+            start,
+            scale: Scale::Log,
+        };
+        let hypothesis = Hypothesis {
+            terms: vec![made::term(name, &[free])],
+        };
+        let fit = problem.fit(&hypothesis, vec![0.0], Part::All, 0);
+        Implausible::of(&problem, &fit, 0).is_some()
+    }
+
+    #[test]
+    fn sizes_that_make_a_model_stand_still_or_coast_are_no_findings() {
+        for (name, size) in [
+            ("torque_gain", 0.015),
+            ("sensor_gain", 0.0025),
+            ("inertia", 62.0 * 5.755e-4),
+            ("stribeck", 31.0),
+        ] {
+            assert!(implausible(name, size), "{name} {size}");
+        }
+        for (name, size) in [
+            ("torque_gain", 0.7),
+            ("sensor_gain", 1.3),
+            ("inertia", 2.0 * 5.755e-4),
+            ("stribeck", 2.0),
+            ("viscous", 1e3),
+        ] {
+            assert!(!implausible(name, size), "{name} {size}");
+        }
+    }
+}

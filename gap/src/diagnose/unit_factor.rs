@@ -1,0 +1,115 @@
+//! Gains that are a factor between units: a column or a number in another unit than the model takes it for.
+
+use crate::fit::Fit;
+use crate::fit::problem::Problem;
+use core::f64::consts::{PI, TAU};
+use host_sim::effects::Quantity;
+use std::fmt;
+
+/// Factors that people get wrong, and what they convert.
+const FACTORS: [(f64, &str); 5] = [
+    (180.0 / PI, "degrees and radians"),
+    (60.0 / TAU, "revolutions per minute and radians per second"),
+    (TAU, "turns and radians"),
+    (1000.0, "a unit and its thousandth"),
+    (100.0, "a unit and its hundredth"),
+];
+
+/// A gain is taken for a factor that is nearer than this share of it, or than this many standard deviations of the fit, up to a
+/// largest share: another effect that is not modelled biases a fitted gain by some percent.
+const RELATIVE: f64 = 0.02;
+const DEVIATIONS: f64 = 3.0;
+const MOST: f64 = 0.05;
+
+/// A gain that is such a factor.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct UnitFactor {
+    /// As fitted.
+    gain: f64,
+    /// What it converts.
+    between: String,
+}
+
+impl UnitFactor {
+    /// The first gain among the effects of a fit beyond its first `kept` terms that converts between units.
+    pub(super) fn in_fit(problem: &Problem<'_>, fit: &Fit, kept: usize) -> Option<Self> {
+        let model = &problem.recording.model;
+        let resolution = problem.recording.sensor("position").resolution;
+        let mut own = vec![(model.ratio.abs(), "the two sides of the gear")];
+        if resolution > 0.0 {
+            own.push((TAU / resolution, "counts and radians"));
+        }
+        let parts = fit
+            .hypothesis
+            .parts(&fit.x)
+            .zip(fit.hypothesis.parts(&fit.std));
+        parts.skip(kept).find_map(|((term, x), (_, std))| {
+            let value = term.at(x)[0];
+            let spread = term.spread(0, x, std);
+            match term.kind.parameter(0).quantity {
+                Quantity::Inertia => Self::of(value / model.inertia, spread / model.inertia, &own),
+                Quantity::Ratio if term.kind.name.ends_with("gain") => {
+                    Self::of(value, spread, &own)
+                }
+                _ => None,
+            }
+        })
+    }
+
+    /// What a gain converts, if it is one of the known factors or of those of this recording, `own`: the gear's ratio and the counts
+    /// of a turn.
+    pub(super) fn of(gain: f64, std: f64, own: &[(f64, &str)]) -> Option<Self> {
+        let near = (RELATIVE * gain.abs())
+            .max(DEVIATIONS * std)
+            .min(MOST * gain.abs());
+        let known = |factor: f64| (gain.abs() - factor).abs() <= near;
+        let all = FACTORS.iter().chain(own);
+        let mut all = all.filter(|(factor, _)| (factor.ln()).abs() > LEAST_LOG);
+        let (_, between) = all.find(|(factor, _)| known(*factor) || known(factor.recip()))?;
+        Some(Self {
+            gain,
+            between: (*between).to_owned(),
+        })
+    }
+}
+
+/// Logarithm of the least factor that is no plausible gain: a ratio of 2 may well be one.
+const LEAST_LOG: f64 = 1.5;
+
+impl fmt::Display for UnitFactor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "a gain of {:.5} is the factor between {}: a column or a number of [model] is in another unit than stated; give both in \
+             the same unit",
+            self.gain, self.between
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_factor_between_units_is_recognised_in_both_directions() {
+        let between =
+            |gain: f64| UnitFactor::of(gain, 1e-4, &[(15.0, "the two sides of the gear")]);
+        for gain in [
+            0.017438,
+            57.4,
+            0.1047,
+            9.55,
+            6.28,
+            1e-3,
+            -1000.0,
+            15.1,
+            1.0 / 15.0,
+        ] {
+            assert!(between(gain).is_some(), "{gain}");
+        }
+        for gain in [0.85, 1.4, 2.0, 0.02, 40.0] {
+            assert_eq!(between(gain), None, "{gain}");
+        }
+    }
+}

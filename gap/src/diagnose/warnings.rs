@@ -1,0 +1,51 @@
+//! What is odd about a recording, and what not to rely on in a diagnosis.
+
+use super::rejection::Rejection;
+use super::relief::Relief;
+use super::stand_in::StandIn;
+use super::steps::Step;
+use crate::comparison::Comparison;
+use crate::diagnosis::Finding;
+use crate::fit::problem::Problem;
+use crate::select::Selection;
+
+/// What the other stages of a diagnosis have to say.
+pub(super) struct Doubts<'a> {
+    pub comparison: Option<&'a Comparison>,
+    pub rejection: Option<&'a Rejection>,
+    pub stand_in: Option<StandIn>,
+    pub steps: &'a [Step],
+    pub effects: &'a [Finding],
+}
+
+/// All warnings, a line each: of the recording, of what is not stated, of the fit, of the names.
+pub(super) fn all(
+    problem: &Problem<'_>,
+    selection: &Selection,
+    doubts: &Doubts<'_>,
+) -> Vec<String> {
+    let recording = problem.recording;
+    let mut lines = recording.warnings();
+    lines.extend(recording.unstated.iter().map(|name| {
+        let assumed = recording.model.get(name).unwrap_or(0.0);
+        format!("`{name}` is not stated in [model]: it begins at {assumed} and is estimated with everything else")
+    }));
+    let compared = doubts.comparison.iter();
+    lines.extend(compared.filter_map(|c| c.line(&recording.units.position)));
+    lines.extend(doubts.rejection.iter().map(ToString::to_string));
+    let stalls = selection.fit().stalls(&problem.nudges);
+    lines.extend(stalls.iter().map(ToString::to_string));
+    lines.extend(doubts.stand_in.iter().map(ToString::to_string));
+    let small = selection.rounds.iter().zip(doubts.steps);
+    let small = small.filter(|(_, step)| step.is_small());
+    let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.nudges));
+    lines.extend(reliefs.map(|relief| relief.to_string()));
+    let seen = doubts.effects.iter().filter(|effect| !effect.held_out);
+    lines.extend(seen.map(|effect| {
+        format!(
+            "{} shows in too few windows for any to be held out: its shrink is on data that the fit has seen",
+            effect.name
+        )
+    }));
+    lines
+}

@@ -1,0 +1,72 @@
+//! Dry friction of another level in each direction.
+
+use super::coulomb::Coulomb;
+use super::identification::{Family, Identification, SmallMotion};
+use super::phrase::Found;
+use super::torque_offset::TorqueOffset;
+use crate::guess::Evidence;
+use crate::guess::regression::regress;
+use crate::guess::start::{log, terms};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::asymmetric_coulomb::KIND;
+use recording::Model;
+
+#[derive(Debug)]
+pub(super) struct AsymmetricCoulomb;
+
+impl Identification for AsymmetricCoulomb {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let level = e.device.mechanics.friction.level_nm;
+        let guess = regress(e, |m| {
+            let forward = f64::from(m.velocity > 0.0);
+            [-forward, 1.0 - forward]
+        });
+        let both = |[forward, backward]: [f64; 2]| vec![log(0, forward), log(1, backward)];
+        let least = 0.05 * s.friction;
+        let guess =
+            guess.map(|[p, n]| both([(level[0] + p).max(least), (level[1] + n).max(least)]));
+        let tried = [[0.7, 1.3], [1.3, 0.7]];
+        terms(
+            &KIND,
+            guess,
+            tried.map(|pair| both(pair.map(|f| f * s.friction))),
+        )
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&Coulomb]
+    }
+
+    fn simpler_substitutes(&self) -> &'static [&'static dyn Identification] {
+        // While it slides, a push is less friction one way and more the other.
+        &[&TorqueOffset]
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Push)
+    }
+
+    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+        let SmallMotion::Push { torque_nm } = other else {
+            return None;
+        };
+        // What pushes forward is less friction that way and more the other way.
+        let levels = [-1.0, 1.0].map(|way| model.coulomb + way * torque_nm);
+        let is_friction = levels.iter().all(|level| *level > 0.0);
+        is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]))
+    }
+
+    fn noun(&self) -> &'static str {
+        "dry friction that depends on the direction"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "dry friction of {positive} against positive and {negative} against negative motion"
+    }
+}

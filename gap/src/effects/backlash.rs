@@ -1,0 +1,86 @@
+//! Play in the transmission, between two masses.
+
+use super::compliance::Compliance;
+use super::identification::{Fitted, Identification, Landscape};
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::start::{count, linear, log, term};
+use crate::guess::two_masses::{HALF, is_no_link, rubs, two_masses};
+use crate::term::Term;
+use crate::windows::series::FINE_PERIOD_S;
+use core::f64::consts::TAU;
+use host_sim::effects::Kind;
+use host_sim::effects::backlash::KIND;
+
+/// How wide a play may be, over the span of the motion, and the ratio of those that are tried; narrower ones where a run
+/// moves less than all do together.
+const PLAYS: [f64; 2] = [0.0027, 0.15];
+const PLAY_RATIO: f64 = 1.78;
+/// Natural frequency of the flanks of a play, over the coarse sampling rate: an impact lasts some samples, and harder
+/// flanks do nearly the same.
+const FLANK_FREQUENCY: f64 = 0.06;
+/// Relative damping of the flanks: a rebound has half the speed.
+const FLANK_DAMPING: f64 = 0.22;
+/// Shares of the inertia and of the friction beyond a play that are tried with each: a side that flies free tells them.
+const FREE_SHARES: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
+const FREE_FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+#[derive(Debug)]
+pub(super) struct Backlash;
+
+impl Identification for Backlash {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let inertia = e.device.mechanics.inertia;
+        let rate = TAU * FLANK_FREQUENCY / e.scales.period_s.max(FINE_PERIOD_S);
+        let rubs = rubs(e);
+        let frictions = if rubs { &FREE_FRICTIONS[..] } else { &[HALF] };
+        let narrower = (e.scales.span() / e.scales.least_span)
+            .log(PLAY_RATIO)
+            .floor();
+        let least = PLAYS[0] * PLAY_RATIO.powf(-narrower);
+        let sizes = [least, PLAYS[1]].map(|play| play * e.scales.span());
+        two_masses(sizes, count(sizes, PLAY_RATIO), |play| {
+            let pairs = FREE_SHARES
+                .iter()
+                .flat_map(|&share| frictions.iter().map(move |&friction| (share, friction)));
+            let start = |(share, friction): (f64, f64)| {
+                let reduced = inertia * share * (1.0 - share);
+                let mut free = vec![
+                    log(0, play),
+                    linear(1, share, 0.15),
+                    log(2, rate * rate * reduced),
+                    log(3, 2.0 * FLANK_DAMPING * rate * reduced),
+                ];
+                free.extend(rubs.then(|| linear(4, friction, 0.3)));
+                term(&KIND, free, &[])
+            };
+            pairs.map(start).collect()
+        })
+    }
+
+    fn landscape(&self) -> Landscape {
+        Landscape::Rugged
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&Compliance]
+    }
+
+    /// Without a spring that comes back through its damper within a prediction it is a lag; and where one side weighs nothing,
+    /// its friction bends.
+    fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
+        is_no_link(fit.device, fit.horizon_s)
+    }
+
+    fn noun(&self) -> &'static str {
+        "backlash"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "backlash of {play}"
+    }
+}

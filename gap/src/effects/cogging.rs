@@ -1,0 +1,116 @@
+//! Torque ripple over position: a search over wave numbers before any fit.
+
+use super::gravity::Gravity;
+use super::identification::Identification;
+use super::phrase::Found;
+use super::spring::Spring;
+use super::torque_offset::TorqueOffset;
+use crate::guess::Evidence;
+use crate::guess::regression::{Moment, moments};
+use crate::guess::start::{linear, log, term};
+use crate::guess::waves;
+use crate::term::Term;
+use crate::windows::statistics::quantile;
+use core::f64::consts::TAU;
+use host_sim::effects::Kind;
+use host_sim::effects::cogging::KIND;
+
+/// Wave numbers from which a fit starts, of those that most of the motion follows and of finer ones.
+const PEAKS: usize = 3;
+/// Share of the moments that are slow.
+const SLOW_SHARE: f64 = 0.25;
+/// Waves that were travelled at least for a ripple to be seen to repeat.
+const LEAST_WAVES: f64 = 1.0;
+/// Place of the wave number among its parameters.
+const WAVE_NUMBER: usize = 1;
+
+#[derive(Debug)]
+pub(super) struct Cogging;
+
+impl Identification for Cogging {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    /// The strongest wave numbers in the missing torque, by the share of its variance that a sine and a cosine over position
+    /// explain.
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let known: Vec<Moment> = moments(e).collect();
+        let speeds: Vec<f64> = known.iter().map(|m| m.velocity.abs()).collect();
+        let slow = quantile(&speeds, SLOW_SHARE);
+        let strongest = |fastest: f64, range: [f64; 2]| {
+            let some = known.iter().filter(|m| m.velocity.abs() <= fastest);
+            let some = some.map(|m| (m.position, m.velocity > 0.0, m.missing_nm));
+            waves::strongest(some.collect(), range, s.span())
+        };
+        let all = strongest(f64::INFINITY, s.wave_numbers());
+        // What passes too fast most of the time shows where the motion is slow.
+        let finest = s.finest_wave_number();
+        let told_apart = waves::last_told_apart(finest, s.span());
+        let finer = s.finest_wave_number_at(slow).min(told_apart);
+        let fine = strongest(slow, [finest, finer]);
+        let peaks = all.into_iter().take(PEAKS);
+        let peaks = peaks.chain(fine.into_iter().take(PEAKS));
+        peaks
+            .map(|(n, [a, b])| {
+                let amplitude = a.hypot(b).max(1e-3 * s.torque);
+                // A missing torque is what the motion needed: that of the ripple itself.
+                let phase = b.atan2(a);
+                let free = vec![
+                    log(0, amplitude),
+                    linear(1, n, 0.2 * TAU / s.span()),
+                    linear(2, phase, 0.5),
+                    linear(3, 0.0, 0.3 * amplitude),
+                    linear(4, 0.0, 0.3 * amplitude),
+                ];
+                term(&KIND, free, &[])
+            })
+            .collect()
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&TorqueOffset, &Gravity, &Spring]
+    }
+
+    fn too_few_periods(&self, fitted: &Term, extremes: [f64; 2]) -> Option<f64> {
+        waves_short(fitted.values[WAVE_NUMBER], extremes)
+    }
+
+    fn noun(&self) -> &'static str {
+        "cogging"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "cogging of {amplitude}"
+    }
+}
+
+/// Waves of a ripple between the lowest and the highest of some positions, if they are too few to see it repeat.
+fn waves_short(wave_number: f64, [low, high]: [f64; 2]) -> Option<f64> {
+    let travelled = wave_number * (high - low) / TAU;
+    (travelled < LEAST_WAVES).then_some(travelled)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+
+    #[test]
+    fn a_ripple_that_most_of_the_motion_is_too_fast_for_is_looked_for_where_it_is_slow() {
+        const WAVE_NUMBER: f64 = 120.0;
+        let hidden = format!("cogging:amplitude=0.004,wave_number={WAVE_NUMBER},phase=0");
+        let nearest = made::seen(
+            &[&hidden],
+            |_| (),
+            |e| {
+                assert!(WAVE_NUMBER > e.scales.finest_wave_number());
+                let starts = Cogging.starts(e).into_iter();
+                let off = starts.map(|start| (start.values[1] - WAVE_NUMBER).abs());
+                off.fold(f64::INFINITY, f64::min) / (TAU / e.scales.span())
+            },
+        );
+        assert!(nearest < 0.5, "{nearest} turns off");
+    }
+}

@@ -1,0 +1,60 @@
+//! Small inputs that do nothing.
+
+use super::identification::Identification;
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::start::{geometric, linear, log, term, terms};
+use crate::term::{Coordinate, Term};
+use host_sim::effects::Kind;
+use host_sim::effects::deadband::KIND;
+
+/// Widths of a dead band that lets all through beyond it, over the input's root mean square, and how many of them are tried.
+const GATES: [f64; 2] = [0.03, 1.5];
+const GATE_STARTS: usize = 40;
+/// Place of the parameter that says whether it comes before the limit of the input.
+const BEFORE_LIMIT: usize = 2;
+/// Place of the parameter that says how far it lies off zero, and one unit of its coordinate.
+const SKEW: usize = 3;
+const SKEWED: f64 = 0.5;
+
+#[derive(Debug)]
+pub(super) struct Deadband;
+
+impl Identification for Deadband {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let missing = [0.05, 0.2, 0.6].map(|f| vec![log(0, f * s.input)]);
+        let missing = terms(&KIND, None, missing);
+        let before_limit = missing.iter().filter(|_| e.clips_input());
+        let before_limit = before_limit.map(|start| start.begun(&[(BEFORE_LIMIT, 1.0)]));
+        let before_limit: Vec<Term> = before_limit.collect();
+        let skewed = [0.2, 0.6].map(|f| vec![log(0, f * s.input), linear(SKEW, 0.0, SKEWED)]);
+        let skewed = terms(&KIND, None, skewed);
+        [missing, skewed, before_limit, gates(e)].concat()
+    }
+
+    fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
+        let skew = (!fitted.is_free(SKEW)).then(|| linear(SKEW, 0.0, SKEWED));
+        skew.into_iter().collect()
+    }
+
+    fn noun(&self) -> &'static str {
+        "a dead band"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "a dead band of {width} in the input"
+    }
+}
+
+/// Dead bands that let all through beyond them: each sample comes through at a width of its own.
+fn gates(e: &Evidence<'_>) -> Vec<Term> {
+    let widths = geometric(GATES, GATE_STARTS).map(|f| f * e.scales.input);
+    widths
+        .map(|width| term(&KIND, vec![log(0, width)], &[(1, 1.0)]))
+        .collect()
+}

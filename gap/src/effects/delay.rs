@@ -1,0 +1,54 @@
+//! A torque that follows the input after a dead time.
+
+use super::identification::{Family, Identification};
+use super::phrase::{Found, Part, Phrase};
+use super::sensor_lag::SensorLag;
+use crate::guess::Evidence;
+use crate::guess::late::{later, sooner};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::delay::KIND;
+
+#[derive(Debug)]
+pub(super) struct Delay;
+
+impl Identification for Delay {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        [later(&KIND, e), sooner(&KIND, e.model.delay)].concat()
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Lateness)
+    }
+
+    fn indistinguishable(&self, fitted: &Term) -> &'static [&'static dyn Identification] {
+        // A reading that comes late by a dead time is that of a device that is driven late.
+        match fitted.values[0] > 0.0 {
+            true => &[&SensorLag],
+            false => &[],
+        }
+    }
+
+    fn noun(&self) -> &'static str {
+        "delay"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "a torque that comes {time} late"
+    }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        if let Some(less) = found.shortened_by("time") {
+            return Phrase(vec![
+                Part::Words("a torque that comes ".into()),
+                Part::Number(less),
+                Part::Words(" sooner than the model has it".into()),
+            ]);
+        }
+        self.filled_template(found)
+    }
+}

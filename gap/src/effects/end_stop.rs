@@ -1,0 +1,244 @@
+//! Hard stops on either side.
+
+use super::gravity::Gravity;
+use super::identification::{Fitted, Identification};
+use super::phrase::{Found, Part, Phrase};
+use super::spring::Spring;
+use super::torque_offset::TorqueOffset;
+use crate::guess::Evidence;
+use crate::guess::push::pushes;
+use crate::guess::start::{linear, log, term};
+use crate::term::Term;
+use crate::windows::statistics::quantile;
+use host_sim::effects::Kind;
+use host_sim::effects::end_stop::KIND;
+use recording::Model;
+
+/// Shares of the samples that may lie beyond a stop: none where it is touched once.
+const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
+/// Stiffness of a stop over torque by span of the motion.
+const HARDNESS: [f64; 2] = [20.0, 200.0];
+/// Its relative damping.
+const STOP_DAMPING: f64 = 0.1;
+/// Shares of the span of the motion by which a stop of the model's is moved.
+const MOVED: f64 = 0.1;
+/// Spans of the motion beyond it at which a stop is none.
+const OUT_OF_REACH: f64 = 10.0;
+
+#[derive(Debug)]
+pub(super) struct EndStop;
+
+impl Identification for EndStop {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    /// One stop at a time, the other out of reach, then both; those of the model farther out, where the device went past them.
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let inertia = e.device.mechanics.inertia;
+        let positions = e.motions.iter().flat_map(|m| m.position.iter().copied());
+        let positions: Vec<f64> = positions.collect();
+        let far = untouched(e.model.travel, s.position);
+        let ends = |share: f64| [share, 1.0 - share].map(|share| quantile(&positions, share));
+        let ends = STOPPED_SHARES.map(ends);
+        let mut all = pushing(e, far);
+        all.extend(farther(e.model, ends[0]));
+        let sizes = ends
+            .iter()
+            .flat_map(|&ends| HARDNESS.map(|hardness| (ends, hardness)));
+        for (ends, hardness) in sizes {
+            for [lower, upper] in places(ends, far) {
+                let stiffness = hardness * s.torque / s.span();
+                let damping = 2.0 * STOP_DAMPING * (stiffness * inertia).sqrt();
+                let mut free = vec![log(2, stiffness), log(3, damping)];
+                if lower > far[0] {
+                    free.push(linear(0, lower, 0.05 * s.span()));
+                }
+                if upper < far[1] {
+                    free.push(linear(1, upper, 0.05 * s.span()));
+                }
+                all.push(term(&KIND, free, &[(0, lower), (1, upper)]));
+            }
+        }
+        all
+    }
+
+    fn reduced_forms(
+        &self,
+        fitted: &Term,
+        x: &[f64],
+        model: &Model,
+        extremes: [f64; 2],
+    ) -> Vec<(Term, Vec<f64>)> {
+        one_sided(fitted, x, untouched(model.travel, extremes))
+    }
+
+    fn is_local(&self) -> bool {
+        true
+    }
+
+    fn may_show_in_few_windows(&self) -> bool {
+        true
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&TorqueOffset, &Gravity, &Spring]
+    }
+
+    fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
+        let positions = fit.series.iter().flat_map(|s| s.position.iter().copied());
+        push_at_most(fit.term, positions)
+    }
+
+    fn noun(&self) -> &'static str {
+        "a hard stop"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "a hard stop"
+    }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        // A stop that was not fitted is out of reach.
+        let stops = ["lower", "upper"].map(|side| found.fitted(side).cloned());
+        match stops {
+            [Some(one), None] | [None, Some(one)] => Phrase(vec![
+                Part::Words("a hard stop at ".into()),
+                Part::Number(one),
+            ]),
+            [Some(lower), Some(upper)] => Phrase(vec![
+                Part::Words("hard stops at ".into()),
+                Part::Number(lower),
+                Part::Words(" and ".into()),
+                Part::Number(upper),
+            ]),
+            [None, None] if found.nominal.has_stops => {
+                Phrase::of("stops that are not met where the model has them")
+            }
+            [None, None] => Phrase::of(self.noun()),
+        }
+    }
+}
+
+/// One stop where the motion ends, the other `far`, then both there: beyond a stop that is known is no other.
+fn places([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
+    let (low, high) = (low.max(far[0]), high.min(far[1]));
+    let mut places = vec![[far[0], high], [low, far[1]], [low, high]];
+    places.retain(|place| *place != far);
+    places.dedup();
+    places
+}
+
+/// The model's own stops out of reach or where the motion ended, one or both, if that went past them.
+fn farther(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
+    let Some(travel) = model.travel else {
+        return Vec::new();
+    };
+    let passed = [extremes[0] < travel[0], extremes[1] > travel[1]];
+    let moved = [vec![0], vec![1], vec![0, 1]].into_iter();
+    let moved = moved.filter(|sides| sides.iter().all(|&side| passed[side]));
+    let unit = MOVED * (extremes[1] - extremes[0]);
+    let hardness = [(2, model.stop_stiffness), (3, model.stop_damping)];
+    let own = term(&KIND, Vec::new(), &hardness);
+    let own = own.begun(&[(0, travel[0]), (1, travel[1])]);
+    let stops = moved.flat_map(|sides| {
+        [untouched(None, extremes), extremes].map(|places| {
+            let places: Vec<_> = sides.iter().map(|&side| (side, places[side])).collect();
+            let free = places.iter().map(|&(side, at)| linear(side, at, unit));
+            Term {
+                free: free.collect(),
+                ..own.begun(&places)
+            }
+        })
+    });
+    stops.collect()
+}
+
+/// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.
+fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
+    let mut pushes = pushes(e, &[1.0, -1.0]);
+    // How long it was takes no part.
+    pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
+    let stops = pushes.into_iter().map(|push| {
+        let upper = usize::from(push.side > 0.0);
+        let free = vec![
+            log(2, push.stiffness),
+            log(3, push.damping),
+            linear(upper, push.position, 0.1 * push.span),
+        ];
+        term(&KIND, free, &[(1 - upper, far[1 - upper])])
+    });
+    stops.collect()
+}
+
+/// Where stops are that a motion between `extremes` did not show: those of the nominal model, or out of reach.
+fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
+    let [low, high] = extremes;
+    let away = OUT_OF_REACH * (high - low);
+    travel.unwrap_or([low - away, high + away])
+}
+
+/// True if stops push at most of some positions: what does so all along is none.
+fn push_at_most(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
+    let [lower, upper] = [stops.values[0], stops.values[1]];
+    let pushes = |x: f64| if (lower..=upper).contains(&x) { -1 } else { 1 };
+    positions.map(pushes).sum::<i64>() > 0
+}
+
+/// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
+fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
+    let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
+    let (Some(lower), Some(upper)) = (place(0), place(1)) else {
+        return Vec::new();
+    };
+    let without = |(stop, at): (usize, usize)| {
+        let (mut term, mut x) = (stops.clone(), x.to_vec());
+        term.values[stop] = untouched[stop];
+        term.free.remove(at);
+        x.remove(at);
+        (term, x)
+    };
+    [(0, lower), (1, upper)].map(without).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    #[test]
+    fn stops_are_left_most_of_the_time() {
+        let at = |lower| term(&KIND, Vec::new(), &[(0, lower), (1, 0.5)]);
+        let positions = || [-0.2, -0.1, 0.0, 0.1, 0.2].into_iter();
+        assert!(!push_at_most(&at(-0.15), positions()));
+        assert!(push_at_most(&at(0.05), positions()));
+        assert!(push_at_most(&at(0.6), positions()));
+    }
+
+    #[test]
+    fn no_stop_is_looked_for_beyond_one_that_is_known() {
+        let known = [-0.61, 0.61];
+        assert_eq!(places([-0.63, 0.4], known), [[-0.61, 0.4]]);
+        assert_eq!(places([-0.63, 0.65], known), [[0.0; 2]; 0]);
+        let all = [[-0.61, 0.4], [-0.3, 0.61], [-0.3, 0.4]];
+        assert_eq!(places([-0.3, 0.4], known), all);
+    }
+
+    #[test]
+    fn the_other_stop_is_left_where_the_model_has_it() {
+        let free = vec![linear(0, -0.2, 0.1), linear(1, 0.3, 0.1), log(2, 20.0)];
+        let both = term(&KIND, free, &[]);
+        let places = |travel| {
+            let singles = one_sided(&both, &[0.5, 0.0, 0.1], untouched(travel, [-0.2, 0.3]));
+            let hundredths = |place: &f64| (100.0 * place).round();
+            let places = singles
+                .iter()
+                .map(|(term, x)| term.at(x)[..2].iter().map(hundredths).collect::<Vec<_>>());
+            places.collect::<Vec<_>>()
+        };
+        assert_eq!(
+            places(Some([-0.6, 0.6])),
+            [vec![-60.0, 30.0], vec![-15.0, 60.0]]
+        );
+        assert_eq!(places(None)[0], [-520.0, 30.0]);
+    }
+}

@@ -1,0 +1,126 @@
+//! Dry friction that changes over time.
+
+use super::coulomb::Coulomb;
+use super::identification::Identification;
+use super::phrase::{Found, Phrase};
+use crate::guess::Evidence;
+use crate::guess::regression::{Moment, moments, regress, regress_in};
+use crate::guess::sliding::{friction_nm, is_dry, most_telling};
+use crate::guess::start::{guessed, linear, log, term, terms};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::friction_drift::KIND;
+
+/// Time constants with which a friction settles, over the duration.
+const SETTLINGS: [f64; 2] = [0.15, 0.5];
+/// Places among the parameters of whether every run starts with it, and whether it settles at the model's level.
+const ANEW: usize = 2;
+const SETTLED: usize = 3;
+/// And of a step of its level, and of when that comes; and instants at which one is looked for.
+const STEP: usize = 4;
+const STEP_AT: usize = 5;
+const STEPS: usize = 48;
+
+#[derive(Debug)]
+pub(super) struct FrictionDrift;
+
+impl Identification for FrictionDrift {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    /// A friction that grows or falls all the time, that settles as something warms up, or that steps: over the session, or in
+    /// every run where the clock starts anew. One run cannot tell; what it shows is then taken for what every run will show, so
+    /// that no other is predicted from beyond what was seen.
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        if !is_dry(e) {
+            return Vec::new();
+        }
+        let starts = e.series.iter().map(|series| series.session(0));
+        let start_s = starts.min_by(f64::total_cmp).unwrap_or(0.0);
+        let session = drifts_since(e, |m| m.session_s - start_s);
+        if e.series.iter().all(|series| series.run == e.series[0].run) {
+            return session.into_iter().map(anew).collect();
+        }
+        let starts_anew = e.series.iter().any(|series| series.session_offset_s != 0.0);
+        let runs = starts_anew.then(|| drifts_since(e, |m| m.run_s));
+        let runs = runs.into_iter().flatten().map(anew);
+        session.into_iter().chain(runs).collect()
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&Coulomb]
+    }
+
+    fn noun(&self) -> &'static str {
+        "drifting friction"
+    }
+
+    fn template(&self, found: &Found<'_>) -> &'static str {
+        match (found.fitted("step"), found.fitted("step_at")) {
+            (Some(_), Some(_)) => "dry friction that steps by {step} at {step_at}",
+            // No sample tells when.
+            (Some(_), None) => "dry friction that steps by {step} between two runs",
+            (None, _) => "dry friction that changes by {rate}",
+        }
+    }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        let once = found.filled(self.template(found));
+        let is_anew = found.value("anew") == Some(1.0) && found.nominal.has_runs;
+        match once {
+            Some(once) if is_anew => once.then(" in every run"),
+            Some(once) => once,
+            None => Phrase::of(self.noun()),
+        }
+    }
+}
+
+/// The same drift in every run whose clock starts anew.
+fn anew(drift: Term) -> Term {
+    drift.begun(&[(ANEW, 1.0)])
+}
+
+fn drifts_since(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Vec<Term> {
+    let duration_s = e.scales.duration_s;
+    // Another level is an effect of its own, but must not bend the drift.
+    let guess = regress(e, |m| {
+        let friction = friction_nm(e, m);
+        [friction * since_s(m), friction]
+    });
+    let guess = guess.map(|[rate, _]| vec![guessed(0, rate, 0.3 / duration_s)]);
+    let settling = |share: f64| {
+        let settling_s = share * duration_s;
+        let found = regress(e, |m| {
+            let friction = friction_nm(e, m);
+            [friction * -(-since_s(m) / settling_s).exp_m1(), friction]
+        });
+        let [all, _] = found?;
+        let free = vec![
+            linear(0, all / settling_s, 0.5 / settling_s),
+            log(1, settling_s),
+        ];
+        Some([0.0, 1.0].map(|settled| term(&KIND, free.clone(), &[(SETTLED, settled)])))
+    };
+    let settling = SETTLINGS.into_iter().filter_map(settling).flatten();
+    let steady = |f: f64| vec![linear(0, f / duration_s, 0.5 / duration_s)];
+    let steady = terms(&KIND, guess, [0.3, -0.3].map(steady));
+    let stepping = step(e, &since_s);
+    steady.into_iter().chain(settling).chain(stepping).collect()
+}
+
+/// Another level from an instant on, where one explains most.
+fn step(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Option<Term> {
+    let apart_s = e.scales.duration_s / STEPS as f64;
+    let instants = (1..STEPS).map(|k| k as f64 * apart_s);
+    let tried = instants.filter_map(|at_s| {
+        let found = regress_in(moments(e), |m| {
+            let friction = friction_nm(e, m);
+            [friction * f64::from(since_s(m) >= at_s), friction]
+        });
+        let ([step, _], explained) = found?;
+        let free = vec![linear(STEP, step, 0.3), linear(STEP_AT, at_s, apart_s)];
+        Some((explained, term(&KIND, free, &[(0, 0.0)])))
+    });
+    most_telling(tried)
+}

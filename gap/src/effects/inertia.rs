@@ -1,0 +1,64 @@
+//! Another inertia.
+
+use super::identification::{Family, Identification, MainNumber, SmallMotion};
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::balance::Balance;
+use crate::guess::regression::regress;
+use crate::guess::start::{log, terms};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::inertia::KIND;
+use recording::Model;
+
+#[derive(Debug)]
+pub(super) struct Inertia;
+
+impl Identification for Inertia {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let stated = e.device.mechanics.inertia;
+        let guess = regress(e, |m| [-m.acceleration]);
+        let guess = guess.map(|[j]| vec![log(0, (stated + j).max(0.1 * stated))]);
+        terms(&KIND, guess, [vec![log(0, stated)]])
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Size)
+    }
+
+    fn on_small_motion(&self, fitted: &Term, model: &Model) -> Option<SmallMotion> {
+        let ratio = model.inertia / fitted.values[0];
+        Some(SmallMotion::Size { ratio })
+    }
+
+    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+        let SmallMotion::Size { ratio } = other else {
+            return None;
+        };
+        let inertia = model.inertia / ratio;
+        (inertia > 0.0 && inertia.is_finite()).then(|| own.begun(&[(0, inertia)]))
+    }
+
+    fn main_number(&self) -> Option<MainNumber> {
+        Some(MainNumber {
+            name: "inertia",
+            usual_error: Some(0.05),
+        })
+    }
+
+    fn balanced(&self, own: &Term, balance: &Balance) -> Term {
+        own.begun(&[(0, balance.inertia)])
+    }
+
+    fn noun(&self) -> &'static str {
+        "another inertia"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "an inertia of {inertia}"
+    }
+}

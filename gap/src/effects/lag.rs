@@ -1,0 +1,75 @@
+//! A torque that follows the input as a first-order lag.
+
+use super::identification::{Family, Identification, SmallMotion};
+use super::phrase::{Found, Part, Phrase};
+use crate::guess::Evidence;
+use crate::guess::late::{later, sooner, twice};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::lag::KIND;
+use recording::Model;
+
+/// Place of the parameter that says that it comes behind the model's own lag, and of that which says that there are two of it.
+const APART: usize = 1;
+const TWICE: usize = 2;
+
+#[derive(Debug)]
+pub(super) struct Lag;
+
+impl Identification for Lag {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        [longer(e), sooner(&KIND, e.model.lag)].concat()
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Lateness)
+    }
+
+    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+        let SmallMotion::LateReading { time_s } = other else {
+            return None;
+        };
+        // Behind a lag of the model's own that of a sensor is another one.
+        (model.lag > 0.0).then(|| further(&own.begun(&[(0, time_s)])))
+    }
+
+    fn noun(&self) -> &'static str {
+        "lag of the torque"
+    }
+
+    fn template(&self, found: &Found<'_>) -> &'static str {
+        match found.value("twice") {
+            Some(1.0) => "a torque that lags by {time}, and by as much again",
+            _ => "a torque that lags by {time}",
+        }
+    }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        if let Some(less) = found.shortened_by("time") {
+            return Phrase(vec![
+                Part::Words("a torque that lags by ".into()),
+                Part::Number(less),
+                Part::Words(" less than the model has it".into()),
+            ]);
+        }
+        self.filled_template(found)
+    }
+}
+
+/// A longer lag than the model's, or another one behind that, or two equal ones.
+fn longer(e: &Evidence<'_>) -> Vec<Term> {
+    let longer = later(&KIND, e);
+    let has_one = e.device.drive.lag_s > 0.0;
+    let behind: Vec<Term> = longer.iter().filter(|_| has_one).map(further).collect();
+    let both = twice(&longer, TWICE);
+    [longer, behind, both].concat()
+}
+
+/// The same lag as another one behind the model's.
+fn further(lag: &Term) -> Term {
+    lag.begun(&[(APART, 1.0)])
+}

@@ -1,0 +1,46 @@
+//! Dry friction that grows with the load.
+
+use super::identification::Identification;
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::regression::regress;
+use crate::guess::start::{linear, log, terms};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::load_dependent_friction::KIND;
+
+/// Part of the pull of gravity and springs that it may grow with, beside that of the drive.
+const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
+
+#[derive(Debug)]
+pub(super) struct LoadDependentFriction;
+
+impl Identification for LoadDependentFriction {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let guess = regress(e, |m| [-m.drive_nm.abs() * m.velocity.signum()]);
+        let guess = guess.map(|[share]| vec![log(0, share.max(0.01))]);
+        let mut starts = terms(&KIND, guess, [0.05, 0.2].map(|share| vec![log(0, share)]));
+        if e.device.mechanics.is_pulled() {
+            let carried = PASSIVE.map(|part| vec![log(0, 0.1), linear(1, part, 1.0)]);
+            starts.extend(terms(&KIND, None, carried));
+        }
+        starts
+    }
+
+    fn noun(&self) -> &'static str {
+        "dry friction that grows with the load"
+    }
+
+    fn template(&self, found: &Found<'_>) -> &'static str {
+        match found.fitted("passive") {
+            Some(_) => {
+                "dry friction that grows by {share} of what the drive and {passive} times the weight or spring pull together"
+            }
+            None => "dry friction that grows by {share} of the driving torque",
+        }
+    }
+}

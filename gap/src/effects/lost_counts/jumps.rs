@@ -1,0 +1,243 @@
+//! Jumps of a counter: steps between two samples that no motion makes.
+
+use crate::columns::Disagreement;
+use crate::guess::Evidence;
+use crate::guess::start::linear;
+use crate::term::Term;
+use crate::windows::statistics::quantile;
+use host_sim::effects::lost_counts::KIND;
+use recording::low_pass_gain;
+
+/// A step counts from this many times the spread of the steps of the motion itself, and of the noise.
+const STEP_RATIO: f64 = 12.0;
+/// 0.75 quantile of |N(0, 1)| over its standard deviation is 1.15.
+const UPPER_QUARTILE: f64 = 1.15;
+/// Steps this share of the largest beside them are as large.
+const TIED: f64 = 0.8;
+/// More jumps than this are noise of another kind, or motion, but for those this many times larger than the next.
+const MOST_JUMPS: usize = 40;
+const OUTSTANDING: f64 = 3.0;
+/// Of more than this the heights alone are fitted.
+const MOST_TIMED: usize = 12;
+/// Between two columns more jumps than this are no lost counts.
+const MOST_IN_COLUMNS: usize = 12;
+/// There a jump must reduce the squares by this, in variances, and be this high, in standard deviations.
+const JUMP_GAIN: f64 = 40.0;
+const JUMP_HEIGHT: f64 = 3.0;
+/// And this share of the highest.
+const LEAST_JUMP: f64 = 0.1;
+/// Samples between two jumps at least: a column that lags shows the kick of a loop that believed the jump.
+const APART: usize = 10;
+
+/// The jumps found, as one term with time and height of each; none if there are none.
+pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
+    let mut jumps = Vec::new();
+    for series in e.series {
+        let x = &series.position;
+        // What a sample differs from the line through its neighbours on either side.
+        let breaks: Vec<f64> = (0..x.len())
+            .map(|i| {
+                if i < 2 || i + 1 >= x.len() {
+                    return 0.0;
+                }
+                let slope = |a: usize, b: usize| (x[b] - x[a]) / (series.time[b] - series.time[a]);
+                let dt = series.time[i] - series.time[i - 1];
+                let before = slope(i - 2, i - 1);
+                let after = slope(i, i + 1);
+                (x[i] - x[i - 1]) - 0.5 * (before + after) * dt
+            })
+            .collect();
+        let sizes: Vec<f64> = breaks.iter().map(|b| b.abs()).collect();
+        let spread = (quantile(&sizes, 0.75) / UPPER_QUARTILE).max(e.scales.noise);
+        for (i, height) in breaks.iter().enumerate() {
+            // A step shows in the slopes beside it too: the largest of neighbours is the step.
+            let near = i.saturating_sub(2)..(i + 3).min(sizes.len());
+            let largest = near.clone().all(|k| sizes[k] <= height.abs());
+            if largest && height.abs() > STEP_RATIO * spread {
+                // Halfway within a mean it is as large in all of them, and whole in what is around it alone.
+                let tied = near.filter(|&k| sizes[k] >= TIED * height.abs());
+                let whole = tied.filter_map(|k| Some((k, height_around(&series.time, x, k)?)));
+                let whole = whole.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+                let (i, height) = whole.unwrap_or((i, *height));
+                jumps.push((series.session(i - 1), series.session(i), height));
+            }
+        }
+    }
+    jumps.dedup_by_key(|jump| jump.0);
+    let jumps = outstanding(jumps);
+    if jumps.is_empty() {
+        return Vec::new();
+    }
+    // A counter may also start anew with every run.
+    let mut anew = Vec::new();
+    for (index, series) in e.series.iter().enumerate() {
+        let Some([from, to]) = series.session_span_s() else {
+            continue;
+        };
+        let within = |j: &Found| (from..=to).contains(&j.0);
+        let mine: Vec<_> = jumps.iter().copied().filter(within).collect();
+        let sum: f64 = mine.iter().map(|j| j.2).sum();
+        anew.extend(mine);
+        let mut next = e.series[index + 1..].iter().filter(|s| !s.time.is_empty());
+        if let Some(next) = next.next().filter(|_| sum != 0.0) {
+            let start = next.session(0) - 0.5 * next.span_s;
+            anew.push((start, start, -sum));
+        }
+    }
+    // Of a jump that a low-pass has gone over, the first sample shows a part.
+    let shown = low_pass_gain(e.cutoff_hz, e.series[0].period_s.max(e.series[0].span_s));
+    let parts = if shown < 1.0 {
+        &[1.0, shown][..]
+    } else {
+        &[1.0]
+    };
+    let terms = parts
+        .iter()
+        .flat_map(|part| [&jumps, &anew].map(|jumps| term(jumps, *part)));
+    terms.collect()
+}
+
+/// One that the counter makes: the first and the last instant that it may have, s of the session, and its height.
+type Found = (f64, f64, f64);
+
+/// The jumps that are not too many: the largest ones where the others are a motion's.
+fn outstanding(jumps: Vec<Found>) -> Vec<Found> {
+    if jumps.len() <= MOST_JUMPS {
+        return jumps;
+    }
+    let mut sizes: Vec<f64> = jumps.iter().map(|jump| jump.2.abs()).collect();
+    sizes.sort_by(|a, b| b.total_cmp(a));
+    let falls = sizes.windows(2).take(MOST_JUMPS);
+    let steepest = falls.max_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1])));
+    let least = steepest.filter(|fall| fall[0] > OUTSTANDING * fall[1]);
+    let least = least.map_or(f64::INFINITY, |fall| fall[0]);
+    let large = jumps.into_iter().filter(|jump| jump.2.abs() >= least);
+    large.collect()
+}
+
+/// Height of a jump that samples `i − 1` to `i` show, of which their neighbours, as means, may show a part.
+fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
+    let (a, b) = (i.checked_sub(2)?, i + 1);
+    let slope =
+        |from: usize, to: usize| Some((x.get(to)? - x[from]) / (time.get(to)? - time[from]));
+    let motion = 0.5 * (slope(a.checked_sub(2)?, a)? + slope(b, b + 2)?);
+    Some(x[b] - x[a] - motion * (time[b] - time[a]))
+}
+
+/// A term of jumps, each between two instants, or at one, and with a height of which a `part` is given.
+fn term(jumps: &[Found], part: f64) -> Term {
+    let jumps = jumps
+        .iter()
+        .map(|&(before, after, height)| (before, after, height / part));
+    let mut free = Vec::new();
+    let is_timed = jumps.len() <= MOST_TIMED;
+    for (index, (before, after, height)) in jumps.clone().enumerate() {
+        let place = KIND.event_place(index);
+        // Within a sample that is a mean the instant shows in the height of that sample.
+        if is_timed && after > before {
+            free.push(linear(
+                place,
+                0.5 * (before + after),
+                0.5 * (after - before),
+            ));
+        }
+        free.push(linear(place + 1, height, 0.5 * height.abs()));
+    }
+    let events = jumps.map(|(before, after, height)| [0.5 * (before + after), height]);
+    Term {
+        kind: &KIND,
+        values: KIND.events(&events.collect::<Vec<_>>()),
+        free,
+        sensor_on_load: false,
+    }
+}
+
+/// Time and height of each step between stretches on which the disagreement is constant, by binary
+/// segmentation (Scott and Knott, Biometrics 30, 1974).
+pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
+    let tracks = &columns.columns.tracks;
+    let times: Vec<f64> = tracks.iter().flat_map(|t| &t.session_s).copied().collect();
+    let mut sums = vec![0.0];
+    for difference in &columns.difference {
+        sums.push(sums[sums.len() - 1] + difference);
+    }
+    let total = |from: usize, to: usize| (sums[to] - sums[from], (to - from) as f64);
+    let variance = columns.columns.variance;
+    // Height and place of the next split, if it is no noise.
+    let next = |edges: &[usize]| {
+        let splits = edges.windows(2).flat_map(|pair| {
+            let (from, to) = (pair[0], pair[1]);
+            (from + APART..(to + 1).saturating_sub(APART)).map(move |at| (from, at, to))
+        });
+        let gains = splits.map(|(from, at, to)| {
+            let ((a, n), (b, m)) = (total(from, at), total(at, to));
+            let height = b / m - a / n;
+            (height * height * n * m / (n + m), height, at)
+        });
+        let (gain, height, at) = gains.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let is_noise =
+            gain < JUMP_GAIN * variance || height.powi(2) < JUMP_HEIGHT.powi(2) * variance;
+        (!is_noise).then_some((height, at))
+    };
+    let mut edges = vec![0, times.len()];
+    let mut further = next(&edges);
+    while let Some((_, at)) = further.filter(|_| edges.len() < MOST_IN_COLUMNS + 2) {
+        edges.push(at);
+        edges.sort_unstable();
+        further = next(&edges);
+    }
+    // Level before each edge and height there.
+    let steps = |edges: &[usize]| -> Vec<(usize, f64, f64)> {
+        let steps = edges.windows(3).map(|edge| {
+            let ((a, n), (b, m)) = (total(edge[0], edge[1]), total(edge[1], edge[2]));
+            (edge[1], a / n, b / m - a / n)
+        });
+        steps.collect()
+    };
+    let all = steps(&edges);
+    let highest = all.iter().fold(0.0f64, |high, step| high.max(step.2.abs()));
+    let is_small = |height: f64| height.abs() < LEAST_JUMP * highest;
+    if further.is_some_and(|(height, _)| !is_small(height)) {
+        return None;
+    }
+    let small = all.iter().filter(|step| is_small(step.2));
+    for (at, ..) in small {
+        edges.retain(|edge| edge != at);
+    }
+    let timed = |(at, level, height): (usize, f64, f64)| {
+        // Samples that are means show by their heights when within them it jumped.
+        let share = |i: usize| ((columns.difference[i] - level) / height).clamp(0.0, 1.0);
+        let late = 1.5 - share(at - 1) - share(at);
+        [times[at - 1] + late * (times[at] - times[at - 1]), height]
+    };
+    let steps: Vec<_> = steps(&edges).into_iter().map(timed).collect();
+    (!steps.is_empty()).then(|| KIND.events(&steps))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_jumps_the_heights_alone_are_fitted() {
+        let fitted = |count: usize| {
+            let jumps = (0..count).map(|k| (k as f64, k as f64 + 1e-3, 0.1));
+            let jumps: Vec<Found> = jumps.collect();
+            term(&jumps, 1.0).free.len()
+        };
+        assert_eq!(fitted(MOST_TIMED), 2 * MOST_TIMED);
+        assert_eq!(fitted(MOST_JUMPS), MOST_JUMPS);
+    }
+
+    #[test]
+    fn jumps_are_what_stands_out_from_the_motions_own_steps() {
+        let steps = |count: u32, height: f64| (0..count).map(move |k| (f64::from(k), 0.5, height));
+        let motion: Vec<Found> = steps(MOST_JUMPS as u32 + 1, 0.04).collect();
+        let with = |jumps: &[Found]| outstanding([jumps, &motion].concat());
+        assert_eq!(with(&[]), []);
+        let two = [(61.0, 0.5, -0.7), (62.0, 0.5, 0.6)];
+        assert_eq!(with(&two), two);
+        let few: Vec<Found> = steps(5, 0.04).chain(two).collect();
+        assert_eq!(outstanding(few.clone()), few);
+    }
+}

@@ -1,0 +1,59 @@
+//! A counter that loses counts: at moments, or of motion that is too fast for it.
+
+mod jumps;
+mod overspeed;
+
+use super::identification::{Fitted, Identification};
+use super::phrase::{Found, Phrase};
+use crate::columns::Disagreement;
+use crate::guess::Evidence;
+use crate::term::Term;
+use crate::windows::series::Series;
+use host_sim::effects::Kind;
+use host_sim::effects::lost_counts::KIND;
+
+#[derive(Debug)]
+pub(super) struct LostCounts;
+
+impl Identification for LostCounts {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        [jumps::starts(e), overspeed::starts(e)].concat()
+    }
+
+    fn is_local(&self) -> bool {
+        true
+    }
+
+    fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
+        let speeds = fit.series.iter().flat_map(Series::restart_speeds);
+        overspeed::loses_all_along(fit.term, &speeds.collect::<Vec<f64>>())
+    }
+
+    fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {
+        let jumps = jumps::between_columns(columns).into_iter();
+        jumps.chain(overspeed::between_columns(columns)).collect()
+    }
+
+    fn noun(&self) -> &'static str {
+        "lost counts"
+    }
+
+    fn template(&self, found: &Found<'_>) -> &'static str {
+        match found.fitted("share") {
+            Some(_) => "a sensor that loses {share} of the speed beyond {speed}",
+            None => "a sensor that jumps by {jump} at {time}",
+        }
+    }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        if found.fitted("share").is_none() && found.estimate("jump").is_none() {
+            let times = found.count("jump");
+            return Phrase::of(format!("a sensor that jumps {times} times"));
+        }
+        self.filled_template(found)
+    }
+}

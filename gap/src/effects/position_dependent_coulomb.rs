@@ -1,0 +1,170 @@
+//! Dry friction that depends on the position.
+
+use super::coulomb::Coulomb;
+use super::identification::Identification;
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::regression::{moments, regress, regress_in};
+use crate::guess::sliding::{friction_nm, is_dry, most_telling, times};
+use crate::guess::start::{guessed, linear, log, term, terms};
+use crate::guess::waves;
+use crate::term::{Coordinate, Term};
+use core::f64::consts::TAU;
+use host_sim::effects::Kind;
+use host_sim::effects::position_dependent_coulomb::KIND;
+use host_sim::plant::Spot;
+
+/// Periods of a ripple over the span of the motion, and how many of more periods are tried.
+const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
+const FINE_RIPPLES: usize = 2;
+/// Places of a spot that rubs, and its width over the span of the motion.
+const SPOT_PLACES: usize = 16;
+const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
+/// Places among the parameters of its height and of how steep its flanks are, and flanks between a bell's and a wall.
+const SPOT: usize = 6;
+const SPOT_EXPONENT: usize = 9;
+const STEEP: f64 = 4.0;
+
+#[derive(Debug)]
+pub(super) struct PositionDependentCoulomb;
+
+impl Identification for PositionDependentCoulomb {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    /// A friction that rises along the way, that is least or most somewhere, or that comes and goes with the turns of something
+    /// that is not round.
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        if !is_dry(e) {
+            return Vec::new();
+        }
+        let s = e.scales;
+        let reach = s.position[0].abs().max(s.position[1].abs());
+        let guess = regress(e, |m| {
+            let friction = friction_nm(e, m);
+            [
+                friction * m.position,
+                friction * m.position * m.position,
+                friction,
+            ]
+        });
+        let guess = guess.map(|[slope, curve, more]| {
+            vec![
+                guessed(0, slope, 0.3 / reach),
+                guessed(1, curve, 0.3 / (reach * reach)),
+                log(2, times(more)),
+            ]
+        });
+        let bent = [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.8)].map(|(slope, curve)| {
+            vec![
+                linear(0, slope / reach, 0.5 / reach),
+                linear(1, curve / (reach * reach), 0.5 / (reach * reach)),
+                log(2, 1.0),
+            ]
+        });
+        let turn = TAU / s.span();
+        let coarse = RIPPLES[2] * turn;
+        let ripple = |wave_number: f64| {
+            let found = regress(e, |m| {
+                let friction = friction_nm(e, m);
+                let (sin, cos) = (wave_number * m.position).sin_cos();
+                [friction * sin, friction * (cos - 1.0), friction]
+            });
+            let [sine, cosine, more] = found?;
+            let free = vec![
+                log(2, times(more)),
+                linear(3, sine, 0.3),
+                linear(4, cosine, 0.3),
+                linear(5, wave_number, 0.2 * wave_number.min(coarse)),
+            ];
+            Some(term(&KIND, free, &[(0, 0.0), (1, 0.0)]))
+        };
+        let resistance = moments(e).map(|m| {
+            let resisting_nm = -m.missing_nm * m.velocity.signum();
+            (m.position, m.velocity > 0.0, resisting_nm)
+        });
+        let fine = waves::strongest(resistance.collect(), s.wave_numbers(), s.span()).into_iter();
+        let fine = fine.map(|(wave_number, _)| wave_number);
+        let fine = fine.filter(|wave_number| *wave_number > coarse);
+        let ripples = RIPPLES.into_iter().map(|turns| turns * turn);
+        let ripples = ripples.chain(fine.take(FINE_RIPPLES)).filter_map(ripple);
+        terms(&KIND, guess, [])
+            .into_iter()
+            .chain(ripples)
+            .chain(spot(e))
+            .chain(terms(&KIND, None, bent))
+            .collect()
+    }
+
+    fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
+        let is_bell = fitted.is_free(SPOT) && !fitted.is_free(SPOT_EXPONENT);
+        let flanks = is_bell.then(|| log(SPOT_EXPONENT, STEEP));
+        flanks.into_iter().collect()
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&Coulomb]
+    }
+
+    fn noun(&self) -> &'static str {
+        "dry friction that depends on the position"
+    }
+
+    fn template(&self, found: &Found<'_>) -> &'static str {
+        match found.fitted("spot") {
+            Some(_) => "dry friction that differs around {spot_position}",
+            None => "dry friction that depends on the position",
+        }
+    }
+}
+
+/// A spot that rubs, where one explains most.
+fn spot(e: &Evidence<'_>) -> Option<Term> {
+    let [low, high] = e.scales.position;
+    let places = (0..SPOT_PLACES).map(|k| (k as f64 + 0.5) / SPOT_PLACES as f64);
+    let places = places.map(|share| low + share * (high - low));
+    let spots = places.flat_map(|place| SPOT_WIDTHS.map(|width| (place, width * e.scales.span())));
+    let tried = spots.filter_map(|(position, width)| {
+        let shape = Spot {
+            height: 1.0,
+            position,
+            width,
+            exponent: Spot::BELL,
+        };
+        let found = regress_in(moments(e), |m| {
+            let friction = friction_nm(e, m);
+            [friction * shape.at(m.position), friction]
+        });
+        let ([height, more], explained) = found?;
+        let free = vec![
+            log(2, times(more)),
+            guessed(SPOT, height, 0.3),
+            linear(7, position, width),
+            log(8, width),
+        ];
+        Some((explained, term(&KIND, free, &[(0, 0.0), (1, 0.0)])))
+    });
+    most_telling(tried)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+
+    #[test]
+    fn a_friction_that_comes_and_goes_many_times_is_looked_for_where_it_does() {
+        const WAVE_NUMBER: f64 = 40.0;
+        let rippled = format!("{}:ripple_sine=0.8,wave_number={WAVE_NUMBER}", KIND.name);
+        let near = |e: &Evidence<'_>| {
+            let turn = TAU / e.scales.span();
+            assert!(WAVE_NUMBER > 2.0 * RIPPLES[2] * turn);
+            let starts = PositionDependentCoulomb.starts(e).into_iter();
+            let fine = starts.filter(|start| start.values[3] > 0.4);
+            let mut off = fine.map(|start| (start.values[5] - WAVE_NUMBER).abs());
+            off.any(|off| off < 0.3 * turn)
+        };
+        assert!(made::seen(&[&rippled], |_| (), near));
+    }
+}

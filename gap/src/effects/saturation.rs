@@ -1,0 +1,92 @@
+//! An input that is clipped.
+
+use super::identification::Identification;
+use super::phrase::{Found, Phrase};
+use crate::guess::Evidence;
+use crate::guess::start::{log, term};
+use crate::term::{Coordinate, Term};
+use crate::windows::statistics::quantile;
+use host_sim::effects::Kind;
+use host_sim::effects::saturation::KIND;
+
+/// Knee from which that of a clipping that sets in little by little is looked for.
+const KNEE: f64 = 0.5;
+/// Place of the parameter that says at which speed nothing acts any more, and that speed over the fastest: what is as fast for
+/// all but a few samples.
+const NO_LOAD_SPEED: usize = 2;
+const NO_LOAD: [f64; 2] = [1.2, 3.0];
+const FASTEST: f64 = 0.99;
+/// Shares of the way from the model's limit to the largest input at which another limit is looked for, and how many of the
+/// largest inputs a limit is none.
+const RAISED: [f64; 2] = [0.3, 0.9];
+const OUT_OF_REACH: f64 = 10.0;
+
+#[derive(Debug)]
+pub(super) struct Saturation;
+
+impl Identification for Saturation {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let inputs = e.series.iter().flat_map(|s| &s.input);
+        // What the drive clips as it is cannot show where else it does.
+        let inputs: Vec<f64> = inputs.map(|u| e.device.drive.taken(*u)).collect();
+        // Where it would clip the largest, a few, many.
+        let limits = [1.0, 0.99, 0.95, 0.8, 0.5].map(|share| quantile(&inputs, share));
+        let limits = limits.map(|limit| log(0, 0.9 * limit.max(0.1 * e.scales.input)));
+        let clipped = limits.map(|limit| term(&KIND, vec![limit], &[(1, 0.0)]));
+        let rounded = limits.map(|limit| term(&KIND, vec![limit, log(1, KNEE)], &[]));
+        let falling = falling(e, &limits);
+        let lower = clipped.into_iter().chain(rounded).chain(falling);
+        lower.chain(raised(e)).collect()
+    }
+
+    fn may_show_in_few_windows(&self) -> bool {
+        true
+    }
+
+    fn noun(&self) -> &'static str {
+        "saturation"
+    }
+
+    fn template(&self, found: &Found<'_>) -> &'static str {
+        match found.fitted("no_load") {
+            Some(_) => "an input that saturates at {limit} at rest, and at nothing at {no_load}",
+            None => "an input that saturates at {limit}",
+        }
+    }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        let stated = found.nominal.input_limit;
+        let is_raised = stated.is_some() && found.value("limit") > stated;
+        if is_raised && found.fitted("limit").is_none() {
+            return Phrase::of("an input that is not clipped where the model clips it");
+        }
+        self.filled_template(found)
+    }
+}
+
+/// Limits of a voltage, which fall with speed.
+fn falling(e: &Evidence<'_>, limits: &[Coordinate]) -> Vec<Term> {
+    let speeds = e.motions.iter().flat_map(|m| &m.velocity).map(|v| v.abs());
+    let fastest = quantile(&speeds.collect::<Vec<f64>>(), FASTEST);
+    let no_load = NO_LOAD.map(|f| log(NO_LOAD_SPEED, f * fastest));
+    let falling = limits
+        .iter()
+        .flat_map(|limit| no_load.map(|no_load| term(&KIND, vec![*limit, no_load], &[(1, 0.0)])));
+    falling.collect()
+}
+
+/// Limits beyond the model's, where that clips what was commanded.
+fn raised(e: &Evidence<'_>) -> Vec<Term> {
+    let largest = e.largest_input();
+    let limit = e.device.drive.taken(largest);
+    let raised = RAISED.map(|share| limit + share * (largest - limit));
+    let raised = [OUT_OF_REACH * largest].into_iter().chain(raised);
+    raised
+        .filter(|_| e.clips_input())
+        .map(|limit| term(&KIND, vec![log(0, limit)], &[(1, 0.0)]))
+        .collect()
+}

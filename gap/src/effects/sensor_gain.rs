@@ -1,0 +1,68 @@
+//! A reading that is another multiple of the way gone.
+
+use super::identification::{Family, Identification, SmallMotion};
+use super::phrase::Found;
+use crate::columns::Disagreement;
+use crate::guess::Evidence;
+use crate::guess::start::{linear, log, terms};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::sensor_gain::KIND;
+use host_sim::plant::Mechanics;
+use recording::Model;
+
+/// How far from the middle of the motion it may well read right, over the span of the motion.
+const RIGHT: f64 = 0.2;
+
+#[derive(Debug)]
+pub(super) struct SensorGain;
+
+impl Identification for SensorGain {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let about_zero = vec![log(0, 1.0)];
+        let elsewhere = vec![log(0, 1.0), linear(1, s.middle(), RIGHT * s.span())];
+        let elsewhere = depends_on_place(&e.device.mechanics).then_some(elsewhere);
+        terms(&KIND, elsewhere, [about_zero])
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Size)
+    }
+
+    fn on_small_motion(&self, fitted: &Term, _model: &Model) -> Option<SmallMotion> {
+        let ratio = fitted.values[0];
+        Some(SmallMotion::Size { ratio })
+    }
+
+    fn begun_from(&self, own: &Term, other: SmallMotion, _model: &Model) -> Option<Term> {
+        let SmallMotion::Size { ratio } = other else {
+            return None;
+        };
+        (ratio > 0.0 && ratio.is_finite()).then(|| own.begun(&[(0, ratio)]))
+    }
+
+    fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {
+        let line = columns.linear(|x| [x, 1.0]);
+        let values = line.map(|[slope, _]| vec![1.0 + slope, 0.0]);
+        values.into_iter().collect()
+    }
+
+    fn noun(&self) -> &'static str {
+        "another sensor gain"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "a sensor that shows {gain} times the way gone"
+    }
+}
+
+/// True if the device moves otherwise where it stands elsewhere.
+fn depends_on_place(mechanics: &Mechanics) -> bool {
+    let meets = mechanics.barriers.iter().any(Option::is_some);
+    mechanics.is_pulled() || mechanics.cogging.is_some() || meets
+}

@@ -1,0 +1,196 @@
+//! A reading that is bent over the position, or ripples with it.
+
+use super::identification::Identification;
+use super::phrase::Found;
+use super::sensor_gain::SensorGain;
+use crate::columns::{Disagreement, lowest};
+use crate::guess::Evidence;
+use crate::guess::regression::{Moment, moments};
+use crate::guess::start::{linear, term};
+use crate::guess::waves::Waves;
+use crate::term::{Coordinate, Term};
+use core::f64::consts::TAU;
+use host_sim::effects::Kind;
+use host_sim::effects::sensor_nonlinearity::KIND;
+use nalgebra::{Matrix2, Vector2};
+
+/// Square and cube by which a curve departs at the ends of the motion, over half of its span.
+const BENDS: [[f64; 2]; 5] = [
+    [0.0, 0.0],
+    [0.2, 0.0],
+    [-0.2, 0.0],
+    [0.0, 0.3],
+    [0.0, -0.15],
+];
+/// Places among the parameters of its cube, of the amplitudes of its ripple, and of the place around which it is bent.
+const CUBIC: usize = 1;
+const RIPPLE: [usize; 2] = [2, 3];
+const MIDDLE: usize = 6;
+/// Periods of a ripple over the span of the motion.
+const RIPPLES: [f64; 3] = [0.5, 1.0, 2.0];
+/// Periods over the span of the motion are tried at this spacing, up to so many.
+const TURNS_APART: f64 = 0.25;
+const MOST_TURNS: f64 = 150.0;
+/// Moments that are looked at for that, wave numbers from which a fit starts, and how much of the slope a ripple is.
+const MOST_MOMENTS: usize = 1500;
+const PEAKS: usize = 2;
+const MOST_SLOPE: f64 = 0.5;
+/// Periods of a ripple between two columns, over the span of the motion.
+const TURNS: [f64; 2] = [0.25, 4.0];
+
+#[derive(Debug)]
+pub(super) struct SensorNonlinearity;
+
+impl Identification for SensorNonlinearity {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    /// Curves that bend, and an eccentric disk or poles, which show as a ripple of which one period or a few are passed.
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let reach = s.position[0].abs().max(s.position[1].abs());
+        let middle = s.middle();
+        // A curve that is right at zero, or in the middle of what is passed.
+        let bent = |middle: f64, reach: f64, [square, cube]: [f64; 2]| {
+            let free = vec![
+                linear(0, square / reach, 0.2 / reach),
+                linear(1, cube / (reach * reach), 0.2 / (reach * reach)),
+            ];
+            term(&KIND, free, &[(MIDDLE, middle)])
+        };
+        let rippled = |turns: f64| {
+            let wave_number = turns * TAU / s.span();
+            let amplitude = 0.1 / wave_number;
+            let waves = linear(4, wave_number, 0.2 * wave_number);
+            ripple(e, [0.0, amplitude], amplitude, waves)
+        };
+        let mut all = vec![bent(0.0, reach, [0.0, 0.0])];
+        all.extend(BENDS.map(|bend| bent(middle, 0.5 * s.span(), bend)));
+        all.extend(RIPPLES.map(rippled));
+        all.extend(ripples(e));
+        all
+    }
+
+    fn further_shape(&self, fitted: &Term, half_span: f64) -> Vec<Coordinate> {
+        let is_bent = fitted.is_free(CUBIC) && !fitted.is_free(MIDDLE);
+        let middle = || linear(MIDDLE, fitted.values[MIDDLE], 0.2 * half_span);
+        let middle = is_bent.then(middle);
+        middle.into_iter().collect()
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&SensorGain]
+    }
+
+    /// A bent curve, and one with a ripple.
+    fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {
+        let r = columns.reach;
+        let curve =
+            |[a, b, s, c, n]: [f64; 5], o| vec![a / (r * r), b / r.powi(3), s, c, n, o, 0.0];
+        let bent = columns.linear(|x| [(x / r).powi(2), (x / r).powi(3), 1.0]);
+        let bent = bent.map(|[a, b, o]| curve([a, b, 0.0, 0.0, 1.0 / r], o));
+        let rippled = |wave_number: f64| {
+            columns
+                .linear(|x| {
+                    let (sin, cos) = (wave_number * x).sin_cos();
+                    [(x / r).powi(2), (x / r).powi(3), sin, cos - 1.0, 1.0]
+                })
+                .map(|[a, b, s, c, o]| curve([a, b, s, c, wave_number], o))
+        };
+        let range = TURNS.map(|turns| turns * TAU / columns.span);
+        let wave_number = lowest(range, |n| {
+            rippled(n).map_or(f64::INFINITY, |values| columns.left(&KIND, &values))
+        });
+        bent.into_iter().chain(rippled(wave_number)).collect()
+    }
+
+    fn count_in_columns(&self, values: &[f64]) -> usize {
+        if RIPPLE.iter().all(|&place| values[place] == 0.0) {
+            // Square, cube and offset.
+            return 3;
+        }
+        values.iter().filter(|value| **value != 0.0).count()
+    }
+
+    fn noun(&self) -> &'static str {
+        "a bent sensor curve"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "a bent sensor curve"
+    }
+}
+
+/// A ripple from the amplitudes of its sine and its cosine. Where a torque depends on the position it shows what a sensor
+/// reads at zero.
+fn ripple(e: &Evidence<'_>, [sine, cosine]: [f64; 2], scale: f64, waves: Coordinate) -> Term {
+    let m = &e.device.mechanics;
+    let mut free = vec![linear(2, sine, scale), linear(3, cosine, scale), waves];
+    if m.is_pulled() {
+        free.push(linear(5, 0.0, scale));
+    }
+    term(&KIND, free, &[(0, 0.0), (1, 0.0)])
+}
+
+/// The ripples that explain most of the missing torque: where the reading is x + g(x), its acceleration is g'(x) ẍ + g''(x) ẋ²
+/// more than that of the position.
+fn ripples(e: &Evidence<'_>) -> Vec<Term> {
+    let s = e.scales;
+    let moments: Vec<Moment> = moments(e).collect();
+    let stride = (moments.len() / MOST_MOMENTS).max(1);
+    let some: Vec<&Moment> = moments.iter().step_by(stride).collect();
+    let positions: Vec<f64> = some.iter().map(|m| m.position).collect();
+    let turn = TAU / s.span();
+    let highest = s.finest_wave_number().min(MOST_TURNS * turn);
+    let apart = TURNS_APART * turn;
+    let count = (highest / apart) as usize;
+    let mut waves = Waves::of(&positions, apart, apart);
+    let tried: Vec<(f64, [f64; 3])> = (1..=count)
+        .map(|k| {
+            let n = apart * k as f64;
+            let waved = some.iter().copied().zip(waves.now());
+            let (explained, [sine, cosine]) = explained(waved, n, e.device.mechanics.inertia);
+            waves.go_on();
+            (explained, [n, sine, cosine])
+        })
+        .collect();
+    let mut peaks: Vec<(f64, [f64; 3])> = tried
+        .windows(3)
+        .filter(|near| near[1].0 > near[0].0.max(near[2].0))
+        .map(|near| near[1])
+        .collect();
+    peaks.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let peaks = peaks.into_iter().take(PEAKS);
+    peaks
+        .map(|(_, [n, sine, cosine])| {
+            let amplitude = sine.hypot(cosine);
+            let most = MOST_SLOPE / n;
+            let part = (most / amplitude).min(1.0);
+            let scale = (part * amplitude).max(0.1 * most);
+            let waves = linear(4, n, apart);
+            ripple(e, [part * sine, part * cosine], scale, waves)
+        })
+        .collect()
+}
+
+/// How much of the missing torque, squared, a sine and a cosine in the reading explain, and their amplitudes.
+fn explained<'a>(
+    moments: impl Iterator<Item = (&'a Moment, &'a [f64; 2])>,
+    wave_number: f64,
+    inertia: f64,
+) -> (f64, [f64; 2]) {
+    let mut normal = Matrix2::zeros();
+    let mut right = Vector2::zeros();
+    for (m, [sin, cos]) in moments {
+        let bend = wave_number * m.acceleration;
+        let turn = (wave_number * m.velocity).powi(2);
+        let row = inertia * Vector2::new(bend * cos - turn * sin, -bend * sin - turn * cos);
+        normal += row * row.transpose();
+        right += row * m.missing_nm;
+    }
+    let Some(solution) = normal.cholesky().map(|c| c.solve(&right)) else {
+        return (0.0, [0.0; 2]);
+    };
+    (solution.dot(&right), [solution[0], solution[1]])
+}

@@ -1,0 +1,108 @@
+//! A spring to some place, which may harden.
+
+use super::identification::{Family, Identification, SmallMotion};
+use super::phrase::Found;
+use super::restoring::{begun, small_motion};
+use super::torque_offset::TorqueOffset;
+use crate::guess::Evidence;
+use crate::guess::regression::regress;
+use crate::guess::start::{guessed, linear, log, term, terms};
+use crate::term::{Coordinate, Term};
+use host_sim::effects::Kind;
+use host_sim::effects::spring::KIND;
+use recording::Model;
+
+/// Place of the parameter that says how it hardens, and the share by which it may at the ends of the motion.
+const HARDENING: usize = 2;
+const HARDENED: f64 = 0.3;
+/// The same of one that hardens strongly.
+const STEEP: f64 = 3.0;
+
+#[derive(Debug)]
+pub(super) struct Spring;
+
+impl Identification for Spring {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let s = e.scales;
+        let m = &e.device.mechanics;
+        let stiffness = s.torque / s.span();
+        let guess = regress(e, |m| [-m.position, 1.0]).map(|[k, t]| {
+            let pull = m.stiffness + k;
+            let zero = (t + m.stiffness * m.stiffness_zero) / pull;
+            let pull = guessed(0, pull, 0.05 * stiffness);
+            vec![pull, linear(1, zero, 0.2 * s.span())]
+        });
+        let zero = if m.stiffness == 0.0 {
+            s.middle()
+        } else {
+            m.stiffness_zero
+        };
+        let soft = vec![
+            linear(0, m.stiffness + 0.05 * stiffness, 0.1 * stiffness),
+            linear(1, zero, 0.2 * s.span()),
+        ];
+        let mut starts = terms(&KIND, guess, [soft]);
+        if m.stiffness == 0.0 {
+            starts.extend(hardening(e, stiffness));
+        }
+        starts
+    }
+
+    fn further_shape(&self, fitted: &Term, half_span: f64) -> Vec<Coordinate> {
+        let hardening = || log(HARDENING, HARDENED / (half_span * half_span));
+        let hardening = (!fitted.is_free(HARDENING)).then(hardening);
+        hardening.into_iter().collect()
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&TorqueOffset]
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Restoring)
+    }
+
+    fn on_small_motion(&self, fitted: &Term, model: &Model) -> Option<SmallMotion> {
+        Some(small_motion(fitted, stated(model)))
+    }
+
+    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+        begun(own, other, stated(model))
+    }
+
+    fn noun(&self) -> &'static str {
+        "a spring"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "a spring of {stiffness} that is relaxed at {zero}"
+    }
+}
+
+fn stated(model: &Model) -> [f64; 2] {
+    [model.stiffness, model.stiffness_zero]
+}
+
+/// A spring that hardens as strongly as it pulls about the middle of the motion, about there.
+fn hardening(e: &Evidence<'_>, stiffness: f64) -> Option<Term> {
+    let s = e.scales;
+    let half_span = 0.5 * s.span();
+    let middle = s.middle();
+    let hardening = STEEP / (half_span * half_span);
+    let [pull, offset_nm] = regress(e, |m| {
+        let away = m.position - middle;
+        [-away * (1.0 + hardening * away * away), 1.0]
+    })?;
+    let pull = pull.max(0.02 * stiffness);
+    let zero = middle + (offset_nm / pull).clamp(-half_span, half_span);
+    let free = vec![
+        guessed(0, pull, 0.05 * stiffness),
+        linear(1, zero, 0.2 * s.span()),
+        log(HARDENING, hardening),
+    ];
+    Some(term(&KIND, free, &[]))
+}

@@ -1,0 +1,117 @@
+//! Static friction above the sliding level.
+
+use super::coulomb::Coulomb;
+use super::identification::Identification;
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::sliding::is_dry;
+use crate::guess::start::{linear, log, term};
+use crate::term::{Coordinate, Term};
+use crate::windows::statistics::quantile;
+use host_sim::effects::Kind;
+use host_sim::effects::stribeck::KIND;
+
+/// How suddenly it may fall with speed, and the places of that and of its tail among its parameters.
+const FALLS: [f64; 2] = [2.0, 1.0];
+const EXPONENT: usize = 2;
+const TAIL: usize = 3;
+/// Half way from an exponential to a hyperbola.
+const SOME_TAIL: f64 = 0.5;
+/// Its rise over the sliding level, and its velocity over that of the motion.
+const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
+/// Velocities of what is read off rests, likewise, and how far its rise goes beyond what was held.
+const HELD_FALLS: [f64; 2] = [0.03, 0.15];
+const HELD_MARGIN: f64 = 1.05;
+/// Share of the rests that held no more, and of the friction that inertia may take there: at a reversal nothing rests.
+const HELD: f64 = 0.98;
+const RESTS: f64 = 0.1;
+
+#[derive(Debug)]
+pub(super) struct Stribeck;
+
+impl Identification for Stribeck {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        if !is_dry(e) {
+            return Vec::new();
+        }
+        let held = held_rise(e).into_iter();
+        let held = held.flat_map(|rise| HELD_FALLS.map(|v| (rise, v)));
+        let falls = RISES.into_iter().chain(held).flat_map(|(rise, v)| {
+            let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * e.scales.velocity)];
+            FALLS.map(|exponent| term(&KIND, free.clone(), &[(EXPONENT, exponent)]))
+        });
+        falls.collect()
+    }
+
+    fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
+        if fitted.is_free(EXPONENT) {
+            return Vec::new();
+        }
+        vec![
+            log(EXPONENT, fitted.values[EXPONENT]),
+            linear(TAIL, SOME_TAIL, SOME_TAIL),
+        ]
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&Coulomb]
+    }
+
+    fn noun(&self) -> &'static str {
+        "static friction"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "static friction {static_ratio} times the sliding level"
+    }
+}
+
+/// Rise of static friction over the sliding level without which what was seen at rest would have slid.
+fn held_rise(e: &Evidence<'_>) -> Option<f64> {
+    let m = &e.device.mechanics;
+    let level = m.friction.highest_nm();
+    let rests = e.motions.iter().flat_map(|motion| {
+        let all = motion.held_nm.iter().zip(&motion.acceleration);
+        all.filter(|(_, a)| m.inertia * a.abs() < RESTS * level)
+            .map(|(held, _)| held.abs())
+    });
+    let rests: Vec<f64> = rests.filter(|held| held.is_finite()).collect();
+    let rise = HELD_MARGIN * quantile(&rests, HELD) / level - 1.0;
+    (rise > 0.0).then_some(rise)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use crate::windows::motion::Motion;
+
+    /// What is said of static friction where so much was held, N m, while the joint was accelerated so.
+    fn told(held: &[(f64, f64)]) -> Option<f64> {
+        let hold = |motions: &mut [Motion]| {
+            for motion in motions.iter_mut() {
+                motion.held_nm.fill(f64::NAN);
+            }
+            for (i, (held_nm, acceleration)) in held.iter().enumerate() {
+                motions[0].held_nm[i] = *held_nm;
+                motions[0].acceleration[i] = *acceleration;
+            }
+        };
+        made::seen(&[], hold, held_rise)
+    }
+
+    #[test]
+    fn rests_tell_how_much_static_friction_there_is_at_least() {
+        let level = made::recording(&[]).model.coulomb;
+        assert_eq!(told(&[]), None);
+        assert_eq!(told(&[(0.9 * level, 0.0)]), None);
+        let rise = told(&[(1.6 * level, 0.0), (-1.6 * level, 0.0), (0.2 * level, 0.0)]).unwrap();
+        assert!((rise + 1.0 - 1.6 * HELD_MARGIN).abs() < 1e-9, "{rise}");
+        // Where it turns, more than friction holds.
+        assert_eq!(told(&[(0.9 * level, 0.0), (3.0 * level, 50.0)]), None);
+    }
+}

@@ -1,0 +1,51 @@
+//! Friction in proportion to velocity.
+
+use super::identification::{Family, Identification, MainNumber};
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::balance::Balance;
+use crate::guess::regression::regress;
+use crate::guess::start::{guessed, linear, terms};
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::viscous::KIND;
+
+#[derive(Debug)]
+pub(super) struct Viscous;
+
+impl Identification for Viscous {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let stated = e.device.mechanics.viscous;
+        let scale = 0.1 * e.scales.torque / e.scales.velocity;
+        let guess = regress(e, |m| [-m.velocity]);
+        let guess = guess.map(|[b]| vec![guessed(0, (stated + b).max(0.0), scale)]);
+        terms(&KIND, guess, [vec![linear(0, stated, scale)]])
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Drag)
+    }
+
+    fn main_number(&self) -> Option<MainNumber> {
+        Some(MainNumber {
+            name: "viscous",
+            usual_error: Some(0.3),
+        })
+    }
+
+    fn balanced(&self, own: &Term, balance: &Balance) -> Term {
+        own.begun(&[(0, balance.viscous)])
+    }
+
+    fn noun(&self) -> &'static str {
+        "viscous friction"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "viscous friction of {coefficient}"
+    }
+}

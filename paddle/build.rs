@@ -1,0 +1,47 @@
+//! Tells the program the commit that it is built from.
+
+use std::path::Path;
+use std::process::Command;
+
+/// What else the program is made of, next to this package.
+const CRATES: [&str; 6] = [
+    "../src",
+    "../blind",
+    "../gap",
+    "../host-sim",
+    "../recording",
+    "../virtual-board",
+];
+
+fn main() {
+    println!(
+        "cargo::rustc-env=PADDLE_COMMIT={}",
+        commit().unwrap_or_else(|| "unknown".into())
+    );
+    println!("cargo::rerun-if-changed=.");
+    let mut watched: Vec<String> = CRATES.map(String::from).to_vec();
+    let reference = git(&["symbolic-ref", "--quiet", "HEAD"]);
+    let names = ["HEAD", "logs/HEAD", "packed-refs"].map(String::from);
+    let of_git = names.into_iter().chain(reference);
+    watched.extend(of_git.filter_map(|name| git(&["rev-parse", "--git-path", &name])));
+    // Of what is not there cargo thinks that it has changed.
+    for path in watched.iter().filter(|path| Path::new(path).exists()) {
+        println!("cargo::rerun-if-changed={path}");
+    }
+}
+
+/// The commit, marked where files differ from it; `None` outside the project's own repository.
+fn commit() -> Option<String> {
+    // Sources that were unpacked within another repository are not of its commits.
+    git(&["ls-files", "--error-unmatch", "build.rs"])?;
+    let hash = git(&["rev-parse", "HEAD"])?;
+    let changes = git(&["status", "--porcelain", "--untracked-files=no"])?;
+    let mark = if changes.is_empty() { "" } else { "-dirty" };
+    Some(hash + mark)
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
+}

@@ -1,0 +1,40 @@
+//! What a diagnosis leaves behind: JSON, the corrected model and the report.
+
+use crate::failure::Failure;
+use crate::provenance::Provenance;
+use crate::report;
+use gap::{ModelFile, Outcome};
+use recording::Recording;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// The diagnosis in the recording format's JSON.
+pub fn json(outcome: &Outcome, provenance: &Provenance) -> Value {
+    // Keys are text and numbers are numbers: this cannot fail.
+    let mut whole = serde_json::to_value(&outcome.diagnosis).unwrap_or_default();
+    if let Value::Object(keys) = &mut whole {
+        keys.insert("provenance".into(), json!(provenance));
+    }
+    whole
+}
+
+/// Leaves the corrected model in a file.
+pub(super) fn save_model(
+    path: &Path,
+    recording: &Recording,
+    outcome: &Outcome,
+) -> Result<(), Failure> {
+    let file = ModelFile::new(&outcome.model, recording);
+    std::fs::write(path, file.to_string()).map_err(Failure::write(path))
+}
+
+/// Leaves the page in a file.
+pub(super) fn save_report(
+    path: &Path,
+    recording: &Recording,
+    outcome: &Outcome,
+    provenance: &Provenance,
+) -> Result<(), Failure> {
+    let page = report::page(recording, outcome, provenance)?;
+    std::fs::write(path, page).map_err(Failure::write(path))
+}

@@ -1,0 +1,118 @@
+//! Where a result comes from: which program, called how and when, on which bytes.
+
+use crate::failure::Failure;
+use chrono::{SecondsFormat, Utc};
+use recording::Recording;
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::path::Path;
+
+const MANIFEST: &str = "recording.toml";
+
+/// Where a result comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Of this program.
+    pub version: &'static str,
+    /// That the program was built from, with `-dirty` behind it where files differed; `unknown` outside a repository.
+    pub commit: &'static str,
+    /// As it was typed, quoted for a shell.
+    pub command: String,
+    /// When, in UTC (RFC 3339).
+    pub time: String,
+    /// What was read.
+    pub files: Vec<InputFile>,
+}
+
+/// A file that was read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InputFile {
+    /// Within the folder of the recording.
+    pub file: String,
+    /// Of its bytes, in hexadecimal digits.
+    pub sha256: String,
+}
+
+impl Provenance {
+    /// Of a result of this call on the recording in `folder`.
+    ///
+    /// # Errors
+    /// [`Failure::Read`] for a file that cannot be read.
+    pub fn of(folder: &Path, recording: &Recording) -> Result<Self, Failure> {
+        let runs = recording.runs.iter().map(|run| run.file.as_str());
+        let files = [MANIFEST].into_iter().chain(runs);
+        let files = files.map(|file| InputFile::read(file, &folder.join(file)));
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION"),
+            commit: env!("PADDLE_COMMIT"),
+            command: command(std::env::args_os().map(|word| word.to_string_lossy().into_owned())),
+            time: Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true),
+            files: files.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The same, if a file beside the recording was read, too.
+    ///
+    /// # Errors
+    /// [`Failure::Read`] if it cannot be read.
+    pub fn and(mut self, path: &Path) -> Result<Self, Failure> {
+        self.files
+            .push(InputFile::read(&path.display().to_string(), path)?);
+        Ok(self)
+    }
+}
+
+impl InputFile {
+    fn read(file: &str, path: &Path) -> Result<Self, Failure> {
+        let bytes = std::fs::read(path).map_err(Failure::read(path))?;
+        let digits = Sha256::digest(bytes)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        Ok(Self {
+            file: file.to_owned(),
+            sha256: digits,
+        })
+    }
+}
+
+/// The arguments as a shell would be given them, the program by its name alone.
+fn command(arguments: impl Iterator<Item = String>) -> String {
+    let words = arguments.enumerate().map(|(place, word)| match place {
+        0 => Path::new(&word)
+            .file_name()
+            .map_or(word.clone(), |name| name.to_string_lossy().into_owned()),
+        _ => word,
+    });
+    let words = words.map(|word| shlex::try_quote(&word).map_or(word.clone(), Into::into));
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// One made by hand, for tests.
+#[cfg(test)]
+pub fn example() -> Provenance {
+    Provenance {
+        version: "0.1.0",
+        commit: "0123abcd",
+        command: "paddle gap diagnose 'a & b'".into(),
+        time: "2026-01-02T03:04:05Z".into(),
+        files: vec![InputFile {
+            file: "sine.csv".into(),
+            sha256: "00ff".into(),
+        }],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_quoted_where_a_shell_would_split_it() {
+        let words = ["/usr/bin/paddle", "gap", "diagnose", "my recording"].map(String::from);
+        assert_eq!(
+            command(words.into_iter()),
+            "paddle gap diagnose 'my recording'"
+        );
+    }
+}

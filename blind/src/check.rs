@@ -91,13 +91,22 @@ impl Check {
         .map(|_| ())
     }
 
+    /// Makes sure that the folder is free.
+    ///
+    /// # Errors
+    /// [`CheckError::NotEmpty`].
+    pub fn ready(&self) -> Result<(), CheckError> {
+        if fs::read_dir(&self.folder).is_ok_and(|mut entries| entries.next().is_some()) {
+            return Err(CheckError::NotEmpty(self.folder.clone()));
+        }
+        Ok(())
+    }
+
     fn each<T: Send>(
         &self,
         work: impl Fn(u64) -> Result<T, CheckError> + Sync,
     ) -> Result<Vec<T>, CheckError> {
-        if fs::read_dir(&self.folder).is_ok_and(|mut entries| entries.next().is_some()) {
-            return Err(CheckError::NotEmpty(self.folder.clone()));
-        }
+        self.ready()?;
         let next = AtomicU64::new(1);
         let done = Mutex::new(Vec::new());
         std::thread::scope(|scope| {

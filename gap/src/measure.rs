@@ -2,7 +2,7 @@
 
 use crate::floor::{LOOKED_AT, floor_squares};
 use crate::predict::Predictor;
-use crate::windows::series::{self, Window};
+use crate::windows::series::{self, Series, Window};
 use crate::windows::unbroken::Unbroken;
 use host_sim::device::Device;
 use recording::Recording;
@@ -44,14 +44,22 @@ pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun
         recording: unbroken,
         runs,
     } = &Unbroken::of(recording);
-    let left = Left::of(unbroken, device);
+    let mut parts = Vec::new();
+    let left = Left::told(unbroken, device, |series, predicted| {
+        parts.push(PredictedRun {
+            file: unbroken.runs[series.run].file.clone(),
+            time: series.time,
+            measured: series.position,
+            predicted,
+        });
+    });
     let gap = Gap {
         before: left.rms,
         // A device that leaves less than an imagined one did was luckier with its restarts.
         floor: left.floor(unbroken, LOOKED_AT).min(left.rms),
         unit: recording.units.position.clone(),
     };
-    (gap, whole(left.runs, runs))
+    (gap, whole(parts, runs))
 }
 
 /// The parts of each run put together; `runs` tells of which each is one.
@@ -83,7 +91,6 @@ pub(crate) fn exceeds(recording: &Recording, device: &Device, floors: f64) -> (f
 /// What a device leaves of a recording at full rate.
 pub(crate) struct Left {
     predictor: Predictor,
-    runs: Vec<PredictedRun>,
     /// With their runs.
     windows: Vec<(usize, Window)>,
     /// Sums over each window, in units of position squared.
@@ -94,25 +101,30 @@ pub(crate) struct Left {
 
 impl Left {
     pub fn of(recording: &Recording, device: &Device) -> Self {
+        Self::told(recording, device, |_, _| {})
+    }
+
+    /// The same, with each run and what was predicted of it given to `told`, which is all that keeps them: one run at a time is
+    /// held at full rate.
+    fn told(
+        recording: &Recording,
+        device: &Device,
+        mut told: impl FnMut(Series, Vec<f64>),
+    ) -> Self {
         let predictor = Predictor::new(device.clone(), recording);
-        let (mut squares, mut windows, mut runs) = (Vec::new(), Vec::new(), Vec::new());
-        for series in series::full(recording, recording.horizon) {
+        let (mut squares, mut windows) = (Vec::new(), Vec::new());
+        for mut series in series::each_full(recording, recording.horizon) {
             let predicted = predictor.predict(&series);
             let left = |window| series.squares(window, &predicted);
             squares.extend(series.windows.iter().map(left));
-            windows.extend(series.windows.into_iter().map(|w| (series.run, w)));
-            runs.push(PredictedRun {
-                file: recording.runs[series.run].file.clone(),
-                time: series.time,
-                measured: series.position,
-                predicted,
-            });
+            let of_run = std::mem::take(&mut series.windows).into_iter();
+            windows.extend(of_run.map(|window| (series.run, window)));
+            told(series, predicted);
         }
         Self {
             rms: rms(&squares, samples(&windows)),
             squares,
             predictor,
-            runs,
             windows,
         }
     }

@@ -20,7 +20,7 @@
 
 use crate::diagnose::{CorrectedEffect, CorrectedModel};
 use host_sim::effects::{self, Effect, EffectError};
-use recording::{Model, Recording};
+use recording::{Model, NoModel, Recording, plain_message};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -85,15 +85,11 @@ pub enum ModelFileError {
         parameter: String,
     },
     /// A number that no model has.
-    #[error("{name} is {value}; it must be {mend}")]
-    Number {
-        /// The number.
-        name: String,
-        /// As written.
-        value: f64,
-        /// What it must be.
-        mend: &'static str,
-    },
+    #[error("[model]: {0}")]
+    Model(#[from] NoModel),
+    /// An angle that no unit of position is.
+    #[error("angle_rad is {0}; it must be above 0")]
+    Angle(f64),
 }
 
 /// An effect that was left out, as it belongs to a moment of another recording.
@@ -162,14 +158,18 @@ impl ModelFile {
             angle_rad: self.angle_rad.unwrap_or(1.0),
             ..self.model
         };
-        check(&model)?;
-        let mut all = Vec::new();
+        model.check()?;
+        if !(model.angle_rad > 0.0 && model.angle_rad.is_finite()) {
+            return Err(ModelFileError::Angle(model.angle_rad));
+        }
+        let mut all: Vec<CorrectedEffect> = Vec::new();
         for entry in &self.effects {
             all.push(CorrectedEffect {
                 effect: effect(&entry.name, &entry.parameters)?,
                 sensor_on_load: entry.sensor_on_load,
             });
         }
+        effects::check_distinct(all.iter().map(|corrected| &corrected.effect))?;
         let mut left_out = Vec::new();
         for moment in &self.moments {
             let effect = effect(&moment.name, &moment.parameters)?;
@@ -208,8 +208,7 @@ impl FromStr for ModelFile {
                 .span()
                 .map(|span| 1 + text[..span.start].matches('\n').count());
             let at = line.map_or(String::new(), |line| format!("line {line}: "));
-            let message: Vec<_> = error.message().lines().collect();
-            ModelFileError::Toml(format!("{at}{}", message.join(", ")))
+            ModelFileError::Toml(format!("{at}{}", plain_message(error.message())))
         })?;
         match file.format {
             FORMAT => Ok(file),
@@ -251,32 +250,6 @@ fn effect(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Effect, Mode
         kind,
         values: values.collect::<Result<_, _>>()?,
     })
-}
-
-fn check(model: &Model) -> Result<(), ModelFileError> {
-    let number = |name: String, value, mend| ModelFileError::Number { name, value, mend };
-    for name in Model::NAMES {
-        if let Some(value) = model.get(name)
-            && !value.is_finite()
-        {
-            return Err(number(format!("model.{name}"), value, "finite"));
-        }
-    }
-    if let Some([low, high]) = model.travel
-        && (low >= high || !(high - low).is_finite())
-    {
-        return Err(number("model.travel".into(), low, "below its upper end"));
-    }
-    let sizes = [
-        ("model.inertia", model.inertia),
-        ("angle_rad", model.angle_rad),
-    ];
-    for (name, value) in sizes {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(number(name.into(), value, "above 0"));
-        }
-    }
-    Ok(())
 }
 
 /// Tells recordings apart whatever they are called: a hash of all times and positions (FNV-1a, G. Fowler, L. C. Noll

@@ -116,12 +116,30 @@ fn a_spoilt_file_is_refused_with_the_mend() {
         refusal("velocity =", "#"),
         ModelFileError::Missing { .. }
     ));
-    assert!(matches!(
-        refusal("inertia = ", "inertia = -"),
-        ModelFileError::Number { .. }
-    ));
-    assert!(matches!(
-        refusal("viscous = ", "viscous = nan #"),
-        ModelFileError::Number { .. }
-    ));
+    for (from, to) in [
+        ("inertia = ", "inertia = -"),
+        ("viscous = ", "viscous = nan #"),
+        ("coulomb = ", "coulomb = -0.1 #"),
+        ("ratio = ", "ratio = 0.0 #"),
+    ] {
+        let refused = refusal(from, to);
+        assert!(
+            matches!(refused, ModelFileError::Model(_)),
+            "{to}: {refused}"
+        );
+    }
+}
+
+#[test]
+fn two_effects_of_one_name_are_refused_whatever_their_numbers() {
+    let recording = recording(0.2);
+    let good = ModelFile::new(&awkward(&["stribeck", "viscous"]), &recording).to_string();
+    let second = good.find("[[effects]]").unwrap();
+    let twice = format!("{good}\n{}", &good[second..]);
+    let read = twice.parse::<ModelFile>().unwrap().on(&recording);
+    assert_eq!(
+        read.unwrap_err(),
+        ModelFileError::Effect(EffectError::Twice("stribeck"))
+    );
+    assert!(good.parse::<ModelFile>().unwrap().on(&recording).is_ok());
 }

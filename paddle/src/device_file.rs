@@ -14,8 +14,8 @@ use crate::failure::Failure;
 use gap::ModelFile;
 use haptic_paddle::settings::Settings;
 use host_sim::device::Device;
-use host_sim::effects::Effect;
-use recording::Model;
+use host_sim::effects::{Effect, check_distinct};
+use recording::{Model, plain_message, read_text};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -34,14 +34,14 @@ impl DeviceFile {
     /// # Errors
     /// [`Failure`] that names the file, the key and the mend.
     pub fn read(path: &Path) -> Result<Self, Failure> {
-        let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+        let text = read_text(path, CHECK_THE_NAME)?;
         let wrong = |cause: String| Failure::DeviceFile {
             path: path.to_owned(),
             cause,
         };
         let table: Table = text
             .parse()
-            .map_err(|error: toml::de::Error| wrong(in_one_line(&error)))?;
+            .map_err(|error: toml::de::Error| wrong(placed(&error, &text)))?;
         let mut file = Self {
             path: path.to_owned(),
             model: Table::new(),
@@ -54,10 +54,13 @@ impl DeviceFile {
                 ("settings", Value::Table(settings)) => flatten("", settings, &mut file.settings),
                 ("with", Value::Array(effects)) => {
                     for effect in effects {
-                        let text = effect.as_str().unwrap_or_default();
+                        let text = effect.as_str().ok_or_else(|| {
+                            wrong(format!("with: {effect} is no text; write effects as in with = [\"backlash\"]"))
+                        })?;
                         file.with
                             .push(text.parse().map_err(|e| wrong(format!("with: {e}")))?);
                     }
+                    check_distinct(&file.with).map_err(|e| wrong(format!("with: {e}")))?;
                 }
                 _ => {
                     return Err(wrong(format!(
@@ -68,6 +71,13 @@ impl DeviceFile {
         }
         // Tolerances say how well a number is known, not what it is.
         file.model.remove("tolerance");
+        let says_nothing =
+            file.model.is_empty() && file.with.is_empty() && file.settings.is_empty();
+        if says_nothing {
+            return Err(wrong(
+                "the file says nothing; give [model], [settings] or with = [\"effect\"]".into(),
+            ));
+        }
         Ok(file)
     }
 
@@ -94,17 +104,35 @@ impl DeviceFile {
         };
         let mut table = Table::try_from(base).map_err(|error| wrong(error.to_string()))?;
         table.extend(self.model.clone());
-        let model: Model = table
-            .try_into()
-            .map_err(|error| wrong(in_one_line(&error)))?;
-        if model.inertia > 0.0 && model.inertia.is_finite() {
-            Ok(model)
-        } else {
-            Err(wrong(format!(
-                "inertia is {}; it must be above 0",
-                model.inertia
-            )))
-        }
+        let model: Model = table.try_into().map_err(|error: toml::de::Error| {
+            // The number that is none is found by its name, as a table has no lines.
+            let is_number = |value: &Value| value.is_float() || value.is_integer();
+            let plain = plain_message(error.message());
+            let mut numbers = self.model.iter().filter(|(name, _)| *name != "travel");
+            match numbers
+                .find(|(name, value)| Model::NAMES.contains(&name.as_str()) && !is_number(value))
+            {
+                Some((name, value)) => wrong(format!("`{name}` is {value}; it must be a number")),
+                None => wrong(plain),
+            }
+        })?;
+        model.check().map_err(|error| wrong(error.to_string()))?;
+        Ok(model)
+    }
+
+    /// The effects that it switches in.
+    pub fn effects(&self) -> &[Effect] {
+        &self.with
+    }
+
+    /// Whether it has settings of the control core and nothing else.
+    pub fn has_settings_alone(&self) -> bool {
+        self.model.is_empty() && self.with.is_empty()
+    }
+
+    /// Whether it has settings of the control core.
+    pub fn has_settings(&self) -> bool {
+        !self.settings.is_empty()
     }
 
     /// Puts its settings into `settings`.
@@ -127,9 +155,9 @@ impl DeviceFile {
 /// Whether the file is what `paddle gap diagnose --save-model` wrote, which has a `format` and stands alone.
 ///
 /// # Errors
-/// [`Failure::Read`].
+/// [`Failure::Recording`] for a file that is no text.
 pub fn stands_alone(path: &Path) -> Result<bool, Failure> {
-    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+    let text = read_text(path, CHECK_THE_NAME)?;
     Ok(text
         .parse::<Table>()
         .is_ok_and(|table| table.contains_key("format")))
@@ -140,7 +168,7 @@ pub fn stands_alone(path: &Path) -> Result<bool, Failure> {
 /// # Errors
 /// [`Failure`] for a file that cannot be used.
 pub fn saved_model(path: &Path) -> Result<ModelFile, Failure> {
-    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+    let text = read_text(path, CHECK_THE_NAME)?;
     text.parse().map_err(|cause| Failure::ModelFile {
         path: path.to_owned(),
         cause,
@@ -160,6 +188,14 @@ fn flatten(prefix: &str, table: Table, into: &mut Vec<(String, String)>) {
     }
 }
 
-fn in_one_line(error: &toml::de::Error) -> String {
-    error.message().lines().collect::<Vec<_>>().join(", ")
+/// What a parser says of `text`, with the line.
+fn placed(error: &toml::de::Error, text: &str) -> String {
+    let line = error
+        .span()
+        .map(|span| 1 + text[..span.start].matches('\n').count());
+    let at = line.map_or(String::new(), |line| format!("line {line}: "));
+    format!("{at}{}", plain_message(error.message()))
 }
+
+/// What to do about a file that cannot be opened.
+pub const CHECK_THE_NAME: &str = "check the name";

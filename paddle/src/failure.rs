@@ -33,6 +33,16 @@ pub enum Failure {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A place named on the command line where nothing can be written.
+    #[error("{option} {}: {why}", .path.display())]
+    Target {
+        /// The option.
+        option: &'static str,
+        /// The place.
+        path: PathBuf,
+        /// Why, and the mend.
+        why: String,
+    },
     /// A file cannot be written.
     #[error("cannot write {}: {source}; name another place", .path.display())]
     Write {
@@ -88,6 +98,9 @@ pub enum Failure {
     /// No recording where one is looked for.
     #[error("{} holds no recording; name a folder with recording.toml in it or below it", .0.display())]
     NoRecording(PathBuf),
+    /// No lab recording where some are said to be.
+    #[error("--recorded {} holds neither sine-0011 nor steps-encoder; name the folder that has them", .0.display())]
+    NotRecorded(PathBuf),
     /// Some recordings of a batch could not be used.
     #[error("{failed} of {all} recordings could not be used; the others are done")]
     Batch {
@@ -100,8 +113,13 @@ pub enum Failure {
     #[error("{0}")]
     Board(String),
     /// The image cannot be used.
-    #[error(transparent)]
-    Image(#[from] virtual_board::image::ImageError),
+    #[error("{}: {source}", .path.display())]
+    Image {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and the mend.
+        source: virtual_board::image::ImageError,
+    },
     /// The virtual board can go no further.
     #[error(transparent)]
     Halt(#[from] virtual_board::board::Halt),

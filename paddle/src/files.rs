@@ -1,52 +1,43 @@
 //! Files that a command leaves behind.
 
 use crate::failure::Failure;
+use crate::plot::PlotError;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// A folder to be filled, and what was put there.
+/// A folder to be filled, what was put there, and what could not be. What cannot be written costs nothing else.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
     files: Vec<PathBuf>,
+    lost: Vec<Failure>,
 }
 
 impl Folder {
-    /// The folder `path`, made if it is not there.
-    ///
-    /// # Errors
-    /// [`Failure::Write`].
-    pub fn make(path: &Path) -> Result<Self, Failure> {
-        std::fs::create_dir_all(path).map_err(Failure::write(path))?;
-        Ok(Self {
+    /// The folder `path`, made as soon as a file is put into it.
+    pub fn new(path: &Path) -> Self {
+        Self {
             path: path.to_owned(),
             files: Vec::new(),
-        })
-    }
-
-    /// The folder `path` as [`Self::make`], refused if a recording is in it.
-    ///
-    /// # Errors
-    /// [`Failure::HoldsRecording`], [`Failure::Write`].
-    pub fn make_beside_recordings(path: &Path) -> Result<Self, Failure> {
-        match path.join("recording.toml").exists() {
-            true => Err(Failure::HoldsRecording(path.to_owned())),
-            false => Self::make(path),
+            lost: Vec::new(),
         }
     }
 
     /// Puts a file of this name and text into it; the name may lead through further folders.
-    ///
-    /// # Errors
-    /// [`Failure::Write`].
-    pub fn put(&mut self, name: impl AsRef<Path>, text: &str) -> Result<(), Failure> {
+    pub fn put(&mut self, name: impl AsRef<Path>, text: &str) {
         let path = self.path.join(name);
-        if let Some(parent) = path.parent() {
-            std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
+        match leave(&path, text) {
+            Ok(()) => self.files.push(path),
+            Err(failure) => self.lost.push(failure),
         }
-        std::fs::write(&path, text).map_err(Failure::write(&path))?;
-        self.files.push(path);
-        Ok(())
+    }
+
+    /// Puts a drawing into it, if that could be drawn.
+    pub fn draw(&mut self, name: impl AsRef<Path>, drawing: Result<String, PlotError>) {
+        match drawing {
+            Ok(text) => self.put(name, &text),
+            Err(error) => self.lost.push(error.into()),
+        }
     }
 
     /// Where it is.
@@ -58,6 +49,22 @@ impl Folder {
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
+
+    /// Why others are not there.
+    pub fn lost(self) -> Vec<Failure> {
+        self.lost
+    }
+}
+
+/// Writes `text` to the file `path`, in place of what there was; its folder is made if it is not there.
+///
+/// # Errors
+/// [`Failure::Write`].
+pub fn leave(path: &Path, text: &str) -> Result<(), Failure> {
+    if let Some(parent) = path.parent() {
+        std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
+    }
+    std::fs::write(path, text).map_err(Failure::write(path))
 }
 
 /// Text of a CSV file of columns of one length.

@@ -5,20 +5,23 @@ mod commands;
 mod device_file;
 mod failure;
 mod files;
+mod numbers;
 mod plant_choice;
 mod plot;
 mod progress;
 mod provenance;
 mod report;
 mod spectrum;
+mod targets;
 mod tuning;
 
 use answer::JsonTo;
 use clap::Parser;
 use commands::Command;
-use failure::BAD_INPUT;
+use failure::{BAD_INPUT, Failure};
 use std::io::Write;
 use std::process::ExitCode;
+use targets::{Target, Use};
 
 /// Place in the help of what all commands have.
 const LAST: usize = 900;
@@ -39,17 +42,25 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(refusal) => return refuse(&refusal),
     };
-    let done = progress::shown(|| cli.command.run()).and_then(|answer| {
-        answer.give(cli.json.as_ref())?;
-        answer.amiss.map_or(Ok(()), Err)
-    });
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            complain(&failure.to_string());
-            ExitCode::from(failure.status())
-        }
+    let amiss = done(&cli).unwrap_or_else(|failure| vec![failure]);
+    for failure in &amiss {
+        complain(&failure.to_string());
     }
+    let status = amiss.iter().map(Failure::status).max();
+    status.map_or(ExitCode::SUCCESS, ExitCode::from)
+}
+
+/// Does what was asked; what of it is missing is returned.
+fn done(cli: &Cli) -> Result<Vec<Failure>, Failure> {
+    let json = match &cli.json {
+        Some(JsonTo::File(path)) => Target::of("--json", Use::File, path),
+        _ => None,
+    };
+    let targets = cli.command.targets().into_iter().chain(json);
+    let _held = targets::check(&targets.collect::<Vec<_>>())?;
+    let mut answer = progress::shown(|| cli.command.run())?;
+    answer.give(cli.json.as_ref());
+    Ok(answer.amiss)
 }
 
 /// Shows help where it was asked for, else says in one line what is wrong with the command line.

@@ -4,6 +4,7 @@ use crate::device_file::{self, DeviceFile};
 use crate::failure::Failure;
 use haptic_paddle::settings::Settings;
 use host_sim::device::Device;
+use host_sim::effects::{Effect, check_distinct};
 use host_sim::presets;
 use recording::Model;
 use std::convert::Infallible;
@@ -19,6 +20,16 @@ pub enum PlantChoice {
     Refit,
     /// A saved model, or what differs from the nominal one.
     File(PathBuf),
+}
+
+impl PlantChoice {
+    /// The file, if it is one.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Nominal | Self::Refit => None,
+        }
+    }
 }
 
 impl FromStr for PlantChoice {
@@ -54,6 +65,24 @@ pub struct Plant {
     pub settings: Settings,
     /// What of a file could not be used, lines ended.
     pub warnings: String,
+    /// Effects that a file switches in.
+    pub with: Vec<Effect>,
+    /// Whether a file had settings of the control core.
+    pub has_settings: bool,
+}
+
+impl Plant {
+    /// Switches further effects in.
+    ///
+    /// # Errors
+    /// [`Failure::Effect`] if one is there twice.
+    pub fn install(&mut self, effects: &[Effect]) -> Result<(), Failure> {
+        check_distinct(self.with.iter().chain(effects))?;
+        for effect in effects {
+            effect.install(&mut self.device);
+        }
+        Ok(())
+    }
 }
 
 impl PlantChoice {
@@ -65,6 +94,7 @@ impl PlantChoice {
         let model = presets::nominal();
         let mut settings = Settings::default();
         let mut warnings = String::new();
+        let (mut with, mut has_settings) = (Vec::new(), false);
         let (device, model) = match self {
             Self::Nominal => (Device::nominal(&model), model),
             Self::Refit => (presets::refit(), model),
@@ -79,11 +109,19 @@ impl PlantChoice {
                 for effect in left_out {
                     warnings.push_str(&format!("warning: {effect}\n"));
                 }
+                with.extend(
+                    corrected
+                        .effects
+                        .iter()
+                        .map(|corrected| corrected.effect.clone()),
+                );
                 (corrected.device(), corrected.model)
             }
             Self::File(path) => {
                 let file = DeviceFile::read(path)?;
                 file.apply(&mut settings)?;
+                with.extend_from_slice(file.effects());
+                has_settings = file.has_settings();
                 (file.device(&model)?, file.model(&model)?)
             }
         };
@@ -92,6 +130,8 @@ impl PlantChoice {
             model,
             settings,
             warnings,
+            with,
+            has_settings,
         })
     }
 }

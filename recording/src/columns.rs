@@ -8,9 +8,13 @@ use csv::{ByteRecord, Position, ReaderBuilder};
 
 use crate::error::{Error, Fault};
 use crate::keys;
+use crate::text;
 
 /// Longest piece of a bad cell that is quoted.
 const QUOTED_CHARS: usize = 24;
+
+/// Largest number that passes for a measured one: time in ns since 1970 is 1.8e18. The square of it is far from overflow.
+const LARGEST: f64 = 1e20;
 
 /// The columns of a run, as the contract names them.
 #[derive(Default)]
@@ -52,17 +56,26 @@ impl Sink {
         }
     }
 
-    /// Takes a cell and gives its value; `None` if it is not a finite number and somebody needs it to be one.
+    /// Gives back what no further cell takes.
+    fn shrink(&mut self) {
+        match self {
+            Self::Wide(column) => column.shrink_to_fit(),
+            Self::Narrow(column) => column.shrink_to_fit(),
+            Self::Watched { .. } => {}
+        }
+    }
+
+    /// Takes a cell and gives its value; `None` if it is not a number of a possible size and somebody needs it to be one.
     fn push(&mut self, cell: &[u8]) -> Option<f64> {
         match self {
             Self::Wide(column) => {
                 let value: f64 = number(cell)?;
-                value.is_finite().then(|| column.push(value))?;
+                is_possible(value).then(|| column.push(value))?;
                 Some(value)
             }
             Self::Narrow(column) => {
                 let value: f32 = number(cell)?;
-                value.is_finite().then(|| column.push(value))?;
+                is_possible(value.into()).then(|| column.push(value))?;
                 Some(value.into())
             }
             Self::Watched { first, changes } => {
@@ -101,9 +114,19 @@ impl From<csv::Error> for Found {
 /// # Errors
 /// The first fault, with the line on which it stands.
 pub(crate) fn read(mut source: impl Read + Seek) -> Result<Columns, Error> {
+    if is_utf16(&mut source).unwrap_or(false) {
+        return Err(Error::new(Fault::Utf16));
+    }
     parse(&mut source).map_err(|Found { fault, byte }| {
         Error::new(fault).at(byte.and_then(|byte| line_of_row(&mut source, byte).ok()))
     })
+}
+
+/// Whether the text is UTF-16; the source is then where it was. What cannot be read is told when it is read as a whole.
+fn is_utf16(source: &mut (impl Read + Seek)) -> std::io::Result<bool> {
+    let head = text::head(source)?;
+    source.rewind()?;
+    Ok(text::is_utf16(&head))
 }
 
 /// The line, from 1, of the row that starts at `byte` or after the blank lines that follow it.
@@ -155,17 +178,7 @@ fn parse(source: impl Read) -> Result<Columns, Found> {
         }
         for (k, (sink, cell)) in sinks.iter_mut().zip(&record).enumerate() {
             let Some(value) = sink.push(cell) else {
-                let cell = String::from_utf8_lossy(cell)
-                    .chars()
-                    .take(QUOTED_CHARS)
-                    .collect();
-                return Err(found(
-                    Fault::Cell {
-                        column: names[k].clone(),
-                        cell,
-                    },
-                    &record,
-                ));
+                return Err(found(bad_cell(&names[k], cell), &record));
             };
             if k == time_column {
                 if value <= before {
@@ -186,7 +199,8 @@ fn parse(source: impl Read) -> Result<Columns, Found> {
     }
 
     let mut columns = Columns::default();
-    for (name, sink) in names.into_iter().zip(sinks) {
+    for (name, mut sink) in names.into_iter().zip(sinks) {
+        sink.shrink();
         match (name.as_str(), sink) {
             ("time", Sink::Wide(column)) => columns.time = column,
             ("input", Sink::Wide(column)) => columns.input = column,
@@ -209,12 +223,28 @@ fn parse(source: impl Read) -> Result<Columns, Found> {
     Ok(columns)
 }
 
+/// Why a cell cannot be used.
+fn bad_cell(column: &str, cell: &[u8]) -> Fault {
+    let column = column.to_owned();
+    let is_too_large = number::<f64>(cell).is_some_and(f64::is_finite);
+    let text = String::from_utf8_lossy(cell);
+    let cell = text.chars().take(QUOTED_CHARS).collect();
+    if is_too_large {
+        Fault::TooLarge { column, cell }
+    } else {
+        Fault::Cell { column, cell }
+    }
+}
+
 /// The names of the columns, with the three that every run needs.
 fn header(record: &ByteRecord) -> Result<Vec<String>, Fault> {
     let names: Vec<String> = record
         .iter()
         .map(|cell| String::from_utf8_lossy(cell).trim().to_owned())
         .collect();
+    if names.first().is_some_and(|name| name.starts_with('#')) {
+        return Err(Fault::Comment);
+    }
     if let [only] = names.as_slice() {
         let separators = [
             (';', "semicolons"),
@@ -251,6 +281,10 @@ fn header(record: &ByteRecord) -> Result<Vec<String>, Fault> {
         }
     }
     Ok(names)
+}
+
+fn is_possible(value: f64) -> bool {
+    value.abs() <= LARGEST
 }
 
 fn number<T: FromStr>(cell: &[u8]) -> Option<T> {

@@ -60,6 +60,18 @@ pub enum Fault {
         /// The mend.
         mend: &'static str,
     },
+    /// What stands there is no regular file.
+    #[error("this is {found}; give a regular file")]
+    NotAFile {
+        /// What it is.
+        found: &'static str,
+    },
+    /// Text of two bytes a letter.
+    #[error("the text is UTF-16; save it as UTF-8")]
+    Utf16,
+    /// Bytes that are no text.
+    #[error("the text is not UTF-8; save it as UTF-8")]
+    NotUtf8,
     /// Not TOML, or a key is missing or of the wrong kind.
     #[error("{message}; write it as the recording format says")]
     Toml {
@@ -119,6 +131,11 @@ pub enum Fault {
         "the first line has numbers instead of names; add a header line such as `time,input,position`"
     )]
     NoHeader,
+    /// The first line is a comment.
+    #[error(
+        "the first line begins with `#`; remove the lines of comment, and the `#` in front of the names of the columns"
+    )]
+    Comment,
     /// A column that every run needs is not there.
     #[error("column `{column}` is missing; {}", match similar { Some(name) => format!("rename `{name}` to `{column}`"), None => "add it".to_owned() })]
     MissingColumn {
@@ -146,6 +163,16 @@ pub enum Fault {
     /// A cell that is not a finite number.
     #[error("`{column}` is `{cell}`, not a finite number; correct the cell or remove the row")]
     Cell {
+        /// The column.
+        column: String,
+        /// The text of the cell, shortened.
+        cell: String,
+    },
+    /// A number beyond everything that is measured.
+    #[error(
+        "`{column}` is `{cell}`, larger than anything that is measured; correct the cell or remove the row"
+    )]
+    TooLarge {
         /// The column.
         column: String,
         /// The text of the cell, shortened.
@@ -227,7 +254,7 @@ pub enum Fault {
         /// Samples of `time`.
         expected: usize,
     },
-    /// Two runs would be written to one file.
+    /// Two runs of one file.
     #[error("two runs are called `{file}`; give each run its own file")]
     SameFile {
         /// The name.

@@ -40,17 +40,20 @@ mod sensor;
 mod spikes;
 mod statistics;
 mod stays;
+mod text;
+mod units;
 mod untrue;
 mod validate;
 mod write;
 
 pub use error::{Error, Fault};
-pub use manifest::Units;
-pub use model::{Model, Tolerance};
+pub use model::{Model, NoModel, Tolerance};
 pub use oddity::Oddity;
 pub use run::{Drive, InputSampling, Pid, Run};
 pub use sensor::{Sensor, low_pass_gain};
 pub use statistics::sixth_differences;
+pub use text::{open_file, plain_message, read_text};
+pub use units::Units;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -100,6 +103,23 @@ impl Recording {
             sensors: BTreeMap::from([("position".to_owned(), Sensor::default())]),
             runs: Vec::new(),
             oddities: Vec::new(),
+        }
+    }
+
+    /// The same of other runs; those that it has are not copied, as they may be long.
+    #[must_use]
+    pub fn with_runs(&self, runs: Vec<Run>) -> Self {
+        Self {
+            folder: self.folder.clone(),
+            title: self.title.clone(),
+            units: self.units.clone(),
+            model: self.model,
+            tolerance: self.tolerance.clone(),
+            unstated: self.unstated.clone(),
+            sensors: self.sensors.clone(),
+            oddities: self.oddities.clone(),
+            runs,
+            ..*self
         }
     }
 

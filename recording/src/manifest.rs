@@ -7,48 +7,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Fault};
 use crate::keys::{self, Lines};
-use crate::{Drive, InputSampling, Model, Oddity, Pid, Recording, Run, Sensor, Tolerance};
+use crate::text::plain_message;
+use crate::{Drive, InputSampling, Model, Oddity, Pid, Recording, Run, Sensor, Tolerance, Units};
 
 /// Name of the manifest inside the folder.
 pub(crate) const FILE: &str = "recording.toml";
 
 /// The one version of the format.
 pub(crate) const FORMAT: u32 = 1;
-
-/// Units of position and input, for display only.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Units {
-    /// Unit of position; `rad` if left out.
-    pub position: String,
-    /// Unit of input; `N m` if left out.
-    pub input: String,
-}
-
-impl Units {
-    /// True if the position is a length: that of a linear axis, which has no pendulum.
-    pub fn is_length(&self) -> bool {
-        let lengths = ["m", "dm", "cm", "mm", "µm", "um", "in", "inch"];
-        lengths.contains(&self.position.trim())
-    }
-
-    /// Angle of one unit of position, rad, for what depends on the sine of it: of degrees what it is, else 1.
-    pub fn angle_rad(&self) -> f64 {
-        match self.position.trim() {
-            "deg" | "°" | "degree" | "degrees" => 1f64.to_radians(),
-            _ => 1.0,
-        }
-    }
-}
-
-impl Default for Units {
-    fn default() -> Self {
-        Self {
-            position: "rad".into(),
-            input: "N m".into(),
-        }
-    }
-}
 
 /// The whole manifest. `M` is the `[model]` table: without its tolerances on the way in, with them on the way out.
 #[derive(Debug, Serialize, Deserialize)]
@@ -136,7 +102,7 @@ pub(crate) struct Parsed {
 /// Whatever is not TOML or not of the contract's shape; numbers are not judged here.
 pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
     let failed = |error: toml::de::Error| {
-        let message = error.message().lines().collect::<Vec<_>>().join(", ");
+        let message = plain_message(error.message());
         Error::new(Fault::Toml { message })
             .at(error.span().map(|span| keys::line_at(text, span.start)))
     };
@@ -169,7 +135,7 @@ pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
             Tolerance::deserialize(toml::de::ValueDeserializer::from(table)).map_err(|error| {
                 let line = keys::line_at(text, error.span().unwrap_or(span).start);
                 Error::new(Fault::Toml {
-                    message: error.message().to_owned(),
+                    message: plain_message(error.message()),
                 })
                 .at(Some(line))
             })?

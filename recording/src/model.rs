@@ -61,6 +61,22 @@ pub struct Model {
     pub angle_rad: f64,
 }
 
+/// A number that no device has.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("`{name}` is {value}; it must be {wanted}")]
+pub struct NoModel {
+    /// One of [`Model::NAMES`].
+    pub name: &'static str,
+    /// As it is.
+    pub value: String,
+    /// What is possible.
+    pub wanted: &'static str,
+}
+
+pub(crate) const FINITE: &str = "a finite number";
+pub(crate) const POSITIVE: &str = "above 0";
+pub(crate) const NOT_NEGATIVE: &str = "0 or above";
+
 fn one() -> f64 {
     1.0
 }
@@ -116,6 +132,43 @@ impl Model {
             stop_stiffness: default_stop_stiffness(),
             stop_damping: default_stop_damping(),
             angle_rad: one(),
+        }
+    }
+
+    /// Looks for numbers that no device has.
+    ///
+    /// # Errors
+    /// [`NoModel`], the first of them.
+    pub fn check(&self) -> Result<(), NoModel> {
+        for name in Self::NAMES {
+            let Some(value) = self.get(name) else {
+                continue;
+            };
+            let (holds, wanted) = match name {
+                "inertia" | "input_limit" => (value > 0.0, POSITIVE),
+                "ratio" => (value != 0.0, "other than 0"),
+                "coulomb" | "delay" | "lag" | "stop_stiffness" | "stop_damping" => {
+                    (value >= 0.0, NOT_NEGATIVE)
+                }
+                _ => (true, FINITE),
+            };
+            if !holds || !value.is_finite() {
+                return Err(NoModel {
+                    name,
+                    value: value.to_string(),
+                    wanted: if value.is_finite() { wanted } else { FINITE },
+                });
+            }
+        }
+        match self.travel {
+            Some(travel @ [low, high]) if low >= high || !(high - low).is_finite() => {
+                Err(NoModel {
+                    name: "travel",
+                    value: format!("{travel:?}"),
+                    wanted: "[lower, upper], the lower one first",
+                })
+            }
+            _ => Ok(()),
         }
     }
 

@@ -19,6 +19,16 @@ pub enum Oddity {
         /// What was probably meant.
         nearest: Option<&'static str>,
     },
+    /// A unit that nobody knows.
+    #[error("`{unit}` under [units] is no known unit of `{column}`{}; it is shown as it stands, and decides nothing", match nearest { Some(name) => format!(" (was `{name}` meant?)"), None => String::new() })]
+    UnknownUnit {
+        /// The column that is in it.
+        column: &'static str,
+        /// As written.
+        unit: String,
+        /// What was probably meant.
+        nearest: Option<&'static str>,
+    },
     /// A position column about which nothing is stated.
     #[error("[sensor.{column}] is missing; the column is taken as continuous and free of noise")]
     SensorAssumed {
@@ -214,6 +224,7 @@ impl Oddity {
             | Self::Noisy { file, .. }
             | Self::CoarseSupply { file, .. } => Some(file),
             Self::UnknownKey { .. }
+            | Self::UnknownUnit { .. }
             | Self::SensorAssumed { .. }
             | Self::Turned { .. }
             | Self::Overlap { .. } => None,

@@ -1,13 +1,15 @@
 //! From a folder to a [`Recording`].
 
-use std::fs::{self, File};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::columns;
-use crate::error::{Error, Fault};
+use crate::error::Error;
 use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
 use crate::repeated;
+use crate::text;
 use crate::untrue;
 use crate::validate;
 use crate::{Model, Oddity, Recording, Run};
@@ -18,17 +20,18 @@ impl Recording {
     /// # Errors
     /// The first fault that was found; see [`Fault`].
     pub fn read(folder: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::read_watched(folder, &|_| {})
+    }
+
+    /// The same, with `watch` told now and then which share of the bytes of all its CSV files is read.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_watched(folder: impl AsRef<Path>, watch: &dyn Fn(f64)) -> Result<Self, Error> {
         let folder = folder.as_ref();
         let path = folder.join(manifest::FILE);
         let mend = "give a folder with a `recording.toml` in UTF-8";
-        let text = fs::read_to_string(&path).map_err(|source| {
-            Error::new(Fault::Io {
-                doing: "read",
-                source,
-                mend,
-            })
-            .in_file(&path)
-        })?;
+        let text = text::read_text(&path, mend)?;
         let Parsed {
             manifest,
             tolerance,
@@ -54,8 +57,17 @@ impl Recording {
             runs: Vec::with_capacity(manifest.runs.len()),
             oddities,
         };
-        for entry in manifest.runs {
-            let (mut run, frozen) = read_run(folder, entry)?;
+        let sizes = manifest.runs.iter().map(|entry| {
+            let file = folder.join(&entry.file).metadata();
+            file.map_or(0, |file| file.len())
+        });
+        let sizes: Vec<u64> = sizes.collect();
+        let all: u64 = sizes.iter().sum();
+        let mut before = 0;
+        for (entry, size) in manifest.runs.into_iter().zip(sizes) {
+            let told = |bytes: u64| watch((before + bytes) as f64 / all.max(1) as f64);
+            let (mut run, frozen) = read_run(folder, entry, &told)?;
+            before += size;
             validate::run(&run, &recording)
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
             if let Some(stale) = inspect::stale_start(&run) {
@@ -81,6 +93,7 @@ impl Recording {
             }
         }
         validate::sensors(&recording, &lines).map_err(|error| error.in_file(&path))?;
+        recording.oddities.extend(recording.units.oddities());
         recording.oddities.extend(inspect::session(&recording.runs));
         recording.assume_sensors();
         Ok(recording)
@@ -102,18 +115,20 @@ impl Recording {
     }
 }
 
-fn read_run(folder: &Path, entry: RunEntry) -> Result<(Run, Vec<String>), Error> {
+fn read_run(
+    folder: &Path,
+    entry: RunEntry,
+    told: &dyn Fn(u64),
+) -> Result<(Run, Vec<String>), Error> {
     let path = folder.join(&entry.file);
     let mend = "put the CSV there or correct `file` in recording.toml";
-    let file = File::open(&path).map_err(|source| {
-        Error::new(Fault::Io {
-            doing: "read",
-            source,
-            mend,
-        })
-        .in_file(&path)
-    })?;
-    let columns = columns::read(file).map_err(|error| error.in_file(&path))?;
+    let file = text::open_file(&path, mend)?;
+    let watched = Watched {
+        file,
+        bytes: 0,
+        told,
+    };
+    let columns = columns::read(watched).map_err(|error| error.in_file(&path))?;
     let run = Run {
         file: entry.file,
         drive: entry.drive,
@@ -131,4 +146,27 @@ fn read_run(folder: &Path, entry: RunEntry) -> Result<(Run, Vec<String>), Error>
         ignored: columns.ignored,
     };
     Ok((run, columns.frozen))
+}
+
+/// A file of which somebody is told how much is read.
+struct Watched<'a> {
+    file: File,
+    bytes: u64,
+    told: &'a dyn Fn(u64),
+}
+
+impl Read for Watched<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.bytes += count as u64;
+        (self.told)(self.bytes);
+        Ok(count)
+    }
+}
+
+impl Seek for Watched<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.bytes = self.file.seek(to)?;
+        Ok(self.bytes)
+    }
 }

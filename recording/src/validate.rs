@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Fault};
 use crate::keys::{self, Lines};
-use crate::manifest::{Controller, Manifest};
+use crate::manifest::{self, Controller, Manifest, Parsed};
+use crate::model::{FINITE, NOT_NEGATIVE, POSITIVE};
 use crate::plausible;
 use crate::{Model, Recording, Run, Tolerance};
 use std::path::{Component, Path};
@@ -10,9 +11,34 @@ use std::path::{Component, Path};
 /// Relative error of times that were printed and summed.
 const ROUNDING: f64 = 1e-6;
 
-const FINITE: &str = "a finite number";
-const POSITIVE: &str = "above 0";
-const NOT_NEGATIVE: &str = "0 or above";
+impl Recording {
+    /// Says whether this recording, once it is written, can be read again.
+    ///
+    /// # Errors
+    /// What [`Recording::read`] would say of it, less the folder.
+    pub fn validate(&self) -> Result<(), Error> {
+        let lines = self.validate_manifest()?;
+        for recorded in &self.runs {
+            run(recorded, self).map_err(|error| error.in_file(recorded.file.as_ref()))?;
+        }
+        sensors(self, &lines).map_err(|error| error.in_file(manifest::FILE.as_ref()))
+    }
+
+    /// The same of what stands in its manifest alone, whose lines are returned.
+    pub(crate) fn validate_manifest(&self) -> Result<Lines, Error> {
+        let failed = |error: Error| error.in_file(manifest::FILE.as_ref());
+        let text = manifest::text(self)
+            .map_err(|source| failed(Error::new(Fault::Unwritable { source })))?;
+        let Parsed {
+            manifest,
+            tolerance,
+            lines,
+            ..
+        } = manifest::parse(&text).map_err(failed)?;
+        self::manifest(&manifest, &tolerance, &lines).map_err(failed)?;
+        Ok(lines)
+    }
+}
 
 /// Numbers that no device has.
 pub(crate) fn manifest(
@@ -38,32 +64,16 @@ pub(crate) fn manifest(
     positive("horizon", manifest.horizon)?;
     positive("restart_half_width", manifest.restart_half_width)?;
 
-    let model = &manifest.model;
-    for name in Model::NAMES {
-        let key = format!("model.{name}");
-        let Some(value) = model.get(name) else {
-            continue;
-        };
-        match name {
-            "inertia" | "input_limit" => positive(&key, value)?,
-            "ratio" => check(&key, value, value != 0.0, "other than 0")?,
-            "coulomb" | "delay" | "lag" | "stop_stiffness" | "stop_damping" => {
-                not_negative(&key, value)?
-            }
-            _ => check(&key, value, true, FINITE)?,
-        }
-    }
-    if let Some(travel @ [low, high]) = model.travel
-        && !(low < high && low.is_finite() && high.is_finite())
-    {
-        let wanted = "[lower, upper], the lower one first";
+    manifest.model.check().map_err(|wrong| {
+        let key = format!("model.{}", wrong.name);
+        let line = lines.get(&key);
         let fault = Fault::OutOfRange {
-            key: "model.travel".into(),
-            value: format!("{travel:?}"),
-            wanted,
+            key,
+            value: wrong.value,
+            wanted: wrong.wanted,
         };
-        return Err(Error::new(fault).at(lines.get("model.travel")));
-    }
+        Error::new(fault).at(line)
+    })?;
     for (name, relative) in tolerance.iter() {
         not_negative(&format!("model.tolerance.{name}"), relative)?;
     }
@@ -84,6 +94,14 @@ pub(crate) fn manifest(
                 file: run.file.clone(),
             })
             .at(line));
+        }
+        if manifest.runs[..k]
+            .iter()
+            .any(|other| other.file == run.file)
+        {
+            let file = run.file.clone();
+            let line = lines.get(&format!("runs.{k}.file"));
+            return Err(Error::new(Fault::SameFile { file }).at(line));
         }
         not_negative(&format!("runs.{k}.input_time_std"), run.input_time_std)?;
         if let Some(Controller::Pid(pid)) = &run.controller {

@@ -15,11 +15,13 @@ impl Recording {
     /// Numbers are written with as few digits as read back to the same number.
     ///
     /// # Errors
-    /// If the file system refuses, a column has another length than `time`, or two runs share a file name.
+    /// If the file system refuses, a column has another length than `time`, two runs share a file name, or the manifest has a
+    /// number that no device has. Whether the samples can be used, [`Recording::validate`] says.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), Error> {
         let folder = folder.as_ref();
         let path = folder.join(manifest::FILE);
         self.check_writable()
+            .and_then(|()| self.validate_manifest().map(drop))
             .map_err(|error| error.in_file(&path))?;
         let text = manifest::text(self)
             .map_err(|source| Error::new(Fault::Unwritable { source }).in_file(&path))?;

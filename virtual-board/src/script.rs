@@ -109,26 +109,49 @@ impl Script {
         self.lines.last().map_or(0.0, |(time_s, _)| *time_s)
     }
 
-    /// Runs `board` through it, and on until `until_s`. Lines after that are left.
+    /// Runs `board` through it, and on until `until_s`. Lines after that are left. Every so often `go_on` may look at the
+    /// board, and say whether to go on.
     ///
     /// # Errors
     /// [`Halt`].
-    pub fn run(&self, board: &mut Board, until_s: f64) -> Result<(), Halt> {
+    pub fn run(
+        &self,
+        board: &mut Board,
+        until_s: f64,
+        go_on: &mut impl FnMut(&mut Board) -> bool,
+    ) -> Result<(), Halt> {
         for (time_s, action) in &self.lines {
             if *time_s > until_s {
                 break;
             }
-            run_through(board, *time_s)?;
+            if !run_through(board, *time_s, go_on)? {
+                return Ok(());
+            }
             action.take(board);
         }
-        run_through(board, until_s)
+        run_through(board, until_s, go_on).map(drop)
     }
 }
 
-/// Runs on through breakpoints.
-fn run_through(board: &mut Board, until_s: f64) -> Result<(), Halt> {
-    while board.run_until(until_s)? != Pause::Time {}
-    Ok(())
+/// Between two looks at the board, s of its time.
+const LOOK_S: f64 = 0.05;
+
+/// Runs on through breakpoints; false if it was to go on no longer.
+fn run_through(
+    board: &mut Board,
+    until_s: f64,
+    go_on: &mut impl FnMut(&mut Board) -> bool,
+) -> Result<bool, Halt> {
+    loop {
+        let look_s = (board.time_s() + LOOK_S).min(until_s);
+        while board.run_until(look_s)? != Pause::Time {}
+        if !go_on(board) {
+            return Ok(false);
+        }
+        if look_s >= until_s {
+            return Ok(true);
+        }
+    }
 }
 
 impl Action {

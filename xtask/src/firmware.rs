@@ -1,10 +1,10 @@
 //! The firmware image: built, checked, measured, flashed.
 
 use std::fs;
-use std::path::PathBuf;
 
 use crate::image::{Image, ImageError};
-use crate::{Failure, cargo, root, run, stack, target};
+use crate::{Failure, cargo, ensure, run, say, stack};
+use firmware_build::{OPTIONS, image_path};
 
 /// Boards, by their cargo features; the default one comes last, so that its image is the one that stays.
 const BOARDS: [&str; 2] = ["nucleo-f446", DEFAULT_BOARD];
@@ -19,7 +19,7 @@ const FLASH_LIMIT_BYTES: u64 = 64 * 1024;
 
 /// Builds and checks the image of every board, with its lints.
 pub fn check() -> Result<(), Failure> {
-    target::ensure()?;
+    ensure(say)?;
     for board in BOARDS {
         run(cargo(&["clippy", "--quiet"])
             .args(options(board))
@@ -31,20 +31,19 @@ pub fn check() -> Result<(), Failure> {
 
 /// Builds the default board's image and prints what it takes.
 pub fn size() -> Result<(), Failure> {
-    target::ensure()?;
+    ensure(say)?;
     println!("{}", measure(DEFAULT_BOARD)?);
     Ok(())
 }
 
 /// Builds, flashes and runs the default board's image, with its log.
 pub fn flash() -> Result<(), Failure> {
-    target::ensure()?;
+    ensure(say)?;
     run(cargo(&["run"]).args(options(DEFAULT_BOARD)))
 }
 
 fn options(board: &str) -> Vec<&str> {
-    let mut options = vec!["--package", "haptic-paddle", "--bin", "firmware"];
-    options.extend(["--profile", "firmware", "--target", target::THUMB]);
+    let mut options = OPTIONS.to_vec();
     options.extend(["--no-default-features", "--features", board]);
     options
 }
@@ -82,11 +81,4 @@ fn measure(board: &str) -> Result<String, Failure> {
          worst stack {stack} of {left} bytes",
         image.static_ram_bytes(),
     ))
-}
-
-/// Where cargo puts the image.
-fn image_path() -> PathBuf {
-    let folder = std::env::var_os("CARGO_TARGET_DIR")
-        .map_or_else(|| root().join("target"), |folder| root().join(folder));
-    folder.join(target::THUMB).join("firmware/firmware")
 }

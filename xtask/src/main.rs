@@ -3,9 +3,9 @@
 mod firmware;
 mod image;
 mod stack;
-mod target;
 mod test;
 
+use firmware_build::{TargetError, cargo, ensure};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
@@ -34,7 +34,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["size"] => firmware::size(),
         ["flash"] => firmware::flash(),
-        ["target"] => target::ensure().map_err(Failure::from),
+        ["target"] => ensure(say).map_err(Failure::from),
         ["-h" | "--help" | "help"] | [_, "-h" | "--help"] => {
             print!("{HELP}");
             return ExitCode::SUCCESS;
@@ -80,21 +80,12 @@ enum Failure {
     #[error(transparent)]
     Image(#[from] image::ImageError),
     #[error(transparent)]
-    Target(#[from] target::TargetError),
+    Target(#[from] TargetError),
 }
 
-/// A call of the cargo that runs this program, at the repository's root.
-fn cargo(arguments: &[&str]) -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.args(arguments).current_dir(root());
-    command
-}
-
-/// The repository's root folder.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .unwrap_or(Path::new("."))
+/// Says what is being done.
+fn say(line: &str) {
+    println!("{line}");
 }
 
 /// Runs a command to its end with its output shown.

@@ -1,6 +1,7 @@
 //! Columns of another sign or unit, with which the model makes sense.
 
 use crate::measure::Left;
+use crate::windows::excerpt::excerpt;
 use crate::windows::unbroken::Unbroken;
 use core::f64::consts::PI;
 use host_sim::device::Device;
@@ -11,6 +12,9 @@ use recording::{Model, Oddity, Recording};
 /// column turned round or in another unit nine in ten do.
 const MOST_OF_TOLD: f64 = 0.5;
 const MOST_OF_MUTE: f64 = 0.7;
+
+/// Rows that suffice to tell signs and units: the model is gone through seven times.
+const MOST_ROWS: usize = 200_000;
 
 /// A column in another unit than the model takes it for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -56,6 +60,7 @@ pub(super) fn meant(recording: &Recording) -> Option<Meant> {
         recording: unbroken,
         ..
     } = &Unbroken::of(recording);
+    let unbroken = &*excerpt(unbroken, MOST_ROWS);
     let model = unbroken.model;
     let left = |model: &Model| Left::of(unbroken, &Device::nominal(model));
     let told = left(&model);

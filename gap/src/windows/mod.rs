@@ -2,6 +2,7 @@
 
 mod averaging;
 pub(crate) mod drive_response;
+pub(crate) mod excerpt;
 mod inputs;
 pub(crate) mod intersample;
 pub(crate) mod motion;

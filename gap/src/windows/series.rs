@@ -352,10 +352,13 @@ fn windows(
 
 /// All runs at full rate, restarted every `horizon_s`.
 pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
-    let offsets = session_offsets(recording);
-    (0..recording.runs.len())
-        .map(|index| Series::new(recording, index, horizon_s, offsets[index]))
-        .collect()
+    each_full(recording, horizon_s).collect()
+}
+
+/// The same one after the other, so that a long session is never held twice.
+pub(crate) fn each_full(recording: &Recording, horizon_s: f64) -> impl Iterator<Item = Series> {
+    let offsets = session_offsets(recording).into_iter().enumerate();
+    offsets.map(move |(index, offset_s)| Series::new(recording, index, horizon_s, offset_s))
 }
 
 /// All runs at a millisecond or, where windows and recording are long, at two, restarted every `horizon_s`.

@@ -36,12 +36,8 @@ impl<'a> Unbroken<'a> {
                 }
             }
         }
-        let recording = Recording {
-            runs: parts,
-            ..recording.clone()
-        };
         Self {
-            recording: Cow::Owned(recording),
+            recording: Cow::Owned(recording.with_runs(parts)),
             runs,
         }
     }

@@ -142,6 +142,25 @@ impl Effect {
     }
 }
 
+/// Makes sure that no two effects are of one kind: each sets numbers of the device, and the second would silently replace
+/// the first.
+///
+/// # Errors
+/// [`EffectError::Twice`].
+pub fn check_distinct<'a>(
+    effects: impl IntoIterator<Item = &'a Effect>,
+) -> Result<(), EffectError> {
+    let mut seen: Vec<&str> = Vec::new();
+    for effect in effects {
+        let name = effect.kind.name;
+        if seen.contains(&name) {
+            return Err(EffectError::Twice(name));
+        }
+        seen.push(name);
+    }
+    Ok(())
+}
+
 /// What is wrong with an effect as written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EffectError {
@@ -157,6 +176,17 @@ pub enum EffectError {
         name: String,
         /// Those it has.
         known: String,
+    },
+    /// Two of one kind, of which the second would silently replace the first.
+    #[error("effect '{0}' is there twice; write it once, with all its parameters")]
+    Twice(&'static str),
+    /// One parameter written twice.
+    #[error("{kind} has {name} twice; write it once")]
+    ParameterTwice {
+        /// The kind.
+        kind: &'static str,
+        /// Of the parameter, as written.
+        name: String,
     },
     /// Not a finite number.
     #[error("'{0}' is no number; write an effect as name:parameter=value,parameter=value")]
@@ -190,6 +220,12 @@ impl core::str::FromStr for Effect {
         });
         let settings: Vec<(&str, &str)> = settings.collect::<Result<_, _>>()?;
         let wanted: Vec<&str> = settings.iter().map(|(name, _)| *name).collect();
+        let twice =
+            |(at, name): (usize, &&str)| wanted[..at].contains(name).then(|| name.to_string());
+        if let Some(name) = wanted.iter().enumerate().find_map(twice) {
+            let kind = kind.name;
+            return Err(EffectError::ParameterTwice { kind, name });
+        }
         let names = kind.value_names(&wanted);
         let places = 0..names.len();
         let mut values: Vec<f64> = places.map(|i| kind.parameter(i).default).collect();
@@ -230,6 +266,20 @@ mod tests {
             .unwrap()
             .install(&mut device, &[0.9, 0.1, 2.0, 0.0]);
         assert!(device.mechanics.friction.stribeck.is_none());
+    }
+
+    #[test]
+    fn what_is_written_twice_is_refused() {
+        let twice = "stribeck:static_ratio=1.2,static_ratio=1.4".parse::<Effect>();
+        let said = twice.unwrap_err().to_string();
+        assert_eq!(said, "stribeck has static_ratio twice; write it once");
+        let [one, two, other] =
+            ["lag", "lag:time=0.1", "delay"].map(|text| text.parse::<Effect>().unwrap());
+        assert_eq!(check_distinct([&one, &other]), Ok(()));
+        assert_eq!(
+            check_distinct([&one, &other, &two]),
+            Err(EffectError::Twice("lag"))
+        );
     }
 
     #[test]

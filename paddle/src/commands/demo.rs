@@ -7,6 +7,7 @@ use crate::failure::Failure;
 use crate::files::Folder;
 use crate::provenance::Provenance;
 use crate::report::{self, Labels};
+use crate::targets::{Target, Use};
 use clap::Args;
 use gap::{ModelFile, Options};
 use host_sim::device::Device;
@@ -39,27 +40,27 @@ const RECORDING: [(&str, &str); 2] = [
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let out = &arguments.out;
     let step = sim::step_of_refit(out)?;
-    let mut folder = Folder::make(&out.join("recording"))?;
+    let mut folder = Folder::new(&out.join("recording"));
     for (name, text) in RECORDING {
-        folder.put(name, text)?;
+        folder.put(name, text);
     }
     let recording = Recording::read(folder.path())?;
     let (gap, runs) = gap::measure(&recording, &Device::nominal(&recording.model));
-    let mut predictions = Folder::make(&out.join("gap"))?;
+    let mut predictions = Folder::new(&out.join("gap"));
     for run in &runs {
-        measure::leave(&mut predictions, run, &gap)?;
+        measure::leave(&mut predictions, run, &gap);
     }
     let provenance = Provenance::of(folder.path(), &recording)?;
     let outcome = gap::diagnose(&recording, &Options::default());
-    let mut diagnosis = Folder::make(out)?;
-    diagnosis.put(
+    let mut diagnosis = Folder::new(out);
+    diagnosis.draw(
         "report.html",
-        &report::page(&recording, &outcome, &provenance)?,
-    )?;
+        report::page(&recording, &outcome, &provenance),
+    );
     diagnosis.put(
         "corrected.toml",
         &ModelFile::new(&outcome.model, &recording).to_string(),
-    )?;
+    );
 
     let folders = [&folder, &predictions, &diagnosis];
     let files: Vec<_> = folders.into_iter().flat_map(Folder::files).collect();
@@ -84,6 +85,19 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "files": files,
             "folder": out,
         }),
-        ..Answer::default()
+        amiss: [folder, predictions, diagnosis]
+            .into_iter()
+            .flat_map(Folder::lost)
+            .chain(step.amiss)
+            .collect(),
     })
+}
+
+impl Arguments {
+    /// Where it will write.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        Target::of("--out", Use::Folder, &self.out)
+            .into_iter()
+            .collect()
+    }
 }

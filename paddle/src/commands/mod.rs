@@ -9,6 +9,7 @@ pub mod sim;
 
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::targets::Target;
 use clap::Subcommand;
 
 /// What can be asked.
@@ -31,18 +32,33 @@ pub enum Command {
 }
 
 impl Command {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        match self {
+            Self::Demo(arguments) => arguments.targets(),
+            Self::Sim(command) => command.targets(),
+            Self::Board(arguments) => arguments.targets(),
+            Self::Gap(command) => command.targets(),
+            Self::Reproduce(arguments) => arguments.targets(),
+            Self::Effects(_) => Vec::new(),
+        }
+    }
+
     /// Does it.
     ///
     /// # Errors
     /// [`Failure`] with cause and mend.
     pub fn run(&self) -> Result<Answer, Failure> {
-        match self {
+        let mut answer = match self {
             Self::Demo(arguments) => demo::run(arguments),
             Self::Sim(command) => command.run(),
             Self::Board(arguments) => board::run(arguments),
-            Self::Gap(command) => command.run(),
+            // Its JSON is the recording format's.
+            Self::Gap(command) => return command.run(),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Effects(arguments) => effects::run(arguments),
-        }
+        }?;
+        answer.json["version"] = env!("CARGO_PKG_VERSION").into();
+        Ok(answer)
     }
 }

@@ -92,7 +92,7 @@ fn broken_manifests() {
     );
     assert_says(
         &manifest_message("5e-4", "\"x\""),
-        &["recording.toml, line 5:", "expected f64"],
+        &["recording.toml, line 5:", "where a number belongs"],
     );
     assert_says(
         &manifest_message("inertia = 5e-4\n", ""),
@@ -539,4 +539,149 @@ proptest! {
         rows[row] = cell;
         let _ = Folder::empty().with("recording.toml", MANIFEST).with("a.csv", rows.join("\n")).read();
     }
+}
+
+#[test]
+fn text_of_two_bytes_a_letter_is_named_as_such_with_and_without_a_mark() {
+    let encoded = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let texts: [Vec<u8>; 2] = [
+        encoded(&csv(|_| {})),
+        encoded(&format!("\u{feff}{}", csv(|_| {}))),
+    ];
+    for bytes in texts {
+        assert_says(
+            &message(MANIFEST, bytes),
+            &["a.csv: ", "UTF-16", "save it as UTF-8"],
+        );
+    }
+    let manifest: Vec<u8> = encoded(MANIFEST);
+    let folder = Folder::empty().with("recording.toml", manifest);
+    let said = folder.read().unwrap_err().to_string();
+    assert_says(&said, &["recording.toml: ", "UTF-16", "save it as UTF-8"]);
+}
+
+#[test]
+fn a_comment_in_front_of_the_header_is_named_as_such() {
+    for comment in ["# logged by the bench\n", "# a, b\n", "#"] {
+        let said = message(MANIFEST, format!("{comment}{}", csv(|_| {})));
+        assert_says(&said, &["a.csv, line 1: ", "begins with `#`", "remove"]);
+    }
+}
+
+#[test]
+fn a_number_beyond_everything_that_is_measured_is_refused_in_every_column() {
+    for (column, cell) in [
+        ("input", "1e300"),
+        ("position", "-1e300"),
+        ("position", "1e21"),
+    ] {
+        let mut rows: Vec<String> = csv(|_| {}).lines().map(str::to_owned).collect();
+        rows[3] = match column {
+            "input" => format!("0.002,{cell},0.4"),
+            _ => format!("0.002,0.001,{cell}"),
+        };
+        let said = message(MANIFEST, rows.join("\n"));
+        assert_says(
+            &said,
+            &["a.csv, line 4: ", column, cell, "larger than anything"],
+        );
+    }
+    let text = csv(|_| {}).replacen("position", "current", 1);
+    let rows = text.lines().map(|row| match row.strip_suffix("current") {
+        Some(names) => format!("{names}current,position"),
+        None => format!("{row},{}", &row[row.rfind(',').unwrap() + 1..]),
+    });
+    let mut rows: Vec<String> = rows.collect();
+    rows[2] = "0.001,0.001,1e300,0.4".into();
+    assert_says(
+        &message(MANIFEST, rows.join("\n")),
+        &["line 3: ", "`current` is `1e300`", "larger"],
+    );
+}
+
+#[test]
+fn two_runs_of_one_file_are_refused() {
+    let twice = format!("{MANIFEST}[[runs]]\nfile = \"a.csv\"\ndrive = \"open-loop\"\n");
+    assert_says(
+        &message(&twice, csv(|_| {})),
+        &["recording.toml, line 16: ", "two runs are called `a.csv`"],
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_that_nobody_writes_to_is_refused_and_not_waited_for() {
+    let pipe = |path: &std::path::Path| {
+        let made = std::process::Command::new("mkfifo").arg(path).status();
+        assert!(made.unwrap().success(), "{}", path.display());
+    };
+    let folder = Folder::empty().with("recording.toml", MANIFEST);
+    pipe(&folder.path().join("a.csv"));
+    assert_says(
+        &folder.read().unwrap_err().to_string(),
+        &["a.csv: ", "a pipe"],
+    );
+    let folder = Folder::empty();
+    pipe(&folder.path().join("recording.toml"));
+    assert_says(
+        &folder.read().unwrap_err().to_string(),
+        &["recording.toml: ", "a pipe"],
+    );
+}
+
+#[test]
+fn a_unit_that_nobody_knows_is_told_and_a_known_one_is_not() {
+    let warnings = |position: &str, input: &str| {
+        let units = format!("[units]\nposition = \"{position}\"\ninput = \"{input}\"\n[model]");
+        let folder = Folder::empty()
+            .with("recording.toml", MANIFEST.replacen("[model]", &units, 1))
+            .with("a.csv", csv(|_| {}));
+        folder.read().unwrap().warnings().join("\n")
+    };
+    for (position, input) in [
+        ("rad", "N m"),
+        ("deg", "mN·m"),
+        ("mm", "%"),
+        ("counts", "rad/s"),
+    ] {
+        assert!(
+            !warnings(position, input).contains("[units]"),
+            "{position} {input}"
+        );
+    }
+    assert_says(
+        &warnings("furlong", "N m"),
+        &["`furlong` under [units]", "`position`"],
+    );
+    assert_says(&warnings("radiant", "N m"), &["was `radian` meant?"]);
+    assert_says(
+        &warnings("rad", "fortnights"),
+        &["`fortnights` under [units]", "`input`"],
+    );
+}
+
+#[test]
+fn a_recording_that_could_not_be_read_again_says_so_before_it_is_written() {
+    let folder = Folder::empty()
+        .with("recording.toml", MANIFEST)
+        .with("a.csv", csv(|_| {}));
+    let whole = folder.read().unwrap();
+    assert!(whole.validate().is_ok(), "{:?}", whole.validate());
+    let elsewhere = Folder::empty();
+    let nonsense = recording::Recording {
+        horizon: 0.0,
+        ..whole.clone()
+    };
+    let refused = nonsense.write(elsewhere.path()).unwrap_err().to_string();
+    assert_says(&refused, &["`horizon` is 0", "above 0"]);
+    assert!(
+        elsewhere.path().read_dir().unwrap().next().is_none(),
+        "something was written"
+    );
+    let mut still = whole;
+    still.runs[0].position.fill(0.1);
+    assert_says(
+        &still.validate().unwrap_err().to_string(),
+        &["a.csv: ", "in every row"],
+    );
 }

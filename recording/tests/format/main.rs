@@ -3,5 +3,6 @@
 mod bad_input;
 mod folder;
 mod oddities;
+mod order;
 mod round_trip;
 mod shared_data;

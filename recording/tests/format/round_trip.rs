@@ -9,13 +9,7 @@ use recording::{Drive, InputSampling, Model, Pid, Recording, Run, Sensor};
 const SAMPLES: usize = 20;
 
 fn number() -> impl Strategy<Value = f64> {
-    prop_oneof![
-        -1e3..1e3,
-        -1e-9..1e-9,
-        Just(-0.0),
-        Just(5e-324),
-        Just(1e300)
-    ]
+    prop_oneof![-1e3..1e3, -1e-9..1e-9, Just(-0.0), Just(5e-324), Just(1e20)]
 }
 
 fn column() -> impl Strategy<Value = Vec<f64>> {
@@ -27,8 +21,8 @@ fn narrow() -> impl Strategy<Value = Option<Vec<f32>>> {
 }
 
 prop_compose! {
-    fn model()(numbers in vec(1e-6..1e3, Model::NAMES.len()), limit in option::of(1.0..1e3), travel in option::of(1e301..1e302)) -> Model {
-        let mut model = Model { input_limit: limit, travel: travel.map(|high| [-1e301, high]), ..Model::new(1.0) };
+    fn model()(numbers in vec(1e-6..1e3, Model::NAMES.len()), limit in option::of(1.0..1e3), travel in option::of(1e21..1e22)) -> Model {
+        let mut model = Model { input_limit: limit, travel: travel.map(|high| [-1e21, high]), ..Model::new(1.0) };
         for (name, value) in Model::NAMES.into_iter().zip(numbers) {
             let _ = model.set(name, value);
         }

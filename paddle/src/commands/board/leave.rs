@@ -1,90 +1,131 @@
 //! What a run of the board leaves: a trace of what the firmware saw, a recording of what the paddle did.
 
 use crate::failure::Failure;
-use crate::files::{self, Folder, csv};
+use crate::files::{self, csv};
 use host_sim::closed_loop::LoopSetup;
 use host_sim::experiment;
-use recording::{Drive, Model, Run, Sensor};
-use std::path::Path;
-use virtual_board::board::Step;
+use recording::{Drive, Model, Recording, Run, Sensor};
+use virtual_board::board::{Board, Step};
+use virtual_board::log::Entry;
 use virtual_board::wiring::STEP_S;
 
-/// Steps of the paddle in a row at so many rows a second.
-///
-/// # Errors
-/// [`Failure::Board`] for a rate that is none.
-pub fn steps_per_row(log_hz: f64) -> Result<usize, Failure> {
-    if log_hz > 0.0 {
-        Ok((1.0 / (log_hz * STEP_S)).round().max(1.0) as usize)
-    } else {
-        Err(Failure::Board(format!(
-            "--log-rate {log_hz}: give more than 0 rows a second"
-        )))
-    }
-}
-
-/// What the firmware saw and did, as CSV: one row for the last of each so many control periods.
-pub fn trace(steps: &[Step], steps_per_row: usize) -> String {
-    let column = |value: fn(&Step) -> f64| -> Vec<f64> {
-        let last = steps.iter().skip(steps_per_row - 1);
-        last.step_by(steps_per_row).map(value).collect()
-    };
-    csv(&[
-        ("time", &column(|step| step.time_s)),
-        (
-            "encoder",
-            &column(|step| f64::from(step.encoder_count as i32)),
-        ),
-        ("hall", &column(|step| f64::from(step.hall_counts))),
-        (
-            "current",
-            &column(|step| {
-                f64::from(step.current.sum) / f64::from(step.current.conversions.max(1))
-            }),
-        ),
-        ("compare", &column(|step| f64::from(step.compare))),
-        (
-            "on",
-            &column(|step| f64::from(u8::from(step.duty.is_some()))),
-        ),
-        ("duty", &column(|step| step.duty.unwrap_or(0.0))),
-    ])
-}
-
-/// Leaves a recording: true position against the torque that the motor really made.
-///
-/// # Errors
-/// [`Failure`] for a folder that cannot be used.
-pub fn recording(
-    path: &Path,
-    steps: &[Step],
+/// What there is to leave, taken from the board as it runs.
+pub struct Session {
+    /// Control periods a row.
     steps_per_row: usize,
-    horizon: f64,
-    model: Model,
-    setup: &LoopSetup,
-) -> Result<(), Failure> {
-    let mut run = Run::new("board.csv", Drive::ClosedLoop, vec![], vec![], vec![]);
-    let mut currents = Vec::new();
-    // A row's input is what acts until the next, which the following steps tell.
-    let mut rows = steps.chunks_exact(steps_per_row);
-    let mut before = rows.next().and_then(<[Step]>::last);
-    for row in rows {
-        let Some(at) = before else { break };
-        let torque_nm = row.iter().map(|step| step.torque_nm).sum::<f64>() / row.len() as f64;
-        run.time.push(files::logged(at.time_s));
-        run.position.push(files::logged(at.position_rad));
-        run.input.push(files::logged(torque_nm));
-        currents
-            .push((at.torque_nm / f64::from(setup.settings.motor.torque_constant_nm_per_a)) as f32);
-        before = row.last();
-    }
-    run.current = Some(currents);
-    let mut recording = experiment::recording("The virtual board", horizon, model, setup);
-    recording.sensors.clear();
-    recording
-        .sensors
-        .insert("position".into(), Sensor::default());
-    recording.runs.push(run);
-    let folder = Folder::make_beside_recordings(path)?;
-    Ok(recording.write(folder.path())?)
+    rows: Vec<Row>,
+    /// Of the row that is not complete yet: its periods, and the sum of their torques.
+    begun: (usize, f64),
+    /// What the firmware said on its terminal.
+    console: Vec<u8>,
+    /// What it logged.
+    pub log: Vec<Entry>,
 }
+
+/// Some control periods in a row.
+struct Row {
+    /// The last of them.
+    last: Step,
+    /// Mean torque of the motor over them, N m.
+    torque_nm: f64,
+}
+
+impl Session {
+    /// Nothing yet, of which `log_hz` rows a second are kept.
+    ///
+    /// # Errors
+    /// [`Failure::Board`] for more than a row a control period, which there is not.
+    pub fn new(log_hz: f64) -> Result<Self, Failure> {
+        if log_hz * STEP_S > 1.0 + ROUNDING {
+            let most = 1.0 / STEP_S;
+            return Err(Failure::Board(format!(
+                "--log-rate {log_hz}: the control period gives {most:.0} rows a second at most"
+            )));
+        }
+        Ok(Self {
+            steps_per_row: (1.0 / (log_hz * STEP_S)).round().max(1.0) as usize,
+            rows: Vec::new(),
+            begun: (0, 0.0),
+            console: Vec::new(),
+            log: Vec::new(),
+        })
+    }
+
+    /// Takes from `board` what has come since the last call; what it said on its terminal and logged is given back.
+    pub fn take(&mut self, board: &mut Board) -> (Vec<u8>, Vec<Entry>) {
+        for step in board.take_steps() {
+            let (periods, sum_nm) = (self.begun.0 + 1, self.begun.1 + step.torque_nm);
+            self.begun = (periods, sum_nm);
+            if periods == self.steps_per_row {
+                let torque_nm = sum_nm / periods as f64;
+                self.rows.push(Row {
+                    last: step,
+                    torque_nm,
+                });
+                self.begun = (0, 0.0);
+            }
+        }
+        let (said, logged) = (board.terminal.take_answer(), board.take_log());
+        self.console.extend(&said);
+        self.log.extend(logged.iter().cloned());
+        (said, logged)
+    }
+
+    /// What the firmware said on its terminal.
+    pub fn console(&self) -> String {
+        String::from_utf8_lossy(&self.console).replace("\r\n", "\n")
+    }
+
+    /// What the firmware saw and did, as CSV.
+    pub fn trace(&self) -> String {
+        let column = |value: fn(&Step) -> f64| -> Vec<f64> {
+            self.rows.iter().map(|row| value(&row.last)).collect()
+        };
+        csv(&[
+            ("time", &column(|step| step.time_s)),
+            (
+                "encoder",
+                &column(|step| f64::from(step.encoder_count as i32)),
+            ),
+            ("hall", &column(|step| f64::from(step.hall_counts))),
+            (
+                "current",
+                &column(|step| {
+                    f64::from(step.current.sum) / f64::from(step.current.conversions.max(1))
+                }),
+            ),
+            ("compare", &column(|step| f64::from(step.compare))),
+            (
+                "on",
+                &column(|step| f64::from(u8::from(step.duty.is_some()))),
+            ),
+            ("duty", &column(|step| step.duty.unwrap_or(0.0))),
+        ])
+    }
+
+    /// A recording: true position against the torque that the motor really made.
+    pub fn recording(&self, horizon: f64, model: Model, setup: &LoopSetup) -> Recording {
+        let mut run = Run::new("board.csv", Drive::ClosedLoop, vec![], vec![], vec![]);
+        let mut currents = Vec::new();
+        let constant = f64::from(setup.settings.motor.torque_constant_nm_per_a);
+        // A row's input is what acts until the next, which the following steps tell.
+        for pair in self.rows.windows(2) {
+            let at = &pair[0].last;
+            run.time.push(files::logged(at.time_s));
+            run.position.push(files::logged(at.position_rad));
+            run.input.push(files::logged(pair[1].torque_nm));
+            currents.push((at.torque_nm / constant) as f32);
+        }
+        run.current = Some(currents);
+        let mut recording = experiment::recording("The virtual board", horizon, model, setup);
+        recording.sensors.clear();
+        recording
+            .sensors
+            .insert("position".into(), Sensor::default());
+        recording.runs.push(run);
+        recording
+    }
+}
+
+/// Of a rate that was typed.
+const ROUNDING: f64 = 1e-6;

@@ -1,7 +1,8 @@
 //! The board at the pace of the clock on the wall, with its serial port as a terminal device.
 
+use super::interrupt::Interrupt;
+use super::leave::Session;
 use super::line;
-use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;
 use rustix::fs::{Mode, OFlags};
@@ -47,11 +48,16 @@ impl Terminal {
     }
 }
 
-/// Runs `board` until it can go no further.
+/// Runs `board` until the user wants to end, and tells `session` all along.
 ///
 /// # Errors
 /// [`Failure`] if there is no terminal device, or when the board stops.
-pub fn run(board: &mut Board, header: &str) -> Result<Answer, Failure> {
+pub fn run(
+    board: &mut Board,
+    header: &str,
+    session: &mut Session,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
     let mut terminal = Terminal::open()
         .map_err(|error| Failure::Board(format!("no pseudo-terminal to be had: {error}")))?;
     progress::doing(format!("on {}", terminal.name.display()));
@@ -63,7 +69,7 @@ pub fn run(board: &mut Board, header: &str) -> Result<Answer, Failure> {
     let mut began_s = board.time_s();
     let mut typed = [0; 256];
     let mut answer = Vec::new();
-    loop {
+    while !interrupt.is_wished() {
         let due_s = began_s + began.elapsed().as_secs_f64();
         if due_s - board.time_s() > PATIENCE_S {
             (began, began_s) = (Instant::now(), board.time_s());
@@ -78,7 +84,8 @@ pub fn run(board: &mut Board, header: &str) -> Result<Answer, Failure> {
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
             Err(error) => return Err(Failure::Board(format!("the terminal is gone: {error}"))),
         }
-        answer.extend(board.terminal.take_answer());
+        let (said, logged) = session.take(board);
+        answer.extend(said);
         // What nobody reads is lost, as on a serial line; what is read slowly waits.
         match terminal.board.write(&answer) {
             Ok(length) => drop(answer.drain(..length)),
@@ -87,11 +94,12 @@ pub fn run(board: &mut Board, header: &str) -> Result<Answer, Failure> {
             }
             Err(error) => return Err(Failure::Board(format!("the terminal is gone: {error}"))),
         }
-        for entry in board.take_log() {
+        for entry in logged {
             progress::say(&line(&entry));
         }
         thread::sleep(PACE);
     }
+    Ok(())
 }
 
 /// Bytes kept for a terminal that reads slowly.

@@ -1,24 +1,31 @@
 //! `paddle board`: the flashed image on a virtual board, wired to the simulated paddle.
 
 mod firmware;
+mod interrupt;
 mod leave;
 mod live;
 
 use crate::answer::Answer;
 use crate::commands::sim::SensorChoice;
+use crate::device_file::CHECK_THE_NAME;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::numbers;
 use crate::plant_choice::{Plant, PlantChoice};
+use crate::targets::{Target, Use};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use haptic_paddle::settings::{Sensor, Settings};
 use host_sim::closed_loop::LoopSetup;
 use host_sim::effects::Effect;
 use host_sim::presets;
-use recording::Model;
+use interrupt::Interrupt;
+use leave::Session;
+use recording::{Model, open_file, read_text};
 use serde_json::json;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use virtual_board::board::Board;
 use virtual_board::image::Image;
@@ -37,7 +44,10 @@ A script has a line for everything that is typed, after the time in seconds sinc
   0.2  arm
   0.6  step 10
 and, after an exclamation mark, for what else happens to the board: !bridge-fault on, !bridge-fault off,
-!supply-off SECONDS, !reset, !crystal-stop, !wire NAME.")]
+!supply-off SECONDS, !reset, !crystal-stop, !wire NAME.
+
+At the pace of the clock on the wall it runs until Ctrl-C, or a signal that asks it to end, and then leaves what --out and
+--recording ask for. Up to then these take 0.4 GB of memory an hour, at 1000 rows a second.")]
 pub struct Arguments {
     /// The image, ready to be flashed [default: the firmware of this repository, built if need be].
     #[arg(long, value_name = "FILE")]
@@ -46,7 +56,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
     /// Run for so long, as fast as the computer can [default with --script: half a second beyond its last line].
-    #[arg(long, value_name = "s")]
+    #[arg(long, value_name = "s", value_parser = numbers::positive)]
     seconds: Option<f64>,
     /// `nominal`, `refit`, or a TOML file with what differs from nominal: [model] and with = ["effect"].
     #[arg(long, default_value = "refit", value_name = "nominal|refit|FILE.toml")]
@@ -64,12 +74,13 @@ pub struct Arguments {
     #[arg(
         long,
         default_value_t = 0.0,
+        value_parser = numbers::finite,
         allow_negative_numbers = true,
         value_name = "deg"
     )]
     start: f64,
     /// Of all noise.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = numbers::whole)]
     seed: u64,
     /// Leave what the firmware saw, and what it said, in this folder.
     #[arg(long, value_name = "DIR")]
@@ -78,10 +89,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
     /// Rows a second of both.
-    #[arg(long, default_value_t = 1000.0, value_name = "Hz")]
+    #[arg(long, default_value_t = 1000.0, value_name = "Hz", value_parser = numbers::positive)]
     log_rate: f64,
     /// Prediction window that the recording states.
-    #[arg(long, default_value_t = 0.5, value_name = "s")]
+    #[arg(long, default_value_t = 0.5, value_name = "s", value_parser = numbers::positive)]
     horizon: f64,
 }
 
@@ -96,47 +107,69 @@ const LONGEST_S: f64 = 3600.0;
 /// [`Failure`] for an image, a script or options that cannot be used, files that cannot be written, and a board that
 /// can go no further.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let (setup, model) = arguments.assemble()?;
+    let (setup, model, warnings) = arguments.assemble()?;
     let script = arguments.read_script()?;
-    let steps_per_row = leave::steps_per_row(arguments.log_rate)?;
+    let mut session = Session::new(arguments.log_rate)?;
+    let seconds = arguments.duration_s(script.as_ref())?;
     let path = match &arguments.elf {
         Some(path) => path.clone(),
         None => firmware::build()?,
     };
-    let image = Image::read(&path)?;
+    let unusable = |source| Failure::Image {
+        path: path.clone(),
+        source,
+    };
+    let image = Image::parse(bytes(&path)?).map_err(unusable)?;
     let mut wires = Wires::default();
     for name in &arguments.wire {
         wires.change(name);
     }
-    let mut board = Board::new(&image, &setup.paddle, &setup.settings, wires)?;
-    let header = format!("image {}\n  SHA-256 {}\n", path.display(), image.hash());
-
-    let seconds = match (arguments.seconds, &script) {
-        (Some(seconds), _) => seconds,
-        (None, Some(script)) => script.end_s() + AFTER_SCRIPT_S,
-        (None, None) => return live::run(&mut board, &header),
+    let mut board = Board::new(&image, &setup.paddle, &setup.settings, wires).map_err(unusable)?;
+    let header = format!(
+        "{warnings}image {}\n  SHA-256 {}\n",
+        path.display(),
+        image.hash()
+    );
+    board.record_steps(arguments.out.is_some() || arguments.recording.is_some());
+    let interrupt = Interrupt::watched()?;
+    let began = Instant::now();
+    let ended = match seconds {
+        Some(seconds) => {
+            let mut go_on = |board: &mut Board| {
+                session.take(board);
+                !interrupt.is_wished()
+            };
+            script
+                .unwrap_or_default()
+                .run(&mut board, seconds, &mut go_on)
+                .map_err(Failure::from)
+        }
+        None => live::run(&mut board, &header, &mut session, &interrupt),
     };
-    if !(seconds > 0.0 && seconds <= LONGEST_S) {
-        return Err(Failure::Board(format!(
-            "--seconds {seconds}: give more than 0 and at most {LONGEST_S}"
+    let took_s = began.elapsed().as_secs_f64();
+    session.take(&mut board);
+    // A board that stopped has told all that it did up to then.
+    let mut amiss: Vec<Failure> = ended.err().into_iter().collect();
+    let ran_s = board.time_s();
+    if let Some(seconds) = seconds.filter(|_| interrupt.is_wished()) {
+        amiss.push(Failure::Board(format!(
+            "ended at {ran_s:.3} s of {seconds} s, as was wished; what it did up to then is kept"
         )));
     }
-    board.record_steps(arguments.out.is_some() || arguments.recording.is_some());
-    let began = Instant::now();
-    script.unwrap_or_default().run(&mut board, seconds)?;
-    let took_s = began.elapsed().as_secs_f64();
 
-    let console = String::from_utf8_lossy(&board.terminal.take_answer()).replace("\r\n", "\n");
-    let log = board.take_log();
+    let console = session.console();
     let instructions = board.cpu.instructions();
-    let mut text = format!("{header}\n{console}\n\n");
-    for entry in &log {
-        let _ = writeln!(text, "{}", line(entry));
+    let (real_time, rate) = (ran_s / took_s, instructions as f64 / took_s);
+    let mut text = String::new();
+    if seconds.is_some() {
+        text = format!("{header}\n{console}\n\n");
+        for entry in &session.log {
+            let _ = writeln!(text, "{}", line(entry));
+        }
     }
-    let (real_time, rate) = (seconds / took_s, instructions as f64 / took_s);
     let _ = writeln!(
         text,
-        "{seconds} s in {took_s:.2} s: {real_time:.1} times real time, {:.0} million instructions a second",
+        "{ran_s:.3} s in {took_s:.2} s: {real_time:.1} times real time, {:.0} million instructions a second",
         1e-6 * rate
     );
     let resets: Vec<_> = board
@@ -148,48 +181,103 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         let _ = writeln!(text, "reset at {time_s:.4} s: {cause:?}");
     }
     let mut result = json!({
-        "image": path, "sha256": image.hash(), "seconds": seconds, "console": console,
-        "log": log.iter().map(line).collect::<Vec<_>>(), "resets": resets,
+        "image": path, "sha256": image.hash(), "seconds": ran_s, "console": console,
+        "log": session.log.iter().map(line).collect::<Vec<_>>(), "resets": resets,
         "instructions": instructions, "times_real_time": real_time, "instructions_per_s": rate,
     });
-
-    let steps = board.take_steps();
     if let Some(path) = &arguments.out {
-        let mut folder = Folder::make(path)?;
-        folder.put("console.txt", &console)?;
-        folder.put("trace.csv", &leave::trace(&steps, steps_per_row))?;
+        let mut folder = Folder::new(path);
+        folder.put("console.txt", &console);
+        folder.put("trace.csv", &session.trace());
         for file in folder.files() {
             let _ = writeln!(text, "{}", file.display());
         }
         result["files"] = json!(folder.files());
+        amiss.extend(folder.lost());
     }
     if let Some(path) = &arguments.recording {
-        leave::recording(
-            path,
-            &steps,
-            steps_per_row,
-            arguments.horizon,
-            model,
-            &setup,
-        )?;
-        let _ = writeln!(text, "recording in {}", path.display());
-        result["recording"] = json!(path);
+        let recording = session.recording(arguments.horizon, model, &setup);
+        match recording.write(path) {
+            Ok(()) => {
+                let _ = writeln!(text, "recording in {}", path.display());
+                result["recording"] = json!(path);
+                // It is kept all the same: it is what the paddle did.
+                if let Err(refusal) = recording.validate() {
+                    let _ = writeln!(text, "warning: `paddle gap` would refuse it: {refusal}");
+                }
+            }
+            Err(failure) => amiss.push(failure.into()),
+        }
     }
     Ok(Answer {
         text,
         json: result,
-        ..Answer::default()
+        amiss,
     })
 }
 
+/// The bytes of a file.
+fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    open_file(path, "build the image with `cargo fw`")?
+        .read_to_end(&mut bytes)
+        .map_err(Failure::read(path))?;
+    Ok(bytes)
+}
+
 impl Arguments {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let elf = Target::of("--elf", Use::Read, self.elf.as_ref());
+        let script = Target::of("--script", Use::Read, self.script.as_ref());
+        let plant = Target::of("--plant", Use::Read, self.plant.file());
+        let out = Target::of("--out", Use::NewFolder, self.out.as_ref());
+        let recording = Target::of("--recording", Use::NewFolder, self.recording.as_ref());
+        let all = [elf, script, plant, out, recording];
+        all.into_iter().flatten().collect()
+    }
+
+    /// For how long it runs as fast as the computer can, s; none at the pace of the clock on the wall.
+    fn duration_s(&self, script: Option<&Script>) -> Result<Option<f64>, Failure> {
+        let end_s = script.map(Script::end_s);
+        let Some(seconds) = self.seconds.or(end_s.map(|end_s| end_s + AFTER_SCRIPT_S)) else {
+            return Ok(None);
+        };
+        if seconds > LONGEST_S {
+            return Err(Failure::Board(format!(
+                "--seconds {seconds}: give at most {LONGEST_S}"
+            )));
+        }
+        if let Some(end_s) = end_s.filter(|end_s| *end_s > seconds) {
+            return Err(Failure::Board(format!(
+                "--seconds {seconds}: the script goes on to {end_s} s; run for longer, or take lines out"
+            )));
+        }
+        if self.recording.is_some() && seconds < self.horizon {
+            return Err(Failure::Board(format!(
+                "--horizon {}: the recording lasts {seconds} s, less than one prediction window; run for longer with --seconds, or give a shorter one",
+                self.horizon
+            )));
+        }
+        Ok(Some(seconds))
+    }
+
     /// What the board is wired to, and the model that a recording of it states as nominal.
-    fn assemble(&self) -> Result<(LoopSetup, Model), Failure> {
+    fn assemble(&self) -> Result<(LoopSetup, Model, String), Failure> {
+        let mut plant = self.plant.load()?;
+        plant.install(&self.with)?;
         let Plant {
-            mut device, model, ..
-        } = self.plant.load()?;
-        for effect in &self.with {
-            effect.install(&mut device);
+            device,
+            model,
+            mut warnings,
+            has_settings,
+            ..
+        } = plant;
+        if has_settings {
+            warnings.push_str(&format!(
+                "warning: [settings] of {} are left out, as the firmware boots with its own; type them with `set`\n",
+                self.plant
+            ));
         }
         // The firmware boots with its defaults, whatever a file says; the sensors are those that they expect.
         let mut settings = Settings::default();
@@ -197,7 +285,7 @@ impl Arguments {
             SensorChoice::Encoder => Sensor::Encoder,
             SensorChoice::Hall => Sensor::Hall,
         };
-        if self.start.is_nan() || self.start.abs() > 90.0 {
+        if self.start.abs() > 90.0 {
             return Err(Failure::Board(format!(
                 "--start {}: give -90 to 90 degrees",
                 self.start
@@ -206,14 +294,14 @@ impl Arguments {
         let mut setup = LoopSetup::firmware(device, settings, presets::motor());
         setup.paddle.seed = self.seed;
         setup.paddle.start_rad = self.start.to_radians();
-        Ok((setup, model))
+        Ok((setup, model, warnings))
     }
 
     fn read_script(&self) -> Result<Option<Script>, Failure> {
         let Some(path) = &self.script else {
             return Ok(None);
         };
-        let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+        let text = read_text(path, CHECK_THE_NAME)?;
         let script = Script::parse(&text)
             .map_err(|error| Failure::Board(format!("{}: {error}", path.display())))?;
         Ok(Some(script))

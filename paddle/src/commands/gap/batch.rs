@@ -1,11 +1,11 @@
 //! `paddle gap diagnose --batch`: many recordings in one call, begun again where it stopped.
 
 use super::results::{json, save_model, save_report};
-use crate::answer::Answer;
+use crate::answer::{Answer, rounded};
 use crate::failure::Failure;
 use crate::progress;
 use crate::provenance::Provenance;
-use gap::Options;
+use gap::{Options, Outcome, Recording};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -28,8 +28,8 @@ type Refused = (PathBuf, Failure);
 /// Diagnoses all recordings in `folders` and below.
 ///
 /// # Errors
-/// [`Failure`] where no folder has a recording, and for results that cannot be written; a recording that cannot be used
-/// and a folder without any are a part of the answer.
+/// [`Failure`] where no folder has a recording; a recording that cannot be used, a folder without any and results that
+/// cannot be written are a part of the answer.
 pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer, Failure> {
     let (cases, refused) = cases(folders, out)?;
     let all = cases.len() + refused.len();
@@ -39,6 +39,7 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
         "recording", "verdict", "shrink"
     );
     let mut failed = refused.len();
+    let mut amiss = Vec::new();
     for (folder, failure) in refused {
         let line = not_used(&folder, &failure);
         // Writing to a String cannot fail.
@@ -52,12 +53,14 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
         let line = match kept(case, options) {
             Some(line) => line,
             None => match diagnosed(case, options) {
-                Ok(line) => line,
-                Err(failure @ (Failure::Recording(_) | Failure::Fault)) => {
+                Ok((line, saved)) => {
+                    amiss.extend(saved.err());
+                    line
+                }
+                Err(failure) => {
                     failed += 1;
                     not_used(&case.folder, &failure)
                 }
-                Err(failure) => return Err(failure),
             },
         };
         let row = row(&case.folder, &line);
@@ -66,10 +69,11 @@ pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer,
         lines.push(line);
     }
     let _ = writeln!(table, "\n{}\nresults in {}", tally(&lines), out.display());
+    amiss.extend((failed > 0).then_some(Failure::Batch { failed, all }));
     Ok(Answer {
         text: table,
         json: Value::Array(lines),
-        amiss: (failed > 0).then_some(Failure::Batch { failed, all }),
+        amiss,
     })
 }
 
@@ -146,26 +150,38 @@ fn with(path: &Path, extension: &str) -> PathBuf {
     name.into()
 }
 
-/// Diagnoses one recording and leaves its results; the JSON comes last, as it says that the others are there.
-fn diagnosed(case: &Case, options: &Options) -> Result<Value, Failure> {
+/// Diagnoses one recording and leaves its results, if that is possible.
+fn diagnosed(case: &Case, options: &Options) -> Result<(Value, Result<(), Failure>), Failure> {
     let recording = super::read(&case.folder)?;
     let provenance = Provenance::of(&case.folder, &recording)?;
     let diagnosis = AssertUnwindSafe(|| gap::diagnose(&recording, options));
     let outcome = catch_unwind(diagnosis).map_err(|_| Failure::Fault)?;
-    let line = stamped(json(&outcome, &provenance), case, options);
+    let mut line = stamped(json(&outcome, &provenance), case, options);
+    rounded(&mut line);
+    let saved = save(case, &recording, &outcome, &provenance, &line);
+    Ok((line, saved))
+}
+
+/// Leaves the results of one recording; the JSON comes last, as it says that the others are there.
+fn save(
+    case: &Case,
+    recording: &Recording,
+    outcome: &Outcome,
+    provenance: &Provenance,
+    line: &Value,
+) -> Result<(), Failure> {
     if let Some(parent) = case.results.parent() {
         std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
     }
-    save_model(&with(&case.results, "toml"), &recording, &outcome)?;
+    save_model(&with(&case.results, "toml"), recording, outcome)?;
     let page = with(&case.results, "html");
-    save_report(&page, &recording, &outcome, &provenance)?;
+    save_report(&page, recording, outcome, provenance)?;
     let (begun, whole) = (
         with(&case.results, "json.part"),
         with(&case.results, "json"),
     );
     std::fs::write(&begun, format!("{line:#}\n")).map_err(Failure::write(&begun))?;
-    std::fs::rename(&begun, &whole).map_err(Failure::write(&whole))?;
-    Ok(line)
+    std::fs::rename(&begun, &whole).map_err(Failure::write(&whole))
 }
 
 /// A diagnosis with what it is of.

@@ -2,9 +2,12 @@
 
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::numbers;
+use crate::targets::{Target, Use};
 use blind::score::Summary;
 use blind::{Check, Mixture};
 use clap::Args;
+use host_sim::effects::{self, EffectError};
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -24,10 +27,10 @@ afterwards. Everything is kept in a folder a case: recording, diagnosis, model, 
 device on which the claimed shrink is checked.")]
 pub struct Arguments {
     /// How many cases.
-    #[arg(long, default_value_t = 40)]
+    #[arg(long, default_value_t = 40, value_parser = numbers::count)]
     cases: u64,
     /// Seed of the set; a case depends on it and its number alone. Several seeds make several sets, scored as one.
-    #[arg(long, value_delimiter = ',', default_value = "1")]
+    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = numbers::whole)]
     seed: Vec<u64>,
     /// Devices as real ones are: one dominant cause, three to five small ones, numbers that are off, wrong times.
     #[arg(long)]
@@ -45,10 +48,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// How many cases at once.
-    #[arg(long, default_value_t = 1)]
-    jobs: usize,
+    #[arg(long, default_value_t = 1, value_parser = numbers::count)]
+    jobs: u64,
     /// A diagnosis that takes longer has failed.
-    #[arg(long, value_name = "SECONDS", default_value_t = 120)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = numbers::count)]
     patience: u64,
     /// Leave recordings and truths, diagnose nothing.
     #[arg(long)]
@@ -60,14 +63,28 @@ pub struct Arguments {
 /// # Errors
 /// [`Failure`] if a case cannot be made or kept.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    arguments.check_names()?;
     let mut outcomes = Vec::new();
     let mut sets = Vec::new();
     let mut kept = String::new();
-    for &seed in &arguments.seed {
-        let check = arguments.check(seed)?;
-        match arguments.generate_only {
-            true => check.generate()?,
-            false => outcomes.extend(check.run(|outcome| eprintln!("{outcome}"))?.outcomes),
+    let mut amiss = Vec::new();
+    let checks = arguments.seed.iter().map(|&seed| arguments.check(seed));
+    let checks: Vec<Check> = checks.collect::<Result<_, _>>()?;
+    for check in &checks {
+        check.ready()?;
+    }
+    for check in checks {
+        let seed = check.seed;
+        let done = match arguments.generate_only {
+            true => check.generate(),
+            false => check
+                .run(|outcome| eprintln!("{outcome}"))
+                .map(|set| outcomes.extend(set.outcomes)),
+        };
+        if let Err(failure) = done {
+            // The sets before this one are done.
+            amiss.push(failure.into());
+            break;
         }
         kept += &format!("seed {seed}: everything in {}\n", check.folder.display());
         sets.push(json!({ "seed": seed, "cases": check.cases, "folder": check.folder }));
@@ -76,18 +93,39 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         return Ok(Answer {
             text: kept,
             json: json!({ "sets": sets }),
-            ..Answer::default()
+            amiss,
         });
     }
     let summary = Summary::of(outcomes);
     Ok(Answer {
         text: format!("{summary}{kept}"),
         json: json!({ "sets": sets, "summary": summary }),
-        ..Answer::default()
+        amiss,
     })
 }
 
 impl Arguments {
+    /// Where it will write.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        Target::of("--out", Use::NewFolder, self.out.as_ref())
+            .into_iter()
+            .collect()
+    }
+
+    /// Makes sure that effects have names and that no set is scored twice.
+    fn check_names(&self) -> Result<(), Failure> {
+        if let Some(name) = &self.withhold {
+            effects::kind(name).ok_or_else(|| EffectError::Kind(name.clone()))?;
+        }
+        let mut seeds = self.seed.iter().enumerate();
+        match seeds.find(|(at, seed)| self.seed[..*at].contains(seed)) {
+            Some((_, seed)) => Err(Failure::Setting(format!(
+                "--seed has {seed} twice; each set counts once"
+            ))),
+            None => Ok(()),
+        }
+    }
+
     /// The check of the set `seed`.
     fn check(&self, seed: u64) -> Result<Check, Failure> {
         let folder = match (&self.out, self.seed.len()) {
@@ -106,7 +144,7 @@ impl Arguments {
                 transfer: self.transfer,
             },
             withheld: self.withhold.clone(),
-            jobs: self.jobs,
+            jobs: usize::try_from(self.jobs).unwrap_or(usize::MAX),
             patience: Duration::from_secs(self.patience),
         })
     }

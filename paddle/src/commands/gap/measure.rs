@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::files::{self, Folder};
 use crate::plot::{Figure, Ink, Line, Panel};
 use crate::provenance::Provenance;
+use crate::targets::{Target, Use};
 use clap::Args;
 use gap::model_file::LeftOut;
 use gap::{Gap, PredictedRun};
@@ -66,12 +67,16 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         Some(_) => FLOOR_OF_GIVEN,
         None => FLOOR_OF_NOMINAL,
     });
+    let mut amiss = Vec::new();
     if let Some(folder) = &arguments.predictions {
-        let mut folder = Folder::make_beside_recordings(folder)?;
+        let mut folder = Folder::new(folder);
         for run in &runs {
-            leave(&mut folder, run, &gap)?;
+            leave(&mut folder, run, &gap);
         }
-        text.push_str(&format!("predictions in {}\n", folder.path().display()));
+        if !folder.files().is_empty() {
+            text.push_str(&format!("predictions in {}\n", folder.path().display()));
+        }
+        amiss = folder.lost();
     }
     Ok(Answer {
         text,
@@ -86,15 +91,31 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "warnings": warnings,
             "provenance": provenance,
         }),
-        ..Answer::default()
+        amiss,
     })
+}
+
+impl Arguments {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let model = Target::of("--model", Use::Read, self.model.as_ref());
+        let predictions = Target::of("--predictions", Use::NewFolder, self.predictions.as_ref());
+        [model, predictions].into_iter().flatten().collect()
+    }
 }
 
 /// The device of a file, and what of it belongs to a moment of another recording. A file with `format` is what
 /// `paddle gap diagnose --save-model` wrote and stands alone; any other says what differs from the recording's model.
 fn device(path: &Path, recording: &Recording) -> Result<(Device, Vec<LeftOut>), Failure> {
     if !device_file::stands_alone(path)? {
-        let device = DeviceFile::read(path)?.device(&recording.model)?;
+        let file = DeviceFile::read(path)?;
+        if file.has_settings_alone() {
+            return Err(Failure::DeviceFile {
+                path: path.to_owned(),
+                cause: "[settings] are the control core's, which a prediction does not run; give [model] or with = [\"effect\"]".into(),
+            });
+        }
+        let device = file.device(&recording.model)?;
         return Ok((device, Vec::new()));
     }
     let on_recording = device_file::saved_model(path)?.on(recording);
@@ -123,17 +144,15 @@ pub fn sentence(gap: &Gap) -> String {
 }
 
 /// Leaves CSV and plot of a run in `folder`.
-pub fn leave(folder: &mut Folder, run: &PredictedRun, gap: &Gap) -> Result<(), Failure> {
+pub fn leave(folder: &mut Folder, run: &PredictedRun, gap: &Gap) {
     let columns = [
         ("time", run.time.as_slice()),
         ("measured", &run.measured),
         ("predicted", &run.predicted),
     ];
-    folder.put(&run.file, &files::csv(&columns))?;
-    folder.put(
-        PathBuf::from(&run.file).with_extension("svg"),
-        &figure(run, gap).svg()?,
-    )
+    folder.put(&run.file, &files::csv(&columns));
+    let plot = PathBuf::from(&run.file).with_extension("svg");
+    folder.draw(plot, figure(run, gap).svg());
 }
 
 /// Measured and predicted position above what lies between them.

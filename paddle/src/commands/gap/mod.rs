@@ -8,6 +8,8 @@ pub mod results;
 
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::progress;
+use crate::targets::Target;
 use ::gap::{Recording, inspected};
 use clap::Subcommand;
 use std::path::Path;
@@ -24,6 +26,15 @@ pub enum Command {
 }
 
 impl Command {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        match self {
+            Self::Measure(arguments) => arguments.targets(),
+            Self::Diagnose(arguments) => arguments.targets(),
+            Self::Blind(arguments) => arguments.targets(),
+        }
+    }
+
     /// Does it.
     ///
     /// # Errors
@@ -39,7 +50,12 @@ impl Command {
 
 /// Reads a recording whose columns mean what its model takes them for.
 fn read(folder: &Path) -> Result<Recording, Failure> {
-    inspected(Recording::read(folder)?).map_err(|mistake| Failure::Unit {
+    progress::begin();
+    progress::doing("reading".into());
+    let recording = Recording::read_watched(folder, &|share| progress::part_done(share))?;
+    progress::doing("looking at signs and units".into());
+    progress::begin();
+    inspected(recording).map_err(|mistake| Failure::Unit {
         folder: folder.to_owned(),
         mistake,
     })

@@ -10,16 +10,17 @@ mod ultimate;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::targets::{Target, Use};
 use apparatus::Apparatus;
 use clap::Args;
 use gains::Gains;
-use host_sim::effects::Effect;
+use host_sim::effects::{Effect, check_distinct};
 use recording::Recording;
 use serde_json::json;
 use simulated_step::SimulatedSteps;
 use sinusoid::Sinusoids;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where to, and how strictly.
 #[derive(Args)]
@@ -35,9 +36,10 @@ pub struct Arguments {
     /// Switch an effect into the plant, to see what the rows make of it; may be repeated.
     #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
     with: Vec<Effect>,
-    /// Folder of the lab's recordings `sine-0011` and `steps-encoder`, shown beside ours if they are there.
-    #[arg(long, default_value = "../shared/data/epfl-paddle", value_name = "DIR")]
-    recorded: PathBuf,
+    /// Folder of the lab's recordings `sine-0011` and `steps-encoder`, shown beside ours [default:
+    /// ../shared/data/epfl-paddle, if that is there].
+    #[arg(long, value_name = "DIR")]
+    recorded: Option<PathBuf>,
     /// Leave the figures in this folder.
     #[arg(long, default_value = "paddle-out/reproduce", value_name = "DIR")]
     out: PathBuf,
@@ -48,14 +50,19 @@ pub struct Arguments {
 /// # Errors
 /// [`Failure`] for a recording that cannot be used, or files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    check_distinct(&arguments.with)?;
+    let folder = arguments.recorded.as_deref();
     let recorded = |name: &str| {
-        let folder = arguments.recorded.join(name);
+        let folder = folder.unwrap_or(Path::new(RECORDED)).join(name);
         folder
             .exists()
             .then(|| Recording::read(&folder))
             .transpose()
     };
     let (sine, steps) = (recorded("sine-0011")?, recorded("steps-encoder")?);
+    if let (Some(folder), None, None) = (folder, &sine, &steps) {
+        return Err(Failure::NotRecorded(folder.to_owned()));
+    }
     let apparatus = Apparatus {
         with: arguments.with.clone(),
     };
@@ -67,11 +74,11 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     rows.extend(sinusoids.rows());
     rows.extend(simulated.rows());
 
-    let mut folder = Folder::make(&arguments.out)?;
+    let mut folder = Folder::new(&arguments.out);
     let figure_6 = [("figure-6.svg", simulated.figure())];
     let figures = sinusoids.figures().into_iter().chain(figure_6);
     for (name, figure) in figures.chain(gains.figures(steps.as_ref())) {
-        folder.put(name, &figure.svg()?)?;
+        folder.draw(name, figure.svg());
     }
 
     let verdicts: Vec<_> = rows.iter().filter_map(row::Row::ok).collect();
@@ -92,6 +99,22 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "rows": rows.iter().map(row::Row::json).collect::<Vec<_>>(),
             "files": folder.files(),
         }),
-        amiss: (arguments.check && missed > 0).then_some(Failure::Missed { missed, barred }),
+        amiss: (arguments.check && missed > 0)
+            .then_some(Failure::Missed { missed, barred })
+            .into_iter()
+            .chain(folder.lost())
+            .collect(),
     })
+}
+
+/// Where the lab's recordings are by default.
+const RECORDED: &str = "../shared/data/epfl-paddle";
+
+impl Arguments {
+    /// Where it will write.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        Target::of("--out", Use::NewFolder, &self.out)
+            .into_iter()
+            .collect()
+    }
 }

@@ -1,10 +1,12 @@
 //! `paddle sim step` and its like: one excitation, its plot and its log.
 
-use super::rig::{Assembly, GainChoice, Rig};
-use crate::answer::Answer;
+use super::rig::{Assembly, GainChoice, Rig, gains};
+use crate::answer::{Answer, short};
 use crate::failure::Failure;
 use crate::files::{self, Folder};
+use crate::numbers;
 use crate::plot::{Figure, Ink, Line, Panel, step_response};
+use crate::targets::{Target, Use};
 use clap::Args;
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::{Excitation, Shape};
@@ -12,7 +14,7 @@ use haptic_paddle::metrics::StepReport;
 use haptic_paddle::settings::{Sensor, Settings};
 use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::experiment::{self, Experiment, Trace};
-use recording::Model;
+use recording::{Model, Recording};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -29,22 +31,22 @@ pub struct Arguments {
     #[arg(long)]
     torque: bool,
     /// Of the excitation: degrees, or N m at the motor with --torque [default: 10, or 0.0011; ramp 0.003].
-    #[arg(long)]
+    #[arg(long, value_parser = numbers::finite)]
     amplitude: Option<f64>,
     /// Constant part of the excitation, in the same unit.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = numbers::finite)]
     offset: f64,
     /// Of a wave; of a chirp the first, of a multisine the fundamental.
-    #[arg(long, default_value_t = 1.0, value_name = "Hz")]
+    #[arg(long, default_value_t = 1.0, value_name = "Hz", value_parser = numbers::positive)]
     frequency: f64,
     /// Last frequency of a chirp.
-    #[arg(long, default_value_t = 20.0, value_name = "Hz")]
+    #[arg(long, default_value_t = 20.0, value_name = "Hz", value_parser = numbers::positive)]
     end_frequency: f64,
     /// How long [default: 0.5 for a step, else 3].
-    #[arg(long, value_name = "s")]
+    #[arg(long, value_name = "s", value_parser = numbers::positive)]
     seconds: Option<f64>,
     /// Rows a second of CSV and recording [default: every period of the position loop].
-    #[arg(long, value_name = "Hz")]
+    #[arg(long, value_name = "Hz", value_parser = numbers::positive)]
     log_rate: Option<f64>,
     /// Leave plot and CSV in this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
@@ -53,7 +55,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
     /// Prediction window that the recording states.
-    #[arg(long, default_value_t = 0.5, value_name = "s")]
+    #[arg(long, default_value_t = 0.5, value_name = "s", value_parser = numbers::positive)]
     horizon: f64,
 }
 
@@ -75,6 +77,9 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
     } = arguments.rig.assemble()?;
     arguments.gains.apply(&mut setup.settings)?;
     let experiment = arguments.experiment(shape);
+    if arguments.recording.is_some() {
+        horizon_fits(arguments.horizon, experiment.duration_s)?;
+    }
     let mut closed_loop = ClosedLoop::armed(&setup, experiment.mode)?;
     let trace = experiment.run(&mut closed_loop)?;
     let controller = closed_loop.controller();
@@ -82,7 +87,13 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
     let title = arguments.title(shape, &setup.settings);
 
     let mut text = format!("{warnings}{title}\n");
-    let mut result = json!({ "experiment": name, "title": title });
+    let mut result = json!({
+        "experiment": name,
+        "title": title,
+        "gains": gains(&setup.settings),
+        "rig": arguments.rig.json(&setup),
+        "seconds": experiment.duration_s,
+    });
     if let Some(report) = controller.metrics() {
         text.push_str(&table(&report, &setup.settings));
         result["metrics"] = metrics(&report);
@@ -97,7 +108,7 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
             ),
             None => writeln!(text, "  does not break away; raise --amplitude"),
         };
-        result["breakaway_nm"] = json!(torque_nm);
+        result["breakaway_nm"] = json!(torque_nm.map(short));
     }
     let range_deg = range_deg(&trace);
     let _ = writeln!(
@@ -111,25 +122,30 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
         result["fault"] = json!({ "time_s": time_s, "cause": fault.to_string() });
     }
 
-    let mut folder = Folder::make(&arguments.out)?;
-    folder.put(
+    let mut folder = Folder::new(&arguments.out);
+    folder.draw(
         format!("{name}.svg"),
-        &figure(&trace, &setup.settings, controller.metrics(), title).svg()?,
-    )?;
-    folder.put(format!("{name}.csv"), &log(&trace))?;
+        figure(&trace, &setup.settings, controller.metrics(), title).svg(),
+    );
+    folder.put(format!("{name}.csv"), &log(&trace));
     for file in folder.files() {
         let _ = writeln!(text, "  {}", file.display());
     }
     result["files"] = json!(folder.files());
+    let mut amiss = folder.lost();
     if let Some(path) = &arguments.recording {
-        arguments.record(path, name, &trace, &setup, model)?;
-        let _ = writeln!(text, "  recording in {}", path.display());
-        result["recording"] = json!(path);
+        match leave_recording(path, &arguments.recorded(name, &trace, &setup, model)) {
+            Ok(()) => {
+                let _ = writeln!(text, "  recording in {}", path.display());
+                result["recording"] = json!(path);
+            }
+            Err(failure) => amiss.push(failure),
+        }
     }
     Ok(Answer {
         text,
         json: result,
-        ..Answer::default()
+        amiss,
     })
 }
 
@@ -155,7 +171,40 @@ pub fn step_of_refit(out: &Path) -> Result<Answer, Failure> {
     run(Shape::Step, &arguments)
 }
 
+/// Makes sure that a recording of `duration_s` has room for a prediction window.
+///
+/// # Errors
+/// [`Failure::Setting`].
+fn horizon_fits(horizon_s: f64, duration_s: f64) -> Result<(), Failure> {
+    if horizon_s <= duration_s {
+        return Ok(());
+    }
+    Err(Failure::Setting(format!(
+        "--horizon {horizon_s}: the recording lasts {duration_s} s, less than one prediction window; record longer with --seconds, or give a shorter one"
+    )))
+}
+
+/// Leaves a recording that `paddle gap` can read.
+///
+/// # Errors
+/// [`Failure`] for one that it could not, which is not written, and for a folder that cannot be filled.
+pub fn leave_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
+    recording.validate()?;
+    if path.join("recording.toml").exists() {
+        return Err(Failure::HoldsRecording(path.to_owned()));
+    }
+    Ok(recording.write(path)?)
+}
+
 impl Arguments {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let plant = Target::of("--plant", Use::Read, self.rig.plant.file());
+        let out = Target::of("--out", Use::NewFolder, &self.out);
+        let recording = Target::of("--recording", Use::NewFolder, self.recording.as_ref());
+        [plant, out, recording].into_iter().flatten().collect()
+    }
+
     fn title(&self, shape: Shape, settings: &Settings) -> String {
         let (excitation, unit, per) = match self.experiment(shape) {
             Experiment {
@@ -218,14 +267,7 @@ impl Arguments {
         }
     }
 
-    fn record(
-        &self,
-        path: &Path,
-        name: &str,
-        trace: &Trace,
-        setup: &LoopSetup,
-        model: Model,
-    ) -> Result<(), Failure> {
+    fn recorded(&self, name: &str, trace: &Trace, setup: &LoopSetup, model: Model) -> Recording {
         let title = format!("Simulated {name}");
         let mut recording = experiment::recording(title, self.horizon, model, setup);
         let mut run = trace.to_run(format!("{name}.csv"), setup);
@@ -239,8 +281,7 @@ impl Arguments {
             }
         }
         recording.runs.push(run);
-        let folder = Folder::make_beside_recordings(path)?;
-        Ok(recording.write(folder.path())?)
+        recording
     }
 }
 
@@ -267,12 +308,12 @@ pub fn table(report: &StepReport, settings: &Settings) -> String {
 
 /// The metrics for programs; a time that is never reached is null.
 pub fn metrics(report: &StepReport) -> Value {
-    let ms = |seconds: Option<f32>| seconds.map(|s| 1e3 * s);
+    let ms = |seconds: Option<f32>| seconds.map(|s| short(1e3 * s));
     json!({
-        "overshoot_deg": report.overshoot_rad.to_degrees(),
+        "overshoot_deg": short(report.overshoot_rad.to_degrees()),
         "rise_ms": ms(report.rise_s),
         "settling_ms": ms(report.settling_s),
-        "steady_state_error_deg": report.steady_state_error_rad.to_degrees(),
+        "steady_state_error_deg": short(report.steady_state_error_rad.to_degrees()),
     })
 }
 

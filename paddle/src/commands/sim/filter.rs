@@ -1,11 +1,13 @@
 //! `paddle sim filter`: what the low-pass on the position is for (report, section 3.2.2).
 
 use super::rig::{GainChoice, Rig, SensorChoice};
-use crate::answer::Answer;
+use crate::answer::{Answer, short};
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::numbers;
 use crate::plot::{Bar, Bars, Figure, Ink, Line, Panel, Scale};
 use crate::spectrum;
+use crate::targets::{Target, Use};
 use clap::Args;
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::Excitation;
@@ -26,10 +28,10 @@ the torque limit: an unstable loop swings from limit to limit. The largest one i
 )]
 pub struct Arguments {
     /// Derivative gain of the torque noise, N m s per degree at the paddle.
-    #[arg(long, default_value_t = 0.0008, value_name = "N m s/deg")]
+    #[arg(long, default_value_t = 0.0008, value_name = "N m s/deg", value_parser = numbers::setting)]
     kd: f32,
     /// Cutoff of the filter, Hz.
-    #[arg(long, default_value_t = 100.0, value_name = "Hz")]
+    #[arg(long, default_value_t = 100.0, value_name = "Hz", value_parser = numbers::setting)]
     cutoff: f32,
     /// Run the 20 kHz current loop through bridge and winding, in place of the lab's 350 µs and an exact torque.
     #[arg(long)]
@@ -63,9 +65,9 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             cases.push(case(arguments, choice, sensor, cutoff_hz)?);
         }
     }
-    let mut folder = Folder::make(&arguments.out)?;
-    folder.put("filter-noise.svg", &noise_figure(&cases).svg()?)?;
-    folder.put("filter-largest-kd.svg", &largest_kd_figure(&cases).svg()?)?;
+    let mut folder = Folder::new(&arguments.out);
+    folder.draw("filter-noise.svg", noise_figure(&cases).svg());
+    folder.draw("filter-largest-kd.svg", largest_kd_figure(&cases).svg());
 
     let mut text = format!(
         "{:<24} {:>26} {:>30}\n",
@@ -90,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         .map(|case| {
             json!({
                 "sensor": case.sensor,
-                "cutoff_hz": case.cutoff_hz,
+                "cutoff_hz": short(case.cutoff_hz),
                 "torque_noise_nm": case.noise_nm,
                 "largest_stable_kd_nm_s_per_deg": case.largest_kd,
             })
@@ -98,9 +100,23 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         .collect();
     Ok(Answer {
         text,
-        json: json!({ "kd_nm_s_per_deg": arguments.kd, "cases": rows, "files": folder.files() }),
-        ..Answer::default()
+        json: json!({
+            "kd_nm_s_per_deg": short(arguments.kd),
+            "current_loop": arguments.current_loop,
+            "cases": rows,
+            "files": folder.files(),
+        }),
+        amiss: folder.lost(),
     })
+}
+
+impl Arguments {
+    /// Where it will write.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        Target::of("--out", Use::NewFolder, &self.out)
+            .into_iter()
+            .collect()
+    }
 }
 
 fn case(

@@ -1,9 +1,12 @@
 //! `paddle sim lab`: the lab's own Simulink model, whose dry friction never acts.
 
+use super::experiment::leave_recording;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::{self, Folder};
+use crate::numbers;
 use crate::plot::{Figure, Ink, Line, Panel};
+use crate::targets::{Target, Use};
 use clap::Args;
 use host_sim::experiment::ExperimentError;
 use host_sim::lab_model::{FRICTION_FROM_RAD_S, LabDrive, LabModel, LabSample};
@@ -11,7 +14,7 @@ use host_sim::presets;
 use recording::{Drive, Recording, Run};
 use serde_json::json;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Under which torque.
 #[derive(Args, Clone, Debug)]
@@ -25,13 +28,13 @@ as the nominal model."
 )]
 pub struct Arguments {
     /// Of the torque sine, N m at the motor.
-    #[arg(long, default_value_t = 0.0011, value_name = "N m")]
+    #[arg(long, default_value_t = 0.0011, value_name = "N m", value_parser = numbers::finite)]
     amplitude: f64,
     /// Of the torque sine.
-    #[arg(long, default_value_t = 1.0, value_name = "Hz")]
+    #[arg(long, default_value_t = 1.0, value_name = "Hz", value_parser = numbers::positive)]
     frequency: f64,
     /// How long.
-    #[arg(long, default_value_t = 20.0, value_name = "s")]
+    #[arg(long, default_value_t = 20.0, value_name = "s", value_parser = numbers::positive)]
     seconds: f64,
     /// Leave plot and CSV in this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
@@ -55,13 +58,13 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         seconds,
         ..
     } = arguments;
-    if !(seconds > 0.0 && seconds <= LONGEST_S) {
+    if seconds > LONGEST_S {
         return Err(ExperimentError::Duration(seconds).into());
     }
-    if !(amplitude.is_finite() && frequency.is_finite()) {
-        return Err(Failure::Setting(
-            "--amplitude and --frequency must be finite numbers".into(),
-        ));
+    if arguments.recording.is_some() && seconds < HORIZON_S {
+        return Err(Failure::Setting(format!(
+            "--seconds {seconds}: the recording has prediction windows of {HORIZON_S} s; record for longer"
+        )));
     }
     let drive = LabDrive::Sine {
         amplitude_nm: amplitude,
@@ -98,8 +101,8 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         ],
         ..Figure::default()
     };
-    let mut folder = Folder::make(&arguments.out)?;
-    folder.put("lab.svg", &figure.svg()?)?;
+    let mut folder = Folder::new(&arguments.out);
+    folder.draw("lab.svg", figure.svg());
     folder.put(
         "lab.csv",
         &files::csv(&[
@@ -109,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             ("position_deg", &position_deg),
             ("velocity_deg_s", &column(|s| s.velocity_rad_s.to_degrees())),
         ]),
-    )?;
+    );
     let mut text = format!(
         "{title}\n  position      {lowest:>8.2} to {highest:.2}°\n  fastest       {:>8.0}°/s; its dry friction acts above {:.0}°/s: {}\n",
         fastest.to_degrees(),
@@ -119,9 +122,13 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     for file in folder.files() {
         let _ = writeln!(text, "  {}", file.display());
     }
+    let files = json!(folder.files());
+    let mut amiss = folder.lost();
     if let Some(path) = &arguments.recording {
-        record(path, &samples)?;
-        let _ = writeln!(text, "  recording in {}", path.display());
+        match leave_recording(path, &recorded(&samples)) {
+            Ok(()) => drop(writeln!(text, "  recording in {}", path.display())),
+            Err(failure) => amiss.push(failure),
+        }
     }
     Ok(Answer {
         text,
@@ -131,17 +138,29 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "position_deg": [lowest, highest],
             "fastest_deg_s": fastest.to_degrees(),
             "friction_acts": acts,
-            "files": folder.files(),
+            "amplitude_nm": amplitude,
+            "frequency_hz": frequency,
+            "seconds": seconds,
+            "files": files,
             "recording": arguments.recording,
         }),
-        ..Answer::default()
+        amiss,
     })
 }
 
 /// Prediction window of the recording, s.
 const HORIZON_S: f64 = 0.5;
 
-fn record(path: &Path, samples: &[LabSample]) -> Result<(), Failure> {
+impl Arguments {
+    /// Where it will write.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let out = Target::of("--out", Use::NewFolder, &self.out);
+        let recording = Target::of("--recording", Use::NewFolder, self.recording.as_ref());
+        [out, recording].into_iter().flatten().collect()
+    }
+}
+
+fn recorded(samples: &[LabSample]) -> Recording {
     let column = |of: fn(&LabSample) -> f64| -> Vec<f64> {
         samples.iter().map(|s| files::logged(of(s))).collect()
     };
@@ -153,6 +172,5 @@ fn record(path: &Path, samples: &[LabSample]) -> Result<(), Failure> {
         column(|s| s.motor_nm),
         column(|s| s.position_rad),
     ));
-    let folder = Folder::make_beside_recordings(path)?;
-    Ok(recording.write(folder.path())?)
+    recording
 }

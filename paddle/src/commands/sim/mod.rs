@@ -9,6 +9,7 @@ mod zn;
 
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::targets::Target;
 use clap::Subcommand;
 use haptic_paddle::excitation::Shape;
 
@@ -63,6 +64,23 @@ pub enum Command {
 }
 
 impl Command {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        match self {
+            Self::Step(arguments)
+            | Self::Sine(arguments)
+            | Self::Square(arguments)
+            | Self::Chirp(arguments)
+            | Self::Multisine(arguments)
+            | Self::Ramp(arguments)
+            | Self::Triangle(arguments) => arguments.targets(),
+            Self::Filter(arguments) => arguments.targets(),
+            Self::Tune(arguments) => arguments.targets(),
+            Self::Zn(arguments) => arguments.targets(),
+            Self::Lab(arguments) => arguments.targets(),
+        }
+    }
+
     /// Does it.
     ///
     /// # Errors

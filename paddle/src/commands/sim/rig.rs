@@ -1,13 +1,17 @@
 //! The options that make a closed loop.
 
+use crate::answer::short;
 use crate::failure::Failure;
+use crate::numbers;
 use crate::plant_choice::{Plant, PlantChoice};
 use clap::{Args, ValueEnum};
+use haptic_paddle::settings::field::{FIELDS, Kind};
 use haptic_paddle::settings::{Sensor, Settings};
 use host_sim::closed_loop::LoopSetup;
 use host_sim::effects::Effect;
 use host_sim::presets;
 use recording::Model;
+use serde_json::{Map, Value, json};
 
 /// The paddle, its effects, and the board on it.
 #[derive(Args, Clone, Debug)]
@@ -27,7 +31,7 @@ pub struct Rig {
     #[arg(long, value_enum)]
     pub sensor: Option<SensorChoice>,
     /// Cutoff of the low-pass on the position, Hz; 0 is none.
-    #[arg(long, value_name = "Hz")]
+    #[arg(long, value_name = "Hz", value_parser = numbers::setting)]
     pub cutoff: Option<f32>,
     /// Any other setting of the control core, as on its console; may be repeated.
     #[arg(long, value_name = "NAME=VALUE")]
@@ -36,7 +40,7 @@ pub struct Rig {
     #[arg(long)]
     pub current_loop: bool,
     /// Of all noise.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = numbers::whole)]
     pub seed: u64,
 }
 
@@ -44,13 +48,13 @@ pub struct Rig {
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct GainChoice {
     /// Proportional gain, N m per degree at the paddle.
-    #[arg(long, value_name = "N m/deg")]
+    #[arg(long, value_name = "N m/deg", value_parser = numbers::setting)]
     pub kp: Option<f32>,
     /// Integral gain, N m per degree and second at the paddle.
-    #[arg(long, value_name = "N m/(deg s)")]
+    #[arg(long, value_name = "N m/(deg s)", value_parser = numbers::setting)]
     pub ki: Option<f32>,
     /// Derivative gain, N m s per degree at the paddle.
-    #[arg(long, value_name = "N m s/deg")]
+    #[arg(long, value_name = "N m s/deg", value_parser = numbers::setting)]
     pub kd: Option<f32>,
 }
 
@@ -93,15 +97,15 @@ impl Rig {
     /// # Errors
     /// [`Failure`] for a file or a setting that cannot be used.
     pub fn assemble(&self) -> Result<Assembly, Failure> {
+        let mut plant = self.plant.load()?;
+        plant.install(&self.with)?;
         let Plant {
-            mut device,
+            device,
             model,
             mut settings,
             warnings,
-        } = self.plant.load()?;
-        for effect in &self.with {
-            effect.install(&mut device);
-        }
+            ..
+        } = plant;
         self.apply(&mut settings)?;
         let mut setup = match self.current_loop {
             true => LoopSetup::firmware(device, settings, presets::motor()),
@@ -134,6 +138,33 @@ impl Rig {
         Ok(())
     }
 
+    /// What was simulated, for programs: enough to do it again.
+    pub fn json(&self, setup: &LoopSetup) -> Value {
+        let effects = self.with.iter().map(|effect| {
+            let count = effect.values.len();
+            let values = effect.values.iter().enumerate();
+            let named =
+                values.map(|(place, value)| (effect.kind.value_name(place, count), json!(value)));
+            json!({ "name": effect.kind.name, "parameters": named.collect::<Map<_, _>>() })
+        });
+        let settings = FIELDS.iter().map(|field| {
+            let value = field.read(&setup.settings);
+            let value = match field.kind {
+                Kind::Number { .. } => json!(short(value)),
+                // A choice is the index of its name.
+                Kind::Choice(names) => json!(names.get(value as usize)),
+            };
+            (field.name.to_owned(), value)
+        });
+        json!({
+            "plant": self.plant.to_string(),
+            "with": effects.collect::<Vec<_>>(),
+            "seed": self.seed,
+            "current_loop": self.current_loop,
+            "settings": settings.collect::<Map<_, _>>(),
+        })
+    }
+
     /// In a few words.
     pub fn title(&self, settings: &Settings) -> String {
         let sensor = match settings.estimate.sensor {
@@ -147,6 +178,15 @@ impl Rig {
         }
         title
     }
+}
+
+/// The gains in `settings`, for programs.
+pub fn gains(settings: &Settings) -> Value {
+    json!({
+        "kp_nm_per_deg": short(settings.pid.kp_nm_per_deg),
+        "ki_nm_per_deg_s": short(settings.pid.ki_nm_per_deg_s),
+        "kd_nm_s_per_deg": short(settings.pid.kd_nm_s_per_deg),
+    })
 }
 
 impl GainChoice {

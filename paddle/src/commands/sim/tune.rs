@@ -5,7 +5,9 @@ use super::rig::{Assembly, Rig};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::numbers;
 use crate::plot::{Band, Figure, Ink, Line, Panel};
+use crate::targets::{Target, Use};
 use crate::tuning::assessment::{Bench, Case, met};
 use crate::tuning::search;
 use crate::tuning::specification::Specification;
@@ -31,28 +33,28 @@ pub struct Arguments {
     #[command(flatten)]
     rig: Rig,
     /// Of the step, degrees.
-    #[arg(long, default_value_t = 10.0, value_name = "deg")]
+    #[arg(long, default_value_t = 10.0, value_name = "deg", value_parser = numbers::finite)]
     amplitude: f64,
     /// Most overshoot, share of the step.
-    #[arg(long, default_value_t = 25.0, value_name = "%")]
+    #[arg(long, default_value_t = 25.0, value_name = "%", value_parser = numbers::finite)]
     overshoot: f64,
     /// Longest time to the first crossing of the target.
-    #[arg(long, default_value_t = 100.0, value_name = "ms")]
+    #[arg(long, default_value_t = 100.0, value_name = "ms", value_parser = numbers::finite)]
     rise: f64,
     /// Longest time until it stays within `metrics.band` of the target.
-    #[arg(long, default_value_t = 350.0, value_name = "ms")]
+    #[arg(long, default_value_t = 350.0, value_name = "ms", value_parser = numbers::finite)]
     settling: f64,
     /// Least gain margin.
-    #[arg(long, default_value_t = 6.0, value_name = "dB")]
+    #[arg(long, default_value_t = 6.0, value_name = "dB", value_parser = numbers::finite)]
     gain_margin: f64,
     /// Least phase margin.
-    #[arg(long, default_value_t = 30.0, value_name = "deg")]
+    #[arg(long, default_value_t = 30.0, value_name = "deg", value_parser = numbers::finite)]
     phase_margin: f64,
     /// How far dry and viscous friction may be from the plant's, either way.
-    #[arg(long, default_value_t = 30.0, value_name = "%")]
+    #[arg(long, default_value_t = 30.0, value_name = "%", value_parser = numbers::finite)]
     friction_spread: f64,
     /// How far the inertia may be from the plant's, either way.
-    #[arg(long, default_value_t = 10.0, value_name = "%")]
+    #[arg(long, default_value_t = 10.0, value_name = "%", value_parser = numbers::finite)]
     inertia_spread: f64,
     /// Leave a plot in this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
@@ -75,14 +77,14 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let meets = met(&cases);
 
     let title = format!("Tuned: {}", arguments.rig.title(&setup.settings));
-    let mut folder = Folder::make(&arguments.out)?;
+    let mut folder = Folder::new(&arguments.out);
     let figure = figure(
         &title,
         &cases,
         [arguments.amplitude, band_deg],
         arguments.settling,
     );
-    folder.put("tune.svg", &figure.svg()?)?;
+    folder.draw("tune.svg", figure.svg());
 
     let mut text = format!("{warnings}{title}\n\n{}\n", gains.lines());
     text.push_str(&arguments.table(&cases, band_deg));
@@ -97,13 +99,25 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "console": gains.lines().lines().collect::<Vec<_>>(),
             "meets": meets,
             "cases": cases.iter().map(case).collect::<Vec<_>>(),
+            "rig": arguments.rig.json(&setup),
             "files": folder.files(),
         }),
-        amiss: (!meets).then_some(Failure::OutOfReach),
+        amiss: (!meets)
+            .then_some(Failure::OutOfReach)
+            .into_iter()
+            .chain(folder.lost())
+            .collect(),
     })
 }
 
 impl Arguments {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let plant = Target::of("--plant", Use::Read, self.rig.plant.file());
+        let out = Target::of("--out", Use::NewFolder, &self.out);
+        [plant, out].into_iter().flatten().collect()
+    }
+
     /// The specification, and the paddles that must meet it.
     fn demands(&self, band_deg: f64) -> Result<(Specification, Vec<Variant>), Failure> {
         let positive = [

@@ -5,7 +5,9 @@ use super::rig::{Assembly, Rig};
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::numbers;
 use crate::plot::{Figure, Ink, Line, Panel, step_response};
+use crate::targets::{Target, Use};
 use crate::tuning::trial;
 use crate::tuning::ziegler_nichols::Ultimate;
 use clap::Args;
@@ -24,7 +26,7 @@ pub struct Arguments {
     #[command(flatten)]
     rig: Rig,
     /// Of the steps, degrees.
-    #[arg(long, default_value_t = 10.0, value_name = "deg")]
+    #[arg(long, default_value_t = 10.0, value_name = "deg", value_parser = numbers::positive)]
     amplitude: f64,
     /// Leave a plot in this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
@@ -73,8 +75,8 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         ],
         ..Figure::default()
     };
-    let mut folder = Folder::make(&arguments.out)?;
-    folder.put("zn.svg", &figure.svg()?)?;
+    let mut folder = Folder::new(&arguments.out);
+    folder.draw("zn.svg", figure.svg());
 
     let mut text = format!(
         "{warnings}{title}\n  Ku {} N m/°, Tu {:.1} ms, after {} gains\n\n{}\n",
@@ -99,8 +101,18 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "gains": gains.json(),
             "console": gains.lines().lines().collect::<Vec<_>>(),
             "metrics": metrics(&step.metrics),
+            "rig": arguments.rig.json(&setup),
             "files": folder.files(),
         }),
-        ..Answer::default()
+        amiss: folder.lost(),
     })
+}
+
+impl Arguments {
+    /// Where it will write, and what it must not write over.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let plant = Target::of("--plant", Use::Read, self.rig.plant.file());
+        let out = Target::of("--out", Use::NewFolder, &self.out);
+        [plant, out].into_iter().flatten().collect()
+    }
 }

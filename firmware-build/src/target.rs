@@ -8,8 +8,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The Cortex-M4 with single-precision floating-point unit.
-pub const THUMB: &str = "thumbv7em-none-eabihf";
+use crate::TARGET;
 
 /// Releases of the distribution that may carry a newer compiler's source than the running one.
 const SUITES: [&str; 3] = ["trixie", "trixie-backports", "sid"];
@@ -17,35 +16,62 @@ const SUITES: [&str; 3] = ["trixie", "trixie-backports", "sid"];
 /// Why the target could not be made available.
 #[derive(Debug, thiserror::Error)]
 pub enum TargetError {
+    /// A program that is needed is not there.
     #[error("cannot run `{program}`: {source}")]
-    Spawn { program: String, source: io::Error },
+    Spawn {
+        /// The program.
+        program: String,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A program that is needed gave up.
     #[error("`{program}` failed: {message}")]
-    Failed { program: String, message: String },
+    Failed {
+        /// The program.
+        program: String,
+        /// What it said.
+        message: String,
+    },
+    /// A file or a folder.
     #[error("cannot read or write {}: {source}", path.display())]
-    File { path: PathBuf, source: io::Error },
+    File {
+        /// Which.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Nobody provides the target.
     #[error(
-        "no {THUMB} for this compiler ({version}): rustup did not provide it \
-         and {lacking}; run `rustup target add {THUMB}` where its server can be reached"
+        "no {TARGET} for this compiler ({version}): rustup did not provide it \
+         and {lacking}; run `rustup target add {TARGET}` where its server can be reached"
     )]
-    NoWay { version: String, lacking: String },
+    NoWay {
+        /// Of the compiler.
+        version: String,
+        /// What the second way lacks.
+        lacking: String,
+    },
 }
 
-/// Makes [`THUMB`] available to the active toolchain.
+/// Makes [`TARGET`] available to the active toolchain. Where that is not so already, `say` is told what is done and how long
+/// it takes, before it is.
 ///
 /// # Errors
 /// [`TargetError`] names the step that failed; the toolchain is then unchanged.
-pub fn ensure() -> Result<(), TargetError> {
-    let library = PathBuf::from(rustc(&["--print", "target-libdir", "--target", THUMB])?);
+pub fn ensure(say: impl Fn(&str)) -> Result<(), TargetError> {
+    let library = PathBuf::from(rustc(&["--print", "target-libdir", "--target", TARGET])?);
     if holds_core(&library) {
         return Ok(());
     }
-    println!("adding the target {THUMB}");
-    match output(Command::new("rustup").args(["target", "add", THUMB])) {
+    say(&format!(
+        "adding the compiler's target {TARGET}, once: rustup fetches some 10 MB, which takes a few seconds"
+    ));
+    match output(Command::new("rustup").args(["target", "add", TARGET])) {
         Ok(_) if holds_core(&library) => return Ok(()),
-        Ok(_) => println!("rustup serves another toolchain"),
-        Err(error) => println!("{error}"),
+        Ok(_) => say("rustup serves another toolchain"),
+        Err(error) => say(&error.to_string()),
     }
-    println!("building core from the distribution's source instead");
+    say("building core from the distribution's source instead, which takes one to five minutes");
     let scratch = crate::root().join("target/thumb-core");
     clear(&scratch)?;
     let source = standard_library_source(&scratch)?;
@@ -215,7 +241,7 @@ fn build_core(source: &Path, scratch: &Path) -> Result<PathBuf, TargetError> {
             "--release",
             "-Zbuild-std=core,alloc",
             "--target",
-            THUMB,
+            TARGET,
         ])
         .current_dir(&package)
         // Link-time optimisation through core needs its bitcode.
@@ -225,7 +251,7 @@ fn build_core(source: &Path, scratch: &Path) -> Result<PathBuf, TargetError> {
         .env("__CARGO_TESTS_ONLY_SRC_ROOT", source)
         .env("CARGO_TARGET_DIR", &build),
     )?;
-    Ok(build.join(THUMB).join("release/deps"))
+    Ok(build.join(TARGET).join("release/deps"))
 }
 
 /// Puts the built libraries where rustup would have put them, all at once.

@@ -18,6 +18,7 @@ use crate::effects;
 use crate::fit::hypothesis::nudges;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
+use crate::instrument::frozen_input;
 use crate::instrument::timing;
 use crate::measure::{Gap, exceeds, measure};
 use crate::model_free::ModelFree;
@@ -90,6 +91,13 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let given = given(recording, is_gap, comparison.as_ref(), options);
 
     let base = ruler::with_unstated(&problem, &given, progress);
+    let left = base
+        .as_ref()
+        .map(|fit| problem.plain_gap(&problem.series, fit));
+    let problem = match left {
+        Some(left) => problem.off_by(MODELLING_SHARE * left.min(before)),
+        None => problem,
+    };
     let found = select::select(&problem, base, &given, progress);
     let (problem, mut selection, closed) = chosen(problem, found, &given, progress);
     let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
@@ -97,8 +105,10 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
 
     let baseline = Baseline::of(&problem);
     let mut correction = Correction::of(&problem, &selection, closed, &baseline);
+    let frozen = frozen_input(recording).then_some(Rejection::FrozenInput);
     let rejection = unit_factor
         .map(Rejection::UnitMistake)
+        .or(frozen)
         .or_else(|| correction.rejection(&baseline.model_free, &selection));
     if rejection.is_some() {
         selection.withdraw(0);
@@ -106,7 +116,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     }
     let stand_in = StandIn::of(&problem, &selection);
     let verdict = verdict(&problem, &selection, &correction.gap, stand_in);
-    if verdict == Verdict::NoGap {
+    if verdict == Verdict::NoGap && is_gap {
         correction = Correction::of_numbers(&problem, &selection, &baseline);
     }
     let timing = timing::doubt(&problem, selection.fit());

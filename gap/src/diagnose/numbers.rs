@@ -11,6 +11,8 @@ use recording::Recording;
 
 /// Share of the gap that the move of a number must close to be said.
 const LEAST_SHRINK: f64 = 0.05;
+/// Standard deviations of its own estimate that it must have moved.
+const SURE: f64 = 2.0;
 const ITERATIONS: usize = 6;
 
 /// The numbers that a fit had to move, those that close most first. What a move closes is the mean of what it closes alone and
@@ -36,6 +38,9 @@ pub(super) fn moved(
             let [beside, ..] = shrink(&others, &with, floor, nominal);
             let share = 0.5 * (alone + beside);
             let moved_by = fit.x[place];
+            if moved_by.abs() <= SURE * fit.std[place] {
+                return None;
+            }
             let found = number.at(moved_by);
             let spread = number.at(moved_by + fit.std[place]) - found;
             (share >= LEAST_SHRINK).then(|| NumberFinding {

@@ -14,6 +14,8 @@ const MOST_OF_MODEL_FREE: f64 = 0.8;
 pub(super) enum Rejection {
     /// It is a factor between units.
     UnitMistake(UnitFactor),
+    /// The input never changes while the device is driven.
+    FrozenInput,
     /// It leaves no less than a predictor that knows no model.
     NoBetterThanModelFree,
     /// It does not surely shrink the gap on data that its fit has not seen.
@@ -40,6 +42,10 @@ impl fmt::Display for Rejection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnitMistake(factor) => write!(f, "{factor}"),
+            Self::FrozenInput => f.write_str(
+                "`input` is the same in every row although the motion does not die away: the column is frozen, and nothing can be \
+                 said of what drives the device",
+            ),
             Self::NoBetterThanModelFree => f.write_str(
                 "no effect explains the gap: the best correction predicts no better than a position that stays where it was, or \
                  goes on at its velocity",

@@ -1,9 +1,11 @@
 //! Whether the columns mean what they are taken for: a wrong sign or unit is no effect, and a controller's output no excitation.
 
+mod frozen;
 mod law;
 mod meant;
 pub(crate) mod timing;
 
+pub(crate) use frozen::frozen_input;
 pub use meant::UnitMistake;
 
 use meant::{Meant, meant};

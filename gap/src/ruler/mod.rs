@@ -24,7 +24,7 @@ use crate::stage::Stage;
 use pool::Pool;
 
 /// Effects that are looked for one after the other on top of all main numbers.
-const MOST_ON_NUMBERS: usize = 2;
+const MOST_ON_NUMBERS: usize = 1;
 
 /// Measures what a search `found` against all sets that it met and against those beyond the model's numbers. None where what was
 /// found leaves nothing to explain: the device is as exact as its model.

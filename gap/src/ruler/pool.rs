@@ -3,12 +3,16 @@
 use super::Start;
 use super::scored::{Scored, simplest};
 use crate::fit::Fit;
+use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::select::Selection;
 use rayon::prelude::*;
 
-/// Sets that are scored again once the error scale is known from the best of them.
-const MOST_SCORED_AGAIN: usize = 12;
+/// Sets that are scored on held-out data, those that cost least after a short fit to all; and again once the error scale is known
+/// from the best of them.
+const MOST_SCORED: usize = 12;
+const SHORT_ITERATIONS: usize = 3;
+const MOST_SCORED_AGAIN: usize = 8;
 /// Factor by which the scale must fall to score again.
 const OTHER_SCALE: f64 = 0.7;
 
@@ -56,7 +60,7 @@ impl Pool {
     /// All sets, each fitted and costed at the scale of `problem`, and those that cost least again at the scale of what the best one
     /// leaves; with the problem of that scale.
     pub(super) fn scored_at_own_scale<'a>(self, problem: Problem<'a>) -> (Problem<'a>, ScoredPool) {
-        let mut pool = ScoredPool::of(&problem, self.starts);
+        let mut pool = ScoredPool::of(&problem, shortlist(&problem, self.starts));
         let left = pool.least_left(&problem);
         if left >= OTHER_SCALE * problem.modelling {
             return (problem, pool);
@@ -71,6 +75,35 @@ impl Pool {
         let again = ScoredPool::of(&finer, again.collect());
         (finer, again)
     }
+}
+
+/// The null, and the sets that cost least after a short fit, one for each set of names.
+fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
+    let mut starts = starts.into_iter();
+    let null = starts.next();
+    let fits = starts.collect::<Vec<_>>().into_par_iter().map(|start| {
+        let iterations = SHORT_ITERATIONS;
+        problem.fit(&start.hypothesis, start.x, Part::All, iterations)
+    });
+    let mut fits: Vec<Fit> = fits.collect();
+    fits.sort_by(|a, b| a.costs.level().total_cmp(&b.costs.level()));
+    let names = |fit: &Fit| {
+        let terms = fit.hypothesis.terms.iter();
+        let mut names: Vec<_> = terms.map(|term| term.kind.name).collect();
+        names.sort_unstable();
+        names
+    };
+    let mut kept: Vec<Fit> = Vec::new();
+    for fit in fits {
+        if kept.len() < MOST_SCORED && kept.iter().all(|other| names(other) != names(&fit)) {
+            kept.push(fit);
+        }
+    }
+    let kept = kept.into_iter().map(|fit| Start {
+        hypothesis: fit.hypothesis,
+        x: fit.x,
+    });
+    null.into_iter().chain(kept).collect()
 }
 
 /// Sets of effects, fitted and costed on data that their fits have not seen.

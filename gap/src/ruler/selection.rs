@@ -126,19 +126,36 @@ fn round(
             by_few: is_event,
         },
         so_far,
-        confidence: Some(confidence(agreement::share(&pool.sets, name), is_agreed)),
+        confidence: Some(confidence(
+            agreement::share(&pool.sets, name),
+            is_agreed,
+            closed(problem, set, pool),
+            is_event,
+        )),
     }
 }
 
-/// Probability that a name is right that a share of the resampled windows chooses with the numbers free, and that the search with
-/// the numbers as stated named as well or not.
-fn confidence(share: f64, is_agreed: bool) -> f64 {
-    if is_agreed {
-        0.5 + 0.45 * share
+/// Share of the gap that a set closes, on data that its fit has not seen.
+fn closed(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> f64 {
+    let [left, before] = [set, &pool.null].map(|scored| problem.rms(&scored.squares));
+    (1.0 - left / before.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
+}
+
+/// Probability that a name is right: that a share of the resampled windows chooses with the numbers free, that the search with the
+/// numbers as stated named as well or not, in a set that has closed so much. What is bound to moments was not held out, and bends to
+/// whatever is missing there.
+fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
+    let (least, most) = if is_agreed { (0.5, 0.95) } else { (0.3, 0.65) };
+    let sure = least + (most - least) * share * closed;
+    if is_event {
+        sure.min(SURE_OF_EVENT)
     } else {
-        0.3 + 0.35 * share
+        sure
     }
 }
+
+/// Probability that a name is right at most that was found in few windows of a device that no single effect explains.
+const SURE_OF_EVENT: f64 = 0.45;
 
 /// What else was tried beside the whole set.
 fn beyond(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> Option<Round> {

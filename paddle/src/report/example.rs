@@ -59,6 +59,8 @@ pub fn stribeck() -> Diagnosis {
             floor_of: FloorOf::CorrectedModel,
             nominal_floor: 0.03f64.to_radians(),
             after: 0.12f64.to_radians(),
+            standing: 1.9f64.to_radians(),
+            coasting: 0.8f64.to_radians(),
             shrink: 0.81,
             shrink_interval: [0.76, 0.85],
             unit: "rad".into(),
@@ -74,6 +76,8 @@ pub fn stribeck() -> Diagnosis {
             shrink: 0.81,
             shrink_interval: [0.76, 0.85],
         }],
+        numbers: Vec::new(),
+        rejection: None,
         regions: vec![Region {
             axis: "velocity",
             from: Some(-0.05),

@@ -6,6 +6,7 @@ mod course;
 mod effect;
 #[cfg(test)]
 mod example;
+mod number;
 mod page;
 mod paragraph;
 mod quantity;

@@ -57,13 +57,15 @@ pub fn page(
     ))
 }
 
-/// The four numbers that matter.
+/// The numbers that matter, with the gaps of two predictors that know no model.
 fn tiles(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
     let display = Display::of(&gap.unit, gap.before);
     let mut tiles = vec![
         ("gap", display.show(gap.before)),
         ("floor", display.show(gap.floor)),
+        ("if the position stayed", display.show(gap.standing)),
+        ("if the velocity stayed", display.show(gap.coasting)),
     ];
     if !diagnosis.effects.is_empty() {
         tiles.insert(1, ("after correction", display.show(gap.after)));

@@ -1,6 +1,7 @@
 //! A diagnosis in a paragraph of plain words.
 
 use super::effect::{noun, phrase};
+use super::number;
 use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
 use gap::diagnosis::{Diagnosis, Finding, FloorOf, NextExperiment, Region, Verdict};
@@ -37,6 +38,13 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
             "Input and position go against each other, so {column} is taken with the other sign: mend the log."
         )
     }));
+    sentences.extend(number::sentences(diagnosis));
+    if diagnosis.verdict == Verdict::NoGap && !diagnosis.numbers.is_empty() {
+        sentences.push(format!(
+            "The gap falls from {before} to {after} by these numbers alone (floor {floor}), all within what is stated of them."
+        ));
+        return sentences.join(" ");
+    }
     if diagnosis.verdict == Verdict::NoGap {
         sentences.push(format!(
             "The gap is {before}, and {floor} of it would be left by a perfect model: noise and quantising. What is \
@@ -59,7 +67,12 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
         effects.map(|effect| phrase(effect, labels)).collect()
     };
     let found = phrases(&main);
-    if found.is_empty() {
+    if let Some(rejection) = &diagnosis.rejection {
+        sentences.push(format!(
+            "The gap is {before} where a perfect model would leave {floor}. {}.",
+            capitalized(rejection)
+        ));
+    } else if found.is_empty() {
         sentences.push(format!(
             "The gap is {before} where a perfect model would leave {floor}, and no effect of the library makes it \
              smaller on data the fit has not seen."

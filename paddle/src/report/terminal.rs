@@ -19,6 +19,12 @@ pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
     }
     line(&mut text, format_args!("{}\n", headline(diagnosis.verdict)));
     text.push_str(&wrapped(&paragraph(diagnosis, labels)));
+    let display = Display::of(&diagnosis.gap.unit, diagnosis.gap.before);
+    text.push_str(&wrapped(&format!(
+        "Without any model, a position that stays where it was at the restart would leave {}, one that goes on at its velocity {}.",
+        display.show(diagnosis.gap.standing),
+        display.show(diagnosis.gap.coasting)
+    )));
     if let Some(floors) = floors(diagnosis) {
         text.push_str(&wrapped(&floors));
     }

@@ -1,0 +1,53 @@
+//! The model's own numbers that had to move, in words.
+
+use super::quantity::{Display, percent, show};
+use gap::diagnosis::{Diagnosis, NumberFinding};
+
+/// The sentences about all numbers that had to move, those that close most first: beyond the stated tolerance, within it, or not
+/// stated at all.
+pub fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
+    diagnosis.numbers.iter().map(sentence).collect()
+}
+
+fn sentence(number: &NumberFinding) -> String {
+    let NumberFinding {
+        name, shrink, unit, ..
+    } = number;
+    let found = Display::of(unit, number.found).show_with_std(number.found, number.std);
+    let closes = percent(shrink.clamp(0.0, 1.0));
+    match (number.stated, number.sigmas) {
+        (Some(stated), Some(sigmas)) => format!(
+            "The number `{name}` is {found} rather than the stated {}, {sigmas:.1} of its stated standard deviations away; its \
+             move closes {closes} of the gap.",
+            show(stated, unit)
+        ),
+        _ => format!("The number `{name}` is not stated; the estimate is {found}."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(stated: Option<f64>, sigmas: Option<f64>) -> NumberFinding {
+        NumberFinding {
+            name: "coulomb".into(),
+            stated,
+            found: 0.057,
+            std: Some(0.002),
+            sigmas,
+            shrink: 0.71,
+            unit: "N m".into(),
+        }
+    }
+
+    #[test]
+    fn a_number_that_moved_is_said_with_its_distance() {
+        let text = sentence(&number(Some(0.02), Some(2.1)));
+        for part in ["`coulomb`", "57", "20", "2.1 of its", "71 %"] {
+            assert!(text.contains(part), "{text}");
+        }
+        let text = sentence(&number(None, None));
+        assert!(text.contains("not stated"), "{text}");
+    }
+}

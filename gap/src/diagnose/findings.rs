@@ -137,6 +137,7 @@ pub(super) fn tried(
     named: &[&str],
     implausible: &[Implausible],
 ) -> Vec<Tried> {
+    let left = |fit| problem.plain_gap(&problem.series, fit);
     let mut all: Vec<Tried> = Vec::new();
     for round in selection.rounds.iter().chain(&selection.last) {
         let winner = &round.rivals[0];
@@ -146,6 +147,7 @@ pub(super) fn tried(
                 continue;
             }
             let gain = round.known.costs.level() - rival.fit.costs.level();
+            let after = left(&rival.fit);
             let no_device = implausible.iter().find(|one| one.effect == rival.name);
             let why_not = if let Some(no_device) = no_device {
                 no_device.to_string()
@@ -153,14 +155,16 @@ pub(super) fn tried(
                 "no gain".to_owned()
             } else if rival.name == winner.name {
                 "no gain on held-out data".to_owned()
-            } else if stands_alone {
-                format!("gains less than {}", winner.name)
-            } else {
+            } else if !stands_alone {
                 format!("earns no place beside {}", named.join(" and "))
+            } else if after >= left(&winner.fit) {
+                format!("leaves more than {}", winner.name)
+            } else {
+                format!("misses more windows than {}", winner.name)
             };
             all.push(Tried {
                 name: rival.name,
-                after: problem.plain_gap(&problem.series, &rival.fit),
+                after,
                 why_not,
             });
         }

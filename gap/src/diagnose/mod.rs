@@ -380,7 +380,12 @@ impl Correction {
     /// The reason to reject it, if there is one; what two columns show needs no prediction.
     fn rejection(&self, model_free: &ModelFree, selection: &Selection) -> Option<Rejection> {
         let is_judged = !selection.rounds.is_empty() && !selection.given;
-        let lowest = self.gap.shrink_interval[0];
+        // What shows in a window or two is missing from many resamplings.
+        let lowest = if selection.shows_in_few() {
+            self.gap.shrink
+        } else {
+            self.gap.shrink_interval[0]
+        };
         is_judged
             .then(|| Rejection::of(&self.after, model_free, lowest))
             .flatten()

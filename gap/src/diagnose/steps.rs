@@ -138,7 +138,8 @@ fn surviving_steps(problem: &Problem<'_>, selection: &mut Selection) -> (Vec<Ste
     let closes_none = |step: &Step| step.was_at_floor || are_spared(problem, selection, &left);
     // What shows in every window, and in the gap not at all, may be no more than how finely another simulation was computed.
     let is_faint = || !selection.plain || !surely_close(&steps) && hidden(select::QUIET_GAP);
-    let is_none = hidden(select::LOUD_GAP)
+    let is_none = !selection.is_measured()
+        && hidden(select::LOUD_GAP)
         && (is_formulation(selection) || is_faint() && steps.first().is_some_and(closes_none));
     if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();

@@ -129,6 +129,17 @@ impl Selection {
         unrepeated.map(|winner| winner.name)
     }
 
+    /// True if its effects were measured beside each other at an error scale of their own: what they leave is no measure of whether
+    /// there is a gap.
+    pub(crate) fn is_measured(&self) -> bool {
+        self.rounds.iter().any(|round| round.confidence.is_some())
+    }
+
+    /// True if no effect is among those found of which data could be held out.
+    pub(crate) fn shows_in_few(&self) -> bool {
+        self.rounds.iter().all(|round| round.place.by_few)
+    }
+
     /// Terms of the null: numbers of the model that are not stated, and estimated with every hypothesis.
     pub(crate) fn base(&self) -> usize {
         self.null.hypothesis.terms.len()

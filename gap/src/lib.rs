@@ -34,6 +34,7 @@ mod locate;
 #[cfg(test)]
 mod made;
 mod measure;
+pub mod missing_torque;
 pub mod model_file;
 mod model_free;
 pub mod predict;
@@ -49,6 +50,7 @@ pub use host_sim::device::Device;
 pub use host_sim::effects::Effect;
 pub use instrument::{UnitMistake, inspected};
 pub use measure::{Gap, PredictedRun, measure};
+pub use missing_torque::MissingTorque;
 pub use model_file::ModelFile;
 pub use recording::{self, Model, Recording};
 pub use stage::Stage;

@@ -427,7 +427,7 @@ pub(crate) fn session_start(recording: &Recording) -> f64 {
 
 /// What to add to each run's time for one clock of the session, s: nothing if the runs' times do not
 /// overlap, else the runs follow on one another in the order of the list.
-fn session_offsets(recording: &Recording) -> Vec<f64> {
+pub(crate) fn session_offsets(recording: &Recording) -> Vec<f64> {
     let mut spans: Vec<(f64, f64)> = recording
         .runs
         .iter()

@@ -24,7 +24,7 @@ impl Cogging {
 
     /// N m at a position.
     #[inline]
-    pub(super) fn torque(&self, position: f64) -> f64 {
+    pub fn torque(&self, position: f64) -> f64 {
         let (sin, cos) = (self.wave_number * position + self.phase).sin_cos();
         let [a, b] = self.second_nm;
         self.amplitude_nm * sin + 2.0 * a * sin * cos + b * (1.0 - 2.0 * sin * sin)

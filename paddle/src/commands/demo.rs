@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         json: json!({
             "step": step.json,
             "gap": gap,
-            "diagnosis": results::json(&outcome, &provenance),
+            "diagnosis": results::json(&recording, &outcome, &provenance),
             "files": files,
             "folder": out,
         }),

@@ -6,6 +6,7 @@ mod course;
 mod effect;
 #[cfg(test)]
 mod example;
+pub mod missing_torque;
 mod number;
 mod page;
 mod paragraph;

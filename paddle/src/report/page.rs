@@ -4,6 +4,7 @@ use super::bar::{Tone, bar};
 use super::charts::{Charts, RUNS};
 use super::course::courses;
 use super::effect;
+use super::missing_torque;
 use super::paragraph::{experiment, floors, headline, on_which_data, paragraph};
 use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
@@ -33,6 +34,7 @@ pub fn page(
         title => title,
     };
     let sections = [
+        missing(recording, outcome)?,
         findings(diagnosis),
         shrinks(diagnosis),
         plots(recording, outcome, &labels)?,
@@ -192,6 +194,17 @@ fn shrinks(diagnosis: &Diagnosis) -> String {
         &format!("How far the gap shrinks{}", on_which_data(diagnosis)),
         &body,
     )
+}
+
+/// The torque that the nominal model lacks.
+fn missing(recording: &Recording, outcome: &Outcome) -> Result<String, PlotError> {
+    let (said, svg) = missing_torque::first(recording, outcome)?;
+    let body = format!(
+        "<p>{}</p>\n{}",
+        escaped(&said),
+        figure(&svg, missing_torque::CAPTION)
+    );
+    Ok(section("What torque the model lacks", &body))
 }
 
 fn figure(svg: &str, caption: &str) -> String {
@@ -576,11 +589,11 @@ mod tests {
                 + html.matches(&format!("<{tag} ")).count();
             assert_eq!(opened, html.matches(&format!("</{tag}>")).count(), "{tag}");
         }
-        // Stretch, two runs over time, and shares along velocity, time and frequency.
+        // Missing torque, stretch, two runs over time, and shares along velocity, time and frequency.
         let count = |text: &str| html.matches(text).count();
-        assert_eq!(count("<figure>"), 6);
+        assert_eq!(count("<figure>"), 7);
         for of_each in ["<figcaption>", "role=\"img\" aria-label=", "<desc>"] {
-            assert_eq!(count(of_each), 6, "{of_each}");
+            assert_eq!(count(of_each), 7, "{of_each}");
         }
         assert_eq!(count("<table>"), count("<caption>"));
     }

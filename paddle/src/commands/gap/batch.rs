@@ -156,7 +156,7 @@ fn diagnosed(case: &Case, options: &Options) -> Result<(Value, Result<(), Failur
     let provenance = Provenance::of(&case.folder, &recording)?;
     let diagnosis = AssertUnwindSafe(|| gap::diagnose(&recording, options));
     let outcome = catch_unwind(diagnosis).map_err(|_| Failure::Fault)?;
-    let mut line = stamped(json(&outcome, &provenance), case, options);
+    let mut line = stamped(json(&recording, &outcome, &provenance), case, options);
     rounded(&mut line);
     let saved = save(case, &recording, &outcome, &provenance, &line);
     Ok((line, saved))

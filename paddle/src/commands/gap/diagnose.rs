@@ -6,9 +6,10 @@ use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::progress;
 use crate::provenance::Provenance;
-use crate::report::{self, Labels};
+use crate::report::{self, Labels, missing_torque};
 use crate::targets::{Target, Use};
 use clap::Args;
+use gap::diagnosis::Verdict;
 use gap::{Options, Stage};
 use host_sim::effects::{self, EffectError};
 use std::path::{Path, PathBuf};
@@ -65,6 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let provenance = Provenance::of(folder, &recording)?;
     let outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
+    if outcome.diagnosis.verdict == Verdict::Unexplained {
+        text.push_str(&missing_torque::unexplained(&recording));
+    }
     let mut amiss = Vec::new();
     let mut say = |what, path: &Path, saved: Result<(), Failure>| match saved {
         Ok(()) => text.push_str(&format!("{what} in {}\n", path.display())),
@@ -84,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     }
     Ok(Answer {
         text,
-        json: json(&outcome, &provenance),
+        json: json(&recording, &outcome, &provenance),
         amiss,
     })
 }

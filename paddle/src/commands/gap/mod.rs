@@ -3,6 +3,7 @@
 mod batch;
 pub mod blind;
 pub mod diagnose;
+pub mod look;
 pub mod measure;
 pub mod results;
 
@@ -19,6 +20,8 @@ use std::path::Path;
 pub enum Command {
     /// Measure the gap, and the floor that sensor noise and restarts alone would leave.
     Measure(measure::Arguments),
+    /// Show the torque that the nominal model lacks, over the axis that carries it.
+    Look(look::Arguments),
     /// Say where the gap lies, which effect causes it, and how far it shrinks.
     Diagnose(diagnose::Arguments),
     /// Score the diagnosis on recordings with something hidden in them.
@@ -30,6 +33,7 @@ impl Command {
     pub fn targets(&self) -> Vec<Target<'_>> {
         match self {
             Self::Measure(arguments) => arguments.targets(),
+            Self::Look(arguments) => arguments.targets(),
             Self::Diagnose(arguments) => arguments.targets(),
             Self::Blind(arguments) => arguments.targets(),
         }
@@ -42,6 +46,7 @@ impl Command {
     pub fn run(&self) -> Result<Answer, Failure> {
         match self {
             Self::Measure(arguments) => measure::run(arguments),
+            Self::Look(arguments) => look::run(arguments),
             Self::Diagnose(arguments) => diagnose::run(arguments),
             Self::Blind(arguments) => blind::run(arguments),
         }

@@ -3,16 +3,18 @@
 use crate::failure::Failure;
 use crate::provenance::Provenance;
 use crate::report;
-use gap::{ModelFile, Outcome};
+use gap::{Device, MissingTorque, ModelFile, Outcome};
 use recording::Recording;
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// The diagnosis in the recording format's JSON.
-pub fn json(outcome: &Outcome, provenance: &Provenance) -> Value {
+pub fn json(recording: &Recording, outcome: &Outcome, provenance: &Provenance) -> Value {
     // Keys are text and numbers are numbers: this cannot fail.
     let mut whole = serde_json::to_value(&outcome.diagnosis).unwrap_or_default();
     if let Value::Object(keys) = &mut whole {
+        let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
+        keys.insert("missing_torque".into(), json!(missing.summary()));
         keys.insert("provenance".into(), json!(provenance));
     }
     whole

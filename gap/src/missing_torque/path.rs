@@ -1,0 +1,238 @@
+//! The torques of a device along a motion that was measured.
+
+use super::samples::Samples;
+use super::smoother::Smoothed;
+use host_sim::device::Device;
+use host_sim::plant::Mechanics;
+use std::sync::OnceLock;
+
+/// A smoothed motion by steps, with what a device does along it. One value a step: a step of no length ends a stretch.
+#[derive(Clone, Debug)]
+pub(crate) struct Path<'a> {
+    pub samples: &'a Samples,
+    /// The device whose torque the missing one is on top of.
+    pub device: &'a Device,
+    /// Torque of the input, as that device has it.
+    pub drive: Vec<f64>,
+    /// In the middle of the step.
+    pub position: Vec<f64>,
+    /// Mean over the step, per s.
+    pub velocity: Vec<f64>,
+    /// Of sliding, from −1 to 1: a step in which the motion turns is partly of one and partly of the other.
+    pub direction: Vec<f64>,
+    /// Whether the direction of sliding is known.
+    pub sliding: Vec<bool>,
+    /// Largest part of the motion: half of its span, rms velocity, rms torque of the input, likewise of the input.
+    pub scale: Scale,
+    /// Torque of the device over each step, once it is asked for.
+    nominal: OnceLock<Vec<f64>>,
+}
+
+/// How large the motion is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale {
+    /// Lowest and highest position.
+    pub reach: [f64; 2],
+    /// Rms velocity, per s.
+    pub velocity: f64,
+    /// Rms torque of the input.
+    pub torque: f64,
+    /// Largest input.
+    pub input: f64,
+    /// First and last instant of the session, s.
+    pub session_s: [f64; 2],
+}
+
+impl Scale {
+    /// Half of the span of the position.
+    pub fn half_span(&self) -> f64 {
+        (0.5 * (self.reach[1] - self.reach[0])).max(f64::MIN_POSITIVE)
+    }
+
+    /// Middle of the span.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.reach[0] + self.reach[1])
+    }
+
+    /// Frequency of a sine of this span and velocity, rad/s.
+    pub fn rate(&self) -> f64 {
+        core::f64::consts::SQRT_2 * self.velocity / self.half_span()
+    }
+}
+
+impl<'a> Path<'a> {
+    /// The motion that was smoothed.
+    pub fn along(
+        samples: &'a Samples,
+        device: &'a Device,
+        drive: &[f64],
+        smoothed: &Smoothed,
+        slides: &[bool],
+    ) -> Self {
+        let n = samples.len();
+        let next = |row: usize| {
+            if samples.step_s[row] > 0.0 {
+                row + 1
+            } else {
+                row
+            }
+        };
+        let rows = 0..n;
+        let position = rows.clone().map(|i| {
+            let (x, y) = (smoothed.position[i], smoothed.position[next(i)]);
+            0.5 * (x + y)
+        });
+        let position: Vec<f64> = position.collect();
+        let velocity = rows.clone().map(|i| {
+            let (v, w) = (smoothed.velocity[i], smoothed.velocity[next(i)]);
+            0.5 * (v + w)
+        });
+        let velocity: Vec<f64> = velocity.collect();
+        let direction = rows.clone().map(|i| {
+            let (v, w) = (smoothed.velocity[i], smoothed.velocity[next(i)]);
+            if v * w < 0.0 {
+                (w.abs() - v.abs()) / (v.abs() + w.abs()) * w.signum()
+            } else {
+                sign(v + w)
+            }
+        });
+        let direction: Vec<f64> = direction.collect();
+        let sliding = rows.map(|i| slides[i] || slides[next(i)]).collect();
+        let rms =
+            |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / n.max(1) as f64).sqrt();
+        let ends = |[low, high]: [f64; 2], x: &f64| [low.min(*x), high.max(*x)];
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let scale = Scale {
+            reach: position.iter().fold(none, ends),
+            velocity: rms(&velocity).max(f64::MIN_POSITIVE),
+            torque: rms(drive).max(f64::MIN_POSITIVE),
+            input: samples
+                .input
+                .iter()
+                .fold(f64::MIN_POSITIVE, |m: f64, u| u.abs().max(m)),
+            session_s: samples.session_s.iter().fold(none, ends),
+        };
+        Self {
+            samples,
+            device,
+            drive: drive.to_vec(),
+            position,
+            velocity,
+            direction,
+            sliding,
+            scale,
+            nominal: OnceLock::new(),
+        }
+    }
+
+    /// Torque of the input through another drive.
+    pub fn drive_of(&self, device: &Device) -> Vec<f64> {
+        if device.drive == self.device.drive {
+            self.drive.clone()
+        } else {
+            self.samples.drive(&device.drive)
+        }
+    }
+
+    /// All that acts on the inertia of a device over each step, but for its viscous friction and its linear spring.
+    pub fn force(&self, device: &Device, drive: &[f64]) -> Vec<f64> {
+        let m = &device.mechanics;
+        let steps = (0..self.position.len()).map(|i| {
+            let at = self.at(i);
+            torque(m, drive[i], &at) + m.viscous * at.velocity + m.stiffness * at.position
+        });
+        steps.collect()
+    }
+
+    /// All that acts on the inertia of a device over each step.
+    pub fn torque(&self, device: &Device) -> Vec<f64> {
+        let drive = self.drive_of(device);
+        (0..drive.len())
+            .map(|i| torque(&device.mechanics, drive[i], &self.at(i)))
+            .collect()
+    }
+
+    /// What `device` does along the motion on top of the device of this path.
+    pub fn on_top(&self, device: &Device) -> Vec<f64> {
+        let nominal = self.nominal.get_or_init(|| self.torque(self.device));
+        if device.mechanics == self.device.mechanics && !self.has_friction() {
+            // Without friction the torque of the input only adds up.
+            let pairs = self.drive_of(device).into_iter().zip(&self.drive);
+            return pairs.map(|(with, without)| with - without).collect();
+        }
+        let mut with = self.torque(device);
+        with.iter_mut()
+            .zip(nominal)
+            .for_each(|(with, without)| *with -= without);
+        with
+    }
+
+    fn has_friction(&self) -> bool {
+        !self.device.mechanics.friction.is_none()
+    }
+
+    /// Where the motion is in the middle of a step.
+    pub fn at(&self, i: usize) -> Moment {
+        Moment {
+            time_s: self.samples.session_s[i],
+            position: self.position[i],
+            velocity: self.velocity[i],
+            direction: self.direction[i],
+            slides: self.sliding[i],
+        }
+    }
+}
+
+/// A moment of a motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moment {
+    /// Of the session, s.
+    pub time_s: f64,
+    pub position: f64,
+    /// Per s.
+    pub velocity: f64,
+    /// Of sliding, −1 to 1.
+    pub direction: f64,
+    /// Whether that is known.
+    pub slides: bool,
+}
+
+/// All that acts on the inertia at a moment.
+pub(crate) fn torque(m: &Mechanics, drive: f64, at: &Moment) -> f64 {
+    let (x, v) = (at.position, at.velocity);
+    let passive = m.spring(x) - m.gravity * m.from_hanging_rad(x).sin();
+    let mut without_friction = drive + m.offset_nm + passive - (m.viscous + m.drag * v.abs()) * v;
+    if let Some(cogging) = &m.cogging {
+        without_friction += cogging.torque(x);
+    }
+    for barrier in m.barriers.iter().flatten() {
+        if barrier.is_there(at.time_s) {
+            without_friction += barrier.torque(barrier.touch(x, v), x, v);
+        }
+    }
+    if m.friction.is_none() {
+        return without_friction;
+    }
+    let side = if at.direction < 0.0 { -1.0 } else { 1.0 };
+    let transmitted = drive + m.friction.load_passive * passive;
+    if at.slides {
+        let level = m.friction.sliding(side, x, v.abs(), at.time_s, transmitted);
+        without_friction - at.direction * level
+    } else {
+        // It holds what pushes, up to its level.
+        let pushed = if without_friction < 0.0 { -1.0 } else { 1.0 };
+        let level = m.friction.holding(pushed, x, at.time_s, transmitted);
+        without_friction - without_friction.clamp(-level.abs(), level.abs())
+    }
+}
+
+/// −1, 0 or 1.
+pub(crate) fn sign(value: f64) -> f64 {
+    if value > 0.0 {
+        1.0
+    } else if value < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}

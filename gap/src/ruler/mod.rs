@@ -23,9 +23,6 @@ use crate::select::{Given, Search, Selection};
 use crate::stage::Stage;
 use pool::Pool;
 
-/// Effects that are looked for one after the other on top of all main numbers.
-const MOST_ON_NUMBERS: usize = 1;
-
 /// Measures what a search `found` against all sets that it met and against those beyond the model's numbers. None where what was
 /// found leaves nothing to explain: the device is as exact as its model.
 pub(crate) fn measured<'a>(
@@ -42,15 +39,16 @@ pub(crate) fn measured<'a>(
     let freed = numbers::freed(problem);
     let free = problem.off_by(problem.modelling).with_numbers(&freed);
     let mut pool = Pool::of_search(found, problem.nudges.len(), freed.len());
-    let scale = on_all_numbers(&free, &mut pool, found, given, progress);
+    let scale = on_all_numbers(problem, &free, &mut pool, found, given, progress);
     let (free, pool) = pool.scored_at_own_scale(free.off_by(scale));
     let (set, pool) = pool.without_needless(&free, found.null.hypothesis.terms.len());
     let selection = selection::of(&free, found, &set, &pool);
     Some((free, selection))
 }
 
-/// Adds the sets that are found on top of all main numbers; returns the error scale at which these alone are fitted best.
+/// Adds all main numbers as a set, and what is found on top of them; returns the error scale at which these alone are fitted best.
 fn on_all_numbers(
+    stated: &Problem<'_>,
     free: &Problem<'_>,
     pool: &mut Pool,
     found: &Selection,
@@ -71,22 +69,18 @@ fn on_all_numbers(
     let Some((numbers, scale)) = begun_anew(&search(free, found.perfect), &null, &restating) else {
         return free.modelling;
     };
+    pool.add(&numbers);
+    // Where the effects that were found leave less than all main numbers do, those are not what is missing most.
+    let left = |problem: &Problem<'_>, fit| problem.rms(&problem.window_squares(fit, Part::All));
+    if left(free, &numbers) >= left(stated, found.fit()) {
+        return scale;
+    }
     let scaled = free.off_by(scale);
     let perfect = Perfect::of(&scaled, &numbers).bounded();
-    let search = search(&scaled, perfect);
-    pool.add(&numbers);
-    let mut known = numbers;
-    for _ in 0..MOST_ON_NUMBERS {
-        let Some(round) = search.round(&known, &[], 0.0) else {
-            break;
-        };
+    if let Some(round) = search(&scaled, perfect).round(&numbers, &[], 0.0) {
         for rival in &round.rivals {
             pool.add(&rival.fit);
         }
-        if !round.place.earned {
-            break;
-        }
-        known = round.so_far;
     }
     scale
 }

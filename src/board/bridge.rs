@@ -7,7 +7,7 @@ use haptic_paddle::controller::Duty;
 use stm32f4xx_hal::pac::{EXTI, TIM8};
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 
-use super::FaultPin;
+use super::pins::FaultPin;
 
 /// Clock of TIM8: twice that of its bus.
 pub const TIMER_HZ: u32 = 2 * super::PCLK2_HZ;

@@ -12,6 +12,8 @@ use stm32f4xx_hal::pac::adc1::smpr1::SMP10;
 use stm32f4xx_hal::pac::{ADC_COMMON, ADC1, ADC3, DMA2};
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 
+use super::pins::{CURRENT_CHANNEL, HALL_CHANNEL};
+
 /// Divides the converters' bus clock; 21 MHz.
 const PRESCALER: u32 = 4;
 /// Converter clocks from the beginning of one sample of the current to that of the next: 3 for sampling, which is
@@ -56,8 +58,8 @@ impl Converters {
         cortex_m::asm::delay(SETTLING_CLOCKS);
         fill_ring(dma, &current);
         // The Hall sensor's divider needs more time; its latest sample is then at most 4 us old.
-        run(&hall, super::HALL_CHANNEL, SMP10::Cycles28, false);
-        run(&current, super::CURRENT_CHANNEL, SMP10::Cycles3, true);
+        run(&hall, HALL_CHANNEL, SMP10::Cycles28, false);
+        run(&current, CURRENT_CHANNEL, SMP10::Cycles3, true);
         Self { hall, current }
     }
 

@@ -1,26 +1,11 @@
-//! The board: what the app needs of it, and how each board provides that.
+//! The lab's paddle board: STM32F407VG, 8 MHz crystal, 24 V motor supply, converter reference 2.5 V.
 //!
-//! A board is one file: its pins, the converter channels among them, and its oscillator. What stands behind the pins
-//! is the same on every STM32F4 with TIM8 and three converters, and has a file for each thing.
+//! What the app needs of it, a file for each thing behind the pins.
 
 mod bridge;
 mod converters;
 mod encoder;
-
-#[cfg(feature = "nucleo-f446")]
-mod nucleo_f446;
-#[cfg(feature = "paddle-f407")]
-mod paddle_f407;
-
-#[cfg(feature = "nucleo-f446")]
-pub use nucleo_f446::*;
-#[cfg(feature = "paddle-f407")]
-pub use paddle_f407::*;
-
-#[cfg(not(any(feature = "nucleo-f446", feature = "paddle-f407")))]
-compile_error!("choose a board: --features paddle-f407 or --features nucleo-f446");
-#[cfg(all(feature = "nucleo-f446", feature = "paddle-f407"))]
-compile_error!("one board only: add --no-default-features");
+mod pins;
 
 use core::ops::Range;
 
@@ -36,6 +21,9 @@ pub use bridge::{Bridge, FaultLine};
 use converters::Converters;
 pub use converters::{PERIODS_TO_MEASURE, sample_current_once};
 use encoder::Encoder;
+use pins::Pins;
+use pins::oscillator;
+pub use pins::{ENABLE_BSRR, ENABLE_OFF};
 
 /// Control periods a second.
 pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
@@ -53,8 +41,7 @@ const BAUD: u32 = 460_800;
 pub type SerialTx = Tx<USART2>;
 pub type SerialRx = Rx<USART2>;
 
-/// Ports that boards have their pins on.
-#[cfg_attr(feature = "nucleo-f446", expect(dead_code, reason = "two ports do"))]
+/// Ports that the board has its pins on.
 pub struct Ports {
     a: pac::GPIOA,
     b: pac::GPIOB,

@@ -24,6 +24,8 @@ pub enum Fault {
     Bridge,
     /// A control tick was missed or came too late.
     Deadline,
+    /// The chip's own supply fell.
+    Supply,
 }
 
 impl fmt::Display for Fault {
@@ -40,7 +42,10 @@ impl fmt::Display for Fault {
             }
             Self::NonFinite => "a number is not finite: restore the default settings",
             Self::Bridge => "H-bridge fault (nFAULT): check supply, temperature and motor wires",
-            Self::Deadline => "control tick missed: lower the load of the processor",
+            Self::Deadline => {
+                "control stood still or came late: was a debugger attached? else lower the load of the processor"
+            }
+            Self::Supply => "the 3.3 V supply fell: check it, and what hangs on it",
         })
     }
 }

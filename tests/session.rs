@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use haptic_paddle::console::Session;
-use haptic_paddle::controller::{Controller, Measurement, Mode, TickRate};
+use haptic_paddle::controller::{ArmError, Controller, Measurement, Mode, TickRate};
 use haptic_paddle::settings::Settings;
 
 const TICK_HZ: f32 = 20_000.0;
@@ -195,7 +195,7 @@ fn an_amplifier_that_cannot_be_calibrated_forbids_arming() {
     let mut bench = Bench::new(SOUND);
     let offset = bench.controller.calibrate_current_offset(4095.0);
     assert!(offset.is_err());
-    bench.session = Session::new(Settings::default(), RATE, offset);
+    bench.session = Session::new(Settings::default(), RATE, offset.map_err(ArmError::Offset));
     bench.enter("zero");
     for line in ["arm", "arm torque"] {
         let screen = bench.enter(line);

@@ -37,13 +37,14 @@ impl Bridge {
         timer.ccmr1_output().write(|w| {
             w.oc1m().pwm_mode1();
             w.oc1pe().enabled();
-            w.oc2m().pwm_mode1();
+            // The opposite of channel 1 by its mode and not by its polarity: an output that is broken off passes
+            // through the level that its polarity calls inactive, which is to be the low one.
+            w.oc2m().pwm_mode2();
             w.oc2pe().enabled()
         });
         timer.ccer().write(|w| {
             w.cc1e().set_bit();
-            w.cc2e().set_bit();
-            w.cc2p().set_bit()
+            w.cc2e().set_bit()
         });
         timer.cr2().write(|w| w.mms().update());
         timer.cr1().write(|w| {
@@ -53,8 +54,15 @@ impl Bridge {
         let bridge = Self { timer, fault_pin };
         bridge.release();
         bridge.timer.egr().write(|w| w.ug().set_bit());
+        // Broken off by the clock security system or held by a debugger, the outputs are low, which brakes (OSSI, with
+        // idle states that are low after a reset). No pin is the break input, which then reads low: it breaks when high.
         // Outputs on by hand only: automatic enable would undo a stop by itself.
-        bridge.timer.bdtr().write(|w| w.moe().set_bit());
+        bridge.timer.bdtr().write(|w| {
+            w.ossi().idle_level();
+            w.bke().enabled();
+            w.bkp().active_high()
+        });
+        bridge.timer.bdtr().modify(|_, w| w.moe().set_bit());
         bridge
     }
 

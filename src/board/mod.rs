@@ -3,9 +3,11 @@
 //! What the app needs of it, a file for each thing behind the pins.
 
 mod bridge;
+mod clocks;
 mod converters;
 mod encoder;
 mod pins;
+mod supply;
 
 use core::ops::Range;
 
@@ -13,17 +15,19 @@ use haptic_paddle::controller::Measurement;
 use stm32f4xx_hal::gpio::{Edge, PinExt};
 use stm32f4xx_hal::pac::{self, USART2};
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Rx, Tx};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use bridge::{Bridge, FaultLine};
+pub use clocks::{Oscillator, PeriodClock};
+use clocks::{PCLK2_HZ, SYSCLK_HZ};
 use converters::Converters;
 pub use converters::{PERIODS_TO_MEASURE, sample_current_once};
 use encoder::Encoder;
 use pins::Pins;
-use pins::oscillator;
 pub use pins::{ENABLE_BSRR, ENABLE_OFF};
+pub use supply::Supply;
+pub use supply::fell as supply_fell;
 
 /// Control periods a second.
 pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
@@ -31,10 +35,6 @@ pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
 /// Main RAM, as `memory.x` has it.
 pub const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
 
-const HSE_HZ: u32 = 8_000_000;
-const SYSCLK_HZ: u32 = 168_000_000;
-const PCLK1_HZ: u32 = SYSCLK_HZ / 4;
-const PCLK2_HZ: u32 = SYSCLK_HZ / 2;
 /// Within 0.2 % of what the clock can divide to, and known to every terminal program.
 const BAUD: u32 = 460_800;
 
@@ -56,12 +56,19 @@ pub struct Board {
     pub fault_line: FaultLine,
     pub serial: (SerialTx, SerialRx),
     pub watchdog: IndependentWatchdog,
+    pub supply: Supply,
+    pub periods: PeriodClock,
+    pub oscillator: Oscillator,
 }
 
+/// Nominal time to reset during the boot, ms: longer than a crystal may take and the option bytes do, even with the
+/// fastest oscillator behind the watchdog.
+const BOOT_WATCHDOG_MS: u32 = 2000;
+
 impl Board {
-    /// Sets the board up.
+    /// Sets the board up: pins first, the watchdog next, and what may fail to start after them.
     pub fn new(chip: pac::Peripherals) -> Self {
-        let mut rcc = start_clocks(chip.RCC);
+        let mut rcc = chip.RCC.constrain();
         let mut pins = Pins::new(
             Ports {
                 a: chip.GPIOA,
@@ -71,7 +78,15 @@ impl Board {
             },
             &mut rcc,
         );
+        let mut watchdog = IndependentWatchdog::new(chip.IWDG);
+        stop_with_the_debugger(&chip.DBGMCU, &watchdog);
+        watchdog.start(BOOT_WATCHDOG_MS.millis());
+
         let mut exti = chip.EXTI;
+        let supply = Supply::new(chip.PWR, &mut exti, &mut rcc);
+        supply.hold_in_reset_when_low(&chip.FLASH);
+        let (mut rcc, oscillator) = clocks::start(rcc);
+
         pins.fault
             .make_interrupt_source(&mut chip.SYSCFG.constrain(&mut rcc));
         pins.fault.trigger_on_edge(&mut exti, Edge::Falling);
@@ -95,14 +110,15 @@ impl Board {
             Ok(port) => port,
             Err(_) => unreachable!("the bus clock divides to this rate"),
         };
-        let watchdog = IndependentWatchdog::new(chip.IWDG);
-        stop_with_the_debugger(&chip.DBGMCU, &watchdog);
         Self {
             bridge,
             sensors,
             fault_line,
             serial: port.split(),
             watchdog,
+            supply,
+            periods: PeriodClock::new(chip.TIM2, &mut rcc),
+            oscillator,
         }
     }
 }
@@ -154,20 +170,8 @@ fn bridge_on() {
 /// In a GPIO set/reset register the upper half resets what the lower half sets.
 const RESET_SHIFT: u32 = 16;
 
-/// Clocks from the crystal, watched: should it stop, the non-maskable interrupt turns the bridge off.
-fn start_clocks(rcc: pac::RCC) -> Rcc {
-    let rcc = rcc.freeze(
-        oscillator()
-            .sysclk(SYSCLK_HZ.Hz())
-            .hclk(SYSCLK_HZ.Hz())
-            .pclk1(PCLK1_HZ.Hz())
-            .pclk2(PCLK2_HZ.Hz()),
-    );
-    rcc.cr().modify(|_, w| w.csson().set_bit());
-    rcc
-}
-
 /// A processor that a debugger halts must neither leave the motor on nor be reset, and one that sleeps must answer.
+/// With its counter held, TIM8 drives the bridge's inputs to their idle state (RM0090, sections 17.3.20 and 38.16).
 fn stop_with_the_debugger(dbgmcu: &pac::DBGMCU, watchdog: &IndependentWatchdog) {
     dbgmcu.apb2_fz().modify(|_, w| w.dbg_tim8_stop().set_bit());
     dbgmcu.cr().modify(|_, w| w.dbg_sleep().set_bit());

@@ -1,10 +1,11 @@
 //! Which pin does what.
+#![expect(unsafe_code, reason = "before there is a memory to rely on")]
 
 use stm32f4xx_hal::gpio::{Input, PD5, PD6, PD15, PinState, Pull};
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::{Config, Rcc};
+use stm32f4xx_hal::rcc::Rcc;
 
-use super::{HSE_HZ, Ports, RESET_SHIFT};
+use super::{Ports, RESET_SHIFT};
 
 /// Set/reset register of the port with the bridge's enable pins, GPIOC.
 pub const ENABLE_BSRR: u32 = 0x4002_0818;
@@ -19,9 +20,40 @@ pub const CURRENT_CHANNEL: u8 = 3;
 /// nFAULT of the bridge.
 pub type FaultPin = PD15<Input>;
 
-/// What drives the clocks: a crystal.
-pub fn oscillator() -> Config {
-    Config::hse(HSE_HZ.Hz())
+/// The first instructions after a reset, before any memory is set up: the bridge's enables, PC8 and PC9, which float
+/// until then, are driven low, and its inputs, PC6 and PC7, pulled down.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+extern "C" fn __pre_init() {
+    const RCC_AHB1ENR: u32 = 0x4002_3830;
+    const GPIOC_CLOCK: u32 = 1 << 2;
+    const GPIOC: u32 = 0x4002_0800;
+    const OUTPUTS: u32 = 0b01 << 16 | 0b01 << 18;
+    const PULLED_DOWN: u32 = 0b10 << 12 | 0b10 << 14;
+    core::arch::naked_asm!(
+        "movw r0, #{clocks_low}",
+        "movt r0, #{clocks_high}",
+        "ldr r1, [r0]",
+        "orr r1, r1, #{port}",
+        "str r1, [r0]",
+        // The clock takes two cycles to arrive (erratum: delay after an RCC peripheral clock enabling).
+        "ldr r1, [r0]",
+        "dsb",
+        "movw r0, #{gpio_low}",
+        "movt r0, #{gpio_high}",
+        "mov.w r1, #{outputs}",
+        "str r1, [r0]",
+        "movw r1, #{pulled_down}",
+        "str r1, [r0, #0x0C]",
+        "bx lr",
+        clocks_low = const RCC_AHB1ENR & 0xFFFF,
+        clocks_high = const RCC_AHB1ENR >> 16,
+        port = const GPIOC_CLOCK,
+        gpio_low = const GPIOC & 0xFFFF,
+        gpio_high = const GPIOC >> 16,
+        outputs = const OUTPUTS,
+        pulled_down = const PULLED_DOWN,
+    )
 }
 
 /// The pins that something still has to take.
@@ -41,8 +73,13 @@ impl Pins {
         // Bridge: enable is low before it becomes an output; nSLEEP is high, so that faults are reported.
         c.pc8.into_push_pull_output_in_state(PinState::Low);
         c.pc9.into_push_pull_output_in_state(PinState::Low);
-        c.pc6.into_alternate::<3>();
-        c.pc7.into_alternate::<3>();
+        // Its inputs are low whenever the timer does not drive them.
+        c.pc6
+            .into_alternate::<3>()
+            .set_internal_resistor(Pull::Down);
+        c.pc7
+            .into_alternate::<3>()
+            .set_internal_resistor(Pull::Down);
         d.pd14.into_push_pull_output_in_state(PinState::High);
 
         // Encoder on TIM5.

@@ -6,7 +6,6 @@ use super::line::{LineEditor, Typed};
 use super::{Command, Lender, ParseError, execute, parse};
 use crate::controller::{ArmError, Controller, Mode, TickRate};
 use crate::safety::Fault;
-use crate::sensing::current::OffsetError;
 use crate::settings::Settings;
 use crate::wiring::{Angles, Progress, WiringCheck};
 
@@ -15,7 +14,7 @@ use crate::wiring::{Angles, Progress, WiringCheck};
 pub struct Session {
     settings: Settings,
     rate: TickRate,
-    offset: Result<(), OffsetError>,
+    ready: Result<(), ArmError>,
     line: LineEditor,
     check: Option<WiringCheck>,
     wired: bool,
@@ -23,12 +22,12 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session with a controller of these settings and rate, whose current offset was calibrated with this result.
-    pub fn new(settings: Settings, rate: TickRate, offset: Result<(), OffsetError>) -> Self {
+    /// A session with a controller of these settings and rate, on a board that is ready to be armed or not.
+    pub fn new(settings: Settings, rate: TickRate, ready: Result<(), ArmError>) -> Self {
         Self {
             settings,
             rate,
-            offset,
+            ready,
             line: LineEditor::default(),
             check: None,
             wired: false,
@@ -50,7 +49,7 @@ impl Session {
                 env!("CARGO_PKG_VERSION")
             ),
         );
-        if let Err(error) = &self.offset {
+        if let Err(error) = &self.ready {
             say(out, format_args!("{error}"));
         }
         prompt(out);
@@ -140,7 +139,7 @@ impl Session {
         if let Command::Arm(mode) = *command
             && mode != Mode::Off
         {
-            if let Err(error) = &self.offset {
+            if let Err(error) = &self.ready {
                 return say(out, format_args!("{error}"));
             }
             if mode == Mode::Position && !self.wired {

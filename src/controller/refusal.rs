@@ -3,10 +3,15 @@
 use core::fmt;
 
 use crate::safety::Fault;
+use crate::sensing::current::OffsetError;
 
 /// Why arming is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ArmError {
+    /// The board's crystal did not start.
+    NoCrystal,
+    /// The current amplifier cannot be calibrated.
+    Offset(OffsetError),
     /// This fault is latched.
     Faulted(Fault),
     /// Armed already.
@@ -20,6 +25,10 @@ pub enum ArmError {
 impl fmt::Display for ArmError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::NoCrystal => f.write_str(
+                "the crystal does not start, the clocks are not exact: reset the board, or replace the crystal",
+            ),
+            Self::Offset(error) => error.fmt(f),
             Self::Faulted(fault) => write!(f, "fault latched, mend and clear it: {fault}"),
             Self::AlreadyArmed => f.write_str("armed already: disarm first"),
             Self::NothingMeasured => {

@@ -38,7 +38,7 @@ mod app {
     use core::sync::atomic::Ordering;
 
     use haptic_paddle::console::Session;
-    use haptic_paddle::controller::{Controller, Mode, TickRate};
+    use haptic_paddle::controller::{ArmError, Controller, Mode, TickRate};
     use haptic_paddle::safety::Fault;
     use haptic_paddle::settings::{CurrentSampling, Settings};
     use heapless::spsc::Queue;
@@ -47,7 +47,7 @@ mod app {
 
     use super::terminal::{self, Input, Output, Port};
     use super::{AfterPeriod, TICKS, last_words, ticks};
-    use crate::board::{self, Board, Bridge, FaultLine, Sensors};
+    use crate::board::{self, Board, Bridge, FaultLine, Oscillator, PeriodClock, Sensors, Supply};
 
     /// Control periods between two runs of the position loop.
     const POSITION_DIVIDER: u16 = 2;
@@ -70,6 +70,8 @@ mod app {
         bridge: Bridge,
         sensors: Sensors,
         fault_line: FaultLine,
+        supply: Supply,
+        periods: PeriodClock,
         port: Port,
         session: Session,
         input: Input,
@@ -86,6 +88,9 @@ mod app {
             fault_line,
             serial,
             mut watchdog,
+            supply,
+            mut periods,
+            oscillator,
         } = Board::new(cx.device);
         watchdog.start(WATCHDOG_MS.millis());
 
@@ -101,18 +106,24 @@ mod app {
             watchdog.feed();
             idle_counts += sensors.current_counts() / f32::from(OFFSET_PERIODS);
         }
-        let offset = controller.calibrate_current_offset(idle_counts);
-        if let Err(error) = &offset {
+        let ready = match oscillator {
+            Oscillator::Internal => Err(ArmError::NoCrystal),
+            Oscillator::Crystal => controller
+                .calibrate_current_offset(idle_counts)
+                .map_err(ArmError::Offset),
+        };
+        if let Err(error) = &ready {
             defmt::error!("{}", defmt::Display2Format(error));
         }
 
         let (bytes_in, input) = cx.local.received.split();
         let (output, bytes_out) = cx.local.to_send.split();
         let mut output = Output::new(output);
-        let session = Session::new(settings, rate, offset);
+        let session = Session::new(settings, rate, ready);
         last_words::report(&mut output);
         session.greet(&mut output);
         defmt::info!("disarmed, control at {} Hz", board::CONTROL_HZ);
+        periods.restart();
         bridge.start_interrupt();
         (
             Shared { controller },
@@ -120,6 +131,8 @@ mod app {
                 bridge,
                 sensors,
                 fault_line,
+                supply,
+                periods,
                 port: Port::new(serial, bytes_in, bytes_out),
                 session,
                 input: Input::new(input),
@@ -135,14 +148,27 @@ mod app {
         cx.local.fault_line.trip();
     }
 
-    #[task(binds = TIM8_UP_TIM13, priority = 3, local = [bridge, sensors], shared = [controller])]
+    #[task(binds = PVD, priority = 4)]
+    fn supply_fell(_: supply_fell::Context) {
+        board::bridge_off();
+        board::supply_fell();
+    }
+
+    #[task(binds = TIM8_UP_TIM13, priority = 3, local = [bridge, sensors, supply, periods], shared = [controller])]
     fn control(mut cx: control::Context) {
         let bridge = cx.local.bridge;
         bridge.begin_period();
+        let periods = cx.local.periods.periods();
         let sensors = cx.local.sensors;
         cx.shared.controller.lock(|controller| {
             if bridge.tripped() {
                 controller.report_fault(Fault::Bridge);
+            }
+            if cx.local.supply.is_low() {
+                controller.report_fault(Fault::Supply);
+            }
+            if periods != 1 {
+                controller.report_fault(Fault::Deadline);
             }
             let duty = controller.step(&sensors.read());
             if controller.mode() == Mode::Off {
@@ -155,7 +181,7 @@ mod app {
                 controller.report_fault(Fault::Deadline);
             }
         });
-        TICKS.store(ticks().wrapping_add(1), Ordering::Relaxed);
+        TICKS.store(ticks().wrapping_add(periods), Ordering::Relaxed);
     }
 
     #[task(binds = USART2, priority = 2, local = [port])]

@@ -7,8 +7,7 @@ use std::slice;
 use crate::bench::{Bench, CONTROL, image, quiet, setup};
 use crate::lends::{Lend, Watch};
 use haptic_paddle::console::{Lender, Session};
-use haptic_paddle::controller::{Controller, Duty, Measurement, Mode, TickRate};
-use haptic_paddle::sensing::current::OffsetError;
+use haptic_paddle::controller::{ArmError, Controller, Duty, Measurement, Mode, TickRate};
 use haptic_paddle::settings::Settings;
 use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::presets;
@@ -142,9 +141,9 @@ fn follow<L: Lender>(
     lends: &VecDeque<Lend>,
     mut lender: L,
     left: impl Fn(&L) -> usize,
-    offset: Result<(), OffsetError>,
+    ready: Result<(), ArmError>,
 ) -> L {
-    let mut session = Session::new(Settings::default(), RATE, offset);
+    let mut session = Session::new(Settings::default(), RATE, ready);
     let mut typed = lines.iter().flat_map(|line| line.bytes().chain([b'\r']));
     let mut screen = String::new();
     while left(&lender) > 0 {
@@ -220,7 +219,9 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
     for counts in &session.idle {
         idle_counts += counts / OFFSET_PERIODS as f32;
     }
-    let offset = controller.calibrate_current_offset(idle_counts);
+    let ready = controller
+        .calibrate_current_offset(idle_counts)
+        .map_err(ArmError::Offset);
     let replay = Replay {
         controller,
         steps: session.steps.iter(),
@@ -232,7 +233,7 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
         &session.lends,
         replay,
         |replay| replay.lends.len(),
-        offset,
+        ready,
     );
     replay.step_to(session.steps.len() as u32);
     assert!(replay.ticks > 50_000, "{}", replay.ticks);

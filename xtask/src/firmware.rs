@@ -7,7 +7,12 @@ use crate::{Failure, cargo, ensure, run, say, stack};
 use firmware_build::{OPTIONS, image_path};
 
 /// Interrupts that the app serves, in the order of their priorities, with their numbers (RM0090, vector table).
-const SERVED: [(usize, &str); 3] = [(38, "USART2"), (44, "TIM8_UP_TIM13"), (40, "EXTI15_10")];
+const SERVED: [(usize, &str); 4] = [
+    (38, "USART2"),
+    (44, "TIM8_UP_TIM13"),
+    (40, "EXTI15_10"),
+    (1, "PVD"),
+];
 
 /// Most that the image may take of the flash, bytes.
 const FLASH_LIMIT_BYTES: u64 = 64 * 1024;

@@ -7,7 +7,7 @@ mod step;
 
 pub use step::Step;
 
-use crate::chip::{Chip, Pin};
+use crate::chip::{Chip, Pin, Supply};
 use crate::cpu::{Bus, Cpu, Memories, Stop, Unmodelled};
 use crate::image::{Image, ImageError};
 use crate::log::{Entry, Log};
@@ -55,6 +55,19 @@ pub enum Halt {
     },
 }
 
+/// What the chip tells the bridge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bridge {
+    /// An enable pin or nSLEEP is low: the outputs are off.
+    Off,
+    /// Nothing drives or pulls an enable pin.
+    EnablesFloat,
+    /// The outputs are on, and nothing drives or pulls an input.
+    InputsFloat,
+    /// The outputs are on, with this share of the supply between them, from -1 to 1; 0 brakes.
+    Driven(f64),
+}
+
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pause {
@@ -81,6 +94,8 @@ pub struct Board {
     next_step: u64,
     /// Of the instruction at which the core locked up.
     locked_up: Option<u32>,
+    /// The supply does not let the core execute anything.
+    powerless: bool,
 }
 
 impl Board {
@@ -109,6 +124,7 @@ impl Board {
             steps_done: 0,
             next_step: 0,
             locked_up: None,
+            powerless: false,
         };
         board.next_step = board.step_cycles();
         board.cpu.reset(&mut board.chip);
@@ -127,6 +143,11 @@ impl Board {
                 return Ok(Pause::Time);
             }
             let deadline = end.min(self.next_event());
+            if self.powerless {
+                self.cpu.stand_still(deadline);
+                self.catch_up(end)?;
+                continue;
+            }
             self.chip.deadline = deadline;
             let stop = self.cpu.run(&mut self.chip, deadline);
             match stop {
@@ -225,7 +246,7 @@ impl Board {
     }
 
     /// Lets the paddle's steps end with the timer's updates. The step in which the timer starts is cut to that length,
-    /// in which a paddle that is not driven does not show it.
+    /// in which a paddle that is not driven does not show it, nor in one under brakes.
     fn keep_pace(&mut self) -> Result<(), Halt> {
         let update = self.chip.tim8.next_update();
         if update == NEVER || update == self.next_step {
@@ -234,7 +255,7 @@ impl Board {
         if self.chip.tim8.update_cycles() == self.step_cycles() {
             self.next_step = update;
             Ok(())
-        } else if self.bridge_duty().is_none() {
+        } else if self.bridge_duty().is_none_or(|duty| duty == 0.0) {
             Ok(())
         } else {
             Err(self.uncovered(format!(
@@ -290,14 +311,67 @@ impl Board {
     }
 
     /// Share of the supply that the bridge puts on the motor, from -1 to 1; `None` if its outputs are off. The enable
-    /// pins count for a whole step as they stand at its end: the control interrupt sets them at its beginning.
+    /// pins count for a whole step as they stand at its end: the control interrupt sets them at its beginning. Inputs
+    /// that float do the worst that they can.
     pub fn bridge_duty(&self) -> Option<f64> {
-        let high = |pin| self.chip.driven(pin) == Some(true);
-        if BRIDGE_ENABLES.into_iter().all(high) && high(BRIDGE_NSLEEP) {
-            self.chip.half_bridges()
-        } else {
-            None
+        match self.bridge() {
+            Bridge::Off | Bridge::EnablesFloat => None,
+            Bridge::Driven(duty) => Some(duty),
+            Bridge::InputsFloat => Some(1.0),
         }
+    }
+
+    /// What the chip tells the bridge now.
+    pub fn bridge(&self) -> Bridge {
+        let enables = BRIDGE_ENABLES.map(|pin| self.chip.settled(pin));
+        if enables.contains(&None) {
+            return Bridge::EnablesFloat;
+        }
+        if enables.contains(&Some(false)) || self.chip.driven(BRIDGE_NSLEEP) != Some(true) {
+            return Bridge::Off;
+        }
+        match self.chip.half_bridges() {
+            [Some(a), Some(b)] => Bridge::Driven(a - b),
+            _ => Bridge::InputsFloat,
+        }
+    }
+
+    /// Halts the core for so many seconds, as a debugger does, and lets it go on.
+    ///
+    /// # Errors
+    /// [`Halt`].
+    pub fn halt_core(&mut self, seconds: f64) -> Result<(), Halt> {
+        self.begin_halt();
+        self.stand_still(seconds)?;
+        self.end_halt();
+        Ok(())
+    }
+
+    /// A debugger halts the core.
+    pub fn begin_halt(&mut self) {
+        let now = self.cpu.signals.cycle();
+        self.chip.hold(now);
+    }
+
+    /// The debugger lets the core go on.
+    pub fn end_halt(&mut self) {
+        let now = self.cpu.signals.cycle();
+        self.chip.go_on(now);
+        self.next_step = self.next_step.max(now);
+    }
+
+    /// Lets so many seconds pass in which the core executes nothing.
+    ///
+    /// # Errors
+    /// [`Halt`].
+    pub fn stand_still(&mut self, seconds: f64) -> Result<(), Halt> {
+        let end = self.chip.clock().cycle_at(self.time_s() + seconds);
+        while self.cpu.signals.cycle() < end {
+            let next = end.min(self.next_event());
+            self.cpu.stand_still(next);
+            self.catch_up(end)?;
+        }
+        Ok(())
     }
 
     fn reset(&mut self, cause: ResetCause) {
@@ -308,6 +382,7 @@ impl Board {
         self.cpu.reset(&mut self.chip);
         self.log.reset();
         self.locked_up = None;
+        self.powerless = self.chip.supply() != Supply::Sound;
         self.next_step = now + self.step_cycles();
     }
 
@@ -328,6 +403,28 @@ impl Board {
         self.fetch_log();
         self.chip.lose_power_until(back_s, now);
         self.reset(ResetCause::Power);
+    }
+
+    /// Makes this a board on which the firmware has booted before: the highest brown-out level is in the option bytes.
+    pub fn set_brown_out(&mut self) {
+        self.chip.set_brown_out();
+    }
+
+    /// The supply of the chip, 3.3 V as it should be, is now this. Below its brown-out level the chip is held in reset;
+    /// without one the core does nothing sensible below what its speed needs, which here is nothing at all, and its pins
+    /// stay as they are until a reset.
+    pub fn set_supply(&mut self, volts: f64) {
+        self.chip.set_supply(volts, &mut self.cpu.signals);
+        match self.chip.supply() {
+            Supply::HeldInReset => self.reset(ResetCause::BrownOut),
+            Supply::TooLow => self.powerless = true,
+            Supply::Sound => {
+                let held = self.resets.last().map(|(_, cause)| *cause);
+                if self.powerless && held == Some(ResetCause::BrownOut) {
+                    self.powerless = false;
+                }
+            }
+        }
     }
 
     /// Pulls the bridge's nFAULT low, or lets it go.

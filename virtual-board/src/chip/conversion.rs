@@ -67,6 +67,11 @@ impl Chip {
     pub fn sense(&mut self, current_counts: f64, hall_counts: u16, now: u64) {
         self.levels[CURRENT].1.set(current_counts);
         self.levels[HALL].1.set(f64::from(hall_counts));
+        self.deliver_all(now);
+    }
+
+    /// Lets DMA carry away what was converted up to cycle `now`.
+    pub(super) fn deliver_all(&mut self, now: u64) {
         for number in 0..CONVERTERS {
             if self.adc[number].collected() {
                 self.deliver(number, now);

@@ -13,13 +13,14 @@ use crate::clock::Clock;
 use crate::cpu::{Memories, Signals};
 use crate::peripherals::NEVER;
 use crate::peripherals::adc::Adc;
-use crate::peripherals::dbgmcu::Dbgmcu;
+use crate::peripherals::dbgmcu::{Dbgmcu, Held};
 use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::Exti;
 use crate::peripherals::flash::Flash;
+use crate::peripherals::general_timer::GeneralTimer;
 use crate::peripherals::gpio::Gpio;
 use crate::peripherals::iwdg::Iwdg;
-use crate::peripherals::pwr::Pwr;
+use crate::peripherals::pwr::{self, Pwr};
 use crate::peripherals::rcc::{Clocks, Rcc, ResetCause};
 use crate::peripherals::syscfg::Syscfg;
 use crate::peripherals::tim5::Tim5;
@@ -35,6 +36,17 @@ const FLASH_BYTES: usize = 1024 * 1024;
 const SRAM_BYTES: usize = 128 * 1024;
 const CCM_BYTES: usize = 64 * 1024;
 
+/// What the supply lets the core do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Supply {
+    /// Everything.
+    Sound,
+    /// Nothing that can be relied upon, and nobody holds it in reset.
+    TooLow,
+    /// Nothing: the chip is held in reset.
+    HeldInReset,
+}
+
 /// The chip.
 #[derive(Debug, Clone)]
 pub struct Chip {
@@ -44,6 +56,8 @@ pub struct Chip {
     rcc: Rcc,
     /// The bridge's timer.
     pub tim8: Tim8,
+    tim2: GeneralTimer,
+    tim3: GeneralTimer,
     tim5: Tim5,
     adc: [Adc; CONVERTERS],
     adc_common: u32,
@@ -56,6 +70,7 @@ pub struct Chip {
     exti: Exti,
     syscfg: Syscfg,
     pwr: Pwr,
+    supply_v: f64,
     flash: Flash,
     iwdg: Iwdg,
     dbgmcu: Dbgmcu,
@@ -78,6 +93,8 @@ impl Chip {
             clocks,
             rcc,
             tim8: Tim8::default(),
+            tim2: GeneralTimer::wide(),
+            tim3: GeneralTimer::narrow(),
             tim5: Tim5::default(),
             adc: Default::default(),
             adc_common: 0,
@@ -88,7 +105,8 @@ impl Chip {
             gpio: std::array::from_fn(Gpio::reset),
             exti: Exti::default(),
             syscfg: Syscfg::default(),
-            pwr: Pwr::default(),
+            pwr: Pwr::reset(pwr::NOMINAL_V),
+            supply_v: pwr::NOMINAL_V,
             flash: Flash::default(),
             iwdg: Iwdg::default(),
             dbgmcu: Dbgmcu::default(),
@@ -106,6 +124,8 @@ impl Chip {
         self.rcc = Rcc::reset(cause, Some(&self.rcc));
         self.follow_clocks(now);
         self.tim8 = Tim8::default();
+        self.tim2 = GeneralTimer::wide();
+        self.tim3 = GeneralTimer::narrow();
         self.tim5 = Tim5::default();
         self.adc = Default::default();
         self.adc_common = 0;
@@ -116,8 +136,8 @@ impl Chip {
         }
         self.exti = Exti::default();
         self.syscfg = Syscfg::default();
-        self.pwr = Pwr::default();
-        self.flash = Flash::default();
+        self.pwr = Pwr::reset(self.supply_v);
+        self.flash = self.flash.reset(cause == ResetCause::Power);
         self.iwdg = Iwdg::default();
         if cause == ResetCause::Power {
             self.dbgmcu = Dbgmcu::default();
@@ -160,8 +180,72 @@ impl Chip {
     /// Stops or starts the crystal. Returns whether the clock security system has seen it.
     pub fn set_crystal(&mut self, runs: bool, now: u64) -> bool {
         let seen = self.rcc.set_crystal(runs);
+        if seen {
+            self.tim8.brake();
+        }
         self.follow_clocks(now);
         seen
+    }
+
+    /// Sets the highest brown-out level, as if it had been set since before the supply came.
+    pub fn set_brown_out(&mut self) {
+        self.flash = std::mem::take(&mut self.flash).with_brown_out();
+    }
+
+    /// The supply of the chip is now `supply_v`.
+    pub fn set_supply(&mut self, supply_v: f64, signals: &mut Signals) {
+        self.supply_v = supply_v;
+        let changed = self.pwr.set_supply(supply_v);
+        self.follow_detector(changed, signals);
+    }
+
+    /// The detector of a low supply feeds an external interrupt line.
+    fn follow_detector(&mut self, changed: Option<bool>, signals: &mut Signals) {
+        if let Some(low) = changed {
+            self.exti.edge(lines::PVD_LINE, low);
+            self.show_exti(signals);
+        }
+    }
+
+    /// What the supply lets the core do.
+    pub fn supply(&self) -> Supply {
+        /// Least supply at more than 144 MHz (data sheet, limitations depending on the supply).
+        const LEAST_V: f64 = 2.7;
+        if self.supply_v < self.flash.brown_out_v() {
+            Supply::HeldInReset
+        } else if self.supply_v < LEAST_V {
+            Supply::TooLow
+        } else {
+            Supply::Sound
+        }
+    }
+
+    /// A debugger halts the core at cycle `now`: what it is set up to hold still stands still too.
+    pub fn hold(&mut self, now: u64) {
+        self.deliver_all(now);
+        let now_s = self.clock.seconds(now);
+        if self.dbgmcu.stops(Held::Tim8) {
+            self.tim8.hold(now);
+        }
+        if self.dbgmcu.stops(Held::Tim2) {
+            self.tim2.hold(now);
+        }
+        if self.dbgmcu.stops(Held::Tim3) {
+            self.tim3.hold(now);
+        }
+        if self.dbgmcu.stops(Held::Iwdg) {
+            self.iwdg.hold(now_s);
+        }
+    }
+
+    /// The core goes on at cycle `now`.
+    pub fn go_on(&mut self, now: u64) {
+        self.deliver_all(now);
+        let now_s = self.clock.seconds(now);
+        self.tim8.go_on(now);
+        self.tim2.go_on(now);
+        self.tim3.go_on(now);
+        self.iwdg.go_on(now_s);
     }
 
     /// Time and cycles.
@@ -222,6 +306,7 @@ impl Chip {
     pub fn finish_flash_change(&mut self) {
         if let Some(change) = self.flash.done() {
             change.apply(self.memories.flash_mut());
+            self.flash.keep(change);
         }
     }
 

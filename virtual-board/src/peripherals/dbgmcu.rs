@@ -1,9 +1,19 @@
-//! Debug support. No debugger halts this core, so that its settings are kept and change nothing.
+//! Debug support: what a debugger that halts the core holds still with it.
 
-use super::{Answer, Lack};
+use super::{Answer, Lack, bit};
 
 /// Device and revision of an STM32F407 of revision Z.
 const IDCODE: u32 = 0x1001_6413;
+
+/// What may stand still while the core does (RM0090, section 38.16).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names of the reference manual")]
+pub enum Held {
+    Tim2,
+    Tim3,
+    Tim8,
+    Iwdg,
+}
 
 /// DBGMCU.
 #[derive(Debug, Clone, Default)]
@@ -13,6 +23,16 @@ pub struct Dbgmcu {
 }
 
 impl Dbgmcu {
+    /// Whether the clock of a timer or watchdog stops with the core, by its bit among those of its bus.
+    pub fn stops(&self, held: Held) -> bool {
+        match held {
+            Held::Tim2 => bit(self.settings[1], 0),
+            Held::Tim3 => bit(self.settings[1], 1),
+            Held::Iwdg => bit(self.settings[1], 12),
+            Held::Tim8 => bit(self.settings[2], 1),
+        }
+    }
+
     /// Reads a register.
     pub fn read(&self, offset: u32) -> Answer<u32> {
         match offset {

@@ -63,6 +63,8 @@ pub enum ResetCause {
     Software,
     /// The reset pin was pulled low.
     Pin,
+    /// The supply fell below the brown-out level.
+    BrownOut,
 }
 
 impl ResetCause {
@@ -78,6 +80,7 @@ impl ResetCause {
             Self::IndependentWatchdog => IWDG | PIN,
             Self::Software => SOFTWARE | PIN,
             Self::Pin => PIN,
+            Self::BrownOut => BOR | PIN,
         }
     }
 }

@@ -56,6 +56,15 @@ fn start_crystal(rcc: &mut Rcc) -> Oscillator {
     Oscillator::Internal
 }
 
+/// Waits, by the clock of the control periods.
+#[expect(unsafe_code, reason = "interrupts above the control loop wait too")]
+pub fn wait_us(us: u32) {
+    // SAFETY: a counter is only read.
+    let timer = unsafe { TIM2::steal() };
+    let from = timer.cnt().read().bits();
+    while timer.cnt().read().bits().wrapping_sub(from) < 2 * PCLK1_HZ / 1_000_000 * us {}
+}
+
 /// Measures the control periods with TIM2, which no debugger's halt stops, so that a halt shows.
 pub struct PeriodClock {
     timer: TIM2,

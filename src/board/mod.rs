@@ -3,29 +3,34 @@
 //! What the app needs of it, a file for each thing behind the pins.
 
 mod bridge;
+mod button;
 mod clocks;
 mod converters;
 mod encoder;
+pub mod events;
 mod pins;
+mod serial;
 mod supply;
 
 use core::ops::Range;
 
 use haptic_paddle::controller::Measurement;
-use stm32f4xx_hal::gpio::{Edge, PinExt};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinExt};
 use stm32f4xx_hal::pac::{self, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::serial::{Rx, Tx};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use bridge::{Bridge, FaultLine};
+pub use button::Button;
 pub use clocks::{Oscillator, PeriodClock};
 use clocks::{PCLK2_HZ, SYSCLK_HZ};
 use converters::Converters;
 pub use converters::{PERIODS_TO_MEASURE, sample_current_once};
 use encoder::Encoder;
 use pins::Pins;
-pub use pins::{ENABLE_BSRR, ENABLE_OFF};
+pub use pins::{ENABLE_BSRR, ENABLE_OFF, bridge_reports_fault};
+pub use serial::receive;
 pub use supply::Supply;
 pub use supply::fell as supply_fell;
 
@@ -47,6 +52,7 @@ pub struct Ports {
     b: pac::GPIOB,
     c: pac::GPIOC,
     d: pac::GPIOD,
+    e: pac::GPIOE,
 }
 
 /// A board that is set up: sensors converting, timer running, bridge off.
@@ -57,6 +63,7 @@ pub struct Board {
     pub serial: (SerialTx, SerialRx),
     pub watchdog: IndependentWatchdog,
     pub supply: Supply,
+    pub button: Button,
     pub periods: PeriodClock,
     pub oscillator: Oscillator,
 }
@@ -75,6 +82,7 @@ impl Board {
                 b: chip.GPIOB,
                 c: chip.GPIOC,
                 d: chip.GPIOD,
+                e: chip.GPIOE,
             },
             &mut rcc,
         );
@@ -87,23 +95,28 @@ impl Board {
         supply.hold_in_reset_when_low(&chip.FLASH);
         let (mut rcc, oscillator) = clocks::start(rcc);
 
-        pins.fault
-            .make_interrupt_source(&mut chip.SYSCFG.constrain(&mut rcc));
+        let mut syscfg = chip.SYSCFG.constrain(&mut rcc);
+        pins.button.make_interrupt_source(&mut syscfg);
+        pins.button.trigger_on_edge(&mut exti, Edge::RisingFalling);
+        pins.button.enable_interrupt(&mut exti);
+        pins.fault.make_interrupt_source(&mut syscfg);
         pins.fault.trigger_on_edge(&mut exti, Edge::Falling);
         pins.fault.enable_interrupt(&mut exti);
         let fault_line = FaultLine::new(exti, pins.fault.pin_id());
 
-        let bridge = Bridge::new(chip.TIM8, pins.fault, &mut rcc);
+        let bridge = Bridge::new(chip.TIM8, &mut rcc);
         let sensors = Sensors {
             encoder: Encoder::new(chip.TIM5, &mut rcc),
             converters: Converters::new(
                 chip.ADC1,
                 chip.ADC3,
                 &chip.ADC_COMMON,
-                &chip.DMA2,
+                chip.DMA2,
+                chip.TIM3,
                 &mut rcc,
             ),
         };
+        sensors.converters.start();
         bridge.start();
 
         let port = match chip.USART2.serial(pins.serial, BAUD.bps(), &mut rcc) {
@@ -117,6 +130,7 @@ impl Board {
             serial: port.split(),
             watchdog,
             supply,
+            button: Button::new(pins.button),
             periods: PeriodClock::new(chip.TIM2, &mut rcc),
             oscillator,
         }
@@ -134,6 +148,19 @@ impl Sensors {
     #[inline(never)]
     pub fn current_counts(&self) -> f32 {
         self.converters.current_counts()
+    }
+
+    /// Whether samples of the current were lost.
+    #[inline]
+    pub fn overrun(&self) -> bool {
+        self.converters.overrun()
+    }
+
+    /// Brings the samples of the current back in step with the control periods; to be called as one begins.
+    #[cold]
+    #[inline(never)]
+    pub fn restart(&self) {
+        self.converters.restart();
     }
 
     /// What the control loop gets to see of this period.
@@ -174,6 +201,7 @@ const RESET_SHIFT: u32 = 16;
 /// With its counter held, TIM8 drives the bridge's inputs to their idle state (RM0090, sections 17.3.20 and 38.16).
 fn stop_with_the_debugger(dbgmcu: &pac::DBGMCU, watchdog: &IndependentWatchdog) {
     dbgmcu.apb2_fz().modify(|_, w| w.dbg_tim8_stop().set_bit());
+    dbgmcu.apb1_fz().modify(|_, w| w.dbg_tim3_stop().set_bit());
     dbgmcu.cr().modify(|_, w| w.dbg_sleep().set_bit());
     watchdog.stop_on_debug(dbgmcu, true);
 }

@@ -1,9 +1,9 @@
 //! The chip's own supply, 3.3 V: a dip takes the bridge down.
 
-use core::sync::atomic::{AtomicBool, Ordering};
-
 use stm32f4xx_hal::pac::{EXTI, FLASH, PWR};
 use stm32f4xx_hal::rcc::{Enable, Rcc};
+
+use super::events;
 
 /// The detector's threshold by PLS: 2.85 to 2.99 V falling, 3.10 V rising at most (data sheet, embedded reset and power
 /// control block characteristics), above the brown-out level 3 of 2.75 to 2.88 V.
@@ -15,9 +15,6 @@ const BROWN_OUT_LEVEL_3: u8 = 0b00;
 const SOUND_CLOCKS: u32 = 16_000_000 / 10;
 /// External interrupt line of the detector (RM0090, section 12.2.5).
 const LINE: u8 = 16;
-
-/// Set when the supply fell, until it is found sound.
-static LOW: AtomicBool = AtomicBool::new(false);
 
 /// The supply; the control loop owns it.
 pub struct Supply(PWR);
@@ -34,17 +31,8 @@ impl Supply {
         Self(power)
     }
 
-    /// Whether the supply is low, or was since the last question.
-    #[inline]
+    /// Whether the supply is low.
     pub fn is_low(&self) -> bool {
-        let low = LOW.load(Ordering::Relaxed);
-        if low && !self.detects() {
-            LOW.store(false, Ordering::Relaxed);
-        }
-        low
-    }
-
-    fn detects(&self) -> bool {
         self.0.csr().read().pvdo().bit_is_set()
     }
 
@@ -57,7 +45,7 @@ impl Supply {
             return;
         }
         cortex_m::asm::delay(SOUND_CLOCKS);
-        if self.detects() {
+        if self.is_low() {
             return;
         }
         while flash.sr().read().bsy().bit_is_set() {}
@@ -79,7 +67,7 @@ impl Supply {
     reason = "the interrupt of one line of a register that others share"
 )]
 pub fn fell() {
-    LOW.store(true, Ordering::Relaxed);
+    events::raise(events::SUPPLY);
     // SAFETY: a one clears this line's flag, the zeros beside it change nothing.
     let exti = unsafe { EXTI::steal() };
     exti.pr().write(|w| w.pr(LINE).clear());

@@ -7,7 +7,7 @@ use crate::control::current::CurrentGains;
 use crate::control::position::PidGains;
 use crate::estimate::position_filter;
 use crate::estimate::velocity::ObserverGains;
-use crate::safety::Limits;
+use crate::safety::{Limits, MonitorGains};
 use crate::sensing::encoder;
 use crate::sensing::hall::HallCurve;
 use crate::settings::{Sensor, Settings};
@@ -53,6 +53,7 @@ pub struct Tuning {
     pub(super) compensation: Compensation,
     pub(super) current: CurrentGains,
     pub(super) limits: Limits,
+    pub(super) monitor: MonitorGains,
     pub(super) torque_limit_nm: f32,
     pub(super) band_rad: f32,
 }
@@ -74,6 +75,7 @@ impl Tuning {
             compensation: Compensation::new(&settings.compensation, ratio),
             current: CurrentGains::new(&settings.motor, ratio, rate.tick_s()),
             limits: Limits::new(&settings.limit, tick_s),
+            monitor: MonitorGains::new(settings, tick_s),
             torque_limit_nm: settings.motor.torque_limit_nm,
             band_rad: settings.metrics.band_deg * RAD_PER_DEG,
         }

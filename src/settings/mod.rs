@@ -229,6 +229,8 @@ pub struct LimitSettings {
     pub current_a: f32,
     /// Largest difference between encoder and Hall sensor, degrees.
     pub disagreement_deg: f32,
+    /// Longest push at the torque limit without motion, s; 0 = any.
+    pub stall_s: f32,
 }
 
 impl Default for LimitSettings {
@@ -238,6 +240,22 @@ impl Default for LimitSettings {
             speed_deg_s: 1500.0,
             current_a: 1.5,
             disagreement_deg: 8.0,
+            stall_s: 1.0,
+        }
+    }
+}
+
+/// The program that steers the paddle, if one does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HostSettings {
+    /// Longest silence of a program that has sent `beat` once, ms; 0 = any.
+    pub heartbeat_ms: f32,
+}
+
+impl Default for HostSettings {
+    fn default() -> Self {
+        Self {
+            heartbeat_ms: 200.0,
         }
     }
 }
@@ -272,6 +290,8 @@ pub struct Settings {
     pub hall: HallSettings,
     /// Bounds.
     pub limit: LimitSettings,
+    /// The program that steers the paddle.
+    pub host: HostSettings,
     /// Step metrics.
     pub metrics: MetricsSettings,
 }

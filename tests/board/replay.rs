@@ -8,6 +8,7 @@ use crate::bench::{Bench, CONTROL, image, quiet, setup};
 use crate::lends::{Lend, Watch};
 use haptic_paddle::console::{Lender, Session};
 use haptic_paddle::controller::{ArmError, Controller, Duty, Measurement, Mode, TickRate};
+use haptic_paddle::sensing::current::IdleReading;
 use haptic_paddle::settings::Settings;
 use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::presets;
@@ -18,7 +19,7 @@ use virtual_board::wiring::Wires;
 /// The firmware's.
 const RATE: TickRate = TickRate::new(20_000.0, 2);
 const OFFSET_PERIODS: usize = 1024;
-const SAMPLES: u32 = 70;
+const SAMPLES: u32 = 25;
 const LOOK_S: f32 = 1e-3;
 const BRIDGE_TOP: u16 = 2100;
 
@@ -86,7 +87,7 @@ fn on_the_board(test: &str, setup: &LoopSetup, lines: &[&str]) -> Option<Recorde
     let mut steps = Vec::new();
     let mut idle = Vec::new();
     loop {
-        let Pause::Breakpoint(address) = bench.board.run_until(0.1).unwrap() else {
+        let Pause::Breakpoint(address) = bench.board.run_until(0.5).unwrap() else {
             panic!("no control interrupt");
         };
         steps.append(&mut bench.board.take_steps());
@@ -215,12 +216,10 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
     };
     let mut controller = Controller::new(&Settings::default(), RATE);
     assert_eq!(session.idle.len(), OFFSET_PERIODS);
-    let mut idle_counts = 0.0;
-    for counts in &session.idle {
-        idle_counts += counts / OFFSET_PERIODS as f32;
-    }
+    let mut idle = IdleReading::default();
+    session.idle.iter().for_each(|counts| idle.add(*counts));
     let ready = controller
-        .calibrate_current_offset(idle_counts)
+        .calibrate_current_offset(&idle)
         .map_err(ArmError::Offset);
     let replay = Replay {
         controller,

@@ -13,6 +13,7 @@ use crate::image::{Image, ImageError};
 use crate::log::{Entry, Log};
 use crate::peripherals::NEVER;
 use crate::peripherals::rcc::ResetCause;
+use crate::peripherals::usart::Line;
 use crate::terminal::Terminal;
 use crate::wiring::{STEP_S, Wires, Wiring};
 use haptic_paddle::settings::Settings;
@@ -22,6 +23,10 @@ use host_sim::paddle::PaddleSetup;
 const BRIDGE_ENABLES: [Pin; 2] = [Pin(2, 8), Pin(2, 9)];
 const BRIDGE_NSLEEP: Pin = Pin(3, 14);
 const BRIDGE_NFAULT: Pin = Pin(3, 15);
+const BUTTON: Pin = Pin(4, 2);
+
+/// Stream of DMA2 that serves the converter of the current.
+const CURRENT_STREAM: usize = 1;
 
 /// Steps between two looks of the debug probe at the log.
 const STEPS_PER_LOOK: u64 = 20;
@@ -96,6 +101,11 @@ pub struct Board {
     locked_up: Option<u32>,
     /// The supply does not let the core execute anything.
     powerless: bool,
+    /// What the serial line does to bytes on it.
+    line: Line,
+    /// Nothing is connected to the serial input.
+    serial_cut: bool,
+    shortest_low_s: f64,
 }
 
 impl Board {
@@ -125,6 +135,9 @@ impl Board {
             next_step: 0,
             locked_up: None,
             powerless: false,
+            line: Line::Quiet,
+            serial_cut: false,
+            shortest_low_s: f64::INFINITY,
         };
         board.next_step = board.step_cycles();
         board.cpu.reset(&mut board.chip);
@@ -204,6 +217,7 @@ impl Board {
                 if let Some(byte) = self.chip.take_sent(signals) {
                     self.terminal.receive(byte);
                 }
+            } else if self.chip.settle_posted(due, signals) {
             } else if self.chip.watchdog_expired(due) {
                 self.reset(ResetCause::IndependentWatchdog);
             } else {
@@ -235,7 +249,9 @@ impl Board {
                     "a byte at {baud:.0} baud from a terminal of {terminal} baud"
                 )));
             }
-            self.chip.receive(byte, &mut self.cpu.signals);
+            if !self.serial_cut {
+                self.chip.receive(byte, self.line, &mut self.cpu.signals);
+            }
         }
         Ok(())
     }
@@ -271,6 +287,9 @@ impl Board {
         let at = self.next_step;
         let cycles = self.step_cycles();
         let duty = self.bridge_duty();
+        if duty.is_some() {
+            self.shortest_low_s = self.shortest_low_s.min(self.chip.shortest_low_s());
+        }
         let sensed = self.wiring.step(duty);
         self.chip.follow_encoder(sensed.encoder_counts, cycles);
         self.chip
@@ -290,11 +309,17 @@ impl Board {
                 encoder_count: self.chip.encoder_count(),
                 hall_counts: sensed.hall_counts,
                 current: delivered,
+                ring_left: self.chip.ring_left(CURRENT_STREAM),
                 compare: self.chip.tim8.compare(0),
             });
         }
         if self.steps_done.is_multiple_of(STEPS_PER_LOOK) {
             self.fetch_log();
+            if self.serial_cut && self.chip.receiver_floats() {
+                // Whatever the motor's wires beside it make of an input that nothing holds.
+                let byte = (self.steps_done / STEPS_PER_LOOK) as u8;
+                self.chip.receive(byte, Line::Broken, &mut self.cpu.signals);
+            }
         }
     }
 
@@ -432,6 +457,38 @@ impl Board {
         let level = on.then_some(false);
         self.chip
             .connect(BRIDGE_NFAULT, level, &mut self.cpu.signals);
+    }
+
+    /// What a burst on the bus does: the converter of the motor's current finds its last result still there.
+    pub fn overrun_current(&mut self) {
+        self.chip.overrun_current();
+    }
+
+    /// Changes how the paddle is wired, and what its amplifier does.
+    pub fn wiring_mut(&mut self) -> &mut Wiring {
+        &mut self.wiring
+    }
+
+    /// What the serial line does to bytes on it from now on.
+    pub fn set_line(&mut self, line: Line) {
+        self.line = line;
+    }
+
+    /// Disconnects the serial input.
+    pub fn cut_serial(&mut self) {
+        self.serial_cut = true;
+    }
+
+    /// Presses the button, which connects its pin to ground, or lets it go.
+    pub fn set_button(&mut self, pressed: bool) {
+        let level = pressed.then_some(false);
+        self.chip.connect(BUTTON, level, &mut self.cpu.signals);
+    }
+
+    /// Shortest time for which an input of the bridge was low while its outputs were on, s: in it the bootstrap of the
+    /// high side is charged.
+    pub fn shortest_low_s(&self) -> f64 {
+        self.shortest_low_s
     }
 
     /// Stops the crystal, or lets it run.

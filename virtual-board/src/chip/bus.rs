@@ -15,6 +15,9 @@ use crate::peripherals::tim8::Tim8;
 use crate::peripherals::usart::Usart;
 use crate::peripherals::{Answer, Lack, NEVER, bit};
 
+/// Cycles of the core that a write takes through the buffers to APB2.
+const POSTED_CYCLES: u64 = 12;
+
 impl Bus for Chip {
     #[inline]
     fn memories(&mut self) -> &mut Memories {
@@ -93,7 +96,11 @@ impl Chip {
             Unit::Gpio(port) => self.gpio[port].read(offset),
             Unit::Rcc => self.rcc.read(offset, now),
             Unit::Dma2 => self.dma2.read(offset),
-            Unit::Exti => self.exti.read(offset),
+            Unit::Exti => {
+                // A read waits for the writes before it.
+                self.settle_posted(NEVER - 1, signals);
+                self.exti.read(offset)
+            }
             Unit::Syscfg => self.syscfg.read(offset),
             Unit::Pwr => self.pwr.read(offset),
             Unit::Flash => self.flash.read(offset),
@@ -145,8 +152,11 @@ impl Chip {
                 self.show_dma2(signals);
             }
             Unit::Exti => {
+                // The write is posted: its line falls when it has passed the bridge to the slower bus, and by then a
+                // handler that ends with it has returned. Of all flags that handlers clear only these are modelled so.
                 self.exti.write(offset, value)?;
-                self.show_exti(signals);
+                self.posted_at = now + POSTED_CYCLES;
+                self.expect(self.posted_at, signals);
             }
             Unit::Syscfg => self.syscfg.write(offset, value)?,
             Unit::Pwr => {
@@ -339,6 +349,27 @@ mod tests {
             chip.take_remarks(),
             ["a write to GPIOC + 0x18 without its clock is lost"]
         );
+    }
+
+    #[test]
+    fn a_write_that_clears_an_edge_is_posted_and_a_read_waits_for_it() {
+        const EXTI: u32 = 0x4001_3C00;
+        const LINE: usize = 40;
+        let chip = &mut Chip::new();
+        let signals = &mut Signals::default();
+        chip.write(EXTI, Width::Word, 1 << 15, signals).unwrap();
+        for reads_back in [false, true] {
+            chip.exti.write(0x10, 1 << 15).unwrap();
+            chip.show_exti(signals);
+            chip.write(EXTI + 0x14, Width::Word, 1 << 15, signals)
+                .unwrap();
+            if reads_back {
+                chip.read(EXTI + 0x14, Width::Word, signals).unwrap();
+            }
+            assert_eq!(signals.line(LINE), !reads_back);
+            assert!(chip.settle_posted(POSTED_CYCLES, signals) != reads_back);
+            assert!(!signals.line(LINE));
+        }
     }
 
     #[test]

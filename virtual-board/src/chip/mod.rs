@@ -25,7 +25,7 @@ use crate::peripherals::rcc::{Clocks, Rcc, ResetCause};
 use crate::peripherals::syscfg::Syscfg;
 use crate::peripherals::tim5::Tim5;
 use crate::peripherals::tim8::Tim8;
-use crate::peripherals::usart::Usart;
+use crate::peripherals::usart::{Line, Usart};
 use conversion::{ANALOG_PINS, CONVERTERS, Level};
 use map::PORTS;
 use pins::{AF_USART2, USART2_RX, USART2_TX};
@@ -68,6 +68,8 @@ pub struct Chip {
     pub usart2: Usart,
     gpio: [Gpio; PORTS],
     exti: Exti,
+    /// Cycle at which the last write to EXTI arrives there.
+    posted_at: u64,
     syscfg: Syscfg,
     pwr: Pwr,
     supply_v: f64,
@@ -104,6 +106,7 @@ impl Chip {
             usart2: Usart::default(),
             gpio: std::array::from_fn(Gpio::reset),
             exti: Exti::default(),
+            posted_at: NEVER,
             syscfg: Syscfg::default(),
             pwr: Pwr::reset(pwr::NOMINAL_V),
             supply_v: pwr::NOMINAL_V,
@@ -192,6 +195,16 @@ impl Chip {
         self.flash = std::mem::take(&mut self.flash).with_brown_out();
     }
 
+    /// Lets a posted write arrive that is due at cycle `now`. Returns whether there was one.
+    pub fn settle_posted(&mut self, now: u64, signals: &mut Signals) -> bool {
+        let due = self.posted_at <= now;
+        if due {
+            self.posted_at = NEVER;
+            self.show_exti(signals);
+        }
+        due
+    }
+
     /// The supply of the chip is now `supply_v`.
     pub fn set_supply(&mut self, supply_v: f64, signals: &mut Signals) {
         self.supply_v = supply_v;
@@ -245,6 +258,9 @@ impl Chip {
         self.tim8.go_on(now);
         self.tim2.go_on(now);
         self.tim3.go_on(now);
+        for adc in &mut self.adc {
+            adc.begin_at(now);
+        }
         self.iwdg.go_on(now_s);
     }
 
@@ -269,6 +285,7 @@ impl Chip {
             .next_update()
             .min(self.usart2.next_sent())
             .min(self.flash.next_done())
+            .min(self.posted_at)
             .min(watchdog)
     }
 
@@ -287,6 +304,11 @@ impl Chip {
         signals.set_line(lines::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
     }
 
+    /// Whether USART2's input floats if nothing is connected to it.
+    pub fn receiver_floats(&self) -> bool {
+        self.settled(USART2_RX).is_none()
+    }
+
     /// Takes the byte that USART2 has just sent; `None` if its pin is not given to it.
     pub fn take_sent(&mut self, signals: &mut Signals) -> Option<u8> {
         let byte = self.usart2.sent(self.clocks.apb1_divider);
@@ -295,9 +317,9 @@ impl Chip {
     }
 
     /// A byte arrives at USART2's pin.
-    pub fn receive(&mut self, byte: u8, signals: &mut Signals) {
+    pub fn receive(&mut self, byte: u8, line: Line, signals: &mut Signals) {
         if self.mode(USART2_RX) == AF_USART2 {
-            self.usart2.receive(byte);
+            self.usart2.receive(byte, line);
             self.show_usart2(signals);
         }
     }

@@ -45,6 +45,16 @@ impl Chip {
         })
     }
 
+    /// Shortest time for which one of the bridge's inputs is low in a PWM period, s, less the time of an edge.
+    pub fn shortest_low_s(&self) -> f64 {
+        let period_s = self.tim8.pwm_cycles() as f64 / self.clock.hz();
+        let lows = self.half_bridges().into_iter().zip(TIM8_PINS);
+        lows.map(|(share, Pin(port, pin))| {
+            (1.0 - share.unwrap_or(1.0)) * period_s - self.gpio[port].edge_s(pin)
+        })
+        .fold(f64::INFINITY, f64::min)
+    }
+
     /// Level that the program drives on a pin or pulls it to; `None` if it floats.
     pub fn settled(&self, Pin(port, pin): Pin) -> Option<bool> {
         self.gpio[port].driven(pin).or(self.gpio[port].pull(pin))

@@ -124,6 +124,11 @@ impl Dma {
         bit(stream.cr, EN).then(|| stream.step())
     }
 
+    /// Items that stream `number` has left before it begins anew.
+    pub fn left(&self, number: usize) -> u32 {
+        self.streams[number].left
+    }
+
     /// Whether stream `number` asks for an interrupt.
     pub fn requests_interrupt(&self, number: usize) -> bool {
         let stream = &self.streams[number];

@@ -117,6 +117,11 @@ impl Gpio {
         (self.mode(pin) == Mode::Output && !open).then_some(high)
     }
 
+    /// Time of an edge of `pin`, s, by its speed (data sheet, I/O AC characteristics, 50 pF).
+    pub fn edge_s(&self, pin: usize) -> f64 {
+        [100e-9, 20e-9, 10e-9, 6e-9][field(self.ospeedr, 2 * pin as u32, 2) as usize]
+    }
+
     /// Where the pull of `pin` leads, if it has one.
     pub fn pull(&self, pin: usize) -> Option<bool> {
         match field(self.pupdr, 2 * pin as u32, 2) {

@@ -88,7 +88,8 @@ impl Adc {
                     "an external trigger other than the rise of TIM8's or TIM3's",
                 )?;
                 let paced = self.paced();
-                self.cr2 = value & !(1 << SWSTART);
+                const FIELDS: u32 = 0x7F7F_0F03;
+                self.cr2 = value & FIELDS & !(1 << SWSTART);
                 if self.paced() {
                     require(
                         !bit(value, CONT),
@@ -106,13 +107,13 @@ impl Adc {
                     self.start(now, divider);
                 }
             }
-            SMPR1 => self.smpr[0] = value,
-            SMPR2 => self.smpr[1] = value,
+            SMPR1 => self.smpr[0] = value & 0x07FF_FFFF,
+            SMPR2 => self.smpr[1] = value & 0x3FFF_FFFF,
             SQR1 => {
                 require(value == 0, "a sequence of more than one channel")?;
                 self.sqr[0] = value;
             }
-            SQR2 | SQR3 => self.sqr[(offset - SQR1) as usize / 4] = value,
+            SQR2 | SQR3 => self.sqr[(offset - SQR1) as usize / 4] = value & 0x3FFF_FFFF,
             _ => return Err(Lack::Register),
         }
         Ok(())

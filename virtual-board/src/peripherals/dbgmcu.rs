@@ -15,6 +15,9 @@ pub enum Held {
     Iwdg,
 }
 
+/// Fields of its registers.
+const FIELDS: [u32; 3] = [0x001F_00E7, 0x06E0_19FF, 0x0007_0003];
+
 /// DBGMCU.
 #[derive(Debug, Clone, Default)]
 pub struct Dbgmcu {
@@ -45,7 +48,10 @@ impl Dbgmcu {
     /// Writes a register.
     pub fn write(&mut self, offset: u32, value: u32) -> Answer {
         match offset {
-            0x04 | 0x08 | 0x0C => self.settings[offset as usize / 4 - 1] = value,
+            0x04 | 0x08 | 0x0C => {
+                let index = offset as usize / 4 - 1;
+                self.settings[index] = value & FIELDS[index];
+            }
             _ => return Err(Lack::Register),
         }
         Ok(())

@@ -139,7 +139,8 @@ impl Flash {
         match offset {
             ACR => {
                 const RESETS: u32 = 0b11 << 11;
-                self.acr = value & !RESETS;
+                const FIELDS: u32 = 0x1F07;
+                self.acr = value & FIELDS & !RESETS;
             }
             KEYR => {
                 let expected = KEYS.get(self.keys_given);

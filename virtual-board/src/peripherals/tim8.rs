@@ -183,12 +183,12 @@ impl Tim8 {
                         "an output mode other than PWM",
                     )?;
                 }
-                self.ccmr[(offset - CCMR1) as usize / 4] = value;
+                self.ccmr[(offset - CCMR1) as usize / 4] = value & 0xFFFF;
             }
             CCER => {
                 const COMPLEMENTARY: u32 = 0x0CCC;
                 require(value & COMPLEMENTARY == 0, "complementary outputs")?;
-                self.ccer = value;
+                self.ccer = value & 0x3FFF;
             }
             CNT => {
                 require(!self.runs(), "setting the count while it runs")?;

@@ -86,7 +86,7 @@ impl Converters {
             dma,
             pace,
         };
-        converters.restart();
+        converters.go_on();
         converters
     }
 
@@ -95,11 +95,16 @@ impl Converters {
         self.pace.cr1().write(|w| w.cen().enabled());
     }
 
-    /// Fills the ring from its beginning, with the next sample. After an overrun the converter asks DMA for nothing until
-    /// the flag is cleared and both are set up anew (RM0090, section 13.8.1).
-    pub fn restart(&self) {
+    /// Stops the ring. After an overrun the converter asks DMA for nothing until the flag is cleared and both are set up
+    /// anew (RM0090, section 13.8.1).
+    pub fn stop(&self) {
         /// A transfer that is under way ends within some clocks of the bus.
         const LONGEST_WAIT: u32 = 100;
+        self.current.cr2().write(|w| {
+            w.adon().enabled();
+            w.extsel().variant(EXTSEL::Tim3trgo);
+            w.exten().rising_edge()
+        });
         let stream = self.dma.st(STREAM);
         stream.cr().write(|w| w.en().disabled());
         for _ in 0..LONGEST_WAIT {
@@ -114,8 +119,11 @@ impl Converters {
             w.ctcif1().set_bit();
             w.cteif1().set_bit()
         });
-        self.current.cr2().write(|w| w.adon().enabled());
         self.current.sr().write(|w| w.ovr().clear_bit());
+    }
+
+    /// Fills a ring that stands still from its beginning, with the next sample.
+    pub fn go_on(&self) {
         fill_ring(&self.dma, &self.current);
         self.current.cr2().write(|w| {
             w.adon().enabled();
@@ -124,12 +132,6 @@ impl Converters {
             w.extsel().variant(EXTSEL::Tim3trgo);
             w.exten().rising_edge()
         });
-    }
-
-    /// Whether samples of the current were lost, and the ring stands still.
-    #[inline]
-    pub fn overrun(&self) -> bool {
-        self.current.sr().read().ovr().bit()
     }
 
     /// Current in counts: mean over the last control period, or the sample at the centre of the PWM.
@@ -147,6 +149,17 @@ impl Converters {
     pub fn hall_counts(&self) -> u16 {
         self.hall.dr().read().data().bits()
     }
+}
+
+/// Whether samples of the current were lost, and the ring stands still.
+#[expect(
+    unsafe_code,
+    reason = "whoever owns the converter, its flag may be read"
+)]
+pub fn overrun() -> bool {
+    // SAFETY: a flag is only read.
+    let current = unsafe { ADC3::steal() };
+    current.sr().read().ovr().bit()
 }
 
 /// Whether the current is the sample at the centre of the PWM instead of the mean of the period.

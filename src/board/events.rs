@@ -12,6 +12,10 @@ pub const SUPPLY: u32 = 1 << 2;
 pub const STOP: u32 = 1 << 3;
 /// The button was pressed.
 pub const BUTTON: u32 = 1 << 5;
+/// Samples of the current were lost.
+pub const OVERRUN: u32 = 1 << 7;
+/// The ring of the current's samples stands still, and is to begin anew.
+pub const RESTART: u32 = 1 << 8;
 /// The level of nFAULT has changed.
 pub const LINE: u32 = 1 << 6;
 /// A byte was received with noise on the line.

@@ -26,7 +26,7 @@ pub use button::Button;
 pub use clocks::{Oscillator, PeriodClock};
 use clocks::{PCLK2_HZ, SYSCLK_HZ};
 use converters::Converters;
-pub use converters::{PERIODS_TO_MEASURE, sample_current_once};
+pub use converters::{PERIODS_TO_MEASURE, overrun, sample_current_once};
 use encoder::Encoder;
 use pins::Pins;
 pub use pins::{ENABLE_BSRR, ENABLE_OFF, bridge_reports_fault};
@@ -150,17 +150,15 @@ impl Sensors {
         self.converters.current_counts()
     }
 
-    /// Whether samples of the current were lost.
-    #[inline]
-    pub fn overrun(&self) -> bool {
-        self.converters.overrun()
+    /// Stops the ring of the current's samples.
+    pub fn stop(&self) {
+        self.converters.stop();
     }
 
-    /// Brings the samples of the current back in step with the control periods; to be called as one begins.
-    #[cold]
-    #[inline(never)]
-    pub fn restart(&self) {
-        self.converters.restart();
+    /// Begins it anew, in step with the control periods; to be called within 1.9 us of the beginning of one, before its
+    /// first sample has arrived.
+    pub fn go_on(&self) {
+        self.converters.go_on();
     }
 
     /// What the control loop gets to see of this period.

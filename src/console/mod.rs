@@ -71,7 +71,7 @@ pub fn execute(
         })?,
         Command::Stop => controller.with(Controller::stop),
         Command::Faults => {
-            return Ok(controller.with(|c| Answer::Faults(*c.faults(), *c.counters())));
+            return Ok(controller.with(|c| Answer::Faults(*c.faults(), c.counters())));
         }
         Command::Beat => return Ok(Answer::Beat),
         Command::Status => {}

@@ -7,7 +7,7 @@ pub use refusal::{ArmError, ReferenceError, ZeroError};
 pub use tuning::{TickRate, Tuning};
 
 use crate::control::compensation::Compensation;
-use crate::control::current::{CurrentLoop, MAX_DUTY};
+use crate::control::current::CurrentLoop;
 use crate::control::position::Pid;
 use crate::estimate::biquad::SecondOrder;
 use crate::estimate::velocity::VelocityObserver;
@@ -322,26 +322,24 @@ impl Controller {
         let setpoint_velocity = if closed {
             (self.setpoint - previous_setpoint) * self.position_rate_hz
         } else {
-            velocity_rad_s
+            0.0
         };
         let compensation_nm =
             self.compensation
                 .torque_nm(self.position_rad, velocity_rad_s, setpoint_velocity);
         let torque_nm = if closed {
-            self.pid
-                .update(self.setpoint, self.position_rad, compensation_nm)
+            self.pid.update(
+                self.setpoint,
+                self.position_rad,
+                velocity_rad_s,
+                compensation_nm,
+            )
         } else {
             limit(self.setpoint + compensation_nm, self.torque_limit_nm)
         };
         if !torque_nm.is_finite() {
             self.report_fault(Fault::NonFinite);
             return;
-        }
-        if torque_nm.abs() >= self.torque_limit_nm {
-            self.counters.count(Acted::TorqueLimit);
-        }
-        if self.duty.abs() >= MAX_DUTY {
-            self.counters.count(Acted::DutyLimit);
         }
         self.torque_nm = torque_nm;
     }
@@ -542,8 +540,11 @@ impl Controller {
     }
 
     /// How often limits acted.
-    pub fn counters(&self) -> &Counters {
-        &self.counters
+    pub fn counters(&self) -> Counters {
+        let (torque, duty) = self.monitor.limited();
+        self.counters
+            .with(Acted::TorqueLimit, torque)
+            .with(Acted::DutyLimit, duty)
     }
 
     /// Goes on from the faults of before the reset.

@@ -171,23 +171,13 @@ mod app {
     #[task(binds = TIM8_UP_TIM13, priority = 3, local = [bridge, sensors, supply, periods, kept: u32 = 0], shared = [controller])]
     fn control(mut cx: control::Context) {
         let bridge = cx.local.bridge;
+        let sensors = cx.local.sensors;
         bridge.begin_period();
         let periods = cx.local.periods.periods();
-        let sensors = cx.local.sensors;
-        let overrun = sensors.overrun();
-        if overrun || periods != 1 {
-            sensors.restart();
-        }
         cx.shared.controller.lock(|controller| {
             let events = events::take();
-            if events != 0 {
-                attend(controller, events, cx.local.supply);
-            }
-            if periods != 1 {
-                controller.report_fault(Fault::Deadline);
-            }
-            if overrun {
-                controller.report_fault(Fault::Converter);
+            if events != 0 || periods != 1 {
+                attend(controller, events, periods, cx.local.supply, sensors);
             }
             let duty = controller.step(&sensors.read());
             if controller.mode() == Mode::Off {
@@ -208,10 +198,29 @@ mod app {
         TICKS.store(ticks().wrapping_add(periods), Ordering::Relaxed);
     }
 
-    /// Passes on what other interrupts had to tell.
+    /// Passes on what others had to tell, and periods that were missed.
     #[cold]
     #[inline(never)]
-    fn attend(controller: &mut Controller, events: u32, supply: &Supply) {
+    fn attend(
+        controller: &mut Controller,
+        events: u32,
+        periods: u32,
+        supply: &Supply,
+        sensors: &mut Sensors,
+    ) {
+        if events & events::RESTART != 0 {
+            sensors.go_on();
+        }
+        if periods != 1 {
+            controller.report_fault(Fault::Deadline);
+        }
+        if events & events::OVERRUN != 0 {
+            controller.report_fault(Fault::Converter);
+        }
+        if periods != 1 || events & events::OVERRUN != 0 {
+            sensors.stop();
+            events::raise(events::RESTART);
+        }
         if events & events::STOP != 0 {
             controller.stop_at_once(StopCause::Typed);
         }
@@ -267,6 +276,9 @@ mod app {
             if now.wrapping_sub(looked) >= CONSOLE_PERIODS {
                 looked = now;
                 session.look(1.0 / CONSOLE_HZ as f32, &mut controller, output);
+                if board::overrun() {
+                    events::raise(events::OVERRUN);
+                }
                 if board::bridge_reports_fault() == session.bridge_is_ready() {
                     events::raise(events::LINE);
                 }

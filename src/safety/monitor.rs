@@ -2,6 +2,7 @@
 //! and an encoder that stands still while the paddle moves.
 
 use super::Fault;
+use crate::control::current::MAX_DUTY;
 use crate::settings::Settings;
 use crate::units::RAD_PER_DEG;
 
@@ -39,7 +40,7 @@ const HALL_MOVING_RAD: f32 = RAD_PER_DEG;
 const STILL_WINDOWS: u32 = 3;
 
 /// Ticks after the end of a window that share the work on it.
-const STAGES: u32 = 3;
+const STAGES: u32 = 5;
 
 /// What the monitor goes by, for one rate.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +53,10 @@ pub struct MonitorGains {
     emf_v_per_rad: f32,
     motor_share: f32,
     bridge_share: f32,
+    torque_limit_nm: f32,
     full_torque_nm: f32,
+    /// Sum of a window's duties at their limit.
+    full_duty: f32,
     stall_windows: u32,
 }
 
@@ -70,6 +74,8 @@ impl MonitorGains {
             emf_v_per_rad: motor.torque_constant_nm_per_a * settings.mechanism.ratio / window_s,
             motor_share: window_s / MOTOR_THERMAL_S,
             bridge_share: window_s / BRIDGE_THERMAL_S,
+            torque_limit_nm: motor.torque_limit_nm,
+            full_duty: (ticks as f32 - 0.5) * MAX_DUTY,
             full_torque_nm: STALL_SHARE * motor.torque_limit_nm,
             stall_windows: if settings.limit.stall_s > 0.0 {
                 (settings.limit.stall_s / window_s) as u32
@@ -87,8 +93,9 @@ pub struct Monitor {
     ticks: u32,
     duty: f32,
     current_a: f32,
-    /// Mean current of the last window, A.
+    /// Mean current of the last window, A, and the mean voltage that drove it, V.
     mean_a: f32,
+    driving_v: f32,
     started_rad: f32,
     mismatched: u32,
     motor_heat: f32,
@@ -101,6 +108,9 @@ pub struct Monitor {
     apart_rad: f32,
     still: u32,
     encoder_ignored: bool,
+    /// Milliseconds at the limits of torque and of duty.
+    torque_limited: u32,
+    duty_limited: u32,
     /// Sums of voltage times current and of current squared, V A and A^2.
     volt_amperes: f32,
     amperes2: f32,
@@ -115,6 +125,7 @@ impl Monitor {
             duty: 0.0,
             current_a: 0.0,
             mean_a: 0.0,
+            driving_v: 0.0,
             started_rad: 0.0,
             mismatched: 0,
             motor_heat: 0.0,
@@ -126,6 +137,8 @@ impl Monitor {
             apart_rad: 0.0,
             still: 0,
             encoder_ignored: false,
+            torque_limited: 0,
+            duty_limited: 0,
             volt_amperes: 0.0,
             amperes2: 0.0,
         }
@@ -141,6 +154,8 @@ impl Monitor {
         *self = Self {
             motor_heat: self.motor_heat,
             bridge_heat: self.bridge_heat,
+            torque_limited: self.torque_limited,
+            duty_limited: self.duty_limited,
             started_rad: encoder_rad,
             stalled_at_rad: encoder_rad,
             encoder_mark_rad: encoder_rad,
@@ -170,7 +185,8 @@ impl Monitor {
         if self.ticks >= self.gains.ticks {
             self.ticks = 0;
             self.mean_a = 0.0;
-            self.heat();
+            self.heats_motor();
+            self.heats_bridge();
         }
     }
 
@@ -184,34 +200,45 @@ impl Monitor {
         hall_rad: f32,
         hall_plausible: bool,
     ) -> Option<Fault> {
-        if self.ticks == self.gains.ticks {
-            return self.close(encoder_rad);
-        }
         match self.ticks {
-            1 => self.heat(),
-            2 => {
+            1 => self.mismatches(),
+            2 => self.heats_motor().then_some(Fault::MotorHeat),
+            3 => self.heats_bridge().then_some(Fault::BridgeHeat),
+            4 => {
                 let still = self.encoder_is_still(encoder_rad, hall_rad, hall_plausible);
                 still.then_some(Fault::EncoderStill)
             }
-            _ => self.stalls(torque_nm, encoder_rad).then_some(Fault::Stall),
+            STAGES => self.stalls(torque_nm, encoder_rad).then_some(Fault::Stall),
+            _ => {
+                self.close(encoder_rad);
+                None
+            }
         }
     }
 
-    /// Ends the window: whether the current is what the motor makes of the voltage.
-    #[inline(never)]
-    fn close(&mut self, encoder_rad: f32) -> Option<Fault> {
+    /// Ends the window.
+    #[inline]
+    fn close(&mut self, encoder_rad: f32) {
         let gains = &self.gains;
+        if self.duty.abs() >= gains.full_duty {
+            self.duty_limited = self.duty_limited.wrapping_add(1);
+        }
         let moved_rad = encoder_rad - self.started_rad;
-        let driving_v =
+        self.driving_v =
             self.duty * gains.per_ticks * gains.supply_v - gains.emf_v_per_rad * moved_rad;
         self.mean_a = self.current_a * gains.per_ticks;
-        let mismatch_v = driving_v - gains.resistance_ohm * self.mean_a;
-        self.volt_amperes += driving_v * self.mean_a;
-        self.amperes2 += self.mean_a * self.mean_a;
         self.ticks = 0;
         self.duty = 0.0;
         self.current_a = 0.0;
         self.started_rad = encoder_rad;
+    }
+
+    /// Whether the current of the last window is what the motor makes of the voltage.
+    #[inline]
+    fn mismatches(&mut self) -> Option<Fault> {
+        self.volt_amperes += self.driving_v * self.mean_a;
+        self.amperes2 += self.mean_a * self.mean_a;
+        let mismatch_v = self.driving_v - self.gains.resistance_ohm * self.mean_a;
         self.mismatched = if mismatch_v.abs() > MISMATCH_V {
             self.mismatched + 1
         } else {
@@ -225,27 +252,30 @@ impl Monitor {
         })
     }
 
-    /// Heats motor and bridge by the mean current of the last window, and lets them cool.
-    #[inline(never)]
-    fn heat(&mut self) -> Option<Fault> {
-        let square_a2 = self.mean_a * self.mean_a;
-        let heat = |before: f32, rated_a: f32, share: f32| {
-            before + (square_a2 * (1.0 / (rated_a * rated_a)) - before) * share
-        };
-        self.motor_heat = heat(self.motor_heat, MOTOR_RATED_A, self.gains.motor_share);
-        self.bridge_heat = heat(self.bridge_heat, BRIDGE_RATED_A, self.gains.bridge_share);
-        if self.motor_heat > TOO_HOT {
-            Some(Fault::MotorHeat)
-        } else if self.bridge_heat > TOO_HOT {
-            Some(Fault::BridgeHeat)
-        } else {
-            None
-        }
+    /// Heats the motor by the mean current of the last window, and lets it cool. Whether it is too hot.
+    #[inline]
+    fn heats_motor(&mut self) -> bool {
+        const PER_RATED2: f32 = 1.0 / (MOTOR_RATED_A * MOTOR_RATED_A);
+        let heat = self.mean_a * self.mean_a * PER_RATED2;
+        self.motor_heat += (heat - self.motor_heat) * self.gains.motor_share;
+        self.motor_heat > TOO_HOT
     }
 
-    #[inline(never)]
+    /// The same of the bridge.
+    #[inline]
+    fn heats_bridge(&mut self) -> bool {
+        const PER_RATED2: f32 = 1.0 / (BRIDGE_RATED_A * BRIDGE_RATED_A);
+        let heat = self.mean_a * self.mean_a * PER_RATED2;
+        self.bridge_heat += (heat - self.bridge_heat) * self.gains.bridge_share;
+        self.bridge_heat > TOO_HOT
+    }
+
+    #[inline]
     fn stalls(&mut self, torque_nm: f32, encoder_rad: f32) -> bool {
         let full_nm = self.gains.full_torque_nm;
+        if torque_nm.abs() >= self.gains.torque_limit_nm {
+            self.torque_limited = self.torque_limited.wrapping_add(1);
+        }
         let pushes = torque_nm.abs() >= full_nm && full_nm > 0.0;
         if !pushes || (encoder_rad - self.stalled_at_rad).abs() > STALLED_RAD {
             self.stalled = 0;
@@ -256,7 +286,7 @@ impl Monitor {
         self.stalled >= self.gains.stall_windows
     }
 
-    #[inline(never)]
+    #[inline]
     fn encoder_is_still(&mut self, encoder_rad: f32, hall_rad: f32, hall_plausible: bool) -> bool {
         if (encoder_rad - self.encoder_mark_rad).abs() > ENCODER_STILL_RAD || !hall_plausible {
             self.encoder_mark_rad = encoder_rad;
@@ -269,6 +299,11 @@ impl Monitor {
             0
         };
         self.still >= STILL_WINDOWS
+    }
+
+    /// Milliseconds so far at whose end the torque was limited, and in which the duty was all the time.
+    pub fn limited(&self) -> (u32, u32) {
+        (self.torque_limited, self.duty_limited)
     }
 
     /// Resistance of the winding, ohm, by least squares over all windows since the last restart: voltage less the

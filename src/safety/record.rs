@@ -173,9 +173,9 @@ impl FaultLog {
 /// A limit that acted, or a disturbance that was overcome, without a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acted {
-    /// A position tick whose torque was limited.
+    /// A millisecond at whose end the torque was limited.
     TorqueLimit,
-    /// A position tick whose duty was limited.
+    /// A millisecond in which the duty was limited all the time.
     DutyLimit,
     /// A control period with a glitch of nFAULT that was too short to count.
     BridgeGlitch,
@@ -202,6 +202,14 @@ impl Counters {
         if let Some(count) = self.0.get_mut(acted as usize) {
             *count = count.wrapping_add(1);
         }
+    }
+
+    /// With this count instead.
+    pub fn with(mut self, acted: Acted, count: u32) -> Self {
+        if let Some(place) = self.0.get_mut(acted as usize) {
+            *place = count;
+        }
+        self
     }
 
     /// How often.

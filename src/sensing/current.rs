@@ -29,7 +29,8 @@ pub const MEASURABLE_A: f32 = 1.55;
 /// Whether a mean reading is between the ends of its range; a number that is not finite is not.
 #[inline]
 pub fn plausible(mean_counts: f32) -> bool {
-    mean_counts > RAIL_COUNTS && mean_counts < FULL_SCALE_COUNTS - RAIL_COUNTS
+    const MIDDLE: f32 = 0.5 * FULL_SCALE_COUNTS;
+    (mean_counts - MIDDLE).abs() < MIDDLE - RAIL_COUNTS
 }
 
 /// Readings of a bridge at no voltage, one a control period.

@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use super::{CurrentSampling, FilterOrder, Sensor, Settings, VelocitySource};
+use super::{CurrentSampling, DerivativeSource, FilterOrder, Sensor, Settings, VelocitySource};
 use crate::decimal::{self, Decimal};
 
 /// What a setting may be.
@@ -263,6 +263,11 @@ pub static FIELDS: &[Field] = &[
         "Hz",
         0.0..=10_000.0,
         pid.derivative_cutoff_hz
+    ),
+    choice!(
+        "pid.derivative",
+        ["position" => DerivativeSource::Position, "observer" => DerivativeSource::Observer],
+        pid.derivative
     ),
     choice!("estimate.sensor", ["encoder" => Sensor::Encoder, "hall" => Sensor::Hall], estimate.sensor),
     number!("estimate.cutoff", "Hz", 0.0..=10_000.0, estimate.cutoff_hz),

@@ -262,7 +262,7 @@ fn an_overrun_is_named_and_clear_brings_the_samples_back() {
     let mut bench = Bench::armed(image);
     bench.command("ref 0");
     bench.board.overrun_current();
-    bench.run(150e-6);
+    bench.run(1.2e-3);
     assert_eq!(bench.board.bridge(), Bridge::Off);
     let said = bench.wait_for("> ");
     assert!(

@@ -16,7 +16,7 @@ const SERVED: [(usize, &str); 5] = [
 ];
 
 /// Most that the image may take of the flash, bytes.
-const FLASH_LIMIT_BYTES: u64 = 96 * 1024;
+const FLASH_LIMIT_BYTES: u64 = 64 * 1024;
 
 /// Builds and checks the image, with its lints.
 pub fn check() -> Result<(), Failure> {

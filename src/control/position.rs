@@ -2,7 +2,7 @@
 
 use super::anti_windup::integrate;
 use crate::estimate::low_pass::{self, LowPass};
-use crate::settings::{DerivativeSource, PidSettings};
+use crate::settings::PidSettings;
 use crate::units::DEG_PER_RAD;
 
 /// Time constant with which a jump absorbed by a change of gains decays where no integral action holds it.
@@ -38,10 +38,15 @@ impl PidGains {
             rate_filter: low_pass::gain(settings.derivative_cutoff_hz, tick_s),
             bump_kept: 1.0 - (tick_s / BUMP_DECAY_S).min(1.0),
             limit_nm,
-            observed_tick_s: match settings.derivative {
-                DerivativeSource::Position => None,
-                DerivativeSource::Observer => Some(tick_s),
-            },
+            observed_tick_s: None,
+        }
+    }
+
+    /// The same, with the derivative taken from the observer's velocity, at ticks of `tick_s`.
+    pub fn observed(self, tick_s: f32) -> Self {
+        Self {
+            observed_tick_s: Some(tick_s),
+            ..self
         }
     }
 }

@@ -64,6 +64,7 @@ impl Tuning {
         let tick_s = rate.position_tick_s();
         let ratio = settings.mechanism.ratio;
         let estimate = &settings.estimate;
+        let pid = PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s);
         Self {
             rad_per_count: encoder::rad_per_count(settings.mechanism.counts_per_turn, ratio),
             hall: HallCurve::new(&settings.hall),
@@ -71,7 +72,11 @@ impl Tuning {
             filter: position_filter::section(estimate, tick_s),
             velocity: ObserverGains::new(estimate.velocity_bandwidth_hz, tick_s),
             acceleration_per_nm: ratio / settings.mechanism.inertia_kg_m2,
-            pid: PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s),
+            pid: if settings.pid.derivative.is_observer(estimate.sensor) {
+                pid.observed(tick_s)
+            } else {
+                pid
+            },
             compensation: Compensation::new(&settings.compensation, ratio),
             current: CurrentGains::new(&settings.motor, ratio, rate.tick_s()),
             limits: Limits::new(&settings.limit, tick_s),

@@ -10,10 +10,7 @@ use crate::units::RAD_PER_DEG;
 /// motor's own voltage.
 const WINDOW_S: f32 = 1e-3;
 
-/// Voltage, V, by which the model of the motor may be wrong: half more resistance than the sheet says at the rated
-/// current is 3 V, a tenth of the supply is 2.4 V.
-const MISMATCH_V: f32 = 6.0;
-/// Windows in a row in which it must be more.
+/// Windows in a row in which voltage and current differ by more than they may.
 const MISMATCHED_WINDOWS: u32 = 2;
 
 /// Current that the motor bears for ever, A: its rated torque of 32.3 mN m over 53.8 mN m/A.
@@ -48,6 +45,7 @@ pub struct MonitorGains {
     ticks: u32,
     per_ticks: f32,
     supply_v: f32,
+    mismatch_v: f32,
     resistance_ohm: f32,
     /// The motor's own voltage, V, for each rad of the paddle in a window.
     emf_v_per_rad: f32,
@@ -70,6 +68,7 @@ impl MonitorGains {
             ticks,
             per_ticks: 1.0 / ticks as f32,
             supply_v: motor.supply_v,
+            mismatch_v: settings.limit.mismatch_v,
             resistance_ohm: motor.resistance_ohm,
             emf_v_per_rad: motor.torque_constant_nm_per_a * settings.mechanism.ratio / window_s,
             motor_share: window_s / MOTOR_THERMAL_S,
@@ -239,7 +238,7 @@ impl Monitor {
         self.volt_amperes += self.driving_v * self.mean_a;
         self.amperes2 += self.mean_a * self.mean_a;
         let mismatch_v = self.driving_v - self.gains.resistance_ohm * self.mean_a;
-        self.mismatched = if mismatch_v.abs() > MISMATCH_V {
+        self.mismatched = if mismatch_v.abs() > self.gains.mismatch_v {
             self.mismatched + 1
         } else {
             0

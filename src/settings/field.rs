@@ -266,7 +266,7 @@ pub static FIELDS: &[Field] = &[
     ),
     choice!(
         "pid.derivative",
-        ["position" => DerivativeSource::Position, "observer" => DerivativeSource::Observer],
+        ["auto" => DerivativeSource::Auto, "position" => DerivativeSource::Position, "observer" => DerivativeSource::Observer],
         pid.derivative
     ),
     choice!("estimate.sensor", ["encoder" => Sensor::Encoder, "hall" => Sensor::Hall], estimate.sensor),
@@ -393,6 +393,7 @@ pub static FIELDS: &[Field] = &[
         limit.disagreement_deg
     ),
     number!("limit.stall", "s", 0.0..=60.0, limit.stall_s),
+    number!("limit.mismatch", "V", 1.0..=12.0, limit.mismatch_v),
     number!("host.heartbeat", "ms", 0.0..=10_000.0, host.heartbeat_ms),
     number!("metrics.band", "deg", 0.001..=90.0, metrics.band_deg),
 ];

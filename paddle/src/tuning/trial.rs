@@ -31,6 +31,8 @@ pub fn step(
     gains
         .put(&mut setup.settings)
         .map_err(|error| Failure::setting("pid", error))?;
+    // What a paddle that sticks means is for the caller to say.
+    setup.settings.limit.stall_s = 0.0;
     let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
     let step = Excitation::step(amplitude_deg.to_radians() as f32);
     let trace = Experiment::position(step, seconds).run(&mut closed_loop)?;

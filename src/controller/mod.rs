@@ -31,7 +31,7 @@ pub struct Measurement {
     pub current_adc: f32,
 }
 
-/// Share of the supply on the motor, -0.98 to 0.98; positive turns the paddle the positive way.
+/// Share of the supply on the motor, -0.95 to 0.95; positive turns the paddle the positive way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Duty(pub f32);
 

@@ -59,6 +59,11 @@ impl WiringCheck {
         }
     }
 
+    /// What it has found, once the push is over.
+    pub fn verdict(&self) -> Option<Result<(), WiringError>> {
+        self.braking.map(|braking| braking.verdict)
+    }
+
     /// Goes on by `elapsed_s`, s.
     pub fn advance(&mut self, elapsed_s: f32, now: Angles) -> Progress {
         match &mut self.braking {

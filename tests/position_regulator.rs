@@ -39,7 +39,7 @@ proptest! {
             let expected_nm =
                 (kp * (setpoint_deg - position_deg) + ki * sum_deg_s - kd * rate_deg_s) / f64::from(RATIO);
             let torque_nm =
-                pid.update(setpoint_deg.to_radians() as f32, position_deg.to_radians() as f32, 0.0);
+                pid.update(setpoint_deg.to_radians() as f32, position_deg.to_radians() as f32, 0.0, 0.0);
             prop_assert!((f64::from(torque_nm) - expected_nm).abs() < 2e-6, "{torque_nm} {expected_nm}");
             previous_deg = position_deg;
         }
@@ -49,8 +49,8 @@ proptest! {
 #[test]
 fn a_setpoint_step_gives_no_derivative_kick() {
     let mut pid = Pid::new(tuned(&gains(0.0, 0.0, 0.0008)));
-    assert_eq!(pid.update(0.0, 0.0, 0.0), 0.0);
-    assert_eq!(pid.update(0.17, 0.0, 0.0), 0.0);
+    assert_eq!(pid.update(0.0, 0.0, 0.0, 0.0), 0.0);
+    assert_eq!(pid.update(0.17, 0.0, 0.0, 0.0), 0.0);
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn the_setpoint_weight_leaves_the_integral_alone() {
         ..gains(0.01, 0.1, 0.0)
     };
     let mut pid = Pid::new(tuned(&settings));
-    let torque_nm = pid.update(0.1, 0.0, 0.0);
+    let torque_nm = pid.update(0.1, 0.0, 0.0, 0.0);
     let expected_nm = 0.1 * 0.1_f32.to_degrees() * TICK_S / RATIO;
     assert!((torque_nm / expected_nm - 1.0).abs() < 1e-5);
 }
@@ -76,8 +76,8 @@ fn the_derivative_filter_spreads_the_derivative_without_losing_any() {
     let (mut plain_sum, mut filtered_sum, mut filtered_peak) = (0.0, 0.0, 0.0_f32);
     for tick in 0..500 {
         let position_rad = if tick < 10 { 0.0 } else { 0.001 };
-        plain_sum += plain.update(0.0, position_rad, 0.0);
-        let torque_nm = filtered.update(0.0, position_rad, 0.0);
+        plain_sum += plain.update(0.0, position_rad, 0.0, 0.0);
+        let torque_nm = filtered.update(0.0, position_rad, 0.0, 0.0);
         filtered_sum += torque_nm;
         filtered_peak = filtered_peak.max(torque_nm.abs());
     }
@@ -90,10 +90,10 @@ fn the_integral_does_not_wind_up() {
     let mut pid = Pid::new(tuned(&gains(0.05, 5.0, 0.0)));
     // Ten degrees of error saturate the output at once, for seven seconds.
     for _ in 0..20_000 {
-        assert_eq!(pid.update(0.1745, 0.0, 0.0), LIMIT_NM);
+        assert_eq!(pid.update(0.1745, 0.0, 0.0, 0.0), LIMIT_NM);
     }
     // An overshoot of one degree turns the torque within 35 ms.
-    let ticks = (0..20_000).find(|_| pid.update(0.1745, 0.1745 + 0.01745, 0.0) < 0.0);
+    let ticks = (0..20_000).find(|_| pid.update(0.1745, 0.1745 + 0.01745, 0.0, 0.0) < 0.0);
     assert!(ticks.is_some_and(|ticks| ticks < 100), "{ticks:?}");
 }
 
@@ -101,7 +101,7 @@ fn the_integral_does_not_wind_up() {
 fn a_feed_forward_at_the_limit_stops_the_integral_too() {
     let mut pid = Pid::new(tuned(&gains(0.0, 5.0, 0.0)));
     for _ in 0..1000 {
-        pid.update(0.1, 0.0, 2.0 * LIMIT_NM);
+        pid.update(0.1, 0.0, 0.0, 2.0 * LIMIT_NM);
     }
     assert_eq!(pid.integral_nm(), 0.0);
 }
@@ -111,10 +111,10 @@ fn changing_gains_does_not_jump_and_the_integral_holds_what_was() {
     let mut pid = Pid::new(tuned(&gains(0.01, 0.1, 0.0003)));
     let mut before_nm = 0.0;
     for tick in 0..200 {
-        before_nm = pid.update(0.05, 0.0001 * tick as f32, 0.0);
+        before_nm = pid.update(0.05, 0.0001 * tick as f32, 0.0, 0.0);
     }
     pid.retune(tuned(&gains(0.04, 0.2, 0.0001)));
-    let after_nm = pid.update(0.05, 0.02, 0.0);
+    let after_nm = pid.update(0.05, 0.02, 0.0, 0.0);
     let of_one_tick_nm = (0.2 * 0.05 * TICK_S + 0.04 * 0.0001) * 57.3 / RATIO;
     assert!(
         (after_nm - before_nm).abs() < 2.0 * of_one_tick_nm,
@@ -126,17 +126,17 @@ fn changing_gains_does_not_jump_and_the_integral_holds_what_was() {
 fn without_integral_action_the_absorbed_jump_decays() {
     let mut pid = Pid::new(tuned(&gains(0.05, 0.28, 0.0)));
     for _ in 0..2000 {
-        pid.update(0.01, 0.0, 0.0);
+        pid.update(0.01, 0.0, 0.0, 0.0);
     }
-    let before_nm = pid.update(0.01, 0.0, 0.0);
+    let before_nm = pid.update(0.01, 0.0, 0.0, 0.0);
     pid.retune(tuned(&gains(0.01, 0.0, 0.0)));
-    let mut torque_nm = pid.update(0.01, 0.0, 0.0);
+    let mut torque_nm = pid.update(0.01, 0.0, 0.0, 0.0);
     assert!(
         (torque_nm / before_nm - 1.0).abs() < 0.01,
         "{before_nm} {torque_nm}"
     );
     for _ in 0..(2.0 / TICK_S) as u32 {
-        let next_nm = pid.update(0.01, 0.0, 0.0);
+        let next_nm = pid.update(0.01, 0.0, 0.0, 0.0);
         assert!(next_nm <= torque_nm);
         torque_nm = next_nm;
     }
@@ -149,10 +149,10 @@ fn a_jump_of_the_measurement_alone_does_not_jump_the_torque() {
     let mut pid = Pid::new(tuned(&gains(0.05, 0.28, 0.0008)));
     let mut before_nm = 0.0;
     for _ in 0..50 {
-        before_nm = pid.update(0.02, 0.01, 0.0);
+        before_nm = pid.update(0.02, 0.01, 0.0, 0.0);
     }
     pid.rebase(0.05);
-    let after_nm = pid.update(0.02, 0.05, 0.0);
+    let after_nm = pid.update(0.02, 0.05, 0.0, 0.0);
     assert!(
         (after_nm - before_nm).abs() < 2e-5,
         "{before_nm} {after_nm}"

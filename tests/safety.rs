@@ -5,6 +5,7 @@ use haptic_paddle::controller::{
 };
 use haptic_paddle::excitation::{Excitation, ExcitationError};
 use haptic_paddle::safety::Fault;
+use haptic_paddle::sensing::current::IdleReading;
 use haptic_paddle::settings::{Sensor, Settings};
 
 const RATE: TickRate = TickRate::new(20_000.0, 2);
@@ -21,6 +22,12 @@ fn armed(settings: &Settings, mode: Mode) -> Controller {
     controller.zero_at(0.0).unwrap();
     controller.arm(mode).unwrap();
     controller
+}
+
+fn idle(counts: f32) -> IdleReading {
+    let mut reading = IdleReading::default();
+    (0..100).for_each(|_| reading.add(counts));
+    reading
 }
 
 fn run(controller: &mut Controller, ticks: u32, measurement: Measurement) -> Duty {
@@ -83,11 +90,23 @@ fn each_fault_of_the_measurements_trips() {
             c,
             1,
             Measurement {
-                current_adc: 0.0,
+                current_adc: 100.0,
                 ..AT_ZERO
             },
         );
     });
+    for rail in [0.0, 4095.0] {
+        trips(&settings, Fault::CurrentSignal, |c| {
+            run(
+                c,
+                1,
+                Measurement {
+                    current_adc: rail,
+                    ..AT_ZERO
+                },
+            );
+        });
+    }
     trips(&settings, Fault::NonFinite, |c| {
         assert_eq!(
             run(
@@ -114,15 +133,22 @@ fn each_fault_of_the_measurements_trips() {
             Duty::ZERO
         );
     });
-    trips(&settings, Fault::SensorDisagreement, |c| {
-        run(
-            c,
-            2_000,
-            Measurement {
-                hall_adc: 2500,
-                ..AT_ZERO
-            },
-        );
+    // So weak that the current, which does not follow here, is not missed.
+    let mut weak = settings;
+    weak.pid.kp_nm_per_deg = 1e-4;
+    weak.pid.kd_nm_s_per_deg = 0.0;
+    trips(&weak, Fault::SensorDisagreement, |c| {
+        for turn in 0..100 {
+            run(
+                c,
+                20,
+                Measurement {
+                    encoder_count: 25 * (turn % 2),
+                    hall_adc: 2500,
+                    ..AT_ZERO
+                },
+            );
+        }
     });
     trips(&no_hall_check, Fault::Travel, |c| {
         run(
@@ -301,8 +327,8 @@ fn settings_that_nobody_checked_end_in_a_fault_and_not_in_a_torque() {
 #[test]
 fn the_current_offset_is_only_taken_from_an_idle_bridge() {
     let mut controller = Controller::new(&Settings::default(), RATE);
-    controller.calibrate_current_offset(2100.0).unwrap();
-    assert!(controller.calibrate_current_offset(100.0).is_err());
+    controller.calibrate_current_offset(&idle(2100.0)).unwrap();
+    assert!(controller.calibrate_current_offset(&idle(100.0)).is_err());
     controller.step(&Measurement {
         current_adc: 2100.0,
         ..AT_ZERO

@@ -3,7 +3,8 @@
 use std::f32::consts::TAU;
 
 use haptic_paddle::console::Session;
-use haptic_paddle::controller::{Controller, Measurement, Mode, TickRate};
+use haptic_paddle::controller::{ArmError, Controller, Measurement, Mode, TickRate};
+use haptic_paddle::sensing::current::IdleReading;
 use haptic_paddle::settings::Settings;
 
 const TICK_HZ: f32 = 20_000.0;
@@ -25,11 +26,12 @@ const SOUND: Wires = Wires {
     hall: 1.0,
 };
 
-/// A lab bench: a paddle that is a mass with some friction and makes every torque asked of it, and a terminal.
+/// A lab bench: a paddle that is a mass with some friction, its motor, and a terminal.
 struct Bench {
     wires: Wires,
     angle_rad: f32,
     velocity_rad_s: f32,
+    current_a: f32,
     controller: Controller,
     session: Session,
     screen: String,
@@ -42,6 +44,7 @@ impl Bench {
             wires,
             angle_rad: 0.0,
             velocity_rad_s: 0.0,
+            current_a: 0.0,
             controller: Controller::new(&settings, RATE),
             session: Session::new(settings, RATE, Ok(())),
             screen: String::new(),
@@ -58,21 +61,28 @@ impl Bench {
         Measurement {
             encoder_count: counts.round() as i32 as u32,
             hall_adc: (pin_v / 2.5 * 4096.0).round() as u16,
-            current_adc: 2048.0,
+            current_adc: 2048.0 - self.current_a * 1228.8,
         }
     }
 
     fn run(&mut self, seconds: f32) {
         const INERTIA_KG_M2: f32 = 5.5e-4;
         const VISCOUS_NM_S: f32 = 4e-3;
+        const TORQUE_CONSTANT: f32 = 0.0538;
+        const RESISTANCE_OHM: f32 = 10.6;
+        /// Of the way to its settled current that the winding goes in a tick.
+        const SETTLED_SHARE: f32 = 0.346;
         for tick in 0..(seconds * TICK_HZ) as usize {
             let measurement = self.measure();
-            self.controller.step(&measurement);
-            let torque_nm = if self.controller.mode() == Mode::Off {
-                0.0
+            let duty = self.controller.step(&measurement);
+            let constant = self.wires.motor * TORQUE_CONSTANT;
+            if self.controller.mode() == Mode::Off || constant == 0.0 {
+                self.current_a = 0.0;
             } else {
-                self.wires.motor * RATIO * self.controller.torque_command_nm()
-            };
+                let driving_v = 24.0 * duty.0 - constant * RATIO * self.velocity_rad_s;
+                self.current_a += (driving_v / RESISTANCE_OHM - self.current_a) * SETTLED_SHARE;
+            }
+            let torque_nm = RATIO * constant * self.current_a;
             let acceleration = (torque_nm - VISCOUS_NM_S * self.velocity_rad_s) / INERTIA_KG_M2;
             self.velocity_rad_s += acceleration / TICK_HZ;
             self.angle_rad += self.velocity_rad_s / TICK_HZ;
@@ -176,6 +186,7 @@ fn a_swapped_or_cut_wire_is_named_and_nothing_is_armed() {
             "{hint}: moved {} deg",
             bench.angle_rad.to_degrees()
         );
+        bench.enter("clear");
         let again = bench.enter("arm");
         assert!(again.contains("checking"), "{hint}: not checked again");
     }
@@ -193,9 +204,11 @@ fn arming_needs_a_zero_first() {
 #[test]
 fn an_amplifier_that_cannot_be_calibrated_forbids_arming() {
     let mut bench = Bench::new(SOUND);
-    let offset = bench.controller.calibrate_current_offset(4095.0);
+    let offset = bench
+        .controller
+        .calibrate_current_offset(&IdleReading::default());
     assert!(offset.is_err());
-    bench.session = Session::new(Settings::default(), RATE, offset);
+    bench.session = Session::new(Settings::default(), RATE, offset.map_err(ArmError::Offset));
     bench.enter("zero");
     for line in ["arm", "arm torque"] {
         let screen = bench.enter(line);

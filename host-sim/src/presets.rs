@@ -5,7 +5,7 @@ use crate::device::Device;
 use crate::motor::Motor;
 use crate::plant::{Friction, Stribeck};
 use crate::sensing::Sensing;
-use haptic_paddle::settings::Settings;
+use haptic_paddle::settings::{DerivativeSource, Settings};
 use recording::Model;
 
 /// Turns of the motor per turn of the paddle: 75 mm over 5 mm.
@@ -49,11 +49,13 @@ pub fn refit() -> Device {
 const HALL_GAIN: f64 = 1.12;
 const HALL_LAG_S: f64 = 0.25e-3;
 
-/// The refitted paddle on the lab's board, which makes exactly the torque that the core asks for.
+/// The refitted paddle on the lab's board, which makes exactly the torque that the core asks for, with the lab's
+/// derivative.
 ///
 /// Its Hall sensor has no noise, as in the refit: noise dithers dry friction, and moves what hangs on a few hundredths
 /// of a degree at rest.
-pub fn lab(settings: Settings) -> LoopSetup {
+pub fn lab(mut settings: Settings) -> LoopSetup {
+    settings.pid.derivative = DerivativeSource::Position;
     let mut setup = LoopSetup::ideal(refit(), settings);
     setup.rates = Rates::LAB_BOARD;
     setup.paddle.hall.noise_v = 0.0;

@@ -1,13 +1,12 @@
 //! The H-bridge on TIM8: two outputs of opposite polarity, so that half duty is no voltage. Its update is the
 //! beginning of a control period.
 
-use core::sync::atomic::{AtomicBool, Ordering};
-
 use haptic_paddle::controller::Duty;
 use stm32f4xx_hal::pac::{EXTI, TIM8};
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 
-use super::FaultPin;
+use super::events;
+use super::pins;
 
 /// Clock of TIM8: twice that of its bus.
 pub const TIMER_HZ: u32 = 2 * super::PCLK2_HZ;
@@ -18,18 +17,17 @@ const REPETITIONS: u8 = 3;
 /// Timer clocks of one control period.
 pub const CLOCKS_PER_PERIOD: u32 = TOP as u32 * (REPETITIONS as u32 + 1);
 
-/// Set when nFAULT fell, until the control loop has seen it.
-static TRIPPED: AtomicBool = AtomicBool::new(false);
+/// For how long nFAULT must stay low to count, us. Drivers hold theirs for milliseconds.
+const GLITCH_US: u32 = 2;
 
 /// The bridge; the control loop owns it.
 pub struct Bridge {
     timer: TIM8,
-    fault_pin: FaultPin,
 }
 
 impl Bridge {
     /// A bridge that is off, at no voltage, with its timer set up and standing still.
-    pub fn new(timer: TIM8, fault_pin: FaultPin, rcc: &mut Rcc) -> Self {
+    pub fn new(timer: TIM8, rcc: &mut Rcc) -> Self {
         TIM8::enable(rcc);
         timer.psc().write(|w| w.psc().set(0));
         timer.arr().write(|w| w.arr().set(TOP));
@@ -37,24 +35,32 @@ impl Bridge {
         timer.ccmr1_output().write(|w| {
             w.oc1m().pwm_mode1();
             w.oc1pe().enabled();
-            w.oc2m().pwm_mode1();
+            // The opposite of channel 1 by its mode and not by its polarity: an output that is broken off passes
+            // through the level that its polarity calls inactive, which is to be the low one.
+            w.oc2m().pwm_mode2();
             w.oc2pe().enabled()
         });
         timer.ccer().write(|w| {
             w.cc1e().set_bit();
-            w.cc2e().set_bit();
-            w.cc2p().set_bit()
+            w.cc2e().set_bit()
         });
         timer.cr2().write(|w| w.mms().update());
         timer.cr1().write(|w| {
             w.cms().center_aligned1();
             w.arpe().set_bit()
         });
-        let bridge = Self { timer, fault_pin };
+        let bridge = Self { timer };
         bridge.release();
         bridge.timer.egr().write(|w| w.ug().set_bit());
+        // Broken off by the clock security system or held by a debugger, the outputs are low, which brakes (OSSI, with
+        // idle states that are low after a reset). No pin is the break input, which then reads low: it breaks when high.
         // Outputs on by hand only: automatic enable would undo a stop by itself.
-        bridge.timer.bdtr().write(|w| w.moe().set_bit());
+        bridge.timer.bdtr().write(|w| {
+            w.ossi().idle_level();
+            w.bke().enabled();
+            w.bkp().active_high()
+        });
+        bridge.timer.bdtr().modify(|_, w| w.moe().set_bit());
         bridge
     }
 
@@ -94,8 +100,8 @@ impl Bridge {
     pub fn drive(&self, duty: Duty) {
         self.set(duty);
         super::bridge_on();
-        // nFAULT may have fallen, and its interrupt turned the bridge off, in the middle of this.
-        if TRIPPED.load(Ordering::Relaxed) {
+        // An interrupt may have turned the bridge off in the middle of this.
+        if events::pending() != 0 {
             super::bridge_off();
         }
     }
@@ -105,16 +111,6 @@ impl Bridge {
     pub fn release(&self) {
         super::bridge_off();
         self.set(Duty::ZERO);
-    }
-
-    /// Whether the bridge reports a fault, or did since the last question.
-    #[inline]
-    pub fn tripped(&self) -> bool {
-        let tripped = TRIPPED.load(Ordering::Relaxed);
-        if tripped {
-            TRIPPED.store(false, Ordering::Relaxed);
-        }
-        tripped || self.fault_pin.is_low()
     }
 
     #[inline]
@@ -137,9 +133,16 @@ impl FaultLine {
         Self { exti, line }
     }
 
-    /// Takes notice of a fall, and tells the control loop.
+    /// Takes notice of a fall, and tells the control loop whether it was more than a glitch.
     pub fn trip(&self) {
-        TRIPPED.store(true, Ordering::Relaxed);
         self.exti.pr().write(|w| w.pr(self.line).clear());
+        // The write is posted: read back, it has taken effect before the return, and the interrupt does not come again.
+        let _ = self.exti.pr().read();
+        super::clocks::wait_us(GLITCH_US);
+        events::raise(if pins::bridge_reports_fault() {
+            events::BRIDGE
+        } else {
+            events::GLITCH
+        });
     }
 }

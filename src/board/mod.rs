@@ -1,41 +1,38 @@
-//! The board: what the app needs of it, and how each board provides that.
+//! The lab's paddle board: STM32F407VG, 8 MHz crystal, 24 V motor supply, converter reference 2.5 V.
 //!
-//! A board is one file: its pins, the converter channels among them, and its oscillator. What stands behind the pins
-//! is the same on every STM32F4 with TIM8 and three converters, and has a file for each thing.
+//! What the app needs of it, a file for each thing behind the pins.
 
 mod bridge;
+mod button;
+mod clocks;
 mod converters;
 mod encoder;
-
-#[cfg(feature = "nucleo-f446")]
-mod nucleo_f446;
-#[cfg(feature = "paddle-f407")]
-mod paddle_f407;
-
-#[cfg(feature = "nucleo-f446")]
-pub use nucleo_f446::*;
-#[cfg(feature = "paddle-f407")]
-pub use paddle_f407::*;
-
-#[cfg(not(any(feature = "nucleo-f446", feature = "paddle-f407")))]
-compile_error!("choose a board: --features paddle-f407 or --features nucleo-f446");
-#[cfg(all(feature = "nucleo-f446", feature = "paddle-f407"))]
-compile_error!("one board only: add --no-default-features");
+pub mod events;
+mod pins;
+mod serial;
+mod supply;
 
 use core::ops::Range;
 
 use haptic_paddle::controller::Measurement;
-use stm32f4xx_hal::gpio::{Edge, PinExt};
+use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinExt};
 use stm32f4xx_hal::pac::{self, USART2};
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Rx, Tx};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use bridge::{Bridge, FaultLine};
+pub use button::Button;
+pub use clocks::{Oscillator, PeriodClock};
+use clocks::{PCLK2_HZ, SYSCLK_HZ};
 use converters::Converters;
-pub use converters::{PERIODS_TO_MEASURE, sample_current_once};
+pub use converters::{PERIODS_TO_MEASURE, overrun, sample_current_once};
 use encoder::Encoder;
+use pins::Pins;
+pub use pins::{ENABLE_BSRR, ENABLE_OFF, bridge_reports_fault};
+pub use serial::receive;
+pub use supply::Supply;
+pub use supply::fell as supply_fell;
 
 /// Control periods a second.
 pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
@@ -43,23 +40,19 @@ pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
 /// Main RAM, as `memory.x` has it.
 pub const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
 
-const HSE_HZ: u32 = 8_000_000;
-const SYSCLK_HZ: u32 = 168_000_000;
-const PCLK1_HZ: u32 = SYSCLK_HZ / 4;
-const PCLK2_HZ: u32 = SYSCLK_HZ / 2;
 /// Within 0.2 % of what the clock can divide to, and known to every terminal program.
 const BAUD: u32 = 460_800;
 
 pub type SerialTx = Tx<USART2>;
 pub type SerialRx = Rx<USART2>;
 
-/// Ports that boards have their pins on.
-#[cfg_attr(feature = "nucleo-f446", expect(dead_code, reason = "two ports do"))]
+/// Ports that the board has its pins on.
 pub struct Ports {
     a: pac::GPIOA,
     b: pac::GPIOB,
     c: pac::GPIOC,
     d: pac::GPIOD,
+    e: pac::GPIOE,
 }
 
 /// A board that is set up: sensors converting, timer running, bridge off.
@@ -69,53 +62,77 @@ pub struct Board {
     pub fault_line: FaultLine,
     pub serial: (SerialTx, SerialRx),
     pub watchdog: IndependentWatchdog,
+    pub supply: Supply,
+    pub button: Button,
+    pub periods: PeriodClock,
+    pub oscillator: Oscillator,
 }
 
+/// Nominal time to reset during the boot, ms: longer than a crystal may take and the option bytes do, even with the
+/// fastest oscillator behind the watchdog.
+const BOOT_WATCHDOG_MS: u32 = 2000;
+
 impl Board {
-    /// Sets the board up.
+    /// Sets the board up: pins first, the watchdog next, and what may fail to start after them.
     pub fn new(chip: pac::Peripherals) -> Self {
-        let mut rcc = start_clocks(chip.RCC);
+        let mut rcc = chip.RCC.constrain();
         let mut pins = Pins::new(
             Ports {
                 a: chip.GPIOA,
                 b: chip.GPIOB,
                 c: chip.GPIOC,
                 d: chip.GPIOD,
+                e: chip.GPIOE,
             },
             &mut rcc,
         );
+        let mut watchdog = IndependentWatchdog::new(chip.IWDG);
+        stop_with_the_debugger(&chip.DBGMCU, &watchdog);
+        watchdog.start(BOOT_WATCHDOG_MS.millis());
+
         let mut exti = chip.EXTI;
-        pins.fault
-            .make_interrupt_source(&mut chip.SYSCFG.constrain(&mut rcc));
+        let supply = Supply::new(chip.PWR, &mut exti, &mut rcc);
+        supply.hold_in_reset_when_low(&chip.FLASH);
+        let (mut rcc, oscillator) = clocks::start(rcc);
+
+        let mut syscfg = chip.SYSCFG.constrain(&mut rcc);
+        pins.button.make_interrupt_source(&mut syscfg);
+        pins.button.trigger_on_edge(&mut exti, Edge::RisingFalling);
+        pins.button.enable_interrupt(&mut exti);
+        pins.fault.make_interrupt_source(&mut syscfg);
         pins.fault.trigger_on_edge(&mut exti, Edge::Falling);
         pins.fault.enable_interrupt(&mut exti);
         let fault_line = FaultLine::new(exti, pins.fault.pin_id());
 
-        let bridge = Bridge::new(chip.TIM8, pins.fault, &mut rcc);
+        let bridge = Bridge::new(chip.TIM8, &mut rcc);
         let sensors = Sensors {
             encoder: Encoder::new(chip.TIM5, &mut rcc),
             converters: Converters::new(
                 chip.ADC1,
                 chip.ADC3,
                 &chip.ADC_COMMON,
-                &chip.DMA2,
+                chip.DMA2,
+                chip.TIM3,
                 &mut rcc,
             ),
         };
+        sensors.converters.start();
         bridge.start();
 
         let port = match chip.USART2.serial(pins.serial, BAUD.bps(), &mut rcc) {
             Ok(port) => port,
             Err(_) => unreachable!("the bus clock divides to this rate"),
         };
-        let watchdog = IndependentWatchdog::new(chip.IWDG);
-        stop_with_the_debugger(&chip.DBGMCU, &watchdog);
         Self {
             bridge,
             sensors,
             fault_line,
             serial: port.split(),
             watchdog,
+            supply,
+            button: Button::new(pins.button),
+            periods: PeriodClock::new(chip.TIM2, &mut rcc),
+            oscillator,
         }
     }
 }
@@ -131,6 +148,17 @@ impl Sensors {
     #[inline(never)]
     pub fn current_counts(&self) -> f32 {
         self.converters.current_counts()
+    }
+
+    /// Stops the ring of the current's samples.
+    pub fn stop(&self) {
+        self.converters.stop();
+    }
+
+    /// Begins it anew, in step with the control periods; to be called within 1.9 us of the beginning of one, before its
+    /// first sample has arrived.
+    pub fn go_on(&self) {
+        self.converters.go_on();
     }
 
     /// What the control loop gets to see of this period.
@@ -167,22 +195,11 @@ fn bridge_on() {
 /// In a GPIO set/reset register the upper half resets what the lower half sets.
 const RESET_SHIFT: u32 = 16;
 
-/// Clocks from the crystal, watched: should it stop, the non-maskable interrupt turns the bridge off.
-fn start_clocks(rcc: pac::RCC) -> Rcc {
-    let rcc = rcc.freeze(
-        oscillator()
-            .sysclk(SYSCLK_HZ.Hz())
-            .hclk(SYSCLK_HZ.Hz())
-            .pclk1(PCLK1_HZ.Hz())
-            .pclk2(PCLK2_HZ.Hz()),
-    );
-    rcc.cr().modify(|_, w| w.csson().set_bit());
-    rcc
-}
-
 /// A processor that a debugger halts must neither leave the motor on nor be reset, and one that sleeps must answer.
+/// With its counter held, TIM8 drives the bridge's inputs to their idle state (RM0090, sections 17.3.20 and 38.16).
 fn stop_with_the_debugger(dbgmcu: &pac::DBGMCU, watchdog: &IndependentWatchdog) {
     dbgmcu.apb2_fz().modify(|_, w| w.dbg_tim8_stop().set_bit());
+    dbgmcu.apb1_fz().modify(|_, w| w.dbg_tim3_stop().set_bit());
     dbgmcu.cr().modify(|_, w| w.dbg_sleep().set_bit());
     watchdog.stop_on_debug(dbgmcu, true);
 }

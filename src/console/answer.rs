@@ -7,6 +7,7 @@ use crate::controller::{ArmError, Mode, ReferenceError, Status, ZeroError};
 use crate::decimal::{Decimal, Fixed};
 use crate::excitation::ExcitationError;
 use crate::metrics::StepReport;
+use crate::safety::{Counters, FaultLog};
 use crate::settings::{FIELDS, SettingError, Settings, Shown};
 use crate::units::DEG_PER_RAD;
 
@@ -21,6 +22,10 @@ pub enum Answer {
     Settings(Settings),
     /// The state of the controller.
     Status(Status),
+    /// The last faults, and how often limits acted.
+    Faults(FaultLog, Counters),
+    /// That a sign of life was heard.
+    Beat,
 }
 
 impl fmt::Display for Answer {
@@ -32,6 +37,24 @@ impl fmt::Display for Answer {
             Self::Setting(shown) => shown.fmt(f),
             Self::Settings(settings) => lines(f, FIELDS, |f, field| field.shown(settings).fmt(f)),
             Self::Status(status) => status.fmt(f),
+            Self::Faults(faults, counters) => {
+                if let Some(cause) = faults.reset {
+                    write!(f, "last reset: {cause}\r\n")?;
+                }
+                if faults.is_empty() {
+                    f.write_str("no fault")?;
+                }
+                for (index, record) in faults.iter().enumerate() {
+                    write!(f, "{}{record}", if index > 0 { "\r\n" } else { "" })?;
+                }
+                f.write_str("\r\nlimits acted: ")?;
+                for (index, (acted, name)) in Counters::NAMES.iter().enumerate() {
+                    let comma = if index > 0 { ", " } else { "" };
+                    write!(f, "{comma}{name} {}", counters.of(*acted))?;
+                }
+                Ok(())
+            }
+            Self::Beat => f.write_str("beat"),
         }
     }
 }
@@ -54,6 +77,7 @@ impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Off => "off",
+            Self::Idle => "idle",
             Self::Torque => "torque",
             Self::Position => "position",
         })

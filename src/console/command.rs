@@ -22,8 +22,8 @@ pub struct Usage {
 }
 
 /// All commands.
-pub static COMMANDS: [Usage; 12] = [
-    HELP, GET, SET, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS, CLEAR,
+pub static COMMANDS: [Usage; 14] = [
+    HELP, GET, SET, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS, FAULTS, CLEAR, BEAT,
 ];
 
 const fn usage(name: &'static str, arguments: &'static str, purpose: &'static str) -> Usage {
@@ -65,7 +65,17 @@ const STATUS: Usage = usage(
     "",
     "mode, fault, position, torque, current, step metrics",
 );
-const CLEAR: Usage = usage("clear", "", "forget the latched fault");
+const FAULTS: Usage = usage(
+    "faults",
+    "",
+    "the last faults with what was there, first cause first, and how often limits acted",
+);
+const CLEAR: Usage = usage("clear", "", "let go of the latched fault");
+const BEAT: Usage = usage(
+    "beat",
+    "",
+    "a program steers: silence for host.heartbeat is a fault from now on",
+);
 
 /// How the encoder gets its zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,8 +112,12 @@ pub enum Command {
     Stop,
     /// State of the controller.
     Status,
-    /// Forget the fault.
+    /// The last faults.
+    Faults,
+    /// Let go of the fault.
     Clear,
+    /// A program steers.
+    Beat,
 }
 
 /// Why a line is no command.
@@ -198,6 +212,8 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
         "start" => Command::Start(arguments.excitation()?),
         "stop" => Command::Stop,
         "clear" => Command::Clear,
+        "faults" => Command::Faults,
+        "beat" => Command::Beat,
         _ => Command::Status,
     };
     if arguments.optional().is_some() {

@@ -4,8 +4,10 @@ use super::MAX_LINE_BYTES;
 
 const BACKSPACE: u8 = 0x08;
 const DELETE: u8 = 0x7F;
+/// Ctrl-C, which stops everything at once.
+pub const STOP_BYTE: u8 = 0x03;
 /// Ctrl-C and Ctrl-U, by which terminals drop a line.
-const DROP_LINE: [u8; 2] = [0x03, 0x15];
+const DROP_LINE: [u8; 2] = [STOP_BYTE, 0x15];
 
 /// What a byte did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ mod session;
 
 pub use answer::{Answer, Refusal};
 pub use command::{COMMANDS, Command, MAX_LINE_BYTES, ParseError, Usage, Zero, parse};
-pub use line::{LineEditor, Typed};
+pub use line::{LineEditor, STOP_BYTE, Typed};
 pub use session::Session;
 
 use crate::controller::{Controller, Mode, TickRate, Tuning};
@@ -70,6 +70,10 @@ pub fn execute(
             })
         })?,
         Command::Stop => controller.with(Controller::stop),
+        Command::Faults => {
+            return Ok(controller.with(|c| Answer::Faults(*c.faults(), c.counters())));
+        }
+        Command::Beat => return Ok(Answer::Beat),
         Command::Status => {}
     }
     Ok(Answer::Status(controller.with(|c| c.status())))

@@ -2,43 +2,76 @@
 
 use core::fmt;
 
-use super::line::{LineEditor, Typed};
+use super::line::{LineEditor, STOP_BYTE, Typed};
 use super::{Command, Lender, ParseError, execute, parse};
-use crate::controller::{ArmError, Controller, Mode, TickRate};
+use crate::controller::{ArmError, Controller, Mode, StopCause, TickRate, Tuning};
 use crate::safety::Fault;
-use crate::sensing::current::OffsetError;
 use crate::settings::Settings;
 use crate::wiring::{Angles, Progress, WiringCheck};
+
+/// For how long the bridge stands at no voltage before its current is read, and how many readings are taken.
+const SETTLE_S: f32 = 0.02;
+const IDLE_PERIODS: f32 = 1024.0;
+/// The winding's resistance may be this many times larger or smaller than motor.resistance says.
+const RESISTANCE_FACTOR: f32 = 2.0;
 
 /// Somebody at a terminal, and the paddle that they tune.
 #[derive(Debug)]
 pub struct Session {
     settings: Settings,
     rate: TickRate,
-    offset: Result<(), OffsetError>,
+    ready: Result<(), ArmError>,
     line: LineEditor,
-    check: Option<WiringCheck>,
+    arming: Option<Arming>,
     wired: bool,
     announced: Option<Fault>,
+    bridge_ready: bool,
+    /// For how long nothing was heard of the program that steers, s; `None` while none does.
+    silent_s: Option<f32>,
+}
+
+/// On the way to a mode.
+#[derive(Clone, Copy, Debug)]
+struct Arming {
+    mode: Mode,
+    stage: Stage,
+}
+
+/// How far that is.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    /// The bridge is on at no voltage, for so long yet, s.
+    Settling(f32),
+    /// The current's offset is read.
+    Reading,
+    /// The wiring is checked.
+    Checking(WiringCheck),
 }
 
 impl Session {
-    /// A session with a controller of these settings and rate, whose current offset was calibrated with this result.
-    pub fn new(settings: Settings, rate: TickRate, offset: Result<(), OffsetError>) -> Self {
+    /// A session with a controller of these settings and rate, on a board that is ready to be armed or not.
+    pub fn new(settings: Settings, rate: TickRate, ready: Result<(), ArmError>) -> Self {
         Self {
             settings,
             rate,
-            offset,
+            ready,
             line: LineEditor::default(),
-            check: None,
+            arming: None,
             wired: false,
             announced: None,
+            bridge_ready: true,
+            silent_s: None,
         }
     }
 
     /// The settings as they are now.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// Whether the bridge reports no fault, as far as the last look found.
+    pub fn bridge_is_ready(&self) -> bool {
+        self.bridge_ready
     }
 
     /// Says hello.
@@ -50,19 +83,27 @@ impl Session {
                 env!("CARGO_PKG_VERSION")
             ),
         );
-        if let Err(error) = &self.offset {
+        if let Err(error) = &self.ready {
             say(out, format_args!("{error}"));
         }
         prompt(out);
     }
 
-    /// Whether [`Self::type_in`] may be called: not while the wiring is being checked.
+    /// Whether [`Self::type_in`] takes more than Ctrl-C: not on the way to a mode.
     pub fn listens(&self) -> bool {
-        self.check.is_none()
+        self.arming.is_none()
     }
 
-    /// Takes a typed byte.
+    /// Takes a typed byte. Ctrl-C stops everything at once, in every state.
     pub fn type_in(&mut self, byte: u8, controller: &mut impl Lender, out: &mut impl fmt::Write) {
+        if let Some(silent_s) = &mut self.silent_s {
+            *silent_s = 0.0;
+        }
+        if byte == STOP_BYTE {
+            controller.with(|c| c.stop_at_once(StopCause::Typed));
+        } else if !self.listens() {
+            return;
+        }
         let command = match self.line.push(byte) {
             Typed::Added(byte) => {
                 let shown = if byte.is_ascii_graphic() || byte == b' ' {
@@ -107,67 +148,205 @@ impl Session {
         controller: &mut impl Lender,
         out: &mut impl fmt::Write,
     ) {
-        let fault = controller.with(|c| c.fault());
-        if let Some(fault) = fault
+        let silent = self.falls_silent(elapsed_s);
+        let seen = controller.with(|c| {
+            if silent && c.mode() != Mode::Off {
+                c.report_fault(Fault::HostSilent);
+            }
+            Seen {
+                fault: c.fault(),
+                stopped: c.take_stopped(),
+                bridge_ready: c.bridge_ready(),
+                off: c.mode() == Mode::Off,
+            }
+        });
+        self.announce(&seen, out);
+        if let Some(arming) = self.arming.take() {
+            self.go_on(arming, elapsed_s, controller, out);
+        }
+    }
+
+    /// Whether the program that steers has just been silent for too long.
+    fn falls_silent(&mut self, elapsed_s: f32) -> bool {
+        let Some(silent_s) = &mut self.silent_s else {
+            return false;
+        };
+        *silent_s += elapsed_s;
+        let longest_s = 1e-3 * self.settings.host.heartbeat_ms;
+        longest_s > 0.0 && *silent_s > longest_s
+    }
+
+    /// Says what has happened since the last look.
+    fn announce(&mut self, seen: &Seen, out: &mut impl fmt::Write) {
+        let disturbed = self.arming.take_if(|_| seen.off);
+        let mut said = false;
+        if let Some(fault) = seen.fault
             && self.announced != Some(fault)
         {
             self.wired = false;
-            let checking = self.check.take().is_some();
             say(out, format_args!("\r\nfault: {fault}"));
-            if checking {
-                say(out, format_args!("wiring not checked, disarmed"));
+            said = true;
+        }
+        self.announced = seen.fault;
+        if let Some(cause) = seen.stopped {
+            let who = match cause {
+                StopCause::Typed => "Ctrl-C",
+                StopCause::Button => "the button",
+            };
+            say(out, format_args!("\r\nstopped by {who}"));
+            said = true;
+        }
+        if let Some(Arming { stage, .. }) = disturbed {
+            if let Stage::Checking(check) = stage
+                && let Some(Err(error)) = check.verdict()
+            {
+                say(out, format_args!("{error}"));
             }
+            say(out, format_args!("not armed"));
+            said = true;
+        }
+        if seen.bridge_ready != self.bridge_ready {
+            self.bridge_ready = seen.bridge_ready;
+            if seen.fault == Some(Fault::Bridge) && !seen.bridge_ready {
+                // Said already.
+            } else if seen.bridge_ready {
+                say(out, format_args!("\r\nthe bridge is ready"));
+            } else {
+                say(out, format_args!("\r\n{}", ArmError::BridgeNotReady));
+            }
+            said = true;
+        }
+        if said {
             prompt(out);
         }
-        self.announced = fault;
-        if let Some(mut check) = self.check.take() {
-            match controller.with(|c| advance(&mut check, elapsed_s, c)) {
-                Progress::Push(_) => self.check = Some(check),
-                Progress::Done(Err(error)) => {
-                    say(out, format_args!("{error}"));
-                    prompt(out);
+    }
+
+    /// Goes a look further on the way to a mode.
+    fn go_on(
+        &mut self,
+        arming: Arming,
+        elapsed_s: f32,
+        controller: &mut impl Lender,
+        out: &mut impl fmt::Write,
+    ) {
+        let Arming { mode, stage } = arming;
+        let next = match stage {
+            Stage::Settling(left_s) if left_s > 0.0 => {
+                Ok(Some(Stage::Settling(left_s - elapsed_s)))
+            }
+            Stage::Settling(_) => {
+                controller.with(Controller::restart_idle);
+                Ok(Some(Stage::Reading))
+            }
+            Stage::Reading => {
+                let (wired, limit_nm) = (self.wired, self.settings.motor.torque_limit_nm);
+                controller.with(|c| {
+                    if c.idle().periods() < IDLE_PERIODS {
+                        return Ok(Some(Stage::Reading));
+                    }
+                    c.take_offset().map_err(ArmError::Offset)?;
+                    if wired {
+                        return Ok(None);
+                    }
+                    c.arm_for_check()?;
+                    Ok(Some(Stage::Checking(WiringCheck::new(angles(c), limit_nm))))
+                })
+            }
+            Stage::Checking(mut check) => {
+                match controller.with(|c| advance(&mut check, elapsed_s, c)) {
+                    Progress::Push(_) => Ok(Some(Stage::Checking(check))),
+                    Progress::Done(Err(error)) => Err(ArmError::Wiring(error)),
+                    Progress::Done(Ok(())) => self.take_resistance(controller).map(|()| None),
                 }
-                Progress::Done(Ok(())) => {
-                    self.wired = true;
-                    self.obey(&Command::Arm(Mode::Position), controller, out);
-                    prompt(out);
-                }
+            }
+        };
+        match next {
+            Ok(Some(stage)) => self.arming = Some(Arming { mode, stage }),
+            Ok(None) => {
+                self.wired = true;
+                self.execute(&Command::Arm(mode), controller, out);
+                prompt(out);
+            }
+            Err(error) => {
+                controller.with(Controller::disarm);
+                say(out, format_args!("{error}"));
+                prompt(out);
             }
         }
     }
 
+    /// Takes over the winding's resistance as the wiring check has shown it; a motor that moved at once leaves it as it
+    /// is.
+    fn take_resistance(&mut self, controller: &mut impl Lender) -> Result<(), ArmError> {
+        let Some(measured_ohm) = controller.with(|c| c.resistance_ohm()) else {
+            return Ok(());
+        };
+        let expected_ohm = self.settings.motor.resistance_ohm;
+        let factor = measured_ohm / expected_ohm;
+        if !(factor > 1.0 / RESISTANCE_FACTOR && factor < RESISTANCE_FACTOR) {
+            return Err(ArmError::Resistance {
+                measured_ohm,
+                expected_ohm,
+            });
+        }
+        self.settings.motor.resistance_ohm = measured_ohm;
+        let tuning = Tuning::new(&self.settings, self.rate);
+        controller.with(|c| c.retune(tuning));
+        Ok(())
+    }
+
+    #[inline(never)]
     fn obey(&mut self, command: &Command, controller: &mut impl Lender, out: &mut impl fmt::Write) {
-        if let Command::Arm(mode) = *command
-            && mode != Mode::Off
-        {
-            if let Err(error) = &self.offset {
-                return say(out, format_args!("{error}"));
-            }
-            if mode == Mode::Position && !self.wired {
-                return match controller.with(|c| self.begin_check(c)) {
-                    Ok(()) => say(
-                        out,
-                        format_args!("checking the wiring: the paddle moves a little"),
-                    ),
+        match *command {
+            Command::Arm(mode) if mode != Mode::Off => {
+                match self
+                    .ready
+                    .and_then(|()| controller.with(|c| c.prepare(mode)))
+                {
+                    Ok(()) => {
+                        if !self.wired {
+                            say(
+                                out,
+                                format_args!("checking the wiring: the paddle moves a little"),
+                            );
+                        }
+                        self.arming = Some(Arming {
+                            mode,
+                            stage: Stage::Settling(SETTLE_S),
+                        });
+                    }
                     Err(error) => say(out, format_args!("{error}")),
-                };
+                }
+            }
+            _ => {
+                if *command == Command::Beat {
+                    self.silent_s = Some(0.0);
+                }
+                self.execute(command, controller, out);
             }
         }
+    }
+
+    #[inline(never)]
+    fn execute(
+        &mut self,
+        command: &Command,
+        controller: &mut impl Lender,
+        out: &mut impl fmt::Write,
+    ) {
         match execute(command, &mut self.settings, self.rate, controller) {
             Ok(answer) => say(out, format_args!("{answer}")),
             Err(refusal) => say(out, format_args!("{refusal}")),
         }
     }
+}
 
-    fn begin_check(&mut self, controller: &mut Controller) -> Result<(), ArmError> {
-        if !controller.zeroed() {
-            return Err(ArmError::NotZeroed);
-        }
-        controller.arm(Mode::Torque)?;
-        let limit_nm = self.settings.motor.torque_limit_nm;
-        self.check = Some(WiringCheck::new(angles(controller), limit_nm));
-        Ok(())
-    }
+/// What a look finds.
+struct Seen {
+    fault: Option<Fault>,
+    stopped: Option<StopCause>,
+    bridge_ready: bool,
+    off: bool,
 }
 
 fn advance(check: &mut WiringCheck, elapsed_s: f32, controller: &mut Controller) -> Progress {

@@ -6,8 +6,9 @@ use super::anti_windup::integrate;
 use crate::scalar::flushed;
 use crate::settings::MotorSettings;
 
-/// Largest duty: above it the bridge's bootstrap capacitors are not recharged.
-pub const MAX_DUTY: f32 = 0.98;
+/// Largest duty: above it the bridge's bootstrap capacitors are not recharged. Each input is then low for
+/// (1 - 0.95) / 2 of a PWM period, 625 ns at 40 kHz; the lab's 0.98 leave 333 ns at its 30 kHz.
+pub const MAX_DUTY: f32 = 0.95;
 
 /// Largest share of the error that a tick may correct: with one tick of delay 1/4 is critically damped.
 const MAX_CORRECTION_PER_TICK: f32 = 0.25;

@@ -20,6 +20,8 @@ pub struct PidGains {
     rate_filter: f32,
     bump_kept: f32,
     limit_nm: f32,
+    /// A tick, s, if the derivative is the observer's.
+    observed_tick_s: Option<f32>,
 }
 
 impl PidGains {
@@ -36,6 +38,15 @@ impl PidGains {
             rate_filter: low_pass::gain(settings.derivative_cutoff_hz, tick_s),
             bump_kept: 1.0 - (tick_s / BUMP_DECAY_S).min(1.0),
             limit_nm,
+            observed_tick_s: None,
+        }
+    }
+
+    /// The same, with the derivative taken from the observer's velocity, at ticks of `tick_s`.
+    pub fn observed(self, tick_s: f32) -> Self {
+        Self {
+            observed_tick_s: Some(tick_s),
+            ..self
         }
     }
 }
@@ -115,10 +126,19 @@ impl Pid {
 
     /// One tick: torque at the motor, N m, within the limit.
     ///
-    /// `feed_forward_nm` is added before the limit, so that the integral knows when the sum saturates.
+    /// `velocity_rad_s` is the observer's. `feed_forward_nm` is added before the limit, so that the integral knows when the sum saturates.
     #[inline]
-    pub fn update(&mut self, setpoint_rad: f32, position_rad: f32, feed_forward_nm: f32) -> f32 {
-        self.rate.update(position_rad - self.previous_rad);
+    pub fn update(
+        &mut self,
+        setpoint_rad: f32,
+        position_rad: f32,
+        velocity_rad_s: f32,
+        feed_forward_nm: f32,
+    ) -> f32 {
+        self.rate.update(match self.gains.observed_tick_s {
+            None => position_rad - self.previous_rad,
+            Some(tick_s) => velocity_rad_s * tick_s,
+        });
         self.previous_rad = position_rad;
         self.weighted_error_rad = self.gains.setpoint_weight * setpoint_rad - position_rad;
 

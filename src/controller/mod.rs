@@ -13,9 +13,9 @@ use crate::estimate::biquad::SecondOrder;
 use crate::estimate::velocity::VelocityObserver;
 use crate::excitation::{Excitation, ExcitationError, Generator, Shape};
 use crate::metrics::{StepMetrics, StepReport};
-use crate::safety::{Fault, Limits};
+use crate::safety::{Acted, Counters, Fault, FaultLog, FaultRecord, Limits, Monitor};
 use crate::scalar::limit;
-use crate::sensing::current::{CurrentSensor, OffsetError};
+use crate::sensing::current::{self, CurrentSensor, IdleReading, OffsetError};
 use crate::sensing::encoder::Encoder;
 use crate::sensing::hall::{self, HallCurve};
 use crate::settings::{Sensor, Settings};
@@ -31,7 +31,7 @@ pub struct Measurement {
     pub current_adc: f32,
 }
 
-/// Share of the supply on the motor, -0.98 to 0.98; positive turns the paddle the positive way.
+/// Share of the supply on the motor, -0.95 to 0.95; positive turns the paddle the positive way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Duty(pub f32);
 
@@ -62,10 +62,21 @@ pub enum Mode {
     /// Nothing: duty 0.
     #[default]
     Off,
+    /// Bridge on at no voltage, which brakes: the current's offset is read.
+    Idle,
     /// Open loop: the reference is a torque, N m at the motor.
     Torque,
     /// Position loop: the reference is an angle, rad at the paddle.
     Position,
+}
+
+/// Who stopped an armed paddle at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopCause {
+    /// Ctrl-C on the serial port.
+    Typed,
+    /// The button on the board.
+    Button,
 }
 
 /// The state of the controller at one moment.
@@ -118,7 +129,16 @@ pub struct Controller {
     band_rad: f32,
 
     mode: Mode,
+    /// Position ticks since boot.
+    ticks: u32,
     fault: Option<Fault>,
+    faults: FaultLog,
+    counters: Counters,
+    stopped: Option<StopCause>,
+    bridge_ready: bool,
+    monitor: Monitor,
+    idle: IdleReading,
+    duty: f32,
     zeroed: bool,
     primed: bool,
     seen: Option<Measurement>,
@@ -164,7 +184,15 @@ impl Controller {
             torque_limit_nm: tuning.torque_limit_nm,
             band_rad: tuning.band_rad,
             mode: Mode::Off,
+            ticks: 0,
             fault: None,
+            faults: FaultLog::default(),
+            counters: Counters::default(),
+            stopped: None,
+            bridge_ready: true,
+            monitor: Monitor::new(tuning.monitor),
+            idle: IdleReading::default(),
+            duty: 0.0,
             zeroed: false,
             primed: false,
             seen: None,
@@ -187,8 +215,7 @@ impl Controller {
     /// One control period: all that the control interrupt calls.
     #[inline]
     pub fn step(&mut self, measurement: &Measurement) -> Duty {
-        if !measurement.current_adc.is_finite() {
-            self.report_fault(Fault::NonFinite);
+        if !current::plausible(measurement.current_adc) && !self.bears(measurement.current_adc) {
             return Duty::ZERO;
         }
         self.current_a = self.current_sensor.amperes(measurement.current_adc);
@@ -200,10 +227,16 @@ impl Controller {
         self.ticks_to_position -= 1;
         if self.ticks_to_position == 0 {
             self.look_ahead();
+            self.watch(measurement);
         }
 
-        if self.mode == Mode::Off {
-            return Duty::ZERO;
+        match self.mode {
+            Mode::Off => return Duty::ZERO,
+            Mode::Idle => {
+                self.idle.add(measurement.current_adc);
+                return Duty::ZERO;
+            }
+            Mode::Torque | Mode::Position => {}
         }
         if self.limits.overcurrent(self.current_a) {
             self.report_fault(Fault::Overcurrent);
@@ -218,12 +251,48 @@ impl Controller {
             self.report_fault(Fault::NonFinite);
             return Duty::ZERO;
         }
+        self.duty = duty;
         Duty(duty)
+    }
+
+    /// Whether control goes on with a current's reading at an end of its range: disarmed it does, unless it is no number.
+    #[cold]
+    #[inline(never)]
+    fn bears(&mut self, mean_counts: f32) -> bool {
+        if !mean_counts.is_finite() {
+            self.report_fault(Fault::NonFinite);
+            return false;
+        }
+        if self.mode != Mode::Off {
+            self.report_fault(Fault::CurrentSignal);
+        }
+        self.mode == Mode::Off
+    }
+
+    /// What shows over a millisecond.
+    #[inline]
+    fn watch(&mut self, measurement: &Measurement) {
+        if self.mode == Mode::Off {
+            self.monitor.cool();
+            return;
+        }
+        if self.monitor.add(self.duty, self.current_a) {
+            let judged = self.monitor.judge(
+                self.torque_nm,
+                self.encoder_rad,
+                self.hall_rad,
+                hall::plausible(measurement.hall_adc),
+            );
+            if let Some(fault) = judged {
+                self.report_fault(fault);
+            }
+        }
     }
 
     /// Sensing, estimate and torque: once every divider ticks.
     #[inline]
     fn position_step(&mut self, measurement: &Measurement) {
+        self.ticks = self.ticks.wrapping_add(1);
         self.seen = Some(*measurement);
         self.encoder_rad = self.encoder.position_rad(measurement.encoder_count);
         self.hall_rad = self.hall.position_rad(measurement.hall_adc);
@@ -243,6 +312,9 @@ impl Controller {
             self.report_fault(fault);
             return;
         }
+        if self.mode == Mode::Idle {
+            return;
+        }
         let previous_setpoint = self.setpoint;
         self.setpoint = self.reference + self.excitation;
         self.behind = true;
@@ -250,14 +322,18 @@ impl Controller {
         let setpoint_velocity = if closed {
             (self.setpoint - previous_setpoint) * self.position_rate_hz
         } else {
-            velocity_rad_s
+            0.0
         };
         let compensation_nm =
             self.compensation
                 .torque_nm(self.position_rad, velocity_rad_s, setpoint_velocity);
         let torque_nm = if closed {
-            self.pid
-                .update(self.setpoint, self.position_rad, compensation_nm)
+            self.pid.update(
+                self.setpoint,
+                self.position_rad,
+                velocity_rad_s,
+                compensation_nm,
+            )
         } else {
             limit(self.setpoint + compensation_nm, self.torque_limit_nm)
         };
@@ -351,8 +427,8 @@ impl Controller {
     /// Starts to control. In position mode the reference is where the paddle stands, in torque mode 0.
     ///
     /// # Errors
-    /// [`ArmError`] if a fault is latched, nothing was measured yet, it is armed already, or, for position mode,
-    /// the encoder has no zero.
+    /// [`ArmError`] if a fault is latched, the bridge reports one, nothing was measured yet, it is armed already, or,
+    /// for position mode, the encoder has no zero.
     pub fn arm(&mut self, mode: Mode) -> Result<(), ArmError> {
         if let Some(fault) = self.fault {
             return Err(ArmError::Faulted(fault));
@@ -361,8 +437,11 @@ impl Controller {
             self.disarm();
             return Ok(());
         }
-        if self.mode != Mode::Off {
+        if !matches!(self.mode, Mode::Off | Mode::Idle) {
             return Err(ArmError::AlreadyArmed);
+        }
+        if !self.bridge_ready {
+            return Err(ArmError::BridgeNotReady);
         }
         if self.seen.is_none() {
             return Err(ArmError::NothingMeasured);
@@ -379,8 +458,109 @@ impl Controller {
         self.disagreed_ticks = 0;
         self.pid.reset(self.position_rad);
         self.current_loop.reset();
+        self.monitor.restart(self.encoder_rad, self.hall_rad);
+        self.idle = IdleReading::default();
+        self.duty = 0.0;
+        self.torque_nm = 0.0;
         self.mode = mode;
         Ok(())
+    }
+
+    /// Turns the bridge on at no voltage, on the way to `mode`.
+    ///
+    /// # Errors
+    /// As [`Self::arm`] into that mode.
+    pub fn prepare(&mut self, mode: Mode) -> Result<(), ArmError> {
+        if mode == Mode::Position && !self.zeroed && self.fault.is_none() {
+            return Err(ArmError::NotZeroed);
+        }
+        self.arm(Mode::Idle)
+    }
+
+    /// Arms torque mode for the wiring check.
+    ///
+    /// # Errors
+    /// As [`Self::arm`].
+    pub fn arm_for_check(&mut self) -> Result<(), ArmError> {
+        self.arm(Mode::Torque)?;
+        self.monitor.ignore_encoder();
+        Ok(())
+    }
+
+    /// Begins a new reading of the current at no voltage.
+    pub fn restart_idle(&mut self) {
+        self.idle = IdleReading::default();
+    }
+
+    /// The reading of the current at no voltage so far.
+    pub fn idle(&self) -> &IdleReading {
+        &self.idle
+    }
+
+    /// Takes the reading at no voltage as the current's offset.
+    ///
+    /// # Errors
+    /// [`OffsetError`] if that cannot be an idle bridge.
+    pub fn take_offset(&mut self) -> Result<(), OffsetError> {
+        self.current_sensor.calibrate(&self.idle)
+    }
+
+    /// Stops at once because somebody asks for it: as [`Self::disarm`], and remembered until it has been said.
+    #[cold]
+    #[inline(never)]
+    pub fn stop_at_once(&mut self, cause: StopCause) {
+        if self.mode != Mode::Off {
+            self.stopped = Some(cause);
+        }
+        self.disarm();
+    }
+
+    /// Who stopped it, once.
+    pub fn take_stopped(&mut self) -> Option<StopCause> {
+        self.stopped.take()
+    }
+
+    /// Whether the bridge reports no fault. Disarmed that is a state, as without its supply; armed it is a fault.
+    #[inline]
+    pub fn set_bridge_ready(&mut self, ready: bool) {
+        self.bridge_ready = ready;
+        if !ready && self.mode != Mode::Off {
+            self.report_fault(Fault::Bridge);
+        }
+    }
+
+    /// Whether the bridge reports no fault.
+    pub fn bridge_ready(&self) -> bool {
+        self.bridge_ready
+    }
+
+    /// Counts that a limit acted.
+    pub fn count(&mut self, acted: Acted) {
+        self.counters.count(acted);
+    }
+
+    /// How often limits acted.
+    pub fn counters(&self) -> Counters {
+        let (torque, duty) = self.monitor.limited();
+        self.counters
+            .with(Acted::TorqueLimit, torque)
+            .with(Acted::DutyLimit, duty)
+    }
+
+    /// Goes on from the faults of before the reset.
+    pub fn recall(&mut self, faults: FaultLog) {
+        self.faults = faults;
+        self.faults.clear();
+    }
+
+    /// The last faults, first cause first.
+    pub fn faults(&self) -> &FaultLog {
+        &self.faults
+    }
+
+    /// Resistance of the winding by what it did since it was armed, ohm.
+    pub fn resistance_ohm(&self) -> Option<f32> {
+        self.monitor.resistance_ohm()
     }
 
     /// Stops: duty 0 from the next step on.
@@ -389,6 +569,7 @@ impl Controller {
         self.stop();
         self.reference = 0.0;
         self.torque_nm = 0.0;
+        self.duty = 0.0;
     }
 
     /// Stops because of a fault, which stays until [`Self::clear_fault`]; the first fault is the one kept.
@@ -396,12 +577,24 @@ impl Controller {
     #[inline(never)]
     pub fn report_fault(&mut self, fault: Fault) {
         self.fault.get_or_insert(fault);
+        self.faults.push(FaultRecord {
+            fault,
+            before_reset: false,
+            time_s: self.ticks as f32 * self.position_tick_s,
+            encoder_rad: self.encoder_rad,
+            hall_rad: self.hall_rad,
+            velocity_rad_s: self.velocity.velocity_rad_s(),
+            torque_nm: self.torque_nm,
+            current_a: self.current_a,
+            duty: self.duty,
+        });
         self.disarm();
     }
 
     /// Forgets the fault. A latched fault always means disarmed, and this does not arm.
     pub fn clear_fault(&mut self) {
         self.fault = None;
+        self.faults.clear();
     }
 
     /// Declares that the paddle stands at `angle_rad`: the zero of the encoder.
@@ -456,7 +649,7 @@ impl Controller {
     /// Largest reference of the mode, in its unit; `None` while disarmed.
     fn reference_bound(&self) -> Option<f32> {
         match self.mode {
-            Mode::Off => None,
+            Mode::Off | Mode::Idle => None,
             Mode::Torque => Some(self.torque_limit_nm),
             Mode::Position => Some(self.limits.travel_rad()),
         }
@@ -515,17 +708,18 @@ impl Controller {
         self.compensation = tuning.compensation;
         self.current_loop.retune(tuning.current);
         self.limits = tuning.limits;
+        self.monitor.retune(tuning.monitor);
         self.torque_limit_nm = tuning.torque_limit_nm;
         self.torque_nm = limit(self.torque_nm, self.torque_limit_nm);
         self.band_rad = tuning.band_rad;
     }
 
-    /// Takes the mean reading of the current converter, counts, with the bridge idle, as its offset.
+    /// Takes readings of the current converter with the bridge off as its offset.
     ///
     /// # Errors
     /// [`OffsetError`] if that cannot be an idle bridge.
-    pub fn calibrate_current_offset(&mut self, idle_counts: f32) -> Result<(), OffsetError> {
-        self.current_sensor.calibrate(idle_counts)
+    pub fn calibrate_current_offset(&mut self, idle: &IdleReading) -> Result<(), OffsetError> {
+        self.current_sensor.calibrate(idle)
     }
 
     /// Everything below at once, for display and logging.

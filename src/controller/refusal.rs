@@ -2,13 +2,31 @@
 
 use core::fmt;
 
+use crate::decimal::Fixed;
 use crate::safety::Fault;
+use crate::sensing::current::OffsetError;
+use crate::wiring::WiringError;
 
 /// Why arming is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ArmError {
+    /// The board's crystal did not start.
+    NoCrystal,
+    /// The current amplifier cannot be calibrated.
+    Offset(OffsetError),
     /// This fault is latched.
     Faulted(Fault),
+    /// The wiring is not sound.
+    Wiring(WiringError),
+    /// The winding's resistance is not what the settings say.
+    Resistance {
+        /// As measured, ohm.
+        measured_ohm: f32,
+        /// By the settings, ohm.
+        expected_ohm: f32,
+    },
+    /// The bridge reports a fault.
+    BridgeNotReady,
     /// Armed already.
     AlreadyArmed,
     /// No measurement has arrived.
@@ -20,7 +38,25 @@ pub enum ArmError {
 impl fmt::Display for ArmError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::NoCrystal => f.write_str(
+                "the crystal does not start, the clocks are not exact: reset the board, or replace the crystal",
+            ),
+            Self::Offset(error) => error.fmt(f),
+            Self::Wiring(error) => error.fmt(f),
+            Self::Resistance {
+                measured_ohm,
+                expected_ohm,
+            } => write!(
+                f,
+                "the motor's winding has {} ohm, not {}: check the motor, its wires and the 24 V supply, or set \
+                 motor.resistance",
+                Fixed(*measured_ohm, 1),
+                Fixed(*expected_ohm, 1)
+            ),
             Self::Faulted(fault) => write!(f, "fault latched, mend and clear it: {fault}"),
+            Self::BridgeNotReady => f.write_str(
+                "the bridge reports a fault (nFAULT): is its 24 V supply on? check temperature and motor wires",
+            ),
             Self::AlreadyArmed => f.write_str("armed already: disarm first"),
             Self::NothingMeasured => {
                 f.write_str("nothing measured yet: is the control loop running?")

@@ -7,7 +7,7 @@ use crate::control::current::CurrentGains;
 use crate::control::position::PidGains;
 use crate::estimate::position_filter;
 use crate::estimate::velocity::ObserverGains;
-use crate::safety::Limits;
+use crate::safety::{Limits, MonitorGains};
 use crate::sensing::encoder;
 use crate::sensing::hall::HallCurve;
 use crate::settings::{Sensor, Settings};
@@ -53,6 +53,7 @@ pub struct Tuning {
     pub(super) compensation: Compensation,
     pub(super) current: CurrentGains,
     pub(super) limits: Limits,
+    pub(super) monitor: MonitorGains,
     pub(super) torque_limit_nm: f32,
     pub(super) band_rad: f32,
 }
@@ -63,6 +64,7 @@ impl Tuning {
         let tick_s = rate.position_tick_s();
         let ratio = settings.mechanism.ratio;
         let estimate = &settings.estimate;
+        let pid = PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s);
         Self {
             rad_per_count: encoder::rad_per_count(settings.mechanism.counts_per_turn, ratio),
             hall: HallCurve::new(&settings.hall),
@@ -70,10 +72,15 @@ impl Tuning {
             filter: position_filter::section(estimate, tick_s),
             velocity: ObserverGains::new(estimate.velocity_bandwidth_hz, tick_s),
             acceleration_per_nm: ratio / settings.mechanism.inertia_kg_m2,
-            pid: PidGains::new(&settings.pid, ratio, settings.motor.torque_limit_nm, tick_s),
+            pid: if settings.pid.derivative.is_observer(estimate.sensor) {
+                pid.observed(tick_s)
+            } else {
+                pid
+            },
             compensation: Compensation::new(&settings.compensation, ratio),
             current: CurrentGains::new(&settings.motor, ratio, rate.tick_s()),
             limits: Limits::new(&settings.limit, tick_s),
+            monitor: MonitorGains::new(settings, tick_s),
             torque_limit_nm: settings.motor.torque_limit_nm,
             band_rad: settings.metrics.band_deg * RAD_PER_DEG,
         }

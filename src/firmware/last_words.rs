@@ -12,6 +12,7 @@ use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
+use haptic_paddle::safety::{FaultLog, FaultRecord, ResetCause, WORDS_PER_RECORD};
 use stm32f4xx_hal::pac::RCC;
 
 use crate::board;
@@ -35,6 +36,89 @@ unsafe impl Sync for Keep {}
 #[unsafe(link_section = ".uninit.last_words")]
 static KEEP: Keep = Keep(UnsafeCell::new(MaybeUninit::uninit()));
 
+/// The faults, as words that are checked before they are believed.
+struct Faults {
+    mark: u32,
+    length: u32,
+    records: [[u32; WORDS_PER_RECORD]; FaultLog::CAPACITY],
+    check: u32,
+}
+
+impl Faults {
+    /// Differs if any word does.
+    fn sum(&self) -> u32 {
+        let words = self.records.iter().flatten();
+        words.fold(self.length, |sum, word| {
+            sum.rotate_left(5).wrapping_add(*word)
+        })
+    }
+}
+
+/// The faults, in memory that the start-up code leaves alone.
+struct KeepFaults(UnsafeCell<MaybeUninit<Faults>>);
+
+// SAFETY: read at boot, before tasks begin; written by the control interrupt only.
+unsafe impl Sync for KeepFaults {}
+
+#[unsafe(link_section = ".uninit.faults")]
+static KEEP_FAULTS: KeepFaults = KeepFaults(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// Keeps the faults over a reset; called by the control interrupt only.
+#[cold]
+pub fn keep_faults(log: &FaultLog) {
+    // SAFETY: see `KeepFaults`; any bit pattern is a `Faults`.
+    let kept = unsafe { (*KEEP_FAULTS.0.get()).assume_init_mut() };
+    kept.mark = 0;
+    kept.records = Default::default();
+    for (words, record) in kept.records.iter_mut().zip(log.iter()) {
+        *words = record.to_words();
+    }
+    kept.length = log.len() as u32;
+    kept.check = kept.sum();
+    kept.mark = WRITTEN;
+}
+
+/// The faults from before the reset, with its cause; called at boot only.
+pub fn recall_faults() -> FaultLog {
+    // SAFETY: the start-up code is over, tasks have not begun, and any bit pattern is a `Faults`.
+    let kept = unsafe { (*KEEP_FAULTS.0.get()).assume_init_ref() };
+    let mut log = FaultLog::default();
+    log.reset = Some(reset_cause());
+    if kept.mark == WRITTEN && kept.check == kept.sum() {
+        for words in kept.records.iter().take(kept.length as usize) {
+            if let Some(record) = FaultRecord::from_words(*words) {
+                log.push(FaultRecord {
+                    before_reset: true,
+                    ..record
+                });
+                // Each is a cause of its own by now.
+                log.clear();
+            }
+        }
+    }
+    log
+}
+
+/// What made the last reset; forgets it.
+fn reset_cause() -> ResetCause {
+    // SAFETY: nobody else uses this register.
+    let rcc = unsafe { RCC::steal() };
+    let flags = rcc.csr().read();
+    rcc.csr().modify(|_, w| w.rmvf().set_bit());
+    // Every reset pulls the pin too, and one of the supply sets the flag of the brown-out.
+    if flags.wdgrstf().bit() || flags.wwdgrstf().bit() {
+        ResetCause::Watchdog
+    } else if flags.sftrstf().bit() {
+        ResetCause::Software
+    } else if flags.porrstf().bit() {
+        ResetCause::Power
+    } else if flags.borrstf().bit() {
+        ResetCause::BrownOut
+    } else {
+        ResetCause::Pin
+    }
+}
+
 impl Write for Record {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for byte in text.bytes() {
@@ -47,7 +131,7 @@ impl Write for Record {
 }
 
 /// Says on the console and in the log why the last run ended; forgets it.
-pub fn report(console: &mut impl Write) {
+pub fn report(reset: Option<ResetCause>, console: &mut impl Write) {
     // SAFETY: the start-up code is over, tasks have not begun, and any bit pattern is a `Record`.
     let record = unsafe { (*KEEP.0.get()).assume_init_mut() };
     if record.mark == WRITTEN {
@@ -55,20 +139,14 @@ pub fn report(console: &mut impl Write) {
         let text = core::str::from_utf8(text).unwrap_or("(not readable)");
         defmt::error!("before the reset: {}", text);
         let _ = write!(console, "before the reset: {text}\r\n");
-    } else if reset_by_watchdog() {
+    } else if reset == Some(ResetCause::Watchdog) {
         defmt::error!("reset by the watchdog: the program was stuck");
         let _ = write!(console, "reset by the watchdog: the program was stuck\r\n");
+    } else if let Some(cause) = reset.filter(|cause| *cause != ResetCause::Power) {
+        defmt::warn!("reset by {}", defmt::Display2Format(&cause));
+        let _ = write!(console, "reset by {cause}\r\n");
     }
     record.mark = 0;
-}
-
-/// Whether the watchdog made the last reset; forgets it.
-fn reset_by_watchdog() -> bool {
-    // SAFETY: nobody else uses this register.
-    let rcc = unsafe { RCC::steal() };
-    let by_watchdog = rcc.csr().read().wdgrstf().bit();
-    rcc.csr().modify(|_, w| w.rmvf().set_bit());
-    by_watchdog
 }
 
 /// Keeps the message, and stops.

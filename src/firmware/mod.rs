@@ -38,21 +38,26 @@ mod app {
     use core::sync::atomic::Ordering;
 
     use haptic_paddle::console::Session;
-    use haptic_paddle::controller::{Controller, Mode, TickRate};
-    use haptic_paddle::safety::Fault;
+    use haptic_paddle::controller::{ArmError, Controller, Mode, StopCause, TickRate};
+    use haptic_paddle::safety::{Acted, Fault};
+    use haptic_paddle::sensing::current::IdleReading;
     use haptic_paddle::settings::{CurrentSampling, Settings};
     use heapless::spsc::Queue;
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-    use super::terminal::{self, Input, Output, Port};
+    use super::terminal::{self, Heard, Input, Output, Port};
     use super::{AfterPeriod, TICKS, last_words, ticks};
-    use crate::board::{self, Board, Bridge, FaultLine, Sensors};
+    use crate::board::{
+        self, Board, Bridge, Button, FaultLine, Oscillator, PeriodClock, Sensors, Supply, events,
+    };
 
     /// Control periods between two runs of the position loop.
     const POSITION_DIVIDER: u16 = 2;
     /// Control periods over which the offset of the current amplifier is averaged at boot.
-    const OFFSET_PERIODS: u16 = 1024;
+    const OFFSET_PERIODS: u32 = 1024;
+    /// Control periods before that, 200 ms, in which the amplifier and its reference settle.
+    const WARM_UP_PERIODS: u32 = board::CONTROL_HZ / 5;
     /// Nominal time to reset without a sign of life, ms. The oscillator behind it may have 17 to 47 kHz instead of
     /// 32 (data sheet), so that the true time is 14 to 38 ms.
     const WATCHDOG_MS: u32 = 20;
@@ -70,6 +75,9 @@ mod app {
         bridge: Bridge,
         sensors: Sensors,
         fault_line: FaultLine,
+        supply: Supply,
+        button: Button,
+        periods: PeriodClock,
         port: Port,
         session: Session,
         input: Input,
@@ -86,33 +94,44 @@ mod app {
             fault_line,
             serial,
             mut watchdog,
+            supply,
+            button,
+            mut periods,
+            oscillator,
         } = Board::new(cx.device);
-        watchdog.start(WATCHDOG_MS.millis());
-
         let settings = Settings::default();
         let rate = TickRate::new(board::CONTROL_HZ as f32, POSITION_DIVIDER);
         let mut controller = Controller::new(&settings, rate);
-        let mut idle_counts = 0.0;
-        for _ in 0..board::PERIODS_TO_MEASURE {
+        let mut idle = IdleReading::default();
+        for _ in 0..WARM_UP_PERIODS.max(board::PERIODS_TO_MEASURE) {
             bridge.wait_for_period();
         }
+        watchdog.start(WATCHDOG_MS.millis());
         for _ in 0..OFFSET_PERIODS {
             bridge.wait_for_period();
             watchdog.feed();
-            idle_counts += sensors.current_counts() / f32::from(OFFSET_PERIODS);
+            idle.add(sensors.current_counts());
         }
-        let offset = controller.calibrate_current_offset(idle_counts);
-        if let Err(error) = &offset {
+        let ready = match oscillator {
+            Oscillator::Internal => Err(ArmError::NoCrystal),
+            Oscillator::Crystal => controller
+                .calibrate_current_offset(&idle)
+                .map_err(ArmError::Offset),
+        };
+        if let Err(error) = &ready {
             defmt::error!("{}", defmt::Display2Format(error));
         }
 
         let (bytes_in, input) = cx.local.received.split();
         let (output, bytes_out) = cx.local.to_send.split();
         let mut output = Output::new(output);
-        let session = Session::new(settings, rate, offset);
-        last_words::report(&mut output);
+        let session = Session::new(settings, rate, ready);
+        let faults = last_words::recall_faults();
+        last_words::report(faults.reset, &mut output);
+        controller.recall(faults);
         session.greet(&mut output);
         defmt::info!("disarmed, control at {} Hz", board::CONTROL_HZ);
+        periods.restart();
         bridge.start_interrupt();
         (
             Shared { controller },
@@ -120,6 +139,9 @@ mod app {
                 bridge,
                 sensors,
                 fault_line,
+                supply,
+                button,
+                periods,
                 port: Port::new(serial, bytes_in, bytes_out),
                 session,
                 input: Input::new(input),
@@ -135,18 +157,36 @@ mod app {
         cx.local.fault_line.trip();
     }
 
-    #[task(binds = TIM8_UP_TIM13, priority = 3, local = [bridge, sensors], shared = [controller])]
+    #[task(binds = EXTI2, priority = 2, local = [button])]
+    fn button(cx: button::Context) {
+        cx.local.button.take_notice();
+    }
+
+    #[task(binds = PVD, priority = 4)]
+    fn supply_fell(_: supply_fell::Context) {
+        board::bridge_off();
+        board::supply_fell();
+    }
+
+    #[task(binds = TIM8_UP_TIM13, priority = 3, local = [bridge, sensors, supply, periods, kept: u32 = 0], shared = [controller])]
     fn control(mut cx: control::Context) {
         let bridge = cx.local.bridge;
-        bridge.begin_period();
         let sensors = cx.local.sensors;
+        bridge.begin_period();
+        let periods = cx.local.periods.periods();
         cx.shared.controller.lock(|controller| {
-            if bridge.tripped() {
-                controller.report_fault(Fault::Bridge);
+            let events = events::take();
+            if events != 0 || periods != 1 {
+                attend(controller, events, periods, cx.local.supply, sensors);
             }
             let duty = controller.step(&sensors.read());
             if controller.mode() == Mode::Off {
                 bridge.release();
+                let revision = controller.faults().revision();
+                if revision != *cx.local.kept {
+                    *cx.local.kept = revision;
+                    last_words::keep_faults(controller.faults());
+                }
             } else {
                 bridge.drive(duty);
             }
@@ -155,7 +195,56 @@ mod app {
                 controller.report_fault(Fault::Deadline);
             }
         });
-        TICKS.store(ticks().wrapping_add(1), Ordering::Relaxed);
+        TICKS.store(ticks().wrapping_add(periods), Ordering::Relaxed);
+    }
+
+    /// Passes on what others had to tell, and periods that were missed.
+    #[cold]
+    #[inline(never)]
+    fn attend(
+        controller: &mut Controller,
+        events: u32,
+        periods: u32,
+        supply: &Supply,
+        sensors: &mut Sensors,
+    ) {
+        if events & events::RESTART != 0 {
+            sensors.go_on();
+        }
+        if periods != 1 {
+            controller.report_fault(Fault::Deadline);
+        }
+        if events & events::OVERRUN != 0 {
+            controller.report_fault(Fault::Converter);
+        }
+        if periods != 1 || events & events::OVERRUN != 0 {
+            sensors.stop();
+            events::raise(events::RESTART);
+        }
+        if events & events::STOP != 0 {
+            controller.stop_at_once(StopCause::Typed);
+        }
+        if events & events::BUTTON != 0 {
+            controller.stop_at_once(StopCause::Button);
+        }
+        if events & events::SUPPLY != 0 {
+            controller.report_fault(Fault::Supply);
+            if supply.is_low() {
+                events::raise(events::SUPPLY);
+            }
+        }
+        if events & events::BRIDGE != 0 && controller.mode() != Mode::Off {
+            controller.report_fault(Fault::Bridge);
+        }
+        if events & (events::BRIDGE | events::LINE) != 0 {
+            controller.set_bridge_ready(!board::bridge_reports_fault());
+        }
+        if events & events::GLITCH != 0 {
+            controller.count(Acted::BridgeGlitch);
+        }
+        if events & events::NOISE != 0 {
+            controller.count(Acted::SerialNoise);
+        }
     }
 
     #[task(binds = USART2, priority = 2, local = [port])]
@@ -187,15 +276,21 @@ mod app {
             if now.wrapping_sub(looked) >= CONSOLE_PERIODS {
                 looked = now;
                 session.look(1.0 / CONSOLE_HZ as f32, &mut controller, output);
+                if board::overrun() {
+                    events::raise(events::OVERRUN);
+                }
+                if board::bridge_reports_fault() == session.bridge_is_ready() {
+                    events::raise(events::LINE);
+                }
                 board::sample_current_once(
                     session.settings().motor.current_sampling == CurrentSampling::Centre,
                 );
             }
             if session.listens() && output.has_room() {
-                if input.was_cut() {
-                    session.complain(output);
-                } else if let Some(byte) = input.next() {
-                    session.type_in(byte, &mut controller, output);
+                match input.next(now) {
+                    Heard::Nothing => {}
+                    Heard::Byte(byte) => session.type_in(byte, &mut controller, output),
+                    Heard::Loss => session.complain(output),
                 }
             }
             output.flush();

@@ -3,12 +3,12 @@
 use core::fmt;
 use core::sync::atomic::{AtomicBool, Ordering};
 
+use haptic_paddle::console::STOP_BYTE;
 use heapless::spsc::{Consumer, Producer};
-use stm32f4xx_hal::nb;
 use stm32f4xx_hal::pac::Interrupt;
 use stm32f4xx_hal::prelude::*;
 
-use crate::board::{SerialRx, SerialTx};
+use crate::board::{self, SerialRx, SerialTx, events};
 
 /// Room for what a person types, or a script sends, while an answer is on its way.
 pub const INPUT_BYTES: usize = 1024;
@@ -22,7 +22,6 @@ static CUT: AtomicBool = AtomicBool::new(false);
 
 /// The port's side of both queues; the serial interrupt owns it.
 pub struct Port {
-    rx: SerialRx,
     tx: SerialTx,
     received: Producer<'static, u8>,
     to_send: Consumer<'static, u8>,
@@ -36,7 +35,6 @@ impl Port {
     ) -> Self {
         rx.listen();
         Self {
-            rx,
             tx,
             received,
             to_send,
@@ -45,13 +43,20 @@ impl Port {
 
     /// Takes a received byte, sends the next one.
     pub fn serve(&mut self) {
-        let intact = match self.rx.read() {
-            Ok(byte) => self.received.enqueue(byte).is_ok(),
-            Err(nb::Error::WouldBlock) => true,
-            Err(nb::Error::Other(_)) => false,
-        };
-        if !intact {
-            CUT.store(true, Ordering::Relaxed);
+        if let Some(received) = board::receive() {
+            let queued = received.byte.is_none_or(|byte| {
+                if byte == STOP_BYTE {
+                    board::bridge_off();
+                    events::raise(events::STOP);
+                }
+                self.received.enqueue(byte).is_ok()
+            });
+            if received.noisy {
+                events::raise(events::NOISE);
+            }
+            if received.lost || !queued {
+                CUT.store(true, Ordering::Relaxed);
+            }
         }
         if self.tx.is_tx_empty() {
             match self.to_send.dequeue() {
@@ -66,26 +71,52 @@ impl Port {
     }
 }
 
+/// Control periods without a byte after which what was sent in one go is over, 10 ms.
+const QUIET_PERIODS: u32 = board::CONTROL_HZ / 100;
+
 /// The console's side of what was received.
-pub struct Input(Consumer<'static, u8>);
+pub struct Input {
+    received: Consumer<'static, u8>,
+    /// When the last byte was dropped, in control periods, while the rest of what lost some is.
+    dropping: Option<u32>,
+}
+
+/// What the console hears.
+pub enum Heard {
+    Nothing,
+    Byte(u8),
+    /// Bytes were lost, and the rest of what was sent with them is dropped.
+    Loss,
+}
 
 impl Input {
     pub fn new(received: Consumer<'static, u8>) -> Self {
-        Self(received)
-    }
-
-    pub fn next(&mut self) -> Option<u8> {
-        self.0.dequeue()
-    }
-
-    /// Whether bytes were lost since the last question; what is left of them is then dropped.
-    pub fn was_cut(&mut self) -> bool {
-        let cut = CUT.load(Ordering::Relaxed);
-        if cut {
-            while self.next().is_some() {}
-            CUT.store(false, Ordering::Relaxed);
+        Self {
+            received,
+            dropping: None,
         }
-        cut
+    }
+
+    /// What there is to hear, `now` control periods after boot.
+    pub fn next(&mut self, now: u32) -> Heard {
+        if CUT.load(Ordering::Relaxed) {
+            CUT.store(false, Ordering::Relaxed);
+            self.dropping = Some(now);
+        }
+        let byte = self.received.dequeue();
+        match (self.dropping, byte) {
+            (None, Some(byte)) => Heard::Byte(byte),
+            (None, None) => Heard::Nothing,
+            (Some(_), Some(_)) => {
+                self.dropping = Some(now);
+                Heard::Nothing
+            }
+            (Some(last), None) if now.wrapping_sub(last) > QUIET_PERIODS => {
+                self.dropping = None;
+                Heard::Loss
+            }
+            (Some(_), None) => Heard::Nothing,
+        }
     }
 }
 

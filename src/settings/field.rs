@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use super::{CurrentSampling, FilterOrder, Sensor, Settings, VelocitySource};
+use super::{CurrentSampling, DerivativeSource, FilterOrder, Sensor, Settings, VelocitySource};
 use crate::decimal::{self, Decimal};
 
 /// What a setting may be.
@@ -264,6 +264,11 @@ pub static FIELDS: &[Field] = &[
         0.0..=10_000.0,
         pid.derivative_cutoff_hz
     ),
+    choice!(
+        "pid.derivative",
+        ["auto" => DerivativeSource::Auto, "position" => DerivativeSource::Position, "observer" => DerivativeSource::Observer],
+        pid.derivative
+    ),
     choice!("estimate.sensor", ["encoder" => Sensor::Encoder, "hall" => Sensor::Hall], estimate.sensor),
     number!("estimate.cutoff", "Hz", 0.0..=10_000.0, estimate.cutoff_hz),
     choice!("estimate.order", ["first" => FilterOrder::First, "second" => FilterOrder::Second], estimate.order),
@@ -375,14 +380,20 @@ pub static FIELDS: &[Field] = &[
         -200.0..=200.0,
         hall.cubic_deg_per_v3
     ),
-    number!("limit.travel", "deg", 1.0..=10_000.0, limit.travel_deg),
-    number!("limit.speed", "deg/s", 1.0..=100_000.0, limit.speed_deg_s),
-    number!("limit.current", "A", 0.0..=3.3, limit.current_a),
+    // The Hall sensor sees 75 degrees either side.
+    number!("limit.travel", "deg", 1.0..=75.0, limit.travel_deg),
+    // The motor's speed without load at 24 V is 1700 degrees a second of the paddle.
+    number!("limit.speed", "deg/s", 1.0..=2_000.0, limit.speed_deg_s),
+    // See `sensing::current::MEASURABLE_A`.
+    number!("limit.current", "A", 0.0..=1.55, limit.current_a),
     number!(
         "limit.disagreement",
         "deg",
-        0.1..=10_000.0,
+        0.1..=20.0,
         limit.disagreement_deg
     ),
+    number!("limit.stall", "s", 0.0..=60.0, limit.stall_s),
+    number!("limit.mismatch", "V", 1.0..=12.0, limit.mismatch_v),
+    number!("host.heartbeat", "ms", 0.0..=10_000.0, host.heartbeat_ms),
     number!("metrics.band", "deg", 0.001..=90.0, metrics.band_deg),
 ];

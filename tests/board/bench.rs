@@ -53,6 +53,13 @@ impl Bench {
 
     /// `setup` on the board of `image`, wired like this.
     pub fn with(image: Image, setup: &LoopSetup, wires: Wires) -> Self {
+        let mut bench = Self::fresh(image, setup, wires);
+        bench.board.set_brown_out();
+        bench
+    }
+
+    /// As [`Self::with`], with a chip as it was delivered.
+    pub fn fresh(image: Image, setup: &LoopSetup, wires: Wires) -> Self {
         Self {
             board: Board::new(&image, &setup.paddle, &setup.settings, wires).unwrap(),
             image,

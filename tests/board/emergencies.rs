@@ -142,7 +142,7 @@ fn a_fault_of_the_bridge_turns_the_outputs_off_and_stays() {
     assert!(!bench.drives());
     bench.run(0.01);
     bench.board.set_bridge_fault(false);
-    bench.wait_for("> ");
+    bench.wait_for("ready\r\n> ");
     bench.run(0.01);
     assert!(!bench.drives());
     assert!(bench.command("status").contains("fault"));

@@ -23,7 +23,7 @@ pub struct Lend {
 
 /// Watches a bench for lends.
 pub struct Watch {
-    commands: std::ops::Range<u32>,
+    commands: Vec<std::ops::Range<u32>>,
     ticks: u32,
     lends: VecDeque<Lend>,
 }
@@ -34,14 +34,23 @@ impl Watch {
         let function = |parts: &[&str]| {
             let symbol = bench
                 .image
-                .symbol(|name| parts.iter().all(|part| name.contains(part)))
-                .unwrap_or_else(|| panic!("no function {parts:?} in the image"));
-            symbol.address..symbol.address + symbol.size
+                .symbol(|name| parts.iter().all(|part| name.contains(part)))?;
+            Some(symbol.address..symbol.address + symbol.size)
         };
-        let commands = function(&["console", "session", "Session", "obey"]);
-        let idle = function(&["firmware", "app", "idle"]);
+        let required =
+            |parts| function(parts).unwrap_or_else(|| panic!("no function {parts:?} in the image"));
+        let mut commands = vec![
+            required(&["console", "session", "Session", "obey"]),
+            required(&["console", "session", "Session", "execute"]),
+        ];
+        // The compiler may have made one of the two.
+        commands.extend(function(&["console7execute"]));
+        let mut looks = vec![required(&["firmware", "app", "idle"])];
+        looks.extend(function(&["console", "session", "Session", "look"]));
+        looks.extend(function(&["console", "session", "Session", "go_on"]));
         let ticks = bench.address_of(&["firmware", "5TICKS"]);
-        for address in idle.chain(commands.clone()).step_by(2) {
+        let all = looks.into_iter().chain(commands.clone());
+        for address in all.flat_map(|function| function.step_by(2)) {
             let mut half = |at| bench.board.memories().read(at, Width::Half);
             let word = [half(address), half(address + 2)];
             if word
@@ -65,7 +74,10 @@ impl Watch {
         while let Pause::Breakpoint(address) = bench.board.run_until(time_s).unwrap() {
             self.lends.push_back(Lend {
                 tick: self.ticks(bench),
-                by_command: self.commands.contains(&address),
+                by_command: self
+                    .commands
+                    .iter()
+                    .any(|function| function.contains(&address)),
             });
         }
     }

@@ -4,10 +4,16 @@
 
 mod bench;
 mod boot;
+mod bridge_line;
 mod console;
 mod control_interrupt;
+mod current;
+mod debugger;
 mod emergencies;
 mod lends;
 mod load;
+mod power;
 mod replay;
+mod safety;
+mod serial_line;
 mod step_response;

@@ -7,8 +7,8 @@ use std::slice;
 use crate::bench::{Bench, CONTROL, image, quiet, setup};
 use crate::lends::{Lend, Watch};
 use haptic_paddle::console::{Lender, Session};
-use haptic_paddle::controller::{Controller, Duty, Measurement, Mode, TickRate};
-use haptic_paddle::sensing::current::OffsetError;
+use haptic_paddle::controller::{ArmError, Controller, Duty, Measurement, Mode, TickRate};
+use haptic_paddle::sensing::current::IdleReading;
 use haptic_paddle::settings::Settings;
 use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::presets;
@@ -19,7 +19,7 @@ use virtual_board::wiring::Wires;
 /// The firmware's.
 const RATE: TickRate = TickRate::new(20_000.0, 2);
 const OFFSET_PERIODS: usize = 1024;
-const SAMPLES: u32 = 70;
+const SAMPLES: u32 = 25;
 const LOOK_S: f32 = 1e-3;
 const BRIDGE_TOP: u16 = 2100;
 
@@ -87,7 +87,7 @@ fn on_the_board(test: &str, setup: &LoopSetup, lines: &[&str]) -> Option<Recorde
     let mut steps = Vec::new();
     let mut idle = Vec::new();
     loop {
-        let Pause::Breakpoint(address) = bench.board.run_until(0.1).unwrap() else {
+        let Pause::Breakpoint(address) = bench.board.run_until(0.5).unwrap() else {
             panic!("no control interrupt");
         };
         steps.append(&mut bench.board.take_steps());
@@ -142,9 +142,9 @@ fn follow<L: Lender>(
     lends: &VecDeque<Lend>,
     mut lender: L,
     left: impl Fn(&L) -> usize,
-    offset: Result<(), OffsetError>,
+    ready: Result<(), ArmError>,
 ) -> L {
-    let mut session = Session::new(Settings::default(), RATE, offset);
+    let mut session = Session::new(Settings::default(), RATE, ready);
     let mut typed = lines.iter().flat_map(|line| line.bytes().chain([b'\r']));
     let mut screen = String::new();
     while left(&lender) > 0 {
@@ -216,11 +216,11 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
     };
     let mut controller = Controller::new(&Settings::default(), RATE);
     assert_eq!(session.idle.len(), OFFSET_PERIODS);
-    let mut idle_counts = 0.0;
-    for counts in &session.idle {
-        idle_counts += counts / OFFSET_PERIODS as f32;
-    }
-    let offset = controller.calibrate_current_offset(idle_counts);
+    let mut idle = IdleReading::default();
+    session.idle.iter().for_each(|counts| idle.add(*counts));
+    let ready = controller
+        .calibrate_current_offset(&idle)
+        .map_err(ArmError::Offset);
     let replay = Replay {
         controller,
         steps: session.steps.iter(),
@@ -232,7 +232,7 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
         &session.lends,
         replay,
         |replay| replay.lends.len(),
-        offset,
+        ready,
     );
     replay.step_to(session.steps.len() as u32);
     assert!(replay.ticks > 50_000, "{}", replay.ticks);

@@ -47,6 +47,38 @@ impl Wires {
     }
 }
 
+/// What the amplifier of the current does beside amplifying.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct AmplifierFaults {
+    /// It reads this much too high, A.
+    pub offset_a: f64,
+    /// More than that while the bridge is on, as the shunt then swings with the supply, A.
+    pub common_mode_a: f64,
+    /// More than that at power-on, A, which dies away with the time constant, s.
+    pub warm_up_a: f64,
+    /// Of the warm-up, s.
+    pub warm_up_s: f64,
+    /// Amplitude of a wander at 40 Hz, A.
+    pub wander_a: f64,
+    /// It stands still at this reading, counts.
+    pub stuck_counts: Option<f64>,
+}
+
+impl AmplifierFaults {
+    /// What it reads too high at time `time_s` since power-on, A.
+    fn error_a(&self, time_s: f64, bridge_on: bool) -> f64 {
+        const WANDER_HZ: f64 = 40.0;
+        let common_mode_a = if bridge_on { self.common_mode_a } else { 0.0 };
+        let warm_up_a = if self.warm_up_a == 0.0 {
+            0.0
+        } else {
+            self.warm_up_a * (-time_s / self.warm_up_s).exp()
+        };
+        let wander_a = self.wander_a * (std::f64::consts::TAU * WANDER_HZ * time_s).sin();
+        self.offset_a + common_mode_a + warm_up_a + wander_a
+    }
+}
+
 /// What reaches the pins at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensed {
@@ -63,6 +95,8 @@ pub struct Sensed {
 pub struct Wiring {
     /// Changes of the wires.
     pub wires: Wires,
+    /// What the amplifier of the current does.
+    pub amplifier: AmplifierFaults,
     paddle: Paddle,
     torque_constant_nm_per_a: f64,
     torque_limit_nm: f64,
@@ -74,6 +108,7 @@ impl Wiring {
     pub fn new(setup: &PaddleSetup, settings: &Settings, wires: Wires) -> Self {
         Self {
             wires,
+            amplifier: AmplifierFaults::default(),
             paddle: Paddle::new(setup, settings, STEP_S),
             torque_constant_nm_per_a: f64::from(settings.motor.torque_constant_nm_per_a),
             torque_limit_nm: f64::from(settings.motor.torque_limit_nm),
@@ -122,14 +157,24 @@ impl Wiring {
                 } => ADC_FULL_SCALE - hall_adc,
                 _ => hall_adc,
             },
-            current_counts: f64::from(if self.wires.motor_swapped {
-                // The shunt sits at the bridge, before the wires.
-                2.0 * IDLE_COUNTS - current_adc
-            } else {
-                current_adc
-            })
-            .clamp(0.0, f64::from(ADC_FULL_SCALE)),
+            current_counts: self.current_counts(f64::from(current_adc), duty.is_some()),
         }
+    }
+
+    /// What the amplifier makes of what an ideal one would read.
+    fn current_counts(&self, ideal: f64, bridge_on: bool) -> f64 {
+        let ideal = if self.wires.motor_swapped {
+            // The shunt sits at the bridge, before the wires.
+            2.0 * IDLE_COUNTS - ideal
+        } else {
+            ideal
+        };
+        let error_a = self.amplifier.error_a(self.paddle.time_s(), bridge_on);
+        let counts = self
+            .amplifier
+            .stuck_counts
+            .unwrap_or(ideal + error_a * COUNTS_PER_A);
+        counts.clamp(0.0, f64::from(ADC_FULL_SCALE))
     }
 
     /// What the motor was told is known to the firmware alone; the bounds of the drive go by what it last made, within
@@ -151,4 +196,6 @@ impl Wiring {
 }
 
 /// What the amplifier of the current reads without a current, counts.
-const IDLE_COUNTS: f32 = 2048.0;
+const IDLE_COUNTS: f64 = 2048.0;
+/// 25 mΩ, a gain of 30, and 2.5 V in 4096 counts.
+const COUNTS_PER_A: f64 = 0.025 * 30.0 * 4096.0 / 2.5;

@@ -6,51 +6,44 @@ use crate::image::{Image, ImageError};
 use crate::{Failure, cargo, ensure, run, say, stack};
 use firmware_build::{OPTIONS, image_path};
 
-/// Boards, by their cargo features; the default one comes last, so that its image is the one that stays.
-const BOARDS: [&str; 2] = ["nucleo-f446", DEFAULT_BOARD];
-const DEFAULT_BOARD: &str = "paddle-f407";
-
-/// Interrupts that the app serves, in the order of their priorities, with their numbers, which all boards share
-/// (reference manuals of STM32F407 and STM32F446, vector tables).
-const SERVED: [(usize, &str); 3] = [(38, "USART2"), (44, "TIM8_UP_TIM13"), (40, "EXTI15_10")];
+/// Interrupts that the app serves, in the order of their priorities, with their numbers (RM0090, vector table).
+const SERVED: [(usize, &str); 5] = [
+    (38, "USART2"),
+    (8, "EXTI2"),
+    (44, "TIM8_UP_TIM13"),
+    (40, "EXTI15_10"),
+    (1, "PVD"),
+];
 
 /// Most that the image may take of the flash, bytes.
 const FLASH_LIMIT_BYTES: u64 = 64 * 1024;
 
-/// Builds and checks the image of every board, with its lints.
+/// Builds and checks the image, with its lints.
 pub fn check() -> Result<(), Failure> {
     ensure(say)?;
-    for board in BOARDS {
-        run(cargo(&["clippy", "--quiet"])
-            .args(options(board))
-            .args(["--", "--deny", "warnings"]))?;
-        println!("{}", measure(board)?);
-    }
+    run(cargo(&["clippy", "--quiet"])
+        .args(OPTIONS)
+        .args(["--", "--deny", "warnings"]))?;
+    println!("{}", measure()?);
     Ok(())
 }
 
-/// Builds the default board's image and prints what it takes.
+/// Builds the image and prints what it takes.
 pub fn size() -> Result<(), Failure> {
     ensure(say)?;
-    println!("{}", measure(DEFAULT_BOARD)?);
+    println!("{}", measure()?);
     Ok(())
 }
 
-/// Builds, flashes and runs the default board's image, with its log.
+/// Builds, flashes and runs the image, with its log.
 pub fn flash() -> Result<(), Failure> {
     ensure(say)?;
-    run(cargo(&["run"]).args(options(DEFAULT_BOARD)))
+    run(cargo(&["run"]).args(OPTIONS))
 }
 
-fn options(board: &str) -> Vec<&str> {
-    let mut options = OPTIONS.to_vec();
-    options.extend(["--no-default-features", "--features", board]);
-    options
-}
-
-/// Builds an image and says what it takes, once it is found sound.
-fn measure(board: &str) -> Result<String, Failure> {
-    run(cargo(&["build", "--quiet"]).args(options(board)))?;
+/// Builds the image and says what it takes, once it is found sound.
+fn measure() -> Result<String, Failure> {
+    run(cargo(&["build", "--quiet"]).args(OPTIONS))?;
     let path = image_path();
     let bytes = fs::read(&path).map_err(|source| Failure::File {
         path: path.clone(),
@@ -77,7 +70,7 @@ fn measure(board: &str) -> Result<String, Failure> {
         .into());
     }
     Ok(format!(
-        "firmware for {board}: flash {flash} of {FLASH_LIMIT_BYTES} bytes, static RAM {} bytes, \
+        "firmware: flash {flash} of {FLASH_LIMIT_BYTES} bytes, static RAM {} bytes, \
          worst stack {stack} of {left} bytes",
         image.static_ram_bytes(),
     ))

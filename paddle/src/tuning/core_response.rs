@@ -130,6 +130,8 @@ fn core(setup: &LoopSetup, gains: &Gains, ticks: usize) -> Result<Complex64, Fai
         &mut settings.limit.speed_deg_s,
         &mut settings.limit.disagreement_deg,
         &mut settings.limit.travel_deg,
+        // No current follows here.
+        &mut settings.limit.mismatch_v,
     ];
     for bound in unbounded {
         *bound = f32::INFINITY;

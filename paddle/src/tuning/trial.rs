@@ -7,6 +7,7 @@ use haptic_paddle::excitation::{Excitation, ExcitationError};
 use haptic_paddle::metrics::StepReport;
 use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::experiment::{Experiment, ExperimentError, Trace};
+use host_sim::paddle::Actuator;
 
 /// What came of it.
 #[derive(Clone, Debug)]
@@ -31,6 +32,12 @@ pub fn step(
     gains
         .put(&mut setup.settings)
         .map_err(|error| Failure::setting("pid", error))?;
+    // What a paddle that sticks means is for the caller to say.
+    setup.settings.limit.stall_s = 0.0;
+    if setup.paddle.actuator == Actuator::Ideal {
+        // A torque that is there at once has no voltage.
+        setup.settings.limit.mismatch_v = f32::INFINITY;
+    }
     let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
     let step = Excitation::step(amplitude_deg.to_radians() as f32);
     let trace = Experiment::position(step, seconds).run(&mut closed_loop)?;

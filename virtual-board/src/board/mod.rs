@@ -7,12 +7,13 @@ mod step;
 
 pub use step::Step;
 
-use crate::chip::{Chip, Pin};
+use crate::chip::{Chip, Pin, Supply};
 use crate::cpu::{Bus, Cpu, Memories, Stop, Unmodelled};
 use crate::image::{Image, ImageError};
 use crate::log::{Entry, Log};
 use crate::peripherals::NEVER;
 use crate::peripherals::rcc::ResetCause;
+use crate::peripherals::usart::Line;
 use crate::terminal::Terminal;
 use crate::wiring::{STEP_S, Wires, Wiring};
 use haptic_paddle::settings::Settings;
@@ -22,6 +23,10 @@ use host_sim::paddle::PaddleSetup;
 const BRIDGE_ENABLES: [Pin; 2] = [Pin(2, 8), Pin(2, 9)];
 const BRIDGE_NSLEEP: Pin = Pin(3, 14);
 const BRIDGE_NFAULT: Pin = Pin(3, 15);
+const BUTTON: Pin = Pin(4, 2);
+
+/// Stream of DMA2 that serves the converter of the current.
+const CURRENT_STREAM: usize = 1;
 
 /// Steps between two looks of the debug probe at the log.
 const STEPS_PER_LOOK: u64 = 20;
@@ -55,6 +60,19 @@ pub enum Halt {
     },
 }
 
+/// What the chip tells the bridge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Bridge {
+    /// An enable pin or nSLEEP is low: the outputs are off.
+    Off,
+    /// Nothing drives or pulls an enable pin.
+    EnablesFloat,
+    /// The outputs are on, and nothing drives or pulls an input.
+    InputsFloat,
+    /// The outputs are on, with this share of the supply between them, from -1 to 1; 0 brakes.
+    Driven(f64),
+}
+
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pause {
@@ -81,6 +99,13 @@ pub struct Board {
     next_step: u64,
     /// Of the instruction at which the core locked up.
     locked_up: Option<u32>,
+    /// The supply does not let the core execute anything.
+    powerless: bool,
+    /// What the serial line does to bytes on it.
+    line: Line,
+    /// Nothing is connected to the serial input.
+    serial_cut: bool,
+    shortest_low_s: f64,
 }
 
 impl Board {
@@ -109,6 +134,10 @@ impl Board {
             steps_done: 0,
             next_step: 0,
             locked_up: None,
+            powerless: false,
+            line: Line::Quiet,
+            serial_cut: false,
+            shortest_low_s: f64::INFINITY,
         };
         board.next_step = board.step_cycles();
         board.cpu.reset(&mut board.chip);
@@ -127,6 +156,11 @@ impl Board {
                 return Ok(Pause::Time);
             }
             let deadline = end.min(self.next_event());
+            if self.powerless {
+                self.cpu.stand_still(deadline);
+                self.catch_up(end)?;
+                continue;
+            }
             self.chip.deadline = deadline;
             let stop = self.cpu.run(&mut self.chip, deadline);
             match stop {
@@ -183,6 +217,7 @@ impl Board {
                 if let Some(byte) = self.chip.take_sent(signals) {
                     self.terminal.receive(byte);
                 }
+            } else if self.chip.settle_posted(due, signals) {
             } else if self.chip.watchdog_expired(due) {
                 self.reset(ResetCause::IndependentWatchdog);
             } else {
@@ -214,7 +249,9 @@ impl Board {
                     "a byte at {baud:.0} baud from a terminal of {terminal} baud"
                 )));
             }
-            self.chip.receive(byte, &mut self.cpu.signals);
+            if !self.serial_cut {
+                self.chip.receive(byte, self.line, &mut self.cpu.signals);
+            }
         }
         Ok(())
     }
@@ -225,7 +262,7 @@ impl Board {
     }
 
     /// Lets the paddle's steps end with the timer's updates. The step in which the timer starts is cut to that length,
-    /// in which a paddle that is not driven does not show it.
+    /// in which a paddle that is not driven does not show it, nor in one under brakes.
     fn keep_pace(&mut self) -> Result<(), Halt> {
         let update = self.chip.tim8.next_update();
         if update == NEVER || update == self.next_step {
@@ -234,7 +271,7 @@ impl Board {
         if self.chip.tim8.update_cycles() == self.step_cycles() {
             self.next_step = update;
             Ok(())
-        } else if self.bridge_duty().is_none() {
+        } else if self.bridge_duty().is_none_or(|duty| duty == 0.0) {
             Ok(())
         } else {
             Err(self.uncovered(format!(
@@ -250,6 +287,9 @@ impl Board {
         let at = self.next_step;
         let cycles = self.step_cycles();
         let duty = self.bridge_duty();
+        if duty.is_some() {
+            self.shortest_low_s = self.shortest_low_s.min(self.chip.shortest_low_s());
+        }
         let sensed = self.wiring.step(duty);
         self.chip.follow_encoder(sensed.encoder_counts, cycles);
         self.chip
@@ -269,11 +309,17 @@ impl Board {
                 encoder_count: self.chip.encoder_count(),
                 hall_counts: sensed.hall_counts,
                 current: delivered,
+                ring_left: self.chip.ring_left(CURRENT_STREAM),
                 compare: self.chip.tim8.compare(0),
             });
         }
         if self.steps_done.is_multiple_of(STEPS_PER_LOOK) {
             self.fetch_log();
+            if self.serial_cut && self.chip.receiver_floats() {
+                // Whatever the motor's wires beside it make of an input that nothing holds.
+                let byte = (self.steps_done / STEPS_PER_LOOK) as u8;
+                self.chip.receive(byte, Line::Broken, &mut self.cpu.signals);
+            }
         }
     }
 
@@ -290,14 +336,67 @@ impl Board {
     }
 
     /// Share of the supply that the bridge puts on the motor, from -1 to 1; `None` if its outputs are off. The enable
-    /// pins count for a whole step as they stand at its end: the control interrupt sets them at its beginning.
+    /// pins count for a whole step as they stand at its end: the control interrupt sets them at its beginning. Inputs
+    /// that float do the worst that they can.
     pub fn bridge_duty(&self) -> Option<f64> {
-        let high = |pin| self.chip.driven(pin) == Some(true);
-        if BRIDGE_ENABLES.into_iter().all(high) && high(BRIDGE_NSLEEP) {
-            self.chip.half_bridges()
-        } else {
-            None
+        match self.bridge() {
+            Bridge::Off | Bridge::EnablesFloat => None,
+            Bridge::Driven(duty) => Some(duty),
+            Bridge::InputsFloat => Some(1.0),
         }
+    }
+
+    /// What the chip tells the bridge now.
+    pub fn bridge(&self) -> Bridge {
+        let enables = BRIDGE_ENABLES.map(|pin| self.chip.settled(pin));
+        if enables.contains(&None) {
+            return Bridge::EnablesFloat;
+        }
+        if enables.contains(&Some(false)) || self.chip.driven(BRIDGE_NSLEEP) != Some(true) {
+            return Bridge::Off;
+        }
+        match self.chip.half_bridges() {
+            [Some(a), Some(b)] => Bridge::Driven(a - b),
+            _ => Bridge::InputsFloat,
+        }
+    }
+
+    /// Halts the core for so many seconds, as a debugger does, and lets it go on.
+    ///
+    /// # Errors
+    /// [`Halt`].
+    pub fn halt_core(&mut self, seconds: f64) -> Result<(), Halt> {
+        self.begin_halt();
+        self.stand_still(seconds)?;
+        self.end_halt();
+        Ok(())
+    }
+
+    /// A debugger halts the core.
+    pub fn begin_halt(&mut self) {
+        let now = self.cpu.signals.cycle();
+        self.chip.hold(now);
+    }
+
+    /// The debugger lets the core go on.
+    pub fn end_halt(&mut self) {
+        let now = self.cpu.signals.cycle();
+        self.chip.go_on(now);
+        self.next_step = self.next_step.max(now);
+    }
+
+    /// Lets so many seconds pass in which the core executes nothing.
+    ///
+    /// # Errors
+    /// [`Halt`].
+    pub fn stand_still(&mut self, seconds: f64) -> Result<(), Halt> {
+        let end = self.chip.clock().cycle_at(self.time_s() + seconds);
+        while self.cpu.signals.cycle() < end {
+            let next = end.min(self.next_event());
+            self.cpu.stand_still(next);
+            self.catch_up(end)?;
+        }
+        Ok(())
     }
 
     fn reset(&mut self, cause: ResetCause) {
@@ -308,6 +407,7 @@ impl Board {
         self.cpu.reset(&mut self.chip);
         self.log.reset();
         self.locked_up = None;
+        self.powerless = self.chip.supply() != Supply::Sound;
         self.next_step = now + self.step_cycles();
     }
 
@@ -330,11 +430,65 @@ impl Board {
         self.reset(ResetCause::Power);
     }
 
+    /// Makes this a board on which the firmware has booted before: the highest brown-out level is in the option bytes.
+    pub fn set_brown_out(&mut self) {
+        self.chip.set_brown_out();
+    }
+
+    /// The supply of the chip, 3.3 V as it should be, is now this. Below its brown-out level the chip is held in reset;
+    /// without one the core does nothing sensible below what its speed needs, which here is nothing at all, and its pins
+    /// stay as they are until a reset.
+    pub fn set_supply(&mut self, volts: f64) {
+        self.chip.set_supply(volts, &mut self.cpu.signals);
+        match self.chip.supply() {
+            Supply::HeldInReset => self.reset(ResetCause::BrownOut),
+            Supply::TooLow => self.powerless = true,
+            Supply::Sound => {
+                let held = self.resets.last().map(|(_, cause)| *cause);
+                if self.powerless && held == Some(ResetCause::BrownOut) {
+                    self.powerless = false;
+                }
+            }
+        }
+    }
+
     /// Pulls the bridge's nFAULT low, or lets it go.
     pub fn set_bridge_fault(&mut self, on: bool) {
         let level = on.then_some(false);
         self.chip
             .connect(BRIDGE_NFAULT, level, &mut self.cpu.signals);
+    }
+
+    /// What a burst on the bus does: the converter of the motor's current finds its last result still there.
+    pub fn overrun_current(&mut self) {
+        self.chip.overrun_current();
+    }
+
+    /// Changes how the paddle is wired, and what its amplifier does.
+    pub fn wiring_mut(&mut self) -> &mut Wiring {
+        &mut self.wiring
+    }
+
+    /// What the serial line does to bytes on it from now on.
+    pub fn set_line(&mut self, line: Line) {
+        self.line = line;
+    }
+
+    /// Disconnects the serial input.
+    pub fn cut_serial(&mut self) {
+        self.serial_cut = true;
+    }
+
+    /// Presses the button, which connects its pin to ground, or lets it go.
+    pub fn set_button(&mut self, pressed: bool) {
+        let level = pressed.then_some(false);
+        self.chip.connect(BUTTON, level, &mut self.cpu.signals);
+    }
+
+    /// Shortest time for which an input of the bridge was low while its outputs were on, s: in it the bootstrap of the
+    /// high side is charged.
+    pub fn shortest_low_s(&self) -> f64 {
+        self.shortest_low_s
     }
 
     /// Stops the crystal, or lets it run.

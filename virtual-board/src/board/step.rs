@@ -23,6 +23,8 @@ pub struct Step {
     pub hall_counts: u16,
     /// What DMA has carried away of the current's conversions.
     pub current: Delivered,
+    /// Items that are left of the current's ring: all of them, where it is in step with the control periods.
+    pub ring_left: u32,
     /// What the program wrote last to the first compare register; it acts from the end of the step on.
     pub compare: u32,
 }

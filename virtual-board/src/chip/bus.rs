@@ -6,6 +6,7 @@ use super::{Chip, FLASH_BYTES};
 use crate::cpu::{Bus, Memories, Refusal, Signals, Width};
 use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::PIN_LINES;
+use crate::peripherals::general_timer::GeneralTimer;
 use crate::peripherals::pwr::Pwr;
 use crate::peripherals::rcc::Clocks;
 use crate::peripherals::syscfg::Syscfg;
@@ -13,6 +14,9 @@ use crate::peripherals::tim5::Tim5;
 use crate::peripherals::tim8::Tim8;
 use crate::peripherals::usart::Usart;
 use crate::peripherals::{Answer, Lack, NEVER, bit};
+
+/// Cycles of the core that a write takes through the buffers to APB2.
+const POSTED_CYCLES: u64 = 12;
 
 impl Bus for Chip {
     #[inline]
@@ -60,7 +64,10 @@ impl Bus for Chip {
             return Ok(());
         }
         // These have 16 bits; the bridge to APB makes a word of what is narrower, in a way that the others would show.
-        let of_16_bits = matches!(unit, Unit::Usart2 | Unit::Tim8 | Unit::Iwdg | Unit::Syscfg);
+        let of_16_bits = matches!(
+            unit,
+            Unit::Usart2 | Unit::Tim8 | Unit::Tim3 | Unit::Iwdg | Unit::Syscfg
+        );
         if width == Width::Byte
             || width == Width::Half && (!of_16_bits || !address.is_multiple_of(4))
         {
@@ -77,6 +84,8 @@ impl Chip {
         let now = signals.cycle();
         match unit {
             Unit::Tim8 => self.tim8.read(offset, now),
+            Unit::Tim2 => self.tim2.read(offset, now),
+            Unit::Tim3 => self.tim3.read(offset, now),
             Unit::Tim5 => self.tim5.read(offset),
             Unit::Adc => self.read_adc(offset, now),
             Unit::Usart2 => {
@@ -87,7 +96,11 @@ impl Chip {
             Unit::Gpio(port) => self.gpio[port].read(offset),
             Unit::Rcc => self.rcc.read(offset, now),
             Unit::Dma2 => self.dma2.read(offset),
-            Unit::Exti => self.exti.read(offset),
+            Unit::Exti => {
+                // A read waits for the writes before it.
+                self.settle_posted(NEVER - 1, signals);
+                self.exti.read(offset)
+            }
             Unit::Syscfg => self.syscfg.read(offset),
             Unit::Pwr => self.pwr.read(offset),
             Unit::Flash => self.flash.read(offset),
@@ -110,6 +123,15 @@ impl Chip {
                 // A timer that starts sets the pace of the paddle too.
                 self.expect(self.tim8.next_update(), signals);
             }
+            Unit::Tim2 => {
+                let divider = Clocks::timer_divider(apb1);
+                self.tim2.write(offset, value, now, divider)?;
+            }
+            Unit::Tim3 => {
+                self.deliver_all(now);
+                let divider = Clocks::timer_divider(apb1);
+                self.tim3.write(offset, value, now, divider)?;
+            }
             Unit::Tim5 => self.tim5.write(offset, value)?,
             Unit::Adc => self.write_adc(offset, value, now)?,
             Unit::Usart2 => {
@@ -130,11 +152,17 @@ impl Chip {
                 self.show_dma2(signals);
             }
             Unit::Exti => {
+                // The write is posted: its line falls when it has passed the bridge to the slower bus, and by then a
+                // handler that ends with it has returned. Of all flags that handlers clear only these are modelled so.
                 self.exti.write(offset, value)?;
-                self.show_exti(signals);
+                self.posted_at = now + POSTED_CYCLES;
+                self.expect(self.posted_at, signals);
             }
             Unit::Syscfg => self.syscfg.write(offset, value)?,
-            Unit::Pwr => self.pwr.write(offset, value)?,
+            Unit::Pwr => {
+                let changed = self.pwr.write(offset, value)?;
+                self.follow_detector(changed, signals);
+            }
             Unit::Flash => {
                 self.flash.write(offset, value, now, self.clock.hz())?;
                 signals.set_flash_timing(self.flash.timing());
@@ -177,8 +205,10 @@ impl Chip {
     /// Resets the peripherals whose reset bit is set.
     fn reset_held(&mut self) {
         let held = |unit| map::gate(unit, 0).is_some_and(|gate| self.rcc.held_in_reset(gate));
-        let [tim8, tim5, adc, dma2, usart2, syscfg, pwr] = [
+        let [tim8, tim2, tim3, tim5, adc, dma2, usart2, syscfg, pwr] = [
             Unit::Tim8,
+            Unit::Tim2,
+            Unit::Tim3,
             Unit::Tim5,
             Unit::Adc,
             Unit::Dma2,
@@ -190,6 +220,12 @@ impl Chip {
         let ports: [bool; PORTS] = std::array::from_fn(|port| held(Unit::Gpio(port)));
         if tim8 {
             self.tim8 = Tim8::default();
+        }
+        if tim2 {
+            self.tim2 = GeneralTimer::wide();
+        }
+        if tim3 {
+            self.tim3 = GeneralTimer::narrow();
         }
         if tim5 {
             self.tim5 = Tim5::default();
@@ -208,7 +244,7 @@ impl Chip {
             self.syscfg = Syscfg::default();
         }
         if pwr {
-            self.pwr = Pwr::default();
+            self.pwr = Pwr::reset(self.supply_v);
         }
         for (port, _) in ports.iter().enumerate().filter(|(_, held)| **held) {
             self.gpio[port].reset_registers(port);
@@ -313,6 +349,27 @@ mod tests {
             chip.take_remarks(),
             ["a write to GPIOC + 0x18 without its clock is lost"]
         );
+    }
+
+    #[test]
+    fn a_write_that_clears_an_edge_is_posted_and_a_read_waits_for_it() {
+        const EXTI: u32 = 0x4001_3C00;
+        const LINE: usize = 40;
+        let chip = &mut Chip::new();
+        let signals = &mut Signals::default();
+        chip.write(EXTI, Width::Word, 1 << 15, signals).unwrap();
+        for reads_back in [false, true] {
+            chip.exti.write(0x10, 1 << 15).unwrap();
+            chip.show_exti(signals);
+            chip.write(EXTI + 0x14, Width::Word, 1 << 15, signals)
+                .unwrap();
+            if reads_back {
+                chip.read(EXTI + 0x14, Width::Word, signals).unwrap();
+            }
+            assert_eq!(signals.line(LINE), !reads_back);
+            assert!(chip.settle_posted(POSTED_CYCLES, signals) != reads_back);
+            assert!(!signals.line(LINE));
+        }
     }
 
     #[test]

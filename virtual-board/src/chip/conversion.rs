@@ -19,6 +19,9 @@ const CONVERTER_BYTES: u32 = 0x100;
 pub(super) const ANALOG_PINS: [Pin; 2] = [Pin(PORT_A, 3), Pin(PORT_B, 1)];
 const CURRENT: usize = 0;
 const HALL: usize = 1;
+/// What stands between each signal and its pin, ohm. The board's circuit is not published: these are dividers such as
+/// the lab's sampling times suggest, of 10 kΩ and of 40 kΩ.
+const SOURCES_OHM: [f64; ANALOG_PINS.len()] = [5e3, 20e3];
 
 /// What stands at a pin for the converters: parts of a count, and what rounding has left over.
 #[derive(Debug, Clone, Copy)]
@@ -37,8 +40,8 @@ impl Level {
     /// The next conversion. The signal's noise is far above one count where it is not a whole number, so that the mean
     /// of many conversions has no steps: what rounding leaves over goes into the next.
     #[inline]
-    fn convert(&mut self) -> u16 {
-        let wanted = self.parts + self.left_over;
+    fn convert(&mut self, settled_share: f64) -> u16 {
+        let wanted = (f64::from(self.parts) * settled_share) as u32 + self.left_over;
         self.left_over = wanted % Self::PARTS_PER_COUNT;
         (wanted / Self::PARTS_PER_COUNT) as u16
     }
@@ -67,11 +70,27 @@ impl Chip {
     pub fn sense(&mut self, current_counts: f64, hall_counts: u16, now: u64) {
         self.levels[CURRENT].1.set(current_counts);
         self.levels[HALL].1.set(f64::from(hall_counts));
+        self.deliver_all(now);
+    }
+
+    /// Lets DMA carry away what was converted up to cycle `now`.
+    pub(super) fn deliver_all(&mut self, now: u64) {
         for number in 0..CONVERTERS {
             if self.adc[number].collected() {
                 self.deliver(number, now);
             }
         }
+    }
+
+    /// What a burst on the bus does: the converter of the current finds its last result still there.
+    pub fn overrun_current(&mut self) {
+        const CURRENT_CONVERTER: usize = 2;
+        self.adc[CURRENT_CONVERTER].overrun();
+    }
+
+    /// Items that are left of the ring of DMA2's stream `number`.
+    pub fn ring_left(&self, number: usize) -> u32 {
+        self.dma2.left(number)
     }
 
     /// The conversions that DMA has carried away since the last call.
@@ -82,26 +101,42 @@ impl Chip {
     /// Converts up to cycle `now`.
     fn deliver(&mut self, number: usize, now: u64) {
         let adc = &mut self.adc[number];
-        let ended = adc.ended(now);
+        let ended = if adc.paced() {
+            let (from, to) = adc.follow(now);
+            let triggers = self.tim3.triggers_by_update();
+            let triggered = if triggers {
+                self.tim3.updates(from, to)
+            } else {
+                0
+            };
+            if triggered > 0 && self.tim3.update_cycles() < adc.conversion_cycles() {
+                self.trouble = Some("a trigger during a conversion".into());
+            }
+            triggered
+        } else {
+            adc.ended(now)
+        };
         if ended == 0 {
             return;
         }
         let channel = adc.channel();
-        let Some((_, level)) = connected(&mut self.levels, &self.gpio, channel) else {
+        let Some(place) = connected(&self.levels, &self.gpio, channel) else {
             self.trouble = Some(format!(
                 "what channel {channel} of ADC{} converts, at no analog pin that is connected,",
                 number + 1
             ));
             return;
         };
+        let settled_share = adc.settled_share(SOURCES_OHM[place], self.clock.hz());
+        let level = &mut self.levels[place].1;
         if !adc.collected() {
-            adc.deliver(level.convert());
+            adc.deliver(level.convert(settled_share));
             return;
         }
         let from = ADC_BASE + CONVERTER_BYTES * number as u32 + adc::DR;
         let stream = self.dma2.serving(from, &ADC_STREAMS[number]);
         for _ in 0..ended {
-            let counts = level.convert();
+            let counts = level.convert(settled_share);
             if !adc.deliver(counts) {
                 break;
             }
@@ -176,12 +211,8 @@ impl Chip {
     }
 }
 
-/// What stands at the pin of a converter's channel, if that is an analog one.
-fn connected<'a>(
-    levels: &'a mut [(Pin, Level)],
-    gpio: &[Gpio],
-    channel: usize,
-) -> Option<&'a mut (Pin, Level)> {
+/// Place of what stands at the pin of a converter's channel, if that is an analog one.
+fn connected(levels: &[(Pin, Level)], gpio: &[Gpio], channel: usize) -> Option<usize> {
     let pin = match channel {
         0..8 => Pin(PORT_A, channel),
         8..10 => Pin(PORT_B, channel - 8),
@@ -189,6 +220,6 @@ fn connected<'a>(
         _ => return None,
     };
     levels
-        .iter_mut()
-        .find(|(known, _)| *known == pin && gpio[pin.0].mode(pin.1) == Mode::Analog)
+        .iter()
+        .position(|(known, _)| *known == pin && gpio[pin.0].mode(pin.1) == Mode::Analog)
 }

@@ -4,7 +4,8 @@ use super::Chip;
 use crate::cpu::Signals;
 
 /// Of the external interrupts, with the pins that share each.
-const EXTI: [(usize, std::ops::RangeInclusive<u32>); 7] = [
+const EXTI: [(usize, std::ops::RangeInclusive<u32>); 8] = [
+    (1, 16..=16),
     (6, 0..=0),
     (7, 1..=1),
     (8, 2..=2),
@@ -13,6 +14,8 @@ const EXTI: [(usize, std::ops::RangeInclusive<u32>); 7] = [
     (23, 5..=9),
     (40, 10..=15),
 ];
+/// The detector of a low supply among the external interrupt lines.
+pub(super) const PVD_LINE: usize = 16;
 const USART2: usize = 38;
 pub const TIM8_UP_TIM13: usize = 44;
 /// Of DMA2's streams 0 to 4, and 5 to 7.

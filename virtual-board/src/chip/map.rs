@@ -6,6 +6,8 @@ use crate::peripherals::rcc::{Bus, Gate};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names of the reference manual")]
 pub enum Unit {
+    Tim2,
+    Tim3,
     Tim5,
     Iwdg,
     Usart2,
@@ -50,8 +52,8 @@ const MAP: [(&str, u32, u32, Option<Unit>); 67] = [
         Some(Unit::Factory),
     ),
     ("option bytes", 0x1FFF_C000, 0x1FFF_C010, None),
-    ("TIM2", 0x4000_0000, 0x4000_0400, None),
-    ("TIM3", 0x4000_0400, 0x4000_0800, None),
+    ("TIM2", 0x4000_0000, 0x4000_0400, Some(Unit::Tim2)),
+    ("TIM3", 0x4000_0400, 0x4000_0800, Some(Unit::Tim3)),
     ("TIM4", 0x4000_0800, 0x4000_0C00, None),
     ("TIM5", 0x4000_0C00, 0x4000_1000, Some(Unit::Tim5)),
     ("TIM6", 0x4000_1000, 0x4000_1400, None),
@@ -123,6 +125,7 @@ pub fn place(address: u32) -> Place {
     match address & !0x3FF {
         0x4001_0400 => return Place::Modelled(Unit::Tim8, address & 0x3FF),
         0x4001_2000 => return Place::Modelled(Unit::Adc, address & 0x3FF),
+        0x4000_0000 => return Place::Modelled(Unit::Tim2, address & 0x3FF),
         0x4000_0C00 => return Place::Modelled(Unit::Tim5, address & 0x3FF),
         0x4000_4400 => return Place::Modelled(Unit::Usart2, address & 0x3FF),
         0x4000_3000 => return Place::Modelled(Unit::Iwdg, address & 0x3FF),
@@ -164,6 +167,8 @@ pub const fn gate(unit: Unit, offset: u32) -> Option<Gate> {
     Some(match unit {
         Unit::Gpio(port) => Gate(Bus::Ahb1, port as u32),
         Unit::Dma2 => Gate(Bus::Ahb1, 22),
+        Unit::Tim2 => Gate(Bus::Apb1, 0),
+        Unit::Tim3 => Gate(Bus::Apb1, 1),
         Unit::Tim5 => Gate(Bus::Apb1, 3),
         Unit::Usart2 => Gate(Bus::Apb1, 17),
         Unit::Pwr => Gate(Bus::Apb1, 28),

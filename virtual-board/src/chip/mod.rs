@@ -13,18 +13,19 @@ use crate::clock::Clock;
 use crate::cpu::{Memories, Signals};
 use crate::peripherals::NEVER;
 use crate::peripherals::adc::Adc;
-use crate::peripherals::dbgmcu::Dbgmcu;
+use crate::peripherals::dbgmcu::{Dbgmcu, Held};
 use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::Exti;
 use crate::peripherals::flash::Flash;
+use crate::peripherals::general_timer::GeneralTimer;
 use crate::peripherals::gpio::Gpio;
 use crate::peripherals::iwdg::Iwdg;
-use crate::peripherals::pwr::Pwr;
+use crate::peripherals::pwr::{self, Pwr};
 use crate::peripherals::rcc::{Clocks, Rcc, ResetCause};
 use crate::peripherals::syscfg::Syscfg;
 use crate::peripherals::tim5::Tim5;
 use crate::peripherals::tim8::Tim8;
-use crate::peripherals::usart::Usart;
+use crate::peripherals::usart::{Line, Usart};
 use conversion::{ANALOG_PINS, CONVERTERS, Level};
 use map::PORTS;
 use pins::{AF_USART2, USART2_RX, USART2_TX};
@@ -35,6 +36,17 @@ const FLASH_BYTES: usize = 1024 * 1024;
 const SRAM_BYTES: usize = 128 * 1024;
 const CCM_BYTES: usize = 64 * 1024;
 
+/// What the supply lets the core do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Supply {
+    /// Everything.
+    Sound,
+    /// Nothing that can be relied upon, and nobody holds it in reset.
+    TooLow,
+    /// Nothing: the chip is held in reset.
+    HeldInReset,
+}
+
 /// The chip.
 #[derive(Debug, Clone)]
 pub struct Chip {
@@ -44,6 +56,8 @@ pub struct Chip {
     rcc: Rcc,
     /// The bridge's timer.
     pub tim8: Tim8,
+    tim2: GeneralTimer,
+    tim3: GeneralTimer,
     tim5: Tim5,
     adc: [Adc; CONVERTERS],
     adc_common: u32,
@@ -54,8 +68,11 @@ pub struct Chip {
     pub usart2: Usart,
     gpio: [Gpio; PORTS],
     exti: Exti,
+    /// Cycle at which the last write to EXTI arrives there.
+    posted_at: u64,
     syscfg: Syscfg,
     pwr: Pwr,
+    supply_v: f64,
     flash: Flash,
     iwdg: Iwdg,
     dbgmcu: Dbgmcu,
@@ -78,6 +95,8 @@ impl Chip {
             clocks,
             rcc,
             tim8: Tim8::default(),
+            tim2: GeneralTimer::wide(),
+            tim3: GeneralTimer::narrow(),
             tim5: Tim5::default(),
             adc: Default::default(),
             adc_common: 0,
@@ -87,8 +106,10 @@ impl Chip {
             usart2: Usart::default(),
             gpio: std::array::from_fn(Gpio::reset),
             exti: Exti::default(),
+            posted_at: NEVER,
             syscfg: Syscfg::default(),
-            pwr: Pwr::default(),
+            pwr: Pwr::reset(pwr::NOMINAL_V),
+            supply_v: pwr::NOMINAL_V,
             flash: Flash::default(),
             iwdg: Iwdg::default(),
             dbgmcu: Dbgmcu::default(),
@@ -106,6 +127,8 @@ impl Chip {
         self.rcc = Rcc::reset(cause, Some(&self.rcc));
         self.follow_clocks(now);
         self.tim8 = Tim8::default();
+        self.tim2 = GeneralTimer::wide();
+        self.tim3 = GeneralTimer::narrow();
         self.tim5 = Tim5::default();
         self.adc = Default::default();
         self.adc_common = 0;
@@ -116,8 +139,8 @@ impl Chip {
         }
         self.exti = Exti::default();
         self.syscfg = Syscfg::default();
-        self.pwr = Pwr::default();
-        self.flash = Flash::default();
+        self.pwr = Pwr::reset(self.supply_v);
+        self.flash = self.flash.reset(cause == ResetCause::Power);
         self.iwdg = Iwdg::default();
         if cause == ResetCause::Power {
             self.dbgmcu = Dbgmcu::default();
@@ -160,8 +183,85 @@ impl Chip {
     /// Stops or starts the crystal. Returns whether the clock security system has seen it.
     pub fn set_crystal(&mut self, runs: bool, now: u64) -> bool {
         let seen = self.rcc.set_crystal(runs);
+        if seen {
+            self.tim8.brake();
+        }
         self.follow_clocks(now);
         seen
+    }
+
+    /// Sets the highest brown-out level, as if it had been set since before the supply came.
+    pub fn set_brown_out(&mut self) {
+        self.flash = std::mem::take(&mut self.flash).with_brown_out();
+    }
+
+    /// Lets a posted write arrive that is due at cycle `now`. Returns whether there was one.
+    pub fn settle_posted(&mut self, now: u64, signals: &mut Signals) -> bool {
+        let due = self.posted_at <= now;
+        if due {
+            self.posted_at = NEVER;
+            self.show_exti(signals);
+        }
+        due
+    }
+
+    /// The supply of the chip is now `supply_v`.
+    pub fn set_supply(&mut self, supply_v: f64, signals: &mut Signals) {
+        self.supply_v = supply_v;
+        let changed = self.pwr.set_supply(supply_v);
+        self.follow_detector(changed, signals);
+    }
+
+    /// The detector of a low supply feeds an external interrupt line.
+    fn follow_detector(&mut self, changed: Option<bool>, signals: &mut Signals) {
+        if let Some(low) = changed {
+            self.exti.edge(lines::PVD_LINE, low);
+            self.show_exti(signals);
+        }
+    }
+
+    /// What the supply lets the core do.
+    pub fn supply(&self) -> Supply {
+        /// Least supply at more than 144 MHz (data sheet, limitations depending on the supply).
+        const LEAST_V: f64 = 2.7;
+        if self.supply_v < self.flash.brown_out_v() {
+            Supply::HeldInReset
+        } else if self.supply_v < LEAST_V {
+            Supply::TooLow
+        } else {
+            Supply::Sound
+        }
+    }
+
+    /// A debugger halts the core at cycle `now`: what it is set up to hold still stands still too.
+    pub fn hold(&mut self, now: u64) {
+        self.deliver_all(now);
+        let now_s = self.clock.seconds(now);
+        if self.dbgmcu.stops(Held::Tim8) {
+            self.tim8.hold(now);
+        }
+        if self.dbgmcu.stops(Held::Tim2) {
+            self.tim2.hold(now);
+        }
+        if self.dbgmcu.stops(Held::Tim3) {
+            self.tim3.hold(now);
+        }
+        if self.dbgmcu.stops(Held::Iwdg) {
+            self.iwdg.hold(now_s);
+        }
+    }
+
+    /// The core goes on at cycle `now`.
+    pub fn go_on(&mut self, now: u64) {
+        self.deliver_all(now);
+        let now_s = self.clock.seconds(now);
+        self.tim8.go_on(now);
+        self.tim2.go_on(now);
+        self.tim3.go_on(now);
+        for adc in &mut self.adc {
+            adc.begin_at(now);
+        }
+        self.iwdg.go_on(now_s);
     }
 
     /// Time and cycles.
@@ -185,6 +285,7 @@ impl Chip {
             .next_update()
             .min(self.usart2.next_sent())
             .min(self.flash.next_done())
+            .min(self.posted_at)
             .min(watchdog)
     }
 
@@ -203,6 +304,11 @@ impl Chip {
         signals.set_line(lines::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
     }
 
+    /// Whether USART2's input floats if nothing is connected to it.
+    pub fn receiver_floats(&self) -> bool {
+        self.settled(USART2_RX).is_none()
+    }
+
     /// Takes the byte that USART2 has just sent; `None` if its pin is not given to it.
     pub fn take_sent(&mut self, signals: &mut Signals) -> Option<u8> {
         let byte = self.usart2.sent(self.clocks.apb1_divider);
@@ -211,9 +317,9 @@ impl Chip {
     }
 
     /// A byte arrives at USART2's pin.
-    pub fn receive(&mut self, byte: u8, signals: &mut Signals) {
+    pub fn receive(&mut self, byte: u8, line: Line, signals: &mut Signals) {
         if self.mode(USART2_RX) == AF_USART2 {
-            self.usart2.receive(byte);
+            self.usart2.receive(byte, line);
             self.show_usart2(signals);
         }
     }
@@ -222,6 +328,7 @@ impl Chip {
     pub fn finish_flash_change(&mut self) {
         if let Some(change) = self.flash.done() {
             change.apply(self.memories.flash_mut());
+            self.flash.keep(change);
         }
     }
 

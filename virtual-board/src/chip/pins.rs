@@ -4,6 +4,7 @@ use super::Chip;
 use crate::cpu::Signals;
 use crate::peripherals::gpio::Mode;
 use crate::peripherals::rcc::Clocks;
+use crate::peripherals::tim8::Output;
 
 /// A pin: port, counted from A, and number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,13 +31,33 @@ pub(super) const USART2_RX: Pin = Pin(PORT_D, 6);
 const TIM5_CNT: u32 = 0x24;
 
 impl Chip {
-    /// Share of the supply, -1 to 1, that TIM8's channels put between their pins; `None` if one is not driven.
-    pub fn half_bridges(&self) -> Option<f64> {
-        let [a, b] = TIM8_PINS;
-        if self.mode(a) != AF_TIM8 || self.mode(b) != AF_TIM8 {
-            return None;
-        }
-        Some(self.tim8.high_share(0)? - self.tim8.high_share(1)?)
+    /// Shares of the time, 0 to 1, for which the bridge's two inputs are high; `None` for one that nothing drives or
+    /// pulls.
+    pub fn half_bridges(&self) -> [Option<f64>; 2] {
+        std::array::from_fn(|channel| {
+            let pin = TIM8_PINS[channel];
+            match (self.mode(pin), self.tim8.output(channel)) {
+                (Mode::Alternate(_), Output::High(share)) if self.mode(pin) == AF_TIM8 => {
+                    Some(share)
+                }
+                _ => self.settled(pin).map(|high| f64::from(u8::from(high))),
+            }
+        })
+    }
+
+    /// Shortest time for which one of the bridge's inputs is low in a PWM period, s, less the time of an edge.
+    pub fn shortest_low_s(&self) -> f64 {
+        let period_s = self.tim8.pwm_cycles() as f64 / self.clock.hz();
+        let lows = self.half_bridges().into_iter().zip(TIM8_PINS);
+        lows.map(|(share, Pin(port, pin))| {
+            (1.0 - share.unwrap_or(1.0)) * period_s - self.gpio[port].edge_s(pin)
+        })
+        .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Level that the program drives on a pin or pulls it to; `None` if it floats.
+    pub fn settled(&self, Pin(port, pin): Pin) -> Option<bool> {
+        self.gpio[port].driven(pin).or(self.gpio[port].pull(pin))
     }
 
     /// Level that the program drives on a pin.

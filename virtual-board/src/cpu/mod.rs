@@ -283,6 +283,12 @@ impl Cpu {
         stop
     }
 
+    /// Lets time pass to `cycle` without executing anything, as when a debugger has halted the core.
+    pub fn stand_still(&mut self, cycle: u64) {
+        self.signals.cycle = self.signals.cycle.max(cycle);
+        self.attend_soon();
+    }
+
     /// Instructions executed since power-on.
     #[must_use]
     pub fn instructions(&self) -> u64 {

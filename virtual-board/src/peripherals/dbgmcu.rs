@@ -1,9 +1,22 @@
-//! Debug support. No debugger halts this core, so that its settings are kept and change nothing.
+//! Debug support: what a debugger that halts the core holds still with it.
 
-use super::{Answer, Lack};
+use super::{Answer, Lack, bit};
 
 /// Device and revision of an STM32F407 of revision Z.
 const IDCODE: u32 = 0x1001_6413;
+
+/// What may stand still while the core does (RM0090, section 38.16).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names of the reference manual")]
+pub enum Held {
+    Tim2,
+    Tim3,
+    Tim8,
+    Iwdg,
+}
+
+/// Fields of its registers.
+const FIELDS: [u32; 3] = [0x001F_00E7, 0x06E0_19FF, 0x0007_0003];
 
 /// DBGMCU.
 #[derive(Debug, Clone, Default)]
@@ -13,6 +26,16 @@ pub struct Dbgmcu {
 }
 
 impl Dbgmcu {
+    /// Whether the clock of a timer or watchdog stops with the core, by its bit among those of its bus.
+    pub fn stops(&self, held: Held) -> bool {
+        match held {
+            Held::Tim2 => bit(self.settings[1], 0),
+            Held::Tim3 => bit(self.settings[1], 1),
+            Held::Iwdg => bit(self.settings[1], 12),
+            Held::Tim8 => bit(self.settings[2], 1),
+        }
+    }
+
     /// Reads a register.
     pub fn read(&self, offset: u32) -> Answer<u32> {
         match offset {
@@ -25,7 +48,10 @@ impl Dbgmcu {
     /// Writes a register.
     pub fn write(&mut self, offset: u32, value: u32) -> Answer {
         match offset {
-            0x04 | 0x08 | 0x0C => self.settings[offset as usize / 4 - 1] = value,
+            0x04 | 0x08 | 0x0C => {
+                let index = offset as usize / 4 - 1;
+                self.settings[index] = value & FIELDS[index];
+            }
             _ => return Err(Lack::Register),
         }
         Ok(())

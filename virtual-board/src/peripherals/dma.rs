@@ -16,23 +16,47 @@ const TCIE: u32 = 4;
 const CIRC: u32 = 8;
 const MINC: u32 = 10;
 
+/// Fields of a stream's control register, and those of its FIFO's that can be written; the FIFO is empty.
+const CONTROL_FIELDS: u32 = 0x0FEF_FFFF;
+const FIFO_FIELDS: u32 = 0b1000_0111;
+const EMPTY: u32 = 0b100 << 3;
+
 /// Flags of a stream, in the order of its six bits.
 const HALF: u32 = 1 << 4;
 const COMPLETE: u32 = 1 << 5;
 
 /// One stream.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 struct Stream {
     cr: u32,
     ndtr: u32,
     par: u32,
     m0ar: u32,
     m1ar: u32,
+    /// Without the level of the FIFO, which is always empty.
     fcr: u32,
     flags: u32,
     /// Items at the start, and those that are left.
     items: u32,
     left: u32,
+}
+
+impl Default for Stream {
+    fn default() -> Self {
+        /// A threshold of half.
+        const HALF_FULL: u32 = 0b01;
+        Self {
+            cr: 0,
+            ndtr: 0,
+            par: 0,
+            m0ar: 0,
+            m1ar: 0,
+            fcr: HALF_FULL,
+            flags: 0,
+            items: 0,
+            left: 0,
+        }
+    }
 }
 
 /// DMA1 or DMA2.
@@ -66,7 +90,7 @@ impl Dma {
                     0x08 => stream.par,
                     0x0C => stream.m0ar,
                     0x10 => stream.m1ar,
-                    _ => stream.fcr,
+                    _ => stream.fcr | EMPTY,
                 })
             }
         }
@@ -93,7 +117,7 @@ impl Dma {
                     0x10 => stream.m1ar = value,
                     _ => {
                         require(value & 1 << 2 == 0, "the FIFO")?;
-                        stream.fcr = value;
+                        stream.fcr = value & FIFO_FIELDS;
                     }
                 }
             }
@@ -122,6 +146,11 @@ impl Dma {
     pub fn carry(&mut self, number: usize) -> Option<Destination> {
         let stream = &mut self.streams[number];
         bit(stream.cr, EN).then(|| stream.step())
+    }
+
+    /// Items that stream `number` has left before it begins anew.
+    pub fn left(&self, number: usize) -> u32 {
+        self.streams[number].left
     }
 
     /// Whether stream `number` asks for an interrupt.
@@ -165,7 +194,7 @@ impl Stream {
             require(self.ndtr > 0, "no items")?;
             (self.items, self.left) = (self.ndtr, self.ndtr);
         }
-        self.cr = value;
+        self.cr = value & CONTROL_FIELDS;
         Ok(())
     }
 

@@ -31,6 +31,9 @@ impl Exti {
 
     /// Writes a register.
     pub fn write(&mut self, offset: u32, value: u32) -> Answer {
+        /// Lines that the chip has.
+        const LINES: u32 = 0x007F_FFFF;
+        let value = value & LINES;
         match offset {
             0x00 => self.mask = value,
             0x04 if value == 0 => self.event_mask = 0,

@@ -11,6 +11,17 @@ const CR: u32 = 0x10;
 const OPTCR: u32 = 0x14;
 
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
+const OPTION_KEYS: [u32; 2] = [0x0819_2A3B, 0x4C5D_6E7F];
+const OPTLOCK: u32 = 0;
+const OPTSTRT: u32 = 1;
+/// Option bytes as delivered: nothing is protected, no brown-out level.
+const OPTIONS: u32 = 0x0FFF_AAEC;
+/// Time to program the option bytes, s: they are erased with their small sector, as one of 16 KiB.
+const OPTIONS_S: f64 = 0.25;
+
+/// Supply below which the chip is held in reset, V, by the brown-out level (data sheet, typical, falling); without one
+/// the power-down reset is left.
+const BROWN_OUT_V: [f64; 4] = [2.83, 2.50, 2.19, 1.68];
 
 const EOP: u32 = 1 << 0;
 const WRPERR: u32 = 1 << 4;
@@ -47,6 +58,8 @@ pub enum Change {
         /// Length.
         bytes: u32,
     },
+    /// The option bytes become these.
+    Options(u32),
 }
 
 /// FLASH, as far as one bank of the STM32F407 goes.
@@ -56,6 +69,11 @@ pub struct Flash {
     sr: u32,
     cr: u32,
     keys_given: usize,
+    /// As in the register, as programmed, and as loaded when the supply came.
+    optcr: u32,
+    options: u32,
+    loaded: u32,
+    option_keys_given: usize,
     /// What runs, and when it ends.
     busy: Option<(Change, u64)>,
 }
@@ -67,22 +85,45 @@ impl Default for Flash {
             sr: 0,
             cr: 1 << LOCK,
             keys_given: 0,
+            optcr: OPTIONS | 1 << OPTLOCK,
+            options: OPTIONS,
+            loaded: OPTIONS,
+            option_keys_given: 0,
             busy: None,
         }
     }
 }
 
 impl Flash {
+    /// After a reset: the option bytes stay, and are loaded if the supply was gone.
+    pub fn reset(&self, of_power: bool) -> Self {
+        Self {
+            optcr: self.options | 1 << OPTLOCK,
+            options: self.options,
+            loaded: if of_power { self.options } else { self.loaded },
+            ..Self::default()
+        }
+    }
+
+    /// With option bytes that have had the highest brown-out level since before the supply came.
+    pub fn with_brown_out(mut self) -> Self {
+        self.options &= !(0b11 << 2);
+        self.reset(true)
+    }
+
+    /// Supply below which the chip is held in reset, V.
+    pub fn brown_out_v(&self) -> f64 {
+        BROWN_OUT_V[field(self.loaded, 2, 2) as usize]
+    }
+
     /// Reads a register.
     pub fn read(&self, offset: u32) -> Answer<u32> {
-        /// Option bytes as delivered: nothing is protected.
-        const OPTIONS: u32 = 0x0FFF_AAED;
         Ok(match offset {
             ACR => self.acr,
             KEYR | OPTKEYR => 0,
             SR => self.sr | if self.busy.is_some() { BSY } else { 0 },
             CR => self.cr,
-            OPTCR => OPTIONS,
+            OPTCR => self.optcr,
             _ => return Err(Lack::Register),
         })
     }
@@ -98,7 +139,8 @@ impl Flash {
         match offset {
             ACR => {
                 const RESETS: u32 = 0b11 << 11;
-                self.acr = value & !RESETS;
+                const FIELDS: u32 = 0x1F07;
+                self.acr = value & FIELDS & !RESETS;
             }
             KEYR => {
                 let expected = KEYS.get(self.keys_given);
@@ -110,6 +152,34 @@ impl Flash {
                 if self.keys_given == KEYS.len() {
                     self.keys_given = 0;
                     self.cr &= !(1 << LOCK);
+                }
+            }
+            OPTKEYR => {
+                let expected = OPTION_KEYS.get(self.option_keys_given);
+                require(
+                    expected == Some(&value),
+                    "a wrong key, which locks until a reset",
+                )?;
+                self.option_keys_given += 1;
+                if self.option_keys_given == OPTION_KEYS.len() {
+                    self.option_keys_given = 0;
+                    self.optcr &= !(1 << OPTLOCK);
+                }
+            }
+            OPTCR => {
+                const LEVELS: u32 = 0b11 << 2;
+                if bit(self.optcr, OPTLOCK) || self.busy.is_some() {
+                    return Ok(None);
+                }
+                require(
+                    (value ^ self.options) & !(LEVELS | 1 << OPTLOCK | 1 << OPTSTRT) == 0,
+                    "options other than the brown-out level",
+                )?;
+                self.optcr = value & !(1 << OPTSTRT);
+                if bit(value, OPTSTRT) {
+                    let change = Change::Options(value & !(1 << OPTLOCK | 1 << OPTSTRT));
+                    self.begin(change, now, OPTIONS_S * hclk_hz);
+                    return Ok(Some(change));
                 }
             }
             SR => self.sr &= !(value & (EOP | WRPERR | PGAERR | PGPERR | PGSERR)),
@@ -199,6 +269,13 @@ impl Flash {
         self.busy.take().map(|(change, _)| change)
     }
 
+    /// Keeps what a change that has ended made of the option bytes.
+    pub fn keep(&mut self, change: Change) {
+        if let Change::Options(options) = change {
+            self.options = options;
+        }
+    }
+
     /// How the core must wait.
     pub fn timing(&self) -> FlashTiming {
         FlashTiming {
@@ -227,6 +304,7 @@ impl Change {
             Self::Erase { at, bytes } => {
                 flash[at as usize..(at + bytes) as usize].fill(0xFF);
             }
+            Self::Options(_) => {}
         }
     }
 
@@ -295,6 +373,25 @@ mod tests {
             })
         );
         assert_eq!(flash.next_done(), 168_000_000);
+    }
+
+    #[test]
+    fn a_brown_out_level_acts_once_the_supply_comes_again() {
+        let mut flash = Flash::default();
+        flash
+            .write(OPTCR, OPTIONS & !0b1100 | 1 << OPTSTRT, 0, HCLK_HZ)
+            .unwrap();
+        assert_eq!(flash.next_done(), NEVER, "locked");
+        for key in OPTION_KEYS {
+            flash.write(OPTKEYR, key, 0, HCLK_HZ).unwrap();
+        }
+        flash
+            .write(OPTCR, OPTIONS & !0b1100 | 1 << OPTSTRT, 0, HCLK_HZ)
+            .unwrap();
+        let change = flash.done().unwrap();
+        flash.keep(change);
+        assert_eq!(flash.reset(false).brown_out_v(), 1.68);
+        assert_eq!(flash.reset(true).brown_out_v(), 2.83);
     }
 
     #[test]

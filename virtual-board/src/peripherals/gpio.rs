@@ -117,12 +117,26 @@ impl Gpio {
         (self.mode(pin) == Mode::Output && !open).then_some(high)
     }
 
+    /// Time of an edge of `pin`, s, by its speed (data sheet, I/O AC characteristics, 50 pF).
+    pub fn edge_s(&self, pin: usize) -> f64 {
+        [100e-9, 20e-9, 10e-9, 6e-9][field(self.ospeedr, 2 * pin as u32, 2) as usize]
+    }
+
+    /// Where the pull of `pin` leads, if it has one.
+    pub fn pull(&self, pin: usize) -> Option<bool> {
+        match field(self.pupdr, 2 * pin as u32, 2) {
+            0b01 => Some(true),
+            0b10 => Some(false),
+            _ => None,
+        }
+    }
+
     /// Level of `pin`, as the input register reads it. A pin that nothing drives or pulls is low; an analog one reads 0.
     pub fn level(&self, pin: usize) -> bool {
         if self.mode(pin) == Mode::Analog {
             return false;
         }
-        let pulled_up = field(self.pupdr, 2 * pin as u32, 2) == 0b01;
+        let pulled_up = self.pull(pin) == Some(true);
         self.driven(pin).or(self.outside[pin]).unwrap_or(pulled_up)
     }
 

@@ -21,6 +21,8 @@ pub struct Iwdg {
     reload: u32,
     /// When it resets, s; `None` before it is started.
     expires_s: Option<f64>,
+    /// Since when a debugger holds it still, s.
+    held_s: Option<f64>,
 }
 
 impl Default for Iwdg {
@@ -30,6 +32,7 @@ impl Default for Iwdg {
             prescaler: 0,
             reload: 0xFFF,
             expires_s: None,
+            held_s: None,
         }
     }
 }
@@ -70,7 +73,19 @@ impl Iwdg {
 
     /// When it will reset the chip, s, unless it is reloaded before.
     pub fn expires_s(&self) -> Option<f64> {
-        self.expires_s
+        self.expires_s.filter(|_| self.held_s.is_none())
+    }
+
+    /// A debugger holds it still from time `now_s` on.
+    pub fn hold(&mut self, now_s: f64) {
+        self.held_s = Some(now_s);
+    }
+
+    /// It goes on from time `now_s`.
+    pub fn go_on(&mut self, now_s: f64) {
+        if let Some(held_s) = self.held_s.take() {
+            self.expires_s = self.expires_s.map(|at_s| at_s + now_s - held_s);
+        }
     }
 }
 

@@ -9,6 +9,7 @@ pub mod dbgmcu;
 pub mod dma;
 pub mod exti;
 pub mod flash;
+pub mod general_timer;
 pub mod gpio;
 pub mod iwdg;
 pub mod pwr;

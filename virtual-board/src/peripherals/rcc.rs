@@ -48,6 +48,43 @@ const RSTR: u32 = 0x10;
 const ENR: u32 = 0x30;
 const LPENR: u32 = 0x50;
 
+/// Fields of the reset, enable and low-power enable registers of the buses.
+const RESET_FIELDS: [u32; BANK_WORDS] = [
+    0x2260_11FF,
+    0x0000_00C1,
+    0x0000_0001,
+    0,
+    0x36FE_C9FF,
+    0x0007_5933,
+];
+const ENABLE_FIELDS: [u32; BANK_WORDS] = [
+    0x7E74_11FF,
+    0x0000_00C1,
+    0x0000_0001,
+    0,
+    0x36FE_C9FF,
+    0x0007_5F33,
+];
+const LOW_POWER_FIELDS: [u32; BANK_WORDS] = [
+    0x7E67_91FF,
+    0x0000_00F1,
+    0x0000_0001,
+    0,
+    0x36FE_C9FF,
+    0x0007_5F33,
+];
+
+/// Fields of the register at `offset` of these.
+fn fields(offset: u32) -> u32 {
+    let (bank, first) = match offset {
+        LPENR.. => (&LOW_POWER_FIELDS, LPENR),
+        ENR.. => (&ENABLE_FIELDS, ENR),
+        _ => (&RESET_FIELDS, RSTR),
+    };
+    let word = offset.wrapping_sub(first) / 4;
+    bank.get(word as usize).copied().unwrap_or_default()
+}
+
 /// Place of a peripheral among the gates: its bus, and its bit in the enable and reset registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gate(pub Bus, pub u32);
@@ -63,6 +100,8 @@ pub enum ResetCause {
     Software,
     /// The reset pin was pulled low.
     Pin,
+    /// The supply fell below the brown-out level.
+    BrownOut,
 }
 
 impl ResetCause {
@@ -78,6 +117,7 @@ impl ResetCause {
             Self::IndependentWatchdog => IWDG | PIN,
             Self::Software => SOFTWARE | PIN,
             Self::Pin => PIN,
+            Self::BrownOut => BOR | PIN,
         }
     }
 }
@@ -182,15 +222,16 @@ impl Rcc {
                     self.pll_ready_at = after(PLL_LOCK_S);
                 }
                 const READY: u32 = 1 << 1 | 1 << (HSEON + 1) | 1 << (PLLON + 1);
-                const CALIBRATION: u32 = 0xFF00;
-                self.cr = value & !(READY | CALIBRATION) | 1 << 1;
+                const FIELDS: u32 = 0x050D_00F9;
+                self.cr = value & FIELDS & !READY | 1 << 1;
             }
             PLLCFGR => {
                 require(
                     !self.on(PLLON) || value == self.pllcfgr,
                     "a change while the PLL runs",
                 )?;
-                self.pllcfgr = value;
+                // Bit 29 is reserved and set.
+                self.pllcfgr = value & 0x0F43_7FFF | 1 << 29;
             }
             CFGR => {
                 let ready = match value & 0b11 {
@@ -200,7 +241,8 @@ impl Rcc {
                     _ => false,
                 };
                 require(ready, "a switch to a clock that is not ready")?;
-                self.cfgr = value & !0b1100;
+                const RESERVED: u32 = 0b11 << 8;
+                self.cfgr = value & !(0b1100 | RESERVED);
             }
             CIR => {
                 const ENABLES: u32 = 0x3F00;
@@ -219,7 +261,10 @@ impl Rcc {
                 }
                 self.csr = self.csr & !(1 << LSION) | value & 1 << LSION;
             }
-            _ => *self.bank(offset)? = value,
+            _ => {
+                let fields = fields(offset);
+                *self.bank(offset)? = value & fields;
+            }
         }
         Ok(())
     }

@@ -77,12 +77,12 @@ impl Tim5 {
                         "channels other than undivided inputs of their own pins",
                     )?;
                 }
-                self.ccmr1 = value;
+                self.ccmr1 = value & 0xFFFF;
             }
             CCER => {
                 const INVERTED: u32 = 0b1010_1010;
                 require(value & INVERTED == 0, "inverted inputs")?;
-                self.ccer = value;
+                self.ccer = value & 0xBBBB;
             }
             CNT => self.cnt = value,
             ARR => {

@@ -25,7 +25,12 @@ const UDIS: u32 = 1;
 const URS: u32 = 2;
 const ARPE: u32 = 7;
 const UIF: u32 = 1;
+/// Off-state in idle mode: with the main outputs off, the pins are driven to their idle state instead of released.
+const OSSI: u32 = 10;
+const BKE: u32 = 12;
+const BKP: u32 = 13;
 const MOE: u32 = 15;
+const BIF: u32 = 1 << 7;
 const MMS_UPDATE: u32 = 0b010;
 const PWM_MODE_1: u32 = 0b110;
 const PWM_MODE_2: u32 = 0b111;
@@ -66,6 +71,17 @@ pub struct Tim8 {
     up: bool,
     /// Value while it stands still.
     stopped_at: u32,
+    /// Cycle since which a debugger holds it still.
+    held_at: Option<u64>,
+}
+
+/// What an output does to its pin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Output {
+    /// Nothing: the pin is left to its pull.
+    Released,
+    /// It is high for this share of the time, 0 to 1.
+    High(f64),
 }
 
 impl Default for Tim8 {
@@ -91,6 +107,7 @@ impl Default for Tim8 {
             turned_at: 0,
             up: true,
             stopped_at: 0,
+            held_at: None,
         }
     }
 }
@@ -124,7 +141,11 @@ impl Tim8 {
             CR1 => return self.control(value, now, divider).map(|()| false),
             CR2 => {
                 const MMS: u32 = 0b111 << 4;
-                require(value & !MMS == 0, "preloaded enables and idle states")?;
+                const IDLE_STATES: u32 = 0b0101_0101 << 8;
+                require(
+                    value & !(MMS | IDLE_STATES) == 0,
+                    "preloaded enables and complementary idle states",
+                )?;
                 require(
                     matches!(field(value, 4, 3), 0 | MMS_UPDATE),
                     "a trigger output other than reset and update",
@@ -162,12 +183,12 @@ impl Tim8 {
                         "an output mode other than PWM",
                     )?;
                 }
-                self.ccmr[(offset - CCMR1) as usize / 4] = value;
+                self.ccmr[(offset - CCMR1) as usize / 4] = value & 0xFFFF;
             }
             CCER => {
                 const COMPLEMENTARY: u32 = 0x0CCC;
                 require(value & COMPLEMENTARY == 0, "complementary outputs")?;
-                self.ccer = value;
+                self.ccer = value & 0x3FFF;
             }
             CNT => {
                 require(!self.runs(), "setting the count while it runs")?;
@@ -190,12 +211,19 @@ impl Tim8 {
                 }
             }
             BDTR => {
-                const BREAK: u32 = 1 << 12;
                 const LOCK: u32 = 0b11 << 8;
                 const DEAD_TIME: u32 = 0xFF;
-                require(value & BREAK == 0, "the break input")?;
+                const AUTOMATIC: u32 = 1 << 14;
                 require(value & (LOCK | DEAD_TIME) == 0, "lock levels and dead time")?;
-                self.bdtr = value;
+                require(
+                    value & AUTOMATIC == 0,
+                    "outputs that come back by themselves",
+                )?;
+                self.bdtr = value & 0xFFFF;
+                // The input of the break is connected to no pin, and low.
+                if bit(value, BKE) && !bit(value, BKP) {
+                    self.brake();
+                }
             }
             _ => return Err(Lack::Register),
         }
@@ -263,6 +291,7 @@ impl Tim8 {
         if !self.runs() {
             return self.stopped_at;
         }
+        let now = self.held_at.unwrap_or(now);
         let since = now.saturating_sub(self.turned_at);
         let turns = since / self.turn_cycles();
         let counted = (since % self.turn_cycles()) as u32 / self.clock_cycles();
@@ -285,7 +314,7 @@ impl Tim8 {
 
     /// Cycle of the next update.
     pub fn next_update(&self) -> u64 {
-        if self.runs() {
+        if self.runs() && self.held_at.is_none() {
             self.turned_at + u64::from(self.turns_left) * self.turn_cycles()
         } else {
             NEVER
@@ -328,17 +357,64 @@ impl Tim8 {
         field(self.cr2, 4, 3) == MMS_UPDATE
     }
 
-    /// Share of the time, 0 to 1, for which output `channel` (from 0) is high; `None` if it is not driven.
-    pub fn high_share(&self, channel: usize) -> Option<f64> {
+    /// The clock security system has found the clock gone, or the break input is active: the outputs go off without
+    /// a line of the program, if breaks are enabled (RM0090, section 17.3.12).
+    pub fn brake(&mut self) {
+        if bit(self.bdtr, BKE) {
+            self.bdtr &= !(1 << MOE);
+            self.sr |= BIF;
+        }
+    }
+
+    /// A debugger holds the counter still from cycle `now` on; the outputs are then off as without MOE (RM0090,
+    /// section 17.3.20).
+    pub fn hold(&mut self, now: u64) {
+        self.held_at = Some(now);
+    }
+
+    /// It goes on from cycle `now`.
+    pub fn go_on(&mut self, now: u64) {
+        if let Some(held_at) = self.held_at.take() {
+            self.turned_at += now - held_at;
+        }
+    }
+
+    /// What output `channel` (from 0) does to its pin (RM0090, table of the output control bits).
+    pub fn output(&self, channel: usize) -> Output {
         let (number, place) = (channel as u32 / 2, channel as u32 % 2);
         let mode = field(self.ccmr[number as usize], 8 * place + 4, 3);
-        let enabled = bit(self.ccer, 4 * channel as u32) && bit(self.bdtr, MOE) && self.runs();
-        if !enabled || mode < PWM_MODE_1 {
-            return None;
+        if !bit(self.ccer, 4 * channel as u32) {
+            return Output::Released;
+        }
+        if !bit(self.bdtr, MOE) || self.held_at.is_some() {
+            return if bit(self.bdtr, OSSI) {
+                let idle = bit(self.cr2, 8 + 2 * channel as u32);
+                Output::High(f64::from(u8::from(idle)))
+            } else {
+                Output::Released
+            };
+        }
+        if !self.runs() || mode < PWM_MODE_1 {
+            return Output::Released;
         }
         let share = (f64::from(self.active.ccr[channel]) / f64::from(self.active.arr)).min(1.0);
-        let inverted = (mode == PWM_MODE_2) != bit(self.ccer, 4 * channel as u32 + 1);
-        Some(if inverted { 1.0 - share } else { share })
+        let inverted = (mode == PWM_MODE_2) != self.inverted(channel);
+        Output::High(if inverted { 1.0 - share } else { share })
+    }
+
+    /// Whether an output passes through the high level on its way to a low idle state: its inactive level, which comes
+    /// first, is the one that its polarity says (RM0090, the same table).
+    pub fn inverted(&self, channel: usize) -> bool {
+        bit(self.ccer, 4 * channel as u32 + 1)
+    }
+
+    /// Core cycles of a PWM period.
+    pub fn pwm_cycles(&self) -> u64 {
+        if self.centre_aligned() {
+            2 * self.turn_cycles()
+        } else {
+            self.turn_cycles()
+        }
     }
 
     /// What the program wrote last to the compare register of `channel` (from 0); it acts from the next update on.
@@ -401,17 +477,50 @@ mod tests {
     fn a_preloaded_compare_acts_from_the_update_on() {
         let mut timer = bridge(0);
         timer.write(CCR1, 2100, 10, 1).unwrap();
-        assert_eq!(timer.high_share(0), Some(0.5));
+        assert_eq!(timer.output(0), Output::High(0.5));
         timer.update();
-        assert_eq!(timer.high_share(0), Some(1.0));
-        assert_eq!(timer.high_share(1), Some(0.5), "inverted half");
+        assert_eq!(timer.output(0), Output::High(1.0));
+        assert_eq!(timer.output(1), Output::High(0.5), "inverted half");
     }
 
     #[test]
     fn without_main_output_enable_nothing_is_driven() {
         let mut timer = bridge(0);
         timer.write(BDTR, 0, 10, 1).unwrap();
-        assert_eq!(timer.high_share(0), None);
+        assert_eq!(timer.output(0), Output::Released);
+        timer.write(BDTR, 1 << OSSI, 10, 1).unwrap();
+        assert_eq!(timer.output(0), Output::High(0.0));
+        timer.write(CR2, 1 << 8, 10, 1).unwrap();
+        assert_eq!(timer.output(0), Output::High(1.0));
+    }
+
+    #[test]
+    fn a_debugger_takes_the_outputs_away_and_no_count() {
+        let mut timer = bridge(0);
+        timer.hold(100);
+        assert_eq!(timer.output(0), Output::Released);
+        assert_eq!(timer.next_update(), NEVER);
+        assert_eq!(timer.read(CNT, 5000).unwrap(), 100);
+        timer.go_on(5000);
+        assert_eq!(timer.output(0), Output::High(0.5));
+        assert_eq!(timer.next_update(), 8400 + 4900);
+    }
+
+    #[test]
+    fn a_break_stays_until_the_program_ends_it() {
+        let mut timer = bridge(0);
+        timer.brake();
+        assert_eq!(timer.output(0), Output::High(0.5), "not enabled");
+        let enabled = 1 << MOE | 1 << OSSI | 1 << BKE | 1 << BKP;
+        timer.write(BDTR, enabled, 10, 1).unwrap();
+        timer.brake();
+        assert_eq!(timer.output(0), Output::High(0.0));
+        timer.update();
+        assert_eq!(timer.output(0), Output::High(0.0));
+        timer.write(BDTR, enabled, 10, 1).unwrap();
+        assert_eq!(timer.output(0), Output::High(0.5));
+        timer.write(BDTR, enabled & !(1 << BKP), 10, 1).unwrap();
+        assert_eq!(timer.output(0), Output::High(0.0), "a low input breaks");
     }
 
     #[test]
@@ -430,7 +539,7 @@ mod tests {
     fn what_it_cannot_do_is_refused() {
         let mut timer = Tim8::default();
         assert!(matches!(
-            timer.write(BDTR, 1 << 12, 0, 1),
+            timer.write(BDTR, 1 << 14, 0, 1),
             Err(Lack::Use(_))
         ));
         assert!(matches!(timer.write(0x4C, 0, 0, 1), Err(Lack::Register)));

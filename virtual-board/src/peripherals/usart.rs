@@ -9,6 +9,8 @@ const CR1: u32 = 0x0C;
 const CR2: u32 = 0x10;
 const CR3: u32 = 0x14;
 
+const FE: u32 = 1 << 1;
+const NF: u32 = 1 << 2;
 const ORE: u32 = 1 << 3;
 const RXNE: u32 = 1 << 5;
 const TC: u32 = 1 << 6;
@@ -25,6 +27,18 @@ const OVER8: u32 = 15;
 /// Start bit, eight data bits, stop bit.
 pub const FRAME_BITS: u64 = 10;
 
+/// What the line did to a byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Line {
+    /// Nothing.
+    #[default]
+    Quiet,
+    /// One of the three samples in the middle of a bit differed.
+    Noisy,
+    /// The stop bit was low.
+    Broken,
+}
+
 /// A USART, without modem lines, parity and DMA.
 #[derive(Debug, Clone)]
 pub struct Usart {
@@ -36,8 +50,8 @@ pub struct Usart {
     behind: Option<u8>,
     /// In the shifter, and when its stop bit ends.
     shifting: Option<(u8, u64)>,
-    /// A read of the status register, followed by one of the data register, clears the overrun.
-    overrun_seen: bool,
+    /// A read of the status register, followed by one of the data register, clears these flags.
+    errors_seen: u32,
 }
 
 impl Default for Usart {
@@ -49,7 +63,7 @@ impl Default for Usart {
             received: 0,
             behind: None,
             shifting: None,
-            overrun_seen: false,
+            errors_seen: 0,
         }
     }
 }
@@ -59,15 +73,12 @@ impl Usart {
     pub fn read(&mut self, offset: u32) -> Answer<u32> {
         Ok(match offset {
             SR => {
-                self.overrun_seen = self.sr & ORE != 0;
+                self.errors_seen = self.sr & (FE | NF | ORE);
                 self.sr
             }
             DR => {
                 self.sr &= !RXNE;
-                if self.overrun_seen {
-                    self.sr &= !ORE;
-                    self.overrun_seen = false;
-                }
+                self.sr &= !std::mem::take(&mut self.errors_seen);
                 u32::from(self.received)
             }
             BRR => self.brr,
@@ -152,7 +163,8 @@ impl Usart {
     }
 
     /// A byte has come in. One that finds the last one still there is lost, and the overrun flag says so.
-    pub fn receive(&mut self, byte: u8) {
+    /// With noise on the line, or a stop bit that is none, flags say so.
+    pub fn receive(&mut self, byte: u8, line: Line) {
         if !self.receives() {
             return;
         }
@@ -160,7 +172,12 @@ impl Usart {
             self.sr |= ORE;
         } else {
             self.received = byte;
-            self.sr |= RXNE;
+            self.sr |= RXNE
+                | match line {
+                    Line::Quiet => 0,
+                    Line::Noisy => NF,
+                    Line::Broken => FE,
+                };
         }
     }
 
@@ -205,12 +222,21 @@ mod tests {
     #[test]
     fn a_byte_that_is_not_fetched_makes_the_next_one_lost() {
         let mut port = port();
-        port.receive(b'a');
+        port.receive(b'a', Line::Quiet);
         assert!(port.requests_interrupt());
-        port.receive(b'b');
+        port.receive(b'b', Line::Quiet);
         assert_eq!(port.read(SR).unwrap() & ORE, ORE);
         assert_eq!(port.read(DR).unwrap(), u32::from(b'a'));
         assert_eq!(port.read(SR).unwrap() & (ORE | RXNE), 0);
+    }
+
+    #[test]
+    fn noise_is_flagged_beside_the_byte_that_is_right_all_the_same() {
+        let mut port = port();
+        port.receive(b'a', Line::Noisy);
+        assert_eq!(port.read(SR).unwrap() & (RXNE | NF), RXNE | NF);
+        assert_eq!(port.read(DR).unwrap(), u32::from(b'a'));
+        assert_eq!(port.read(SR).unwrap() & (RXNE | NF), 0);
     }
 
     #[test]

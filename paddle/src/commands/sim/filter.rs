@@ -11,6 +11,7 @@ use crate::targets::{Target, Use};
 use clap::Args;
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::Excitation;
+use haptic_paddle::settings::DerivativeSource;
 use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::experiment::{Experiment, Trace};
 use serde_json::json;
@@ -138,6 +139,8 @@ fn case(
         };
         let mut setup = rig.assemble()?.setup;
         gains.apply(&mut setup.settings)?;
+        // The observer has a filter of its own.
+        setup.settings.pid.derivative = DerivativeSource::Position;
         Ok::<_, Failure>(setup)
     };
     let setup = with_kd(arguments.kd)?;

@@ -1,49 +1,8 @@
-//! Faults, and the latch that keeps the first one.
+//! Bounds of motion and current.
 
-use core::fmt;
-
+use super::Fault;
 use crate::settings::LimitSettings;
 use crate::units::RAD_PER_DEG;
-
-/// Why the bridge has no duty until somebody clears it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
-    /// Encoder and Hall sensor disagree for too long.
-    SensorDisagreement,
-    /// The Hall sensor's converter is at an end of its range.
-    HallSignal,
-    /// The paddle turns too fast.
-    Overspeed,
-    /// The paddle is outside its travel.
-    Travel,
-    /// The motor current is too high.
-    Overcurrent,
-    /// A measurement or a result is not a finite number.
-    NonFinite,
-    /// The H-bridge reports a fault (nFAULT).
-    Bridge,
-    /// A control tick was missed or came too late.
-    Deadline,
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::SensorDisagreement => {
-                "encoder and Hall sensor disagree: zero again, or calibrate the Hall sensor"
-            }
-            Self::HallSignal => "Hall signal at the end of its range: check its wire",
-            Self::Overspeed => "paddle too fast: lower the gains, or raise limit.speed",
-            Self::Travel => "paddle outside its travel: bring it back, or zero again",
-            Self::Overcurrent => {
-                "motor current too high: look for a short circuit, or lower motor.bandwidth"
-            }
-            Self::NonFinite => "a number is not finite: restore the default settings",
-            Self::Bridge => "H-bridge fault (nFAULT): check supply, temperature and motor wires",
-            Self::Deadline => "control tick missed: lower the load of the processor",
-        })
-    }
-}
 
 /// Bounds that an armed paddle must keep, in the units of the arithmetic.
 #[derive(Clone, Copy, Debug)]

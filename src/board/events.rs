@@ -1,0 +1,44 @@
+//! What interrupts above and below the control loop have to tell it, as bits of one word.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+/// nFAULT fell and stayed low.
+pub const BRIDGE: u32 = 1 << 0;
+/// nFAULT fell and rose again at once.
+pub const GLITCH: u32 = 1 << 1;
+/// The 3.3 V supply fell.
+pub const SUPPLY: u32 = 1 << 2;
+/// Ctrl-C was typed.
+pub const STOP: u32 = 1 << 3;
+/// The button was pressed.
+pub const BUTTON: u32 = 1 << 5;
+/// Samples of the current were lost.
+pub const OVERRUN: u32 = 1 << 7;
+/// The ring of the current's samples stands still, and is to begin anew.
+pub const RESTART: u32 = 1 << 8;
+/// The level of nFAULT has changed.
+pub const LINE: u32 = 1 << 6;
+/// A byte was received with noise on the line.
+pub const NOISE: u32 = 1 << 4;
+
+static EVENTS: AtomicU32 = AtomicU32::new(0);
+
+/// Tells the control loop.
+pub fn raise(event: u32) {
+    EVENTS.fetch_or(event, Ordering::Relaxed);
+}
+
+/// What there is to tell, so far.
+#[inline]
+pub fn pending() -> u32 {
+    EVENTS.load(Ordering::Relaxed)
+}
+
+/// What there is to tell, once.
+#[inline]
+pub fn take() -> u32 {
+    match pending() {
+        0 => 0,
+        _ => EVENTS.swap(0, Ordering::Relaxed),
+    }
+}

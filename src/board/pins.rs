@@ -1,0 +1,112 @@
+//! Which pin does what.
+#![expect(unsafe_code, reason = "before there is a memory to rely on")]
+
+use stm32f4xx_hal::gpio::{Input, PD5, PD6, PD15, PE2, PinState, Pull, Speed};
+use stm32f4xx_hal::pac::GPIOD;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+
+use super::{Ports, RESET_SHIFT};
+
+/// Set/reset register of the port with the bridge's enable pins, GPIOC.
+pub const ENABLE_BSRR: u32 = 0x4002_0818;
+/// What takes the enable pins, PC8 and PC9, low.
+pub const ENABLE_OFF: u32 = ((1 << 8) | (1 << 9)) << RESET_SHIFT;
+
+/// Input of ADC1 with the Hall sensor, PB1.
+pub const HALL_CHANNEL: u8 = 9;
+/// Input of ADC3 with the motor current, PA3.
+pub const CURRENT_CHANNEL: u8 = 3;
+
+/// nFAULT of the bridge.
+type FaultPin = PD15<Input>;
+/// The button.
+pub type ButtonPin = PE2<Input>;
+
+/// Whether the bridge pulls nFAULT, PD15, low.
+#[inline]
+pub fn bridge_reports_fault() -> bool {
+    // SAFETY: the level of a pin is only read.
+    let port = unsafe { GPIOD::steal() };
+    port.idr().read().idr15().bit_is_clear()
+}
+
+/// The first instructions after a reset, before any memory is set up: the bridge's enables, PC8 and PC9, which float
+/// until then, are driven low, and its inputs, PC6 and PC7, pulled down.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+extern "C" fn __pre_init() {
+    const RCC_AHB1ENR: u32 = 0x4002_3830;
+    const GPIOC_CLOCK: u32 = 1 << 2;
+    const GPIOC: u32 = 0x4002_0800;
+    const OUTPUTS: u32 = 0b01 << 16 | 0b01 << 18;
+    const PULLED_DOWN: u32 = 0b10 << 12 | 0b10 << 14;
+    core::arch::naked_asm!(
+        "movw r0, #{clocks_low}",
+        "movt r0, #{clocks_high}",
+        "ldr r1, [r0]",
+        "orr r1, r1, #{port}",
+        "str r1, [r0]",
+        // The clock takes two cycles to arrive (erratum: delay after an RCC peripheral clock enabling).
+        "ldr r1, [r0]",
+        "dsb",
+        "movw r0, #{gpio_low}",
+        "movt r0, #{gpio_high}",
+        "mov.w r1, #{outputs}",
+        "str r1, [r0]",
+        "movw r1, #{pulled_down}",
+        "str r1, [r0, #0x0C]",
+        "bx lr",
+        clocks_low = const RCC_AHB1ENR & 0xFFFF,
+        clocks_high = const RCC_AHB1ENR >> 16,
+        port = const GPIOC_CLOCK,
+        gpio_low = const GPIOC & 0xFFFF,
+        gpio_high = const GPIOC >> 16,
+        outputs = const OUTPUTS,
+        pulled_down = const PULLED_DOWN,
+    )
+}
+
+/// The pins that something still has to take.
+pub struct Pins {
+    pub fault: FaultPin,
+    pub button: ButtonPin,
+    pub serial: (PD5, PD6),
+}
+
+impl Pins {
+    /// Gives every pin its function; the bridge stays off.
+    pub fn new(ports: Ports, rcc: &mut Rcc) -> Self {
+        let a = ports.a.split(rcc);
+        let b = ports.b.split(rcc);
+        let c = ports.c.split(rcc);
+        let d = ports.d.split(rcc);
+        let e = ports.e.split(rcc);
+
+        // Bridge: enable is low before it becomes an output; nSLEEP is high, so that faults are reported.
+        c.pc8.into_push_pull_output_in_state(PinState::Low);
+        c.pc9.into_push_pull_output_in_state(PinState::Low);
+        // Its inputs are low whenever the timer does not drive them.
+        // Edges of 20 ns instead of 100, a thirtieth of the bootstrap's shortest time.
+        let mut inputs = (c.pc6.into_alternate::<3>(), c.pc7.into_alternate::<3>());
+        inputs.0.set_internal_resistor(Pull::Down);
+        inputs.1.set_internal_resistor(Pull::Down);
+        inputs.0.set_speed(Speed::Medium);
+        inputs.1.set_speed(Speed::Medium);
+        d.pd14.into_push_pull_output_in_state(PinState::High);
+
+        // Encoder on TIM5.
+        a.pa0.into_alternate::<2>().set_internal_resistor(Pull::Up);
+        a.pa1.into_alternate::<2>().set_internal_resistor(Pull::Up);
+
+        a.pa3.into_analog();
+        b.pb1.into_analog();
+
+        Self {
+            fault: d.pd15.into_pull_up_input(),
+            button: e.pe2.into_pull_up_input(),
+            // An input that nothing drives must not hear the motor.
+            serial: (d.pd5, d.pd6.internal_resistor(Pull::Up)),
+        }
+    }
+}

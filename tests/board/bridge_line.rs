@@ -1,0 +1,87 @@
+//! nFAULT, the bridge's inputs, and its 24 V.
+
+use crate::bench::{Bench, CONTROL, image};
+use virtual_board::board::Bridge;
+
+/// Exception number of EXTI lines 10 to 15.
+const FAULT_LINE: u16 = 16 + 40;
+
+/// An armed bench that pushes the paddle.
+fn pushing(test: &str) -> Option<Bench> {
+    let mut bench = Bench::armed(image(test)?);
+    bench.command("ref 30");
+    bench.run(0.004);
+    assert!(bench.drives());
+    Some(bench)
+}
+
+#[test]
+fn a_glitch_of_nfault_turns_the_outputs_off_for_a_control_period_at_most() {
+    let Some(mut bench) = pushing("a_glitch_of_nfault") else {
+        return;
+    };
+    bench.board.set_bridge_fault(true);
+    bench.run(0.5e-6);
+    assert_eq!(bench.board.bridge(), Bridge::Off, "off at once");
+    bench.board.set_bridge_fault(false);
+    bench.run(1e-4);
+    assert!(bench.drives(), "on again with the next period");
+    let faults = bench.command("faults");
+    assert!(faults.contains("no fault"), "{faults}");
+    assert!(faults.contains("nFAULT glitch 1"), "{faults}");
+}
+
+#[test]
+fn nfault_that_stays_low_is_latched_with_one_interrupt() {
+    let Some(mut bench) = pushing("nfault_that_stays_low") else {
+        return;
+    };
+    let before = bench.board.cpu.totals(FAULT_LINE).count;
+    bench.board.set_bridge_fault(true);
+    bench.run(4e-6);
+    bench.board.set_bridge_fault(false);
+    bench.run(1e-4);
+    assert_eq!(bench.board.bridge(), Bridge::Off);
+    // A handler that returned before its write took effect would run twice.
+    assert_eq!(bench.board.cpu.totals(FAULT_LINE).count - before, 1);
+    let said = bench.wait_for("> ");
+    assert!(said.contains("fault: H-bridge"), "{said}");
+}
+
+#[test]
+fn without_its_24_v_at_boot_the_bridge_is_reported_and_nothing_is_latched() {
+    let Some(image) = image("without_its_24_v_at_boot") else {
+        return;
+    };
+    let mut bench = Bench::new(image);
+    bench.board.set_bridge_fault(true);
+    bench.boot();
+    let said = bench.wait_for("> ");
+    assert!(said.contains("24 V"), "{said}");
+    bench.command("zero hall");
+    let refusal = bench.command("arm");
+    assert!(refusal.contains("24 V"), "{refusal}");
+    bench.board.set_bridge_fault(false);
+    bench.wait_for("ready\r\n> ");
+    let armed = bench.command("arm");
+    assert!(armed.contains("mode position"), "{armed}");
+}
+
+#[test]
+fn the_bootstrap_is_charged_at_the_largest_duty() {
+    /// What the lab's 0.98 leave at 30 kHz.
+    const CHARGED_S: f64 = 333e-9;
+    let Some(image) = image("the_bootstrap_is_charged") else {
+        return;
+    };
+    let mut bench = Bench::armed(image);
+    bench.command("ref 0");
+    // Told of a quarter of the supply, the regulator asks for all of it.
+    bench.board.type_in("set motor.supply 6\rref 30\r");
+    bench.run(0.02);
+    let low_s = bench.board.shortest_low_s();
+    println!("low for {:.0} ns at least", 1e9 * low_s);
+    assert!(low_s < 2e-6, "never near the largest duty: {low_s}");
+    assert!(low_s > CHARGED_S, "{low_s}");
+    assert!(bench.board.cpu.totals(CONTROL).count > 0);
+}

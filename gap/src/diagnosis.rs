@@ -92,8 +92,10 @@ pub struct NumberFinding {
     pub std: Option<f64>,
     /// Distance from what is stated, in stated standard deviations; `None` where nothing is stated.
     pub sigmas: Option<f64>,
-    /// Share of the gap that its move closes, the other numbers refitted.
+    /// Share of the gap that its move closes: the mean of what it closes alone and beside the moves of all others.
     pub shrink: f64,
+    /// 95 % of what it closes beside the moves of all others.
+    pub shrink_interval: [f64; 2],
     /// As a text.
     pub unit: String,
 }

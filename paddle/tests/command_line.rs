@@ -594,11 +594,11 @@ fn a_diagnosis_has_the_keys_of_the_format_and_leaves_the_files_that_were_asked_f
     };
     assert_eq!(
         keys(&diagnosis),
-        "candidates effects elapsed_s format gap next_experiment provenance verdict warnings where"
+        "candidates effects elapsed_s format gap missing_torque next_experiment numbers provenance verdict warnings where"
     );
     assert_eq!(
         keys(&diagnosis["gap"]),
-        "after before floor floor_of nominal_floor shrink shrink_interval unit"
+        "after before coasting floor floor_of nominal_floor shrink shrink_interval standing unit"
     );
     assert_eq!(
         keys(&diagnosis["effects"][0]),
@@ -659,8 +659,8 @@ fn a_result_says_which_program_made_it_from_which_bytes() {
         vec!["gap", "diagnose", recording, "--report", page],
         vec!["gap", "measure", recording],
     ];
-    let model = out.join("empty.toml");
-    std::fs::write(&model, "").unwrap();
+    let model = out.join("plant.toml");
+    std::fs::write(&model, "[model]\ninertia = 5.755e-4\n").unwrap();
     for call in &calls {
         let provenance = json(call)["provenance"].clone();
         assert_eq!(provenance["version"], env!("CARGO_PKG_VERSION"));
@@ -687,10 +687,10 @@ fn a_result_says_which_program_made_it_from_which_bytes() {
             );
         }
     }
-    // The digest of "", by FIPS 180-4.
+    // By `sha256sum`.
     let with_model = [&calls[1][..], &["--model", model.to_str().unwrap()]].concat();
     let files = &json(&with_model)["provenance"]["files"];
-    let sum = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+    let sum = "57c9255453cd4883fb09e3a07c765c784acd7f0737fbea920174fdba22adfcf0";
     assert_eq!(files.as_array().unwrap().last().unwrap()["sha256"], sum);
     let page = std::fs::read_to_string(page).unwrap();
     assert!(page.contains("SHA-256") && page.contains("recording.toml"));

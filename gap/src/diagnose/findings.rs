@@ -22,7 +22,7 @@ const SURE_IF_SMALL: f64 = 0.5;
 /// Probability that a name is right beside a timing that the data contradict: less than even.
 const SURE_IF_TIMING_IS_DOUBTED: f64 = 0.45;
 /// What an effect rests on.
-const PREDICTION: &str = "prediction";
+pub(super) const PREDICTION: &str = "prediction";
 const SENSOR_COMPARISON: &str = "sensor_comparison";
 
 /// Probability that a name is right at most, by the verdict and by whether the data prefer another timing of the input than stated:

@@ -120,13 +120,19 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         correction = Correction::of_numbers(&problem, &selection, &baseline);
     }
     let timing = timing::doubt(&problem, selection.fit());
-    let effects = findings(
+    let most_sure = most_sure(verdict, timing.as_ref());
+    let mut effects = findings(
         &problem,
         &selection,
         &correction.steps,
         comparison.as_ref(),
-        most_sure(verdict, timing.as_ref()),
+        most_sure,
     );
+    effects.extend(numbers::beyond_tolerance(
+        &correction.numbers,
+        &effects,
+        most_sure,
+    ));
     let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
 
     progress(Stage::Where);

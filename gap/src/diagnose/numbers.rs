@@ -1,6 +1,7 @@
 //! The stated numbers of the model that had to move.
 
-use crate::diagnosis::NumberFinding;
+use super::findings::PREDICTION;
+use crate::diagnosis::{Estimate, Finding, NumberFinding};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::part::Part;
@@ -35,7 +36,7 @@ pub(super) fn moved(
             let alone = left_with(problem, fit, |other| other == place);
             let others = left_with(problem, fit, |other| other != place);
             let [alone, ..] = shrink(&none, &alone, floor, nominal);
-            let [beside, ..] = shrink(&others, &with, floor, nominal);
+            let [beside, low, high] = shrink(&others, &with, floor, nominal);
             let share = 0.5 * (alone + beside);
             let moved_by = fit.x[place];
             if moved_by.abs() <= SURE * fit.std[place] {
@@ -50,6 +51,7 @@ pub(super) fn moved(
                 std: spread.is_finite().then_some(spread.abs()),
                 sigmas: Some(moved_by.abs()),
                 shrink: share,
+                shrink_interval: [low, high],
                 unit: unit(&number.name, problem.recording),
             })
         })
@@ -57,6 +59,55 @@ pub(super) fn moved(
     all.extend(estimated(problem, fit, &with, nominal, floor));
     all.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
     all
+}
+
+/// Stated standard deviations beyond which a number that moved is an effect.
+const BEYOND_TOLERANCE: f64 = 3.0;
+/// Probability that such an effect is what the number moved for: without it another one might have moved.
+const SURE_BEYOND_TOLERANCE: f64 = 0.6;
+
+/// The numbers that moved beyond what is stated of them, as effects, but for those that are `named` already.
+pub(super) fn beyond_tolerance(
+    numbers: &[NumberFinding],
+    named: &[Finding],
+    most_sure: f64,
+) -> Vec<Finding> {
+    let far = numbers.iter().filter(|number| {
+        let sigmas = number.sigmas.unwrap_or(0.0);
+        sigmas > BEYOND_TOLERANCE
+    });
+    let findings = far.filter_map(|number| {
+        let effect = effects::replacing(&number.name)?;
+        let kind = effect.kind();
+        let is_named = named.iter().any(|finding| finding.name == kind.name);
+        // A number that only scales the others is said as a multiple of what is stated.
+        let is_scale = effect
+            .main_number()
+            .is_some_and(|main| main.usual_error.is_none());
+        let unit = if is_scale { number.stated? } else { 1.0 };
+        let estimate = Estimate {
+            value: number.found / unit,
+            std: number.std.map(|std| std / unit.abs()),
+            unit: if is_scale {
+                "1".to_owned()
+            } else {
+                number.unit.clone()
+            },
+            is_fitted: true,
+        };
+        (!is_named).then(|| Finding {
+            name: kind.name,
+            channel: kind.channel.name(),
+            confidence: SURE_BEYOND_TOLERANCE.min(most_sure),
+            not_separable_from: Vec::new(),
+            basis: PREDICTION,
+            held_out: true,
+            parameters: [(kind.parameters[0].name.to_owned(), estimate)].into(),
+            shrink: number.shrink,
+            shrink_interval: number.shrink_interval,
+        })
+    });
+    findings.collect()
 }
 
 /// Squares of each window where only those numbers have moved that are `free`, refitted with the effects of a fit.
@@ -94,7 +145,7 @@ fn estimated(
         let (hypothesis, x_without) = fit.without(place);
         let without = problem.fit(&hypothesis, x_without, Part::All, ITERATIONS);
         let without = problem.window_squares(&without, Part::All);
-        let [share, ..] = shrink(&without, with, floor, nominal);
+        let [share, low, high] = shrink(&without, with, floor, nominal);
         // A number that only scales the others is said as a multiple of what is assumed.
         let assumed = match number.usual_error {
             None => recording.model.get(name).unwrap_or(1.0),
@@ -109,6 +160,7 @@ fn estimated(
             std: spread.is_finite().then_some(spread.abs()),
             sigmas: None,
             shrink: share,
+            shrink_interval: [low, high],
             unit: unit(name, recording),
         });
     }

@@ -33,6 +33,10 @@ impl Identification for Delay {
         }
     }
 
+    fn replaces(&self) -> Option<&'static str> {
+        Some("delay")
+    }
+
     fn noun(&self) -> &'static str {
         "delay"
     }

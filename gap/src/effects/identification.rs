@@ -58,6 +58,11 @@ pub(crate) trait Identification: Debug + Sync {
         None
     }
 
+    /// The number of the model that it replaces, if it replaces one: beyond what is stated of that number, the effect is named.
+    fn replaces(&self) -> Option<&'static str> {
+        self.main_number().map(|number| number.name)
+    }
+
     /// A term of it begun where the balance of torques along the motion puts its number.
     fn balanced(&self, own: &Term, _balance: &Balance) -> Term {
         own.clone()

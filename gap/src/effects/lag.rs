@@ -37,6 +37,10 @@ impl Identification for Lag {
         (model.lag > 0.0).then(|| further(&own.begun(&[(0, time_s)])))
     }
 
+    fn replaces(&self) -> Option<&'static str> {
+        Some("lag")
+    }
+
     fn noun(&self) -> &'static str {
         "lag of the torque"
     }

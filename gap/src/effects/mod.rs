@@ -109,6 +109,11 @@ pub(crate) fn all() -> impl Iterator<Item = &'static dyn Identification> {
     ALL.iter().copied()
 }
 
+/// The effect that replaces a number of the model, if there is one.
+pub(crate) fn replacing(number: &str) -> Option<&'static dyn Identification> {
+    all().find(|effect| effect.replaces() == Some(number))
+}
+
 /// The effects that lie between a position and its reading.
 pub(crate) fn sensing() -> impl Iterator<Item = &'static dyn Identification> {
     all().filter(|effect| effect.kind().channel == Channel::Sensing)

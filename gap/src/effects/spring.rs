@@ -74,6 +74,10 @@ impl Identification for Spring {
         begun(own, other, stated(model))
     }
 
+    fn replaces(&self) -> Option<&'static str> {
+        Some("stiffness")
+    }
+
     fn noun(&self) -> &'static str {
         "a spring"
     }

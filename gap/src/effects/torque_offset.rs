@@ -34,6 +34,10 @@ impl Identification for TorqueOffset {
         Some(SmallMotion::Push { torque_nm })
     }
 
+    fn replaces(&self) -> Option<&'static str> {
+        Some("offset")
+    }
+
     fn noun(&self) -> &'static str {
         "a constant torque"
     }

@@ -145,7 +145,7 @@ fn closed(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> f64 {
 /// numbers as stated named as well or not, in a set that has closed so much. What is bound to moments was not held out, and bends to
 /// whatever is missing there.
 fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
-    let (least, most) = if is_agreed { (0.5, 0.95) } else { (0.3, 0.65) };
+    let (least, most) = if is_agreed { (0.4, 0.95) } else { (0.3, 0.65) };
     let sure = least + (most - least) * share * closed;
     if is_event {
         sure.min(SURE_OF_EVENT)

@@ -37,6 +37,7 @@ mod tests {
             std: Some(0.002),
             sigmas,
             shrink: 0.71,
+            shrink_interval: [0.6, 0.8],
             unit: "N m".into(),
         }
     }

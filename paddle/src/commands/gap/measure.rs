@@ -50,8 +50,8 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let mut warnings = recording.warnings();
     let (device, floor_of) = match &arguments.model {
         Some(path) => {
-            provenance = provenance.and(path)?;
             let (device, left_out) = device(path, &recording)?;
+            provenance = provenance.and(path)?;
             warnings.extend(left_out.iter().map(ToString::to_string));
             (device, "model_given")
         }

@@ -10,9 +10,9 @@ use rayon::prelude::*;
 
 /// Sets that are scored on held-out data, those that cost least after a short fit to all; and again once the error scale is known
 /// from the best of them.
-const MOST_SCORED: usize = 12;
+const MOST_SCORED: usize = 8;
 const SHORT_ITERATIONS: usize = 3;
-const MOST_SCORED_AGAIN: usize = 8;
+const MOST_SCORED_AGAIN: usize = 5;
 /// Factor by which the scale must fall to score again.
 const OTHER_SCALE: f64 = 0.7;
 

@@ -6,7 +6,7 @@ use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
 
-const ITERATIONS: usize = 8;
+const ITERATIONS: usize = 5;
 
 /// A set of effects, fitted jointly.
 #[derive(Clone, Debug)]

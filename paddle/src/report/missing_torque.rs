@@ -177,7 +177,9 @@ fn without_name(look: &Look) -> String {
     let said = sentence(look);
     match look.summary.repeats || look.points.is_empty() {
         true => said,
-        false => format!("{said} No effect of the library, alone or with others, has this form."),
+        false => format!(
+            "{said} No effect of the library earns its place when its prediction is judged."
+        ),
     }
 }
 

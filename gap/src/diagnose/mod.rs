@@ -386,11 +386,11 @@ impl Correction {
     /// The reason to reject it, if there is one; what two columns show needs no prediction.
     fn rejection(&self, model_free: &ModelFree, selection: &Selection) -> Option<Rejection> {
         let is_judged = !selection.rounds.is_empty() && !selection.given;
-        // What shows in a window or two is missing from many resamplings.
-        let lowest = if selection.shows_in_few() {
-            self.gap.shrink
-        } else {
-            self.gap.shrink_interval[0]
+        // Nothing was held out of what shows in a window or two.
+        let lowest = match (self.gap.shrink > 0.0, selection.shows_in_few()) {
+            (true, true) => self.gap.shrink,
+            (true, false) => self.gap.shrink_interval[0],
+            (false, _) => f64::NEG_INFINITY,
         };
         is_judged
             .then(|| Rejection::of(&self.after, model_free, lowest))

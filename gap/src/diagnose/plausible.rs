@@ -34,7 +34,9 @@ impl Implausible {
             let value = values[coordinate.parameter];
             let [low, high] = coordinate.reach(parameter);
             let is_at_end = !(low..high).contains(x) && is_unusual(parameter, value, model, 1.0);
-            let is_far = is_unusual(parameter, value, model, FAR);
+            // The first number of an effect is its size, the others are its shape: a shape may be nothing of its kind.
+            let is_size = coordinate.parameter == 0;
+            let is_far = is_size && is_unusual(parameter, value, model, FAR);
             (is_at_end || is_far).then(|| Self {
                 effect: term.kind.name,
                 parameter: name(term, coordinate.parameter),

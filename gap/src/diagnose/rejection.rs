@@ -9,6 +9,10 @@ use std::fmt;
 /// that stands still or coasts leaves all of it.
 const MOST_OF_MODEL_FREE: f64 = 0.8;
 
+/// Lowest shrink with 97.5 % probability down to which a correction counts. One that acts in a window or two is missing from many
+/// resamplings of the windows, which then shrink nothing and lose a little in the others.
+const MOST_LOST: f64 = -0.05;
+
 /// Why a correction explains nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Rejection {
@@ -26,8 +30,7 @@ impl Rejection {
     /// The reason to reject a correction that leaves these squares of each window, if there is one. `shrink` is its lowest value
     /// with 95 % probability.
     pub(super) fn of(after: &[f64], model_free: &ModelFree, shrink: f64) -> Option<Self> {
-        let shrinks = shrink > 0.0;
-        if !shrinks {
+        if shrink < MOST_LOST {
             return Some(Self::ShrinksNothing);
         }
         let other = model_free.better();

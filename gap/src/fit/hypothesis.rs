@@ -104,6 +104,13 @@ impl Hypothesis {
         terms.any(|term| effects::of(term.kind.name).sets_in_model() == Some(number))
     }
 
+    /// Names of its effects, sorted.
+    pub(crate) fn names(&self) -> Vec<&'static str> {
+        let mut names: Vec<_> = self.terms.iter().map(|term| term.kind.name).collect();
+        names.sort_unstable();
+        names
+    }
+
     /// Coordinates of the terms.
     pub(crate) fn free(&self) -> usize {
         self.terms.iter().map(|t| t.free.len()).sum()

@@ -87,12 +87,7 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     });
     let mut fits: Vec<Fit> = fits.collect();
     fits.sort_by(|a, b| a.costs.level().total_cmp(&b.costs.level()));
-    let names = |fit: &Fit| {
-        let terms = fit.hypothesis.terms.iter();
-        let mut names: Vec<_> = terms.map(|term| term.kind.name).collect();
-        names.sort_unstable();
-        names
-    };
+    let names = |fit: &Fit| fit.hypothesis.names();
     let mut kept: Vec<Fit> = Vec::new();
     for fit in fits {
         if kept.len() < MOST_SCORED && kept.iter().all(|other| names(other) != names(&fit)) {

@@ -40,10 +40,7 @@ impl Scored {
 
     /// Names of its effects, sorted.
     pub(super) fn names(&self) -> Vec<&'static str> {
-        let terms = self.fit.hypothesis.terms.iter();
-        let mut names: Vec<_> = terms.map(|term| term.kind.name).collect();
-        names.sort_unstable();
-        names
+        self.fit.hypothesis.names()
     }
 
     /// Effects, then free numbers of effects.

@@ -29,7 +29,7 @@ pub(super) fn of(
         round(problem, set, pool, kept + place, so_far, found)
     });
     let rounds: Vec<Round> = rounds.collect();
-    let last = beyond(problem, set, pool);
+    let last = beyond(set, pool);
     Selection {
         perfect: Perfect::of(problem, &null).bounded(),
         null,
@@ -158,7 +158,7 @@ fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
 const SURE_OF_EVENT: f64 = 0.45;
 
 /// What else was tried beside the whole set.
-fn beyond(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> Option<Round> {
+fn beyond(set: &Scored, pool: &ScoredPool) -> Option<Round> {
     let names = set.names();
     let mut rivals: Vec<Rival> = Vec::new();
     for rival in &pool.sets {
@@ -178,7 +178,6 @@ fn beyond(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> Option<Roun
     let first = rivals.first()?;
     let gains = first.fit.costs.gains(&set.fit.costs);
     let (mean, error) = mean_and_error(&gains);
-    let _ = problem;
     Some(Round {
         known: set.fit.clone(),
         so_far: first.fit.clone(),

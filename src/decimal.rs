@@ -1,5 +1,5 @@
-//! Decimal text of `f32`, in single precision: core's conversions serve every float exactly and take half of the
-//! firmware's 64 KiB for it.
+//! Decimal text of `f32`, in single precision: core's conversions serve every float exactly and take some 30 KiB
+//! of flash for it.
 
 use core::fmt;
 

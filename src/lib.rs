@@ -31,6 +31,10 @@
 //! ```
 #![no_std]
 
+/// On a host only, where a console may write into a string.
+#[cfg(not(target_os = "none"))]
+extern crate std;
+
 pub mod console;
 pub mod control;
 pub mod controller;

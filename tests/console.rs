@@ -1,8 +1,8 @@
 //! A tuning session as a lab would type it, and what the console says to mistakes.
 
-use haptic_paddle::console::{self, Command, ParseError, Refusal, Zero};
+use haptic_paddle::console::{self, Command, MAX_ANSWER_BYTES, ParseError, Refusal, Zero};
 use haptic_paddle::controller::{Controller, Measurement, Mode, TickRate};
-use haptic_paddle::settings::Settings;
+use haptic_paddle::settings::{FIELDS, Settings};
 
 const RATE: TickRate = TickRate::new(20_000.0, 2);
 const AT_ZERO: Measurement = Measurement {
@@ -54,7 +54,7 @@ fn a_session_from_gains_to_a_step() {
     );
     assert_eq!(
         session.say("get pid.kp"),
-        "pid.kp = 0.03 N m/deg at the paddle"
+        "pid.kp = 0.03 N m/deg at the paddle (0 to 2)"
     );
     assert!(session.say("arm").contains("no zero"));
     assert!(session.say("zero").contains("zeroed"));
@@ -100,7 +100,7 @@ fn help_and_get_list_everything() {
         session
             .say("get")
             .lines()
-            .any(|line| line == "metrics.band = 0.2 deg")
+            .any(|line| line == "metrics.band = 0.2 deg (0.001 to 90)")
     );
 }
 
@@ -114,6 +114,104 @@ fn words_become_commands() {
         parse("zero -3.5"),
         Ok(Some(Command::Zero(Zero::At { angle_deg: -3.5 })))
     );
+}
+
+#[test]
+fn names_may_be_cut_short_as_long_as_they_are_of_one_only() {
+    let mut session = Session::new();
+    assert_eq!(session.say("stat"), session.say("status"));
+    assert_eq!(session.say("se h.ce 2.4"), "hall.centre = 2.4 V");
+    assert_eq!(session.say("set est.sens hall"), "estimate.sensor = hall");
+    let complaint = |line: &[u8]| console::parse(line).unwrap_err().to_string();
+    assert_eq!(
+        complaint(b"st"),
+        "write more of the command, it may be step or start"
+    );
+    assert_eq!(
+        complaint(b"set pid.k 1"),
+        "write more of the name, it may be pid.kp pid.ki pid.kd"
+    );
+}
+
+#[test]
+fn get_shows_one_a_group_or_all_with_what_they_may_be() {
+    let mut session = Session::new();
+    let group = session.say("get pid");
+    assert_eq!(group.lines().count(), 6, "{group}");
+    assert!(
+        group.lines().all(|line| line.starts_with("pid.")),
+        "{group}"
+    );
+    assert_eq!(
+        session.say("get pid.derivative"),
+        "pid.derivative = auto (auto, position, observer)"
+    );
+    assert_eq!(session.say("get").lines().count(), FIELDS.len());
+}
+
+#[test]
+fn help_tells_about_a_command_and_a_setting() {
+    let mut session = Session::new();
+    let set = session.say("help set");
+    assert!(
+        set.contains("NAME VALUE") && set.contains("example: set"),
+        "{set}"
+    );
+    let kp = session.say("help kp");
+    assert!(
+        kp.contains("0 to 2") && kp.contains("default 0.05") && kp.contains("Proportional gain"),
+        "{kp}"
+    );
+    assert!(session.say("help nothing").contains("no such"));
+}
+
+#[test]
+fn every_example_is_understood() {
+    for usage in &console::COMMANDS {
+        let parsed = console::parse(usage.example.as_bytes());
+        assert!(
+            matches!(parsed, Ok(Some(_))),
+            "{}: {parsed:?}",
+            usage.example
+        );
+    }
+}
+
+#[test]
+fn a_dump_pasted_back_makes_the_same_settings() {
+    let mut session = Session::new();
+    for line in [
+        "set kp 0.0123",
+        "set motor.inductance 1.234e-6",
+        "set compensation.dry on",
+    ] {
+        session.say(line);
+    }
+    let dump = session.say("dump");
+    let mut other = Session::new();
+    for line in dump.lines() {
+        assert!(line.len() <= console::MAX_LINE_BYTES, "{line}");
+        other.say(line);
+    }
+    assert_eq!(other.settings, session.settings, "{dump}");
+}
+
+#[test]
+fn remarks_are_passed_over() {
+    let parse = |line: &str| console::parse(line.as_bytes());
+    assert_eq!(parse("# set kp 1"), Ok(None));
+    assert_eq!(parse("status # or so"), Ok(Some(Command::Status)));
+}
+
+#[test]
+fn no_line_of_an_answer_is_too_long_for_the_terminal() {
+    let mut session = Session::new();
+    for line in ["help", "help pid", "get", "dump", "faults", "status"] {
+        let answer = session.say(line);
+        for line in answer.lines() {
+            assert!(line.len() < MAX_ANSWER_BYTES / 2, "{} {line}", line.len());
+        }
+    }
 }
 
 #[test]

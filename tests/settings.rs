@@ -1,6 +1,6 @@
 //! The table of settings: what is written is read, what does not fit is refused.
 
-use haptic_paddle::settings::{FIELDS, Field, Kind, SettingError, Settings};
+use haptic_paddle::settings::{FIELDS, Field, GROUPS, Kind, Page, SettingError, Settings};
 
 /// The least and the greatest value.
 fn bounds(field: &Field) -> [f32; 2] {
@@ -95,10 +95,43 @@ fn refusals_name_the_setting_and_what_it_may_be() {
     );
     assert_eq!(
         message(settings.set("estimate.sensor", "ears").unwrap_err()),
-        "estimate.sensor must be one of encoder hall"
+        "estimate.sensor must be one of encoder, hall"
     );
     assert_eq!(
         settings.set("pid.kq", "1").unwrap_err(),
         SettingError::Unknown
+    );
+}
+
+#[test]
+fn each_setting_says_what_it_does_and_belongs_to_its_group() {
+    for field in FIELDS {
+        assert!(
+            field.about.ends_with('.'),
+            "{}: {}",
+            field.name,
+            field.about
+        );
+        assert!(
+            !field.about.contains("  "),
+            "{}: {}",
+            field.name,
+            field.about
+        );
+        let group = field.name.split('.').next();
+        assert!(
+            GROUPS.iter().any(|known| Some(known.name) == group),
+            "{}",
+            field.name
+        );
+    }
+}
+
+#[test]
+fn the_page_of_settings_is_current() {
+    let page = std::fs::read_to_string("docs/settings.md").unwrap_or_default();
+    assert!(
+        page == Page.to_string(),
+        "docs/settings.md is old; make it anew: cargo run --quiet --example settings_page > docs/settings.md"
     );
 }

@@ -2,7 +2,7 @@
 
 use crate::plot::PlotError;
 use haptic_paddle::safety::Fault;
-use haptic_paddle::settings::field::{FIELDS, SettingError};
+use haptic_paddle::settings::{FIELDS, SettingError};
 use std::path::{Path, PathBuf};
 
 /// Why a command stops.

@@ -2,24 +2,26 @@
 
 use core::fmt;
 
-use super::command::{COMMANDS, ParseError};
+use super::command::{COMMANDS, ParseError, Topic};
 use crate::controller::{ArmError, Mode, ReferenceError, Status, ZeroError};
 use crate::decimal::{Decimal, Fixed};
 use crate::excitation::ExcitationError;
 use crate::metrics::StepReport;
 use crate::safety::{Counters, FaultLog};
-use crate::settings::{FIELDS, SettingError, Settings, Shown};
+use crate::settings::{FIELDS, Field, FieldSet, SettingError, Settings, Shown};
 use crate::units::DEG_PER_RAD;
 
-/// What the console says; its `Display` is one or more lines without the last line end.
+/// What the console says: one or more lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
-    /// The list of commands.
-    Help,
-    /// One setting.
-    Setting(Shown),
-    /// All settings.
-    Settings(Settings),
+    /// What there is, and how it is used.
+    Help(Topic, Settings),
+    /// A setting that has changed.
+    Changed(Shown),
+    /// Some of these settings.
+    Settings(FieldSet, Settings),
+    /// These settings as commands.
+    Dump(Settings),
     /// The state of the controller.
     Status(Status),
     /// The last faults, and how often limits acted.
@@ -28,49 +30,107 @@ pub enum Answer {
     Beat,
 }
 
+impl Answer {
+    /// How many lines it has.
+    pub fn lines(&self) -> usize {
+        match self {
+            Self::Help(Topic::Commands, _) => COMMANDS.len(),
+            Self::Help(Topic::Command(_), _) => 2,
+            Self::Help(Topic::Settings(fields), _) | Self::Settings(fields, _) => fields.count(),
+            Self::Dump(_) => FIELDS.len(),
+            Self::Faults(faults, _) => {
+                usize::from(faults.reset.is_some()) + faults.len().max(1) + 1
+            }
+            Self::Changed(_) | Self::Status(_) | Self::Beat => 1,
+        }
+    }
+
+    /// The line of this number, from 0, without its end; of a status, that is all of it.
+    pub fn line(&self, number: usize) -> impl fmt::Display {
+        Line(self, number)
+    }
+}
+
 impl fmt::Display for Answer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Help => lines(f, &COMMANDS, |f, usage| {
-                write!(f, "{} {}: {}", usage.name, usage.arguments, usage.purpose)
-            }),
-            Self::Setting(shown) => shown.fmt(f),
-            Self::Settings(settings) => lines(f, FIELDS, |f, field| field.shown(settings).fmt(f)),
-            Self::Status(status) => status.fmt(f),
-            Self::Faults(faults, counters) => {
-                if let Some(cause) = faults.reset {
-                    write!(f, "last reset: {cause}\r\n")?;
+        (0..self.lines()).try_for_each(|number| {
+            f.write_str(if number > 0 { "\r\n" } else { "" })?;
+            Line(self, number).fmt(f)
+        })
+    }
+}
+
+struct Line<'a>(&'a Answer, usize);
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(answer, number) = *self;
+        match answer {
+            Answer::Help(Topic::Commands, _) => match COMMANDS.get(number) {
+                Some(usage) => usage.fmt(f),
+                None => Ok(()),
+            },
+            Answer::Help(Topic::Command(usage), _) if number == 0 => usage.fmt(f),
+            Answer::Help(Topic::Command(usage), _) => write!(f, "example: {}", usage.example),
+            Answer::Help(Topic::Settings(fields), settings) => match fields.iter().nth(number) {
+                Some(field) => {
+                    setting(f, field, settings)?;
+                    write!(
+                        f,
+                        ", default {}: {}",
+                        field.default_shown().value(),
+                        field.about
+                    )
                 }
-                if faults.is_empty() {
-                    f.write_str("no fault")?;
-                }
-                for (index, record) in faults.iter().enumerate() {
-                    write!(f, "{}{record}", if index > 0 { "\r\n" } else { "" })?;
-                }
-                f.write_str("\r\nlimits acted: ")?;
-                for (index, (acted, name)) in Counters::NAMES.iter().enumerate() {
-                    let comma = if index > 0 { ", " } else { "" };
-                    write!(f, "{comma}{name} {}", counters.of(*acted))?;
-                }
-                Ok(())
-            }
-            Self::Beat => f.write_str("beat"),
+                None => Ok(()),
+            },
+            Answer::Settings(fields, settings) => match fields.iter().nth(number) {
+                Some(field) => setting(f, field, settings),
+                None => Ok(()),
+            },
+            Answer::Dump(settings) => match FIELDS.get(number) {
+                Some(field) => field.shown(settings).as_command().fmt(f),
+                None => Ok(()),
+            },
+            Answer::Changed(shown) => shown.fmt(f),
+            Answer::Status(status) => status.fmt(f),
+            Answer::Faults(faults, counters) => faults_line(f, faults, *counters, number),
+            Answer::Beat => f.write_str("beat"),
         }
     }
 }
 
-fn lines<T>(
+/// A setting with its value and what it may be.
+fn setting(f: &mut fmt::Formatter<'_>, field: &'static Field, settings: &Settings) -> fmt::Result {
+    write!(f, "{} ({})", field.shown(settings), field.kind)
+}
+
+/// The reset's cause, if it is known, the faults, and the counts of limits.
+fn faults_line(
     f: &mut fmt::Formatter<'_>,
-    items: &'static [T],
-    mut line: impl FnMut(&mut fmt::Formatter<'_>, &'static T) -> fmt::Result,
+    faults: &FaultLog,
+    counters: Counters,
+    number: usize,
 ) -> fmt::Result {
-    for (index, item) in items.iter().enumerate() {
-        if index > 0 {
-            f.write_str("\r\n")?;
-        }
-        line(f, item)?;
+    let record = match (faults.reset, number) {
+        (Some(cause), 0) => return write!(f, "last reset: {cause}"),
+        (Some(_), number) => number - 1,
+        (None, number) => number,
+    };
+    if let Some(record) = faults.iter().nth(record) {
+        return fmt::Display::fmt(record, f);
     }
-    Ok(())
+    if faults.is_empty() && record == 0 {
+        return f.write_str("no fault");
+    }
+    f.write_str("limits acted: ")?;
+    Counters::NAMES
+        .iter()
+        .enumerate()
+        .try_for_each(|(index, (acted, name))| {
+            let comma = if index > 0 { ", " } else { "" };
+            write!(f, "{comma}{name} {}", counters.of(*acted))
+        })
 }
 
 impl fmt::Display for Mode {

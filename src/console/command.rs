@@ -5,7 +5,7 @@ use core::fmt;
 use crate::controller::Mode;
 use crate::decimal;
 use crate::excitation::{Excitation, Shape};
-use crate::settings::{Field, SettingError};
+use crate::settings::{Field, FieldSet, SettingError};
 
 /// Longest line, bytes without its end.
 pub const MAX_LINE_BYTES: usize = 80;
@@ -19,63 +19,143 @@ pub struct Usage {
     pub arguments: &'static str,
     /// What it does.
     pub purpose: &'static str,
+    /// A line that does it.
+    pub example: &'static str,
 }
 
-/// All commands.
-pub static COMMANDS: [Usage; 14] = [
-    HELP, GET, SET, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS, FAULTS, CLEAR, BEAT,
-];
-
-const fn usage(name: &'static str, arguments: &'static str, purpose: &'static str) -> Usage {
-    Usage {
-        name,
-        arguments,
-        purpose,
+impl fmt::Display for Usage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let space = if self.arguments.is_empty() { "" } else { " " };
+        write!(
+            f,
+            "{}{space}{}: {}",
+            self.name, self.arguments, self.purpose
+        )
     }
 }
 
-const HELP: Usage = usage("help", "", "this list");
-const GET: Usage = usage("get", "[NAME]", "show one setting, or all");
-const SET: Usage = usage(
-    "set",
-    "NAME VALUE",
-    "change a setting, in the unit that get shows",
-);
-const ARM: Usage = usage("arm", "[position|torque]", "start to control");
-const DISARM: Usage = usage("disarm", "", "motor off");
-const ZERO: Usage = usage(
-    "zero",
-    "[hall|DEG]",
-    "the paddle stands at 0, at DEG, or where the Hall sensor says",
-);
-const REF: Usage = usage(
-    "ref",
-    "VALUE",
-    "reference: deg in position mode, N m at the motor in torque mode",
-);
-const STEP: Usage = usage("step", "VALUE", "step from the reference, with metrics");
-const START: Usage = usage(
-    "start",
-    "step A [S] | ramp A S | sine|square|triangle|multisine A HZ [S] | chirp A HZ HZ S",
-    "test signal of amplitude A for S seconds on top of the reference",
-);
-const STOP: Usage = usage("stop", "", "end the test signal");
-const STATUS: Usage = usage(
-    "status",
-    "",
-    "mode, fault, position, torque, current, step metrics",
-);
-const FAULTS: Usage = usage(
-    "faults",
-    "",
-    "the last faults with what was there, first cause first, and how often limits acted",
-);
-const CLEAR: Usage = usage("clear", "", "let go of the latched fault");
-const BEAT: Usage = usage(
-    "beat",
-    "",
-    "a program steers: silence for host.heartbeat is a fault from now on",
-);
+/// All commands.
+pub static COMMANDS: [Usage; 15] = [
+    HELP, GET, SET, DUMP, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS, FAULTS, CLEAR, BEAT,
+];
+
+const HELP: Usage = Usage {
+    name: "help",
+    arguments: "[COMMAND|SETTING]",
+    purpose: "the commands, or all about one, or about a setting",
+    example: "help set",
+};
+const GET: Usage = Usage {
+    name: "get",
+    arguments: "[NAME]",
+    purpose: "show settings with their ranges: all, a group, or one",
+    example: "get pid",
+};
+const SET: Usage = Usage {
+    name: "set",
+    arguments: "NAME VALUE",
+    purpose: "change a setting, in the unit that get shows",
+    example: "set pid.kp 0.05",
+};
+const DUMP: Usage = Usage {
+    name: "dump",
+    arguments: "",
+    purpose: "all settings as commands, to be pasted back",
+    example: "dump",
+};
+const ARM: Usage = Usage {
+    name: "arm",
+    arguments: "[position|torque]",
+    purpose: "start to control",
+    example: "arm torque",
+};
+const DISARM: Usage = Usage {
+    name: "disarm",
+    arguments: "",
+    purpose: "motor off",
+    example: "disarm",
+};
+const ZERO: Usage = Usage {
+    name: "zero",
+    arguments: "[hall|DEG]",
+    purpose: "the paddle stands at 0, at DEG, or where the Hall sensor says",
+    example: "zero hall",
+};
+const REF: Usage = Usage {
+    name: "ref",
+    arguments: "VALUE",
+    purpose: "reference: deg in position mode, N m at the motor in torque mode",
+    example: "ref -5",
+};
+const STEP: Usage = Usage {
+    name: "step",
+    arguments: "VALUE",
+    purpose: "step from the reference, with metrics",
+    example: "step 10",
+};
+const START: Usage = Usage {
+    name: "start",
+    arguments: "step A [S] | ramp A S | sine|square|triangle|multisine A HZ [S] | chirp A HZ HZ S",
+    purpose: "test signal of amplitude A for S seconds on top of the reference",
+    example: "start sine 10 0.5 20",
+};
+const STOP: Usage = Usage {
+    name: "stop",
+    arguments: "",
+    purpose: "end the test signal",
+    example: "stop",
+};
+const STATUS: Usage = Usage {
+    name: "status",
+    arguments: "",
+    purpose: "mode, fault, position, torque, current, step metrics",
+    example: "status",
+};
+const FAULTS: Usage = Usage {
+    name: "faults",
+    arguments: "",
+    purpose: "the last faults with what was there, first cause first, and how often limits acted",
+    example: "faults",
+};
+const CLEAR: Usage = Usage {
+    name: "clear",
+    arguments: "",
+    purpose: "let go of the latched fault",
+    example: "clear",
+};
+const BEAT: Usage = Usage {
+    name: "beat",
+    arguments: "",
+    purpose: "a program steers: silence for host.heartbeat is a fault from now on",
+    example: "beat",
+};
+
+/// The command of this name, or the only one whose name begins like this.
+///
+/// # Errors
+/// [`ParseError`] if there is none, or more.
+fn find(text: &str) -> Result<&'static Usage, ParseError> {
+    if let Some(usage) = COMMANDS.iter().find(|usage| usage.name == text) {
+        return Ok(usage);
+    }
+    let mut like = COMMANDS.iter().filter(|usage| usage.name.starts_with(text));
+    match (like.next(), like.next()) {
+        (None, _) => Err(ParseError::UnknownCommand),
+        (Some(usage), None) => Ok(usage),
+        (Some(first), Some(second)) => Err(ParseError::AmbiguousCommand(first.name, second.name)),
+    }
+}
+
+/// What help is about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Topic {
+    /// All commands.
+    Commands,
+    /// One command.
+    Command(&'static Usage),
+    /// Settings.
+    Settings(FieldSet),
+}
 
 /// How the encoder gets its zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,10 +172,12 @@ pub enum Zero {
 /// What a line asks for. Numbers are in the unit that people see: degrees, or N m at the motor in torque mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
-    /// List of the commands.
-    Help,
-    /// One setting or all.
-    Get(Option<&'static Field>),
+    /// What there is, and how it is used.
+    Help(Topic),
+    /// Settings with their values.
+    Get(FieldSet),
+    /// All settings as commands.
+    Dump,
     /// A setting and its value, within its bounds.
     Set(&'static Field, f32),
     /// Start to control.
@@ -129,8 +211,10 @@ pub enum ParseError {
     NotText,
     /// The first word is no command.
     UnknownCommand,
+    /// The first word may become these two commands, and more.
+    AmbiguousCommand(&'static str, &'static str),
     /// The words after the first do not fit.
-    Usage(Usage),
+    Usage(&'static Usage),
     /// The setting is refused.
     Setting(SettingError),
 }
@@ -141,6 +225,12 @@ impl fmt::Display for ParseError {
             Self::TooLong => write!(f, "line longer than {MAX_LINE_BYTES} characters"),
             Self::NotText => f.write_str("line is not plain text: check the baud rate"),
             Self::UnknownCommand => f.write_str("no such command: help lists them"),
+            Self::AmbiguousCommand(first, second) => {
+                write!(
+                    f,
+                    "write more of the command, it may be {first} or {second}"
+                )
+            }
             Self::Usage(Usage {
                 name,
                 arguments: "",
@@ -162,7 +252,8 @@ impl From<SettingError> for ParseError {
     }
 }
 
-/// The command of a line; `None` for a blank one.
+/// The command of a line, of which everything from a `#` on is a remark; `None` for a blank one. Names of commands and
+/// settings may be cut short as long as they are those of one only.
 ///
 /// # Errors
 /// [`ParseError`].
@@ -175,25 +266,31 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
         return Err(ParseError::NotText);
     }
     let line = core::str::from_utf8(line).map_err(|_| ParseError::NotText)?;
+    let line = line.split('#').next().unwrap_or_default();
     let mut words = line.split_ascii_whitespace();
     let Some(name) = words.next() else {
         return Ok(None);
     };
-    let usage = COMMANDS
-        .iter()
-        .find(|usage| usage.name == name)
-        .ok_or(ParseError::UnknownCommand)?;
-    let mut arguments = Arguments {
-        words,
-        usage: *usage,
-    };
-    let command = match name {
-        "help" => Command::Help,
-        "get" => Command::Get(arguments.optional().map(Field::find).transpose()?),
+    let usage = find(name)?;
+    let mut arguments = Arguments { words, usage };
+    let command = match usage.name {
+        "help" => Command::Help(match arguments.optional() {
+            None => Topic::Commands,
+            Some(word) => match (find(word), FieldSet::named(word)) {
+                (Ok(usage), _) => Topic::Command(usage),
+                (Err(_), Ok(fields)) => Topic::Settings(fields),
+                (Err(error), Err(_)) => return Err(error),
+            },
+        }),
+        "get" => Command::Get(match arguments.optional() {
+            None => FieldSet::ALL,
+            Some(name) => FieldSet::named(name)?,
+        }),
         "set" => {
-            let field = Field::find(arguments.word()?)?;
+            let field = FieldSet::named(arguments.word()?)?.only()?;
             Command::Set(field, field.parse(arguments.word()?)?)
         }
+        "dump" => Command::Dump,
         "arm" => Command::Arm(match arguments.optional() {
             None | Some("position") => Mode::Position,
             Some("torque") => Mode::Torque,
@@ -224,7 +321,7 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
 
 struct Arguments<'a> {
     words: core::str::SplitAsciiWhitespace<'a>,
-    usage: Usage,
+    usage: &'static Usage,
 }
 
 impl<'a> Arguments<'a> {

@@ -10,9 +10,11 @@ mod line;
 mod session;
 
 pub use answer::{Answer, Refusal};
-pub use command::{COMMANDS, Command, MAX_LINE_BYTES, ParseError, Usage, Zero, parse};
+pub use command::{COMMANDS, Command, MAX_LINE_BYTES, ParseError, Topic, Usage, Zero, parse};
 pub use line::{LineEditor, STOP_BYTE, Typed};
 pub use session::Session;
+
+use core::fmt;
 
 use crate::controller::{Controller, Mode, TickRate, Tuning};
 use crate::excitation::Excitation;
@@ -31,6 +33,22 @@ impl Lender for Controller {
     }
 }
 
+/// Where the console writes.
+pub trait Terminal: fmt::Write {
+    /// Whether [`MAX_ANSWER_BYTES`] fit now.
+    fn has_room(&self) -> bool;
+}
+
+/// No line of an answer is longer, bytes.
+pub const MAX_ANSWER_BYTES: usize = 512;
+
+#[cfg(not(target_os = "none"))]
+impl Terminal for std::string::String {
+    fn has_room(&self) -> bool {
+        true
+    }
+}
+
 /// Does what a command says.
 ///
 /// # Errors
@@ -42,14 +60,14 @@ pub fn execute(
     controller: &mut impl Lender,
 ) -> Result<Answer, Refusal> {
     match *command {
-        Command::Help => return Ok(Answer::Help),
-        Command::Get(Some(field)) => return Ok(Answer::Setting(field.shown(settings))),
-        Command::Get(None) => return Ok(Answer::Settings(*settings)),
+        Command::Help(topic) => return Ok(Answer::Help(topic, *settings)),
+        Command::Get(fields) => return Ok(Answer::Settings(fields, *settings)),
+        Command::Dump => return Ok(Answer::Dump(*settings)),
         Command::Set(field, value) => {
             field.write(settings, value)?;
             let tuning = Tuning::new(settings, rate);
             controller.with(|c| c.retune(tuning));
-            return Ok(Answer::Setting(field.shown(settings)));
+            return Ok(Answer::Changed(field.shown(settings)));
         }
         Command::Arm(mode) => controller.with(|c| c.arm(mode))?,
         Command::Disarm => controller.with(Controller::disarm),

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::line::{LineEditor, STOP_BYTE, Typed};
-use super::{Command, Lender, ParseError, execute, parse};
+use super::{Answer, Command, Lender, ParseError, Terminal, execute, parse};
 use crate::controller::{ArmError, Controller, Mode, StopCause, TickRate, Tuning};
 use crate::safety::Fault;
 use crate::settings::Settings;
@@ -22,6 +22,8 @@ pub struct Session {
     rate: TickRate,
     ready: Result<(), ArmError>,
     line: LineEditor,
+    /// An answer of which not every line is said yet, and the number of the next one.
+    answer: Option<(Answer, usize)>,
     arming: Option<Arming>,
     wired: bool,
     announced: Option<Fault>,
@@ -56,6 +58,7 @@ impl Session {
             rate,
             ready,
             line: LineEditor::default(),
+            answer: None,
             arming: None,
             wired: false,
             announced: None,
@@ -75,7 +78,7 @@ impl Session {
     }
 
     /// Says hello.
-    pub fn greet(&self, out: &mut impl fmt::Write) {
+    pub fn greet(&self, out: &mut impl Terminal) {
         say(
             out,
             format_args!(
@@ -86,16 +89,37 @@ impl Session {
         if let Err(error) = &self.ready {
             say(out, format_args!("{error}"));
         }
-        prompt(out);
+        self.prompt(out);
     }
 
-    /// Whether [`Self::type_in`] takes more than Ctrl-C: not on the way to a mode.
+    /// Whether [`Self::type_in`] takes more than Ctrl-C: not on the way to a mode, nor within an answer.
     pub fn listens(&self) -> bool {
-        self.arming.is_none()
+        self.arming.is_none() && self.answer.is_none()
+    }
+
+    /// Goes on with an answer, as far as the terminal has room.
+    pub fn go_on_saying(&mut self, out: &mut impl Terminal) {
+        while let Some((answer, number)) = &mut self.answer
+            && out.has_room()
+        {
+            say(out, format_args!("{}", answer.line(*number)));
+            *number += 1;
+            if *number >= answer.lines() {
+                self.answer = None;
+                self.prompt(out);
+            }
+        }
+    }
+
+    /// Asks for the next line, unless something is still to be said or done first.
+    fn prompt(&self, out: &mut impl fmt::Write) {
+        if self.listens() {
+            put(out, format_args!("> "));
+        }
     }
 
     /// Takes a typed byte. Ctrl-C stops everything at once, in every state.
-    pub fn type_in(&mut self, byte: u8, controller: &mut impl Lender, out: &mut impl fmt::Write) {
+    pub fn type_in(&mut self, byte: u8, controller: &mut impl Lender, out: &mut impl Terminal) {
         if let Some(silent_s) = &mut self.silent_s {
             *silent_s = 0.0;
         }
@@ -129,25 +153,19 @@ impl Session {
             Ok(Some(command)) => self.obey(&command, controller, out),
             Err(error) => say(out, format_args!("{error}")),
         }
-        if self.listens() {
-            prompt(out);
-        }
+        self.prompt(out);
+        self.go_on_saying(out);
     }
 
     /// Says that typed bytes were lost; the line that they belong to is dropped.
-    pub fn complain(&mut self, out: &mut impl fmt::Write) {
+    pub fn complain(&mut self, out: &mut impl Terminal) {
         self.line = LineEditor::default();
         say(out, format_args!("\r\ninput lost: send slower"));
-        prompt(out);
+        self.prompt(out);
     }
 
     /// Looks after the controller; to be called about once a millisecond, with the time since the last call, s.
-    pub fn look(
-        &mut self,
-        elapsed_s: f32,
-        controller: &mut impl Lender,
-        out: &mut impl fmt::Write,
-    ) {
+    pub fn look(&mut self, elapsed_s: f32, controller: &mut impl Lender, out: &mut impl Terminal) {
         let silent = self.falls_silent(elapsed_s);
         let seen = controller.with(|c| {
             if silent && c.mode() != Mode::Off {
@@ -177,7 +195,7 @@ impl Session {
     }
 
     /// Says what has happened since the last look.
-    fn announce(&mut self, seen: &Seen, out: &mut impl fmt::Write) {
+    fn announce(&mut self, seen: &Seen, out: &mut impl Terminal) {
         let disturbed = self.arming.take_if(|_| seen.off);
         let mut said = false;
         if let Some(fault) = seen.fault
@@ -217,7 +235,7 @@ impl Session {
             said = true;
         }
         if said {
-            prompt(out);
+            self.prompt(out);
         }
     }
 
@@ -227,7 +245,7 @@ impl Session {
         arming: Arming,
         elapsed_s: f32,
         controller: &mut impl Lender,
-        out: &mut impl fmt::Write,
+        out: &mut impl Terminal,
     ) {
         let Arming { mode, stage } = arming;
         let next = match stage {
@@ -265,12 +283,13 @@ impl Session {
             Ok(None) => {
                 self.wired = true;
                 self.execute(&Command::Arm(mode), controller, out);
-                prompt(out);
+                self.prompt(out);
+                self.go_on_saying(out);
             }
             Err(error) => {
                 controller.with(Controller::disarm);
                 say(out, format_args!("{error}"));
-                prompt(out);
+                self.prompt(out);
             }
         }
     }
@@ -296,7 +315,7 @@ impl Session {
     }
 
     #[inline(never)]
-    fn obey(&mut self, command: &Command, controller: &mut impl Lender, out: &mut impl fmt::Write) {
+    fn obey(&mut self, command: &Command, controller: &mut impl Lender, out: &mut impl Terminal) {
         match *command {
             Command::Arm(mode) if mode != Mode::Off => {
                 match self
@@ -332,10 +351,10 @@ impl Session {
         &mut self,
         command: &Command,
         controller: &mut impl Lender,
-        out: &mut impl fmt::Write,
+        out: &mut impl Terminal,
     ) {
         match execute(command, &mut self.settings, self.rate, controller) {
-            Ok(answer) => say(out, format_args!("{answer}")),
+            Ok(answer) => self.answer = Some((answer, 0)),
             Err(refusal) => say(out, format_args!("{refusal}")),
         }
     }
@@ -370,10 +389,6 @@ fn angles(controller: &Controller) -> Angles {
 
 fn say(out: &mut impl fmt::Write, text: fmt::Arguments) {
     put(out, format_args!("{text}\r\n"));
-}
-
-fn prompt(out: &mut impl fmt::Write) {
-    put(out, format_args!("> "));
 }
 
 /// Writes to a terminal that may be full or gone; there is nobody else to tell.

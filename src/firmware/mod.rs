@@ -37,7 +37,7 @@ impl<C: Mutex<T = Controller>> Lender for AfterPeriod<'_, C> {
 mod app {
     use core::sync::atomic::Ordering;
 
-    use haptic_paddle::console::Session;
+    use haptic_paddle::console::{Session, Terminal};
     use haptic_paddle::controller::{ArmError, Controller, Mode, StopCause, TickRate};
     use haptic_paddle::safety::{Acted, Fault};
     use haptic_paddle::sensing::current::IdleReading;
@@ -286,6 +286,7 @@ mod app {
                     session.settings().motor.current_sampling == CurrentSampling::Centre,
                 );
             }
+            session.go_on_saying(output);
             if session.listens() && output.has_room() {
                 match input.next(now) {
                     Heard::Nothing => {}

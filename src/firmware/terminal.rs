@@ -3,7 +3,7 @@
 use core::fmt;
 use core::sync::atomic::{AtomicBool, Ordering};
 
-use haptic_paddle::console::STOP_BYTE;
+use haptic_paddle::console::{MAX_ANSWER_BYTES, STOP_BYTE, Terminal};
 use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::Interrupt;
 use stm32f4xx_hal::prelude::*;
@@ -11,11 +11,9 @@ use stm32f4xx_hal::prelude::*;
 use crate::board::{self, SerialRx, SerialTx, events};
 
 /// Room for what a person types, or a script sends, while an answer is on its way.
-pub const INPUT_BYTES: usize = 1024;
-/// Room for two of the longest answers.
-pub const OUTPUT_BYTES: usize = 8192;
-/// An answer, `get` of all settings being the longest, is shorter than this.
-const LONGEST_ANSWER_BYTES: usize = 4096;
+pub const INPUT_BYTES: usize = 2048;
+/// Room for what is answered to pasted settings while they arrive: twice as much as they are.
+pub const OUTPUT_BYTES: usize = 4096;
 
 /// Set when received bytes were lost.
 static CUT: AtomicBool = AtomicBool::new(false);
@@ -134,17 +132,18 @@ impl Output {
         }
     }
 
-    /// Whether any answer fits.
-    pub fn has_room(&self) -> bool {
-        self.to_send.capacity() - self.to_send.len() >= LONGEST_ANSWER_BYTES
-    }
-
     /// Sees to it that the port sends what was written; it then goes on by itself until the queue is empty.
     pub fn flush(&mut self) {
         if self.written {
             self.written = false;
             rtic::pend(Interrupt::USART2);
         }
+    }
+}
+
+impl Terminal for Output {
+    fn has_room(&self) -> bool {
+        self.to_send.capacity() - self.to_send.len() >= MAX_ANSWER_BYTES
     }
 }
 

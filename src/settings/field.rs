@@ -1,9 +1,8 @@
-//! The table of settings: name, unit, bounds, and how to read and write each. Console, command line and files
-//! all go through it.
+//! A setting: how it is found, read, written and shown. Console, store, command line and files all go through it.
 
 use core::fmt;
 
-use super::{CurrentSampling, DerivativeSource, FilterOrder, Sensor, Settings, VelocitySource};
+use super::tree::{FIELDS, Settings};
 use crate::decimal::{self, Decimal};
 
 /// What a setting may be.
@@ -20,6 +19,15 @@ pub enum Kind {
     Choice(&'static [&'static str]),
 }
 
+/// Settings that belong together.
+#[derive(Debug)]
+pub struct Group {
+    /// First part of their names.
+    pub name: &'static str,
+    /// What they are about.
+    pub about: &'static str,
+}
+
 /// One setting.
 #[derive(Debug)]
 pub struct Field {
@@ -29,10 +37,12 @@ pub struct Field {
     pub short: Option<&'static str>,
     /// Unit of the value; empty for none.
     pub unit: &'static str,
+    /// What it does.
+    pub about: &'static str,
     /// What it may be.
     pub kind: Kind,
-    read: fn(&Settings) -> f32,
-    write: fn(&mut Settings, f32),
+    pub(super) read: fn(&Settings) -> f32,
+    pub(super) write: fn(&mut Settings, f32),
 }
 
 impl Field {
@@ -43,7 +53,7 @@ impl Field {
     pub fn find(name: &str) -> Result<&'static Self, SettingError> {
         FIELDS
             .iter()
-            .find(|field| field.name == name || field.short == Some(name))
+            .find(|field| field.is_called(name))
             .ok_or(SettingError::Unknown)
     }
 
@@ -102,12 +112,94 @@ impl Field {
         }
     }
 
-    /// Name, value and unit as one shows them to people.
+    /// With its value in `settings`, as one shows it to people.
     pub fn shown(&'static self, settings: &Settings) -> Shown {
         Shown {
             field: self,
             value: self.read(settings),
         }
+    }
+
+    /// With its default, as one shows it to people.
+    pub fn default_shown(&'static self) -> Shown {
+        Shown {
+            field: self,
+            value: self.default_value(),
+        }
+    }
+}
+
+/// Some of the settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FieldSet(u64);
+
+const _: () = assert!(FIELDS.len() < u64::BITS as usize);
+
+impl FieldSet {
+    /// All settings.
+    pub const ALL: Self = Self((1 << FIELDS.len()) - 1);
+
+    /// The setting of this full or short name; or else all whose names begin like this, part by part: `e.s` begins
+    /// `estimate.sensor`.
+    ///
+    /// # Errors
+    /// [`SettingError::Unknown`] if there is none.
+    pub fn named(text: &str) -> Result<Self, SettingError> {
+        let places_where = |is: &dyn Fn(&Field) -> bool| {
+            let places = FIELDS.iter().enumerate();
+            Self(
+                places
+                    .filter(|(_, field)| is(field))
+                    .fold(0, |bits, (place, _)| bits | 1 << place),
+            )
+        };
+        let exact = places_where(&|field| field.is_called(text));
+        let found = if exact.0 == 0 {
+            places_where(&|field| field.begins_like(text))
+        } else {
+            exact
+        };
+        if found.0 == 0 {
+            return Err(SettingError::Unknown);
+        }
+        Ok(found)
+    }
+
+    /// The only one.
+    ///
+    /// # Errors
+    /// [`SettingError::Ambiguous`] if there are more.
+    pub fn only(self) -> Result<&'static Field, SettingError> {
+        let mut fields = self.iter();
+        match (fields.next(), fields.next()) {
+            (Some(field), None) => Ok(field),
+            _ => Err(SettingError::Ambiguous(self)),
+        }
+    }
+
+    /// In the order in which they are shown.
+    pub fn iter(self) -> impl Iterator<Item = &'static Field> {
+        let places = FIELDS.iter().enumerate();
+        places
+            .filter(move |(place, _)| self.0 >> place & 1 == 1)
+            .map(|(_, field)| field)
+    }
+
+    /// How many.
+    pub fn count(self) -> usize {
+        self.0.count_ones() as usize
+    }
+}
+
+impl Field {
+    fn is_called(&self, text: &str) -> bool {
+        self.name == text || self.short == Some(text)
+    }
+
+    fn begins_like(&self, text: &str) -> bool {
+        let mut parts = self.name.split('.');
+        text.split('.')
+            .all(|typed| parts.next().is_some_and(|part| part.starts_with(typed)))
     }
 }
 
@@ -117,21 +209,71 @@ impl PartialEq for Field {
     }
 }
 
-/// A setting with its value; its `Display` is `pid.kp = 0.05 N m/deg`.
+/// A setting with its value; its `Display` is `pid.kp = 0.05 N m/deg at the paddle`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     field: &'static Field,
     value: f32,
 }
 
+impl Shown {
+    /// The value alone, as it can be set again.
+    pub fn value(&self) -> impl fmt::Display {
+        Value(*self)
+    }
+
+    /// The command that sets it again, with its unit as a remark.
+    pub fn as_command(&self) -> impl fmt::Display {
+        AsCommand(*self)
+    }
+}
+
 impl fmt::Display for Shown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { field, value } = *self;
-        write!(f, "{} = ", field.name)?;
+        write!(f, "{} = {}", self.field.name, Value(*self))?;
+        with_unit(f, " ", self.field.unit)
+    }
+}
+
+struct Value(Shown);
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Shown { field, value } = self.0;
         match field.kind {
             Kind::Choice(names) => f.write_str(names.get(value as usize).copied().unwrap_or("?")),
-            Kind::Number { .. } if field.unit.is_empty() => Decimal(value).fmt(f),
-            Kind::Number { .. } => write!(f, "{} {}", Decimal(value), field.unit),
+            Kind::Number { .. } => Decimal(value).fmt(f),
+        }
+    }
+}
+
+struct AsCommand(Shown);
+
+impl fmt::Display for AsCommand {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "set {} {}", self.0.field.name, Value(self.0))?;
+        with_unit(f, " # ", self.0.field.unit)
+    }
+}
+
+/// A unit behind `separator`, if there is one.
+fn with_unit(f: &mut fmt::Formatter<'_>, separator: &str, unit: &str) -> fmt::Result {
+    if unit.is_empty() {
+        return Ok(());
+    }
+    f.write_str(separator)?;
+    f.write_str(unit)
+}
+
+/// Its `Display` is what a setting may be, as `0 to 2` or `encoder, hall`.
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number { min, max } => write!(f, "{} to {}", Decimal(*min), Decimal(*max)),
+            Self::Choice(names) => names.iter().enumerate().try_for_each(|(place, name)| {
+                f.write_str(if place > 0 { ", " } else { "" })?;
+                f.write_str(name)
+            }),
         }
     }
 }
@@ -141,6 +283,8 @@ impl fmt::Display for Shown {
 pub enum SettingError {
     /// No setting has this name.
     Unknown,
+    /// These all begin like this.
+    Ambiguous(FieldSet),
     /// The value is not a number within the bounds.
     OutOfRange(&'static Field),
     /// The value is none of the names.
@@ -151,26 +295,17 @@ impl fmt::Display for SettingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Unknown => f.write_str("no such setting: get lists them all"),
-            Self::OutOfRange(field) => match field.kind {
-                Kind::Number { min, max } => {
-                    write!(
-                        f,
-                        "{} must be a number from {} to {} {}",
-                        field.name,
-                        Decimal(min),
-                        Decimal(max),
-                        field.unit
-                    )
-                }
-                Kind::Choice(_) => f.write_str(field.name),
-            },
-            Self::NotAChoice(field) => {
-                write!(f, "{} must be one of", field.name)?;
-                if let Kind::Choice(names) = field.kind {
-                    names.iter().try_for_each(|name| write!(f, " {name}"))?;
-                }
-                Ok(())
+            Self::Ambiguous(fields) => {
+                f.write_str("write more of the name, it may be")?;
+                fields
+                    .iter()
+                    .try_for_each(|field| write!(f, " {}", field.name))
             }
+            Self::OutOfRange(field) => {
+                write!(f, "{} must be a number from {}", field.name, field.kind)?;
+                with_unit(f, " ", field.unit)
+            }
+            Self::NotAChoice(field) => write!(f, "{} must be one of {}", field.name, field.kind),
         }
     }
 }
@@ -198,202 +333,3 @@ impl Settings {
         Ok(field)
     }
 }
-
-macro_rules! number {
-    ($name:literal $(| $short:literal)?, $unit:literal, $min:literal ..= $max:literal, $($path:ident).+) => {
-        Field {
-            name: $name,
-            short: number!(@short $($short)?),
-            unit: $unit,
-            kind: Kind::Number { min: $min, max: $max },
-            read: |settings| settings.$($path).+,
-            write: |settings, value| settings.$($path).+ = value,
-        }
-    };
-    (@short) => { None };
-    (@short $short:literal) => { Some($short) };
-}
-
-macro_rules! choice {
-    ($name:literal, [$($text:literal => $variant:expr),+], $($path:ident).+) => {
-        Field {
-            name: $name,
-            short: None,
-            unit: "",
-            kind: Kind::Choice(&[$($text),+]),
-            read: |settings| {
-                [$($variant),+].iter().position(|variant| *variant == settings.$($path).+).unwrap_or(0) as f32
-            },
-            write: |settings, value| {
-                if let Some(variant) = [$($variant),+].get(value as usize) {
-                    settings.$($path).+ = *variant;
-                }
-            },
-        }
-    };
-}
-
-macro_rules! switch {
-    ($name:literal, $($path:ident).+) => { choice!($name, ["off" => false, "on" => true], $($path).+) };
-}
-
-/// All settings, in the order in which they are shown.
-pub static FIELDS: &[Field] = &[
-    number!(
-        "pid.kp" | "kp",
-        "N m/deg at the paddle",
-        0.0..=2.0,
-        pid.kp_nm_per_deg
-    ),
-    number!(
-        "pid.ki" | "ki",
-        "N m/(deg s) at the paddle",
-        0.0..=50.0,
-        pid.ki_nm_per_deg_s
-    ),
-    number!(
-        "pid.kd" | "kd",
-        "N m s/deg at the paddle",
-        0.0..=0.1,
-        pid.kd_nm_s_per_deg
-    ),
-    number!("pid.setpoint_weight", "", 0.0..=1.0, pid.setpoint_weight),
-    number!(
-        "pid.derivative_cutoff",
-        "Hz",
-        0.0..=10_000.0,
-        pid.derivative_cutoff_hz
-    ),
-    choice!(
-        "pid.derivative",
-        ["auto" => DerivativeSource::Auto, "position" => DerivativeSource::Position, "observer" => DerivativeSource::Observer],
-        pid.derivative
-    ),
-    choice!("estimate.sensor", ["encoder" => Sensor::Encoder, "hall" => Sensor::Hall], estimate.sensor),
-    number!("estimate.cutoff", "Hz", 0.0..=10_000.0, estimate.cutoff_hz),
-    choice!("estimate.order", ["first" => FilterOrder::First, "second" => FilterOrder::Second], estimate.order),
-    number!(
-        "estimate.velocity_bandwidth",
-        "Hz",
-        1.0..=1_000.0,
-        estimate.velocity_bandwidth_hz
-    ),
-    switch!("compensation.dry", compensation.dry),
-    number!(
-        "compensation.dry_forward",
-        "N m at the motor",
-        0.0..=0.01,
-        compensation.dry_forward_nm
-    ),
-    number!(
-        "compensation.dry_backward",
-        "N m at the motor",
-        0.0..=0.01,
-        compensation.dry_backward_nm
-    ),
-    number!(
-        "compensation.dry_band",
-        "deg/s",
-        0.1..=1_000.0,
-        compensation.dry_band_deg_s
-    ),
-    choice!(
-        "compensation.dry_source",
-        ["measured" => VelocitySource::Measured, "setpoint" => VelocitySource::Setpoint],
-        compensation.dry_source
-    ),
-    switch!("compensation.viscous", compensation.viscous),
-    number!(
-        "compensation.viscous_level",
-        "N m s/rad at the paddle",
-        0.0..=0.1,
-        compensation.viscous_nm_s_per_rad
-    ),
-    switch!("compensation.gravity", compensation.gravity),
-    number!(
-        "compensation.gravity_level",
-        "N m at the paddle",
-        -1.0..=1.0,
-        compensation.gravity_nm
-    ),
-    number!(
-        "compensation.gravity_zero",
-        "deg",
-        -180.0..=180.0,
-        compensation.gravity_zero_deg
-    ),
-    number!(
-        "motor.torque_constant",
-        "N m/A",
-        0.001..=1.0,
-        motor.torque_constant_nm_per_a
-    ),
-    number!(
-        "motor.resistance",
-        "ohm",
-        0.01..=1_000.0,
-        motor.resistance_ohm
-    ),
-    number!("motor.inductance", "H", 0.000001..=1.0, motor.inductance_h),
-    number!("motor.supply", "V", 1.0..=60.0, motor.supply_v),
-    number!(
-        "motor.bandwidth",
-        "Hz",
-        1.0..=5_000.0,
-        motor.current_bandwidth_hz
-    ),
-    choice!(
-        "motor.current_sampling",
-        ["mean" => CurrentSampling::Mean, "centre" => CurrentSampling::Centre],
-        motor.current_sampling
-    ),
-    number!(
-        "motor.torque_limit",
-        "N m at the motor",
-        0.0..=0.0323,
-        motor.torque_limit_nm
-    ),
-    number!("mechanism.ratio", "", 0.1..=1_000.0, mechanism.ratio),
-    number!(
-        "mechanism.counts_per_turn",
-        "",
-        4.0..=1_000_000.0,
-        mechanism.counts_per_turn
-    ),
-    number!(
-        "mechanism.inertia",
-        "kg m2",
-        0.000001..=1.0,
-        mechanism.inertia_kg_m2
-    ),
-    number!("hall.centre", "V", 0.0..=5.0, hall.centre_v),
-    number!("hall.slope", "deg/V", -200.0..=200.0, hall.slope_deg_per_v),
-    number!(
-        "hall.quadratic",
-        "deg/V2",
-        -200.0..=200.0,
-        hall.quadratic_deg_per_v2
-    ),
-    number!(
-        "hall.cubic",
-        "deg/V3",
-        -200.0..=200.0,
-        hall.cubic_deg_per_v3
-    ),
-    // The Hall sensor sees 75 degrees either side.
-    number!("limit.travel", "deg", 1.0..=75.0, limit.travel_deg),
-    // The motor's speed without load at 24 V is 1700 degrees a second of the paddle.
-    number!("limit.speed", "deg/s", 1.0..=2_000.0, limit.speed_deg_s),
-    // See `sensing::current::MEASURABLE_A`.
-    number!("limit.current", "A", 0.0..=1.55, limit.current_a),
-    number!(
-        "limit.disagreement",
-        "deg",
-        0.1..=20.0,
-        limit.disagreement_deg
-    ),
-    number!("limit.stall", "s", 0.0..=60.0, limit.stall_s),
-    number!("limit.mismatch", "V", 1.0..=12.0, limit.mismatch_v),
-    number!("host.heartbeat", "ms", 0.0..=10_000.0, host.heartbeat_ms),
-    number!("metrics.band", "deg", 0.001..=90.0, metrics.band_deg),
-];

@@ -31,12 +31,41 @@ fn it_answers() {
 }
 
 #[test]
+fn a_dump_can_be_pasted_back() {
+    let Some(image) = image("a_dump_can_be_pasted_back") else {
+        return;
+    };
+    let mut bench = Bench::new(image);
+    bench.boot();
+    bench.command("set kp 0.06");
+    let dump = bench.command("dump");
+    assert!(
+        dump.contains("set pid.kp 0.06 # N m/deg at the paddle"),
+        "{dump}"
+    );
+    let lines: String = dump
+        .lines()
+        .filter(|line| line.starts_with("set "))
+        .map(|line| format!("{line}\r"))
+        .collect();
+    bench.command("set kp 0.01");
+    bench.board.type_in(&lines);
+    bench.run(0.5);
+    let said = bench.wait_for("\n> ");
+    assert!(
+        said.contains("metrics.band = 0.2 deg") && !said.contains("lost"),
+        "{said}"
+    );
+    assert_eq!(bench.command("dump"), dump);
+}
+
+#[test]
 fn a_flood_of_input_is_reported_and_harms_nothing() {
     let Some(image) = image("a_flood_of_input_is_reported") else {
         return;
     };
     let mut bench = Bench::armed(image);
-    bench.board.type_in(&"get\r".repeat(400));
+    bench.board.type_in(&"get\r".repeat(1000));
     bench.run(1.0);
     let said = bench.wait_for("> ");
     assert!(said.contains("input lost: send slower"), "{said}");

@@ -38,8 +38,14 @@ pub enum ImageError {
     DoublePrecision(Vec<String>),
     #[error("the firmware takes {bytes} bytes of flash, more than {limit}")]
     TooLarge { bytes: u64, limit: u64 },
-    #[error("the firmware's stack may take {bytes} bytes, and RAM has {room} left")]
-    StackTooDeep { bytes: u64, room: u64 },
+    #[error(
+        "the firmware's variables take {statics} bytes of RAM and its stack up to {stack}, together more than {limit}"
+    )]
+    TooMuchRam {
+        statics: u64,
+        stack: u64,
+        limit: u64,
+    },
     #[error("the firmware's function {0} calls itself: its stack has no bound")]
     Recursion(String),
 }
@@ -193,12 +199,6 @@ impl<'a> Image<'a> {
     /// Bytes of RAM that variables take.
     pub fn static_ram_bytes(&self) -> u64 {
         self.statics().map(|span| span.end - span.start).sum()
-    }
-
-    /// Bytes of RAM above the variables, which the stack has.
-    pub fn stack_room_bytes(&self) -> u64 {
-        let end = self.statics().map(|span| span.end).max();
-        RAM.end - end.unwrap_or(RAM.start)
     }
 
     fn statics(&self) -> impl Iterator<Item = Range<u64>> {

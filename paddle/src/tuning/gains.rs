@@ -1,7 +1,7 @@
 //! Gains of the position regulator, as people type them.
 
+use haptic_paddle::settings::SettingError;
 use haptic_paddle::settings::Settings;
-use haptic_paddle::settings::field::SettingError;
 use serde_json::{Value, json};
 
 /// A PID in the console's units, torque at the paddle.

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::numbers;
 use crate::plant_choice::{Plant, PlantChoice};
 use clap::{Args, ValueEnum};
-use haptic_paddle::settings::field::{FIELDS, Kind};
+use haptic_paddle::settings::{FIELDS, Kind};
 use haptic_paddle::settings::{Sensor, Settings};
 use host_sim::closed_loop::LoopSetup;
 use host_sim::effects::Effect;

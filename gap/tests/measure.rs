@@ -120,7 +120,7 @@ fn a_model_that_moves_where_the_device_sticks_throughout_has_not_run_away() {
 fn a_thinned_recording_is_predicted_as_the_whole_one() {
     let recording = recording(&paddle(), paddle(), 1e-4, 0.0, 7);
     let whole = gap::series::coarse(&recording, 0.05);
-    let some = gap::series::thinned(whole.clone(), 3000);
+    let some = gap::series::some_coarse(&recording, 0.05, 3000);
     let samples: usize = some.iter().map(|s| s.time.len()).sum();
     assert!((1500..4500).contains(&samples), "{samples}");
     let predictor = gap::predict::Predictor::new(Device::nominal(&paddle()), &recording);

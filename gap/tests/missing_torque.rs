@@ -222,3 +222,25 @@ fn what_shows_nothing_gives_an_answer_without_a_panic() {
     recording.runs.clear();
     assert!(missing(&recording).look(None).points.is_empty());
 }
+
+#[test]
+fn of_a_long_recording_stretches_are_looked_at_that_are_spread_over_all_of_it() {
+    const SECONDS: f64 = 300.0;
+    let recording = recorded(motor(), &["coulomb:level=0.012".into()], SECONDS, 0.05, 5);
+    let runs = missing(&recording).runs();
+    let times: Vec<&[f64]> = runs.iter().map(|run| &run.time_s[..]).collect();
+    let [time_s] = times[..] else {
+        panic!("{} runs", runs.len());
+    };
+    let step_s = time_s[1] - time_s[0];
+    let looked_at_s = time_s.len() as f64 * step_s;
+    assert!(
+        (0.5 * SECONDS..0.8 * SECONDS).contains(&looked_at_s),
+        "{looked_at_s} s"
+    );
+    let [first_s, last_s] = [time_s[0], time_s[time_s.len() - 1]];
+    assert!(
+        first_s < 0.1 * SECONDS && last_s > 0.9 * SECONDS,
+        "{first_s} s to {last_s} s"
+    );
+}

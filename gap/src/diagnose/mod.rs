@@ -73,7 +73,7 @@ pub struct Outcome {
 const MODELLING_SHARE: f64 = 0.01;
 
 fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
-    series::thinned(series::coarse(recording, horizon_s), series::MOST_SAMPLES)
+    series::some_coarse(recording, horizon_s, series::MOST_SAMPLES)
 }
 
 /// Diagnoses a recording.

@@ -152,10 +152,9 @@ fn trial(
     own: &[f64],
     timing: Timing,
 ) -> Trial {
-    let series = series::coarse(recording, recording.horizon);
     let problem = Problem {
         recording,
-        series: series::thinned(series, MOST_SAMPLES),
+        series: series::some_coarse(recording, recording.horizon, MOST_SAMPLES),
         nudges: nudges(recording),
         modelling: problem.modelling,
         quarter: None,

@@ -69,7 +69,7 @@ mod tests {
     fn what_grows_with_the_speed_is_told_of_the_velocity_unless_that_is_told_already() {
         let recording = made::recording(&[]);
         let half_width_s = recording.restart_half_width;
-        let series = series::fine(&recording, recording.horizon);
+        let series = series::some_fine(&recording, recording.horizon, usize::MAX);
         let missed = |s: &Series| {
             let velocity = slopes(&s.time, &s.position, half_width_s);
             let missed = s.position.iter().zip(velocity);

@@ -13,7 +13,7 @@ use crate::comparison::{Comparison, Outcome};
 use crate::diagnosis::{MeasuredBy, Region};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::windows::series::{MOST_SAMPLES, fine, thinned};
+use crate::windows::series::{MOST_SAMPLES, some_fine};
 use evidence::Evidence;
 use grown::grown;
 use host_sim::effects::Channel;
@@ -81,7 +81,7 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let nominal = stated.as_ref().unwrap_or(null);
     let predictor = problem.predictor(&nominal.hypothesis, &nominal.x);
     // A kink is seen in short windows only, of samples that are close.
-    let series = &thinned(fine(recording, recording.horizon), MOST_SAMPLES);
+    let series = &some_fine(recording, recording.horizon, MOST_SAMPLES);
     let all = innovations(
         &predictor,
         series,

@@ -19,6 +19,7 @@ mod shares;
 mod shortlist;
 mod smoother;
 
+use crate::windows::excerpt::excerpt;
 use estimate::{Estimate, estimate};
 use families::Seen;
 use host_sim::device::Device;
@@ -39,6 +40,8 @@ pub use shortlist::Proposal;
 const MODEL_ERROR: f64 = 0.1;
 /// Rows of a fit in a time constant of the smoother.
 const ROWS_A_CONSTANT: f64 = 2.0;
+/// Rows of a recording that are looked at, in stretches of whole windows where it has more.
+const MOST_ROWS: usize = 200_000;
 /// Length of a block of time that is held out as a whole, in horizons, and in time constants of the smoother at least.
 const BLOCK_HORIZONS: f64 = 0.37;
 const BLOCK_CONSTANTS: f64 = 5.0;
@@ -67,13 +70,14 @@ pub struct MissingRun {
 }
 
 impl MissingTorque {
-    /// What `device` lacks along `recording`.
+    /// What `device` lacks along `recording`, or along stretches spread evenly over a long one.
     pub fn of(recording: &Recording, device: &Device) -> Self {
-        let samples = Samples::of(recording);
+        let recording = excerpt(recording, MOST_ROWS).into_owned();
+        let samples = Samples::of(&recording);
         let drive = nominal_drive(&samples, device);
         let estimate = estimate(&samples, device, &drive, recording.horizon);
         Self {
-            recording: recording.clone(),
+            recording,
             device: device.clone(),
             samples,
             drive,
@@ -84,16 +88,19 @@ impl MissingTorque {
     /// The torque over time, a run after the other.
     pub fn runs(&self) -> Vec<MissingRun> {
         let mut runs: Vec<MissingRun> = Vec::new();
-        let mut last = None;
         for stretch in &self.samples.stretches {
-            if last != Some(stretch.run) {
+            let file = &self.recording.runs[stretch.run].file;
+            let goes_on = runs.last().is_some_and(|run| {
+                let first_s = self.samples.time_s.get(stretch.rows.start);
+                run.file == *file && run.time_s.last() < first_s
+            });
+            if !goes_on {
                 runs.push(MissingRun {
-                    file: self.recording.runs[stretch.run].file.clone(),
+                    file: file.clone(),
                     time_s: Vec::new(),
                     torque: Vec::new(),
                     std: Vec::new(),
                 });
-                last = Some(stretch.run);
             }
             if let Some(run) = runs.last_mut() {
                 let rows = stretch.rows.clone();

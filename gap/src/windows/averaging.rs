@@ -1,8 +1,6 @@
 //! What a sensor makes of a motion that bends within a step: samples that are put together show its mean over their rows, and a
 //! low-pass that takes the way from sample to sample as even is to be told of one that is as far in the mean.
 
-use std::ops::Range;
-
 /// The bends of a motion at the samples of a series; of none where samples are not put together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Averaging(Vec<Bend>);
@@ -38,11 +36,6 @@ impl Averaging {
             }
         });
         self.0.extend(bends);
-    }
-
-    /// Of some of the samples.
-    pub(crate) fn part(&self, samples: Range<usize>) -> Self {
-        Self(self.0.get(samples).unwrap_or_default().to_vec())
     }
 
     /// Brings a motion at the samples of a window, of which the first is `first`, to what is shown of it behind so many

@@ -1,7 +1,6 @@
 //! Inputs put together over stretches of time: their means, and of what these are made.
 
 use host_sim::drive::Drive;
-use std::ops::Range;
 
 /// Inputs, each held from an instant on to the next.
 #[derive(Clone, Debug, Default)]
@@ -88,22 +87,6 @@ impl Inputs {
         all
     }
 
-    /// Those that begin within a stretch of time.
-    pub(crate) fn within(&self, stretch_s: Range<f64>) -> Self {
-        let before = |instant_s: f64| self.time.partition_point(|t| *t < instant_s);
-        let some = before(stretch_s.start)..before(stretch_s.end);
-        let parts = self.start(some.start)..self.start(some.end);
-        Self {
-            time: self.time[some.clone()].to_vec(),
-            mean: self.mean[some.clone()].to_vec(),
-            ends: self.ends[some]
-                .iter()
-                .map(|end| end - parts.start)
-                .collect(),
-            parts: self.parts[parts].to_vec(),
-        }
-    }
-
     /// One each.
     pub(crate) fn means(self) -> Vec<f64> {
         self.mean
@@ -146,17 +129,14 @@ mod tests {
         let settled = |inputs: &Inputs, is_linear, i| inputs.settled_nm(&drive, is_linear, i);
         let means = [(4.0 * 0.5 - 8.0 * 0.5) / 2.0, (-8.0 * 0.5 + 2.0) / 1.5, 2.0];
         let limited = [0.0, (-2.0 * 0.5 + 2.0) / 1.5, 2.0];
-        let later = inputs.within(2.0..4.0);
         for i in 0..3 {
             assert!((settled(&inputs, true, i) - drive.ratio * means[i]).abs() < 1e-12);
             assert!((settled(&inputs, false, i) - drive.ratio * limited[i]).abs() < 1e-12);
         }
-        assert_eq!(later.time, [2.5]);
         let line = Inputs::along(&time[..2], &input[..2], &[0.0; 2], 2);
         assert_eq!(
             (line.time, line.mean),
             (vec![0.0, 0.5, 1.0], vec![3.0, 1.0, 0.0])
         );
-        assert_eq!(settled(&later, false, 0), settled(&inputs, false, 1));
     }
 }

@@ -57,40 +57,117 @@ const LONGEST_PERIOD_S: f64 = 2e-3;
 const WINDOW_SAMPLES: f64 = 100.0;
 const RECORDING_SAMPLES: f64 = 3000.0;
 
-impl Series {
-    /// All samples of `run`, restarted every `horizon_s`.
-    fn new(recording: &Recording, index: usize, horizon_s: f64, session_offset_s: f64) -> Self {
-        let run = &recording.runs[index];
-        let period_s = median_period(&run.time);
-        let correlation = noise::correlation(recording, run, period_s);
-        let goes_on = part_before(recording, index).is_some();
-        let windows = windows(recording, run, goes_on, horizon_s, period_s, correlation);
-        let velocity = slopes(&run.time, &run.position, recording.restart_half_width);
+/// A run cut into windows, of which no column has been copied yet.
+struct Outline<'a> {
+    recording: &'a Recording,
+    run: usize,
+    period_s: f64,
+    correlation: f64,
+    goes_on: bool,
+    session_offset_s: f64,
+    windows: Vec<Window>,
+}
+
+impl<'a> Outline<'a> {
+    /// Of each run, restarted every `horizon_s`.
+    fn of_runs(recording: &'a Recording, horizon_s: f64) -> impl Iterator<Item = Self> {
+        let offsets_s = session_offsets(recording).into_iter().enumerate();
+        offsets_s.map(move |(index, session_offset_s)| {
+            let run = &recording.runs[index];
+            let period_s = median_period(&run.time);
+            let correlation = noise::correlation(recording, run, period_s);
+            let goes_on = part_before(recording, index).is_some();
+            Self {
+                recording,
+                run: index,
+                period_s,
+                correlation,
+                goes_on,
+                session_offset_s,
+                windows: windows(recording, run, goes_on, horizon_s, period_s, correlation),
+            }
+        })
+    }
+
+    /// Samples of its windows, put together to about `period_s`.
+    fn samples(&self, period_s: f64) -> usize {
+        let group = self.group(period_s);
+        let windows = self.windows.iter();
+        windows.map(|w| w.samples.len().div_ceil(group)).sum()
+    }
+
+    /// Rows that are put together for about `period_s`.
+    fn group(&self, period_s: f64) -> usize {
+        ((period_s / self.period_s).round() as usize).max(1)
+    }
+
+    /// All rows and windows.
+    fn whole(&self) -> Series {
+        let rows = self.recording.runs[self.run].len();
+        self.series(0..rows, &self.windows)
+    }
+
+    /// Some of the windows, with the rows of these alone.
+    fn block(&self, windows: Range<usize>) -> Series {
+        let windows = &self.windows[windows];
+        let first = windows.first().map_or(0, |w| w.samples.start);
+        let last = windows.last().map_or(first, |w| w.samples.end);
+        self.series(first..last, windows)
+    }
+
+    /// Some rows, and windows within them.
+    fn series(&self, rows: Range<usize>, windows: &[Window]) -> Series {
+        let run = &self.recording.runs[self.run];
+        let time = run.time[rows.clone()].to_vec();
+        let velocity = self.velocity(rows.clone());
+        let told = run.input[rows.clone()].to_vec();
         let (input, told) = match run.input_sampling {
-            InputSampling::Mean => (run.input.clone(), None),
-            InputSampling::Point => along_lines(run, &velocity, period_s),
+            InputSampling::Mean => (told, None),
+            InputSampling::Point => along_lines(&time, &told, &velocity, self.period_s),
         };
-        Self {
-            run: index,
-            time: run.time.clone(),
-            position: run.position.clone(),
-            input_time: run.time.clone(),
+        let windows = windows.iter().map(|window| Window {
+            samples: window.samples.start - rows.start..window.samples.end - rows.start,
+            ..window.clone()
+        });
+        Series {
+            run: self.run,
+            windows: windows.collect(),
+            position: run.position[rows.clone()].to_vec(),
+            input_time: time.clone(),
+            time,
             input,
             velocity,
             largest_input: largest(&run.input),
             told,
             span_s: 0.0,
-            period_s,
-            correlation,
-            session_offset_s,
+            period_s: self.period_s,
+            correlation: self.correlation,
+            session_offset_s: self.session_offset_s,
             started_s: run.time.first().copied().unwrap_or(0.0),
-            goes_on,
-            windows,
+            goes_on: self.goes_on || rows.start > 0,
             averaging: Averaging::default(),
             torque_profiles: TorqueProfiles::default(),
         }
     }
 
+    /// Measured velocity at some rows, in units of position a second, by the rows around each.
+    fn velocity(&self, rows: Range<usize>) -> Vec<f64> {
+        let run = &self.recording.runs[self.run];
+        let Some((first_s, last_s)) = run.time.get(rows.start).zip(run.time[..rows.end].last())
+        else {
+            return Vec::new();
+        };
+        let half_width_s = self.recording.restart_half_width;
+        let from = run.time.partition_point(|t| first_s - t > half_width_s);
+        let to = run.time.partition_point(|t| t - last_s <= half_width_s);
+        let from = from.min(rows.start.saturating_sub(1));
+        let to = to.max(rows.end + 1).min(run.len());
+        let around = slopes(&run.time[from..to], &run.position[from..to], half_width_s);
+        around[rows.start - from..rows.end - from].to_vec()
+    }
+}
+
+impl Series {
     /// Time of sample `i` on the session's clock, s.
     pub fn session(&self, i: usize) -> f64 {
         self.time[i] + self.session_offset_s
@@ -136,44 +213,6 @@ impl Series {
         let rows = window.samples.clone();
         let pairs = predicted[rows.clone()].iter().zip(&self.position[rows]);
         pairs.map(|(p, m)| (p - m).powi(2)).sum()
-    }
-
-    /// Some of its windows as a series of their own.
-    fn block(&self, windows: Range<usize>) -> Self {
-        let windows = &self.windows[windows];
-        let (Some(first), Some(last)) = (windows.first(), windows.last()) else {
-            return Self {
-                windows: Vec::new(),
-                ..self.clone()
-            };
-        };
-        let rows = first.samples.start..last.samples.end;
-        let end_s = self.input_time.get(rows.end).copied();
-        let stretch_s = self.input_time[rows.start]..end_s.unwrap_or(f64::INFINITY);
-        let told = self.told.as_ref().map(|told| told.within(stretch_s));
-        let windows = windows.iter().map(|window| Window {
-            samples: window.samples.start - rows.start..window.samples.end - rows.start,
-            ..window.clone()
-        });
-        Self {
-            run: self.run,
-            windows: windows.collect(),
-            time: self.time[rows.clone()].to_vec(),
-            position: self.position[rows.clone()].to_vec(),
-            input_time: self.input_time[rows.clone()].to_vec(),
-            input: self.input[rows.clone()].to_vec(),
-            velocity: self.velocity[rows.clone()].to_vec(),
-            averaging: self.averaging.part(rows.clone()),
-            largest_input: self.largest_input,
-            told,
-            span_s: self.span_s,
-            period_s: self.period_s,
-            correlation: self.correlation,
-            session_offset_s: self.session_offset_s,
-            started_s: self.started_s,
-            goes_on: self.goes_on || rows.start > 0,
-            torque_profiles: TorqueProfiles::default(),
-        }
     }
 
     /// Puts samples together to about `period_s`, input and position averaged; the restarts stay as they are. What moves faster
@@ -256,10 +295,15 @@ impl Series {
 const LINE_PARTS: f64 = 4.0;
 
 /// The mean of each row of an input that was sampled at the rows' instants, and what is told within the rows where they are slow.
-fn along_lines(run: &Run, velocity: &[f64], period_s: f64) -> (Vec<f64>, Option<Inputs>) {
-    let means = Inputs::along(&run.time, &run.input, velocity, 1);
+fn along_lines(
+    time: &[f64],
+    input: &[f64],
+    velocity: &[f64],
+    period_s: f64,
+) -> (Vec<f64>, Option<Inputs>) {
+    let means = Inputs::along(time, input, velocity, 1);
     let parts = (period_s / FINE_PERIOD_S).round().min(LINE_PARTS) as usize;
-    let told = (parts > 1).then(|| Inputs::along(&run.time, &run.input, velocity, parts));
+    let told = (parts > 1).then(|| Inputs::along(time, input, velocity, parts));
     (means.means(), told)
 }
 
@@ -357,29 +401,29 @@ pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
 
 /// The same one after the other, so that a long session is never held twice.
 pub(crate) fn each_full(recording: &Recording, horizon_s: f64) -> impl Iterator<Item = Series> {
-    let offsets = session_offsets(recording).into_iter().enumerate();
-    offsets.map(move |(index, offset_s)| Series::new(recording, index, horizon_s, offset_s))
+    Outline::of_runs(recording, horizon_s).map(|outline| outline.whole())
 }
 
 /// All runs at a millisecond or, where windows and recording are long, at two, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
+    spread(recording, horizon_s, coarse_period_s(recording), usize::MAX)
+}
+
+/// The same, of a long recording about `most` samples in blocks of windows that are spread evenly over it.
+pub fn some_coarse(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
+    spread(recording, horizon_s, coarse_period_s(recording), most)
+}
+
+/// All runs at about a millisecond, restarted every `horizon_s`, of a long recording about `most` samples in blocks of windows that
+/// are spread evenly over it.
+pub(crate) fn some_fine(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
+    spread(recording, horizon_s, FINE_PERIOD_S, most)
+}
+
+fn coarse_period_s(recording: &Recording) -> f64 {
     let all_s: f64 = recording.runs.iter().map(Run::duration_s).sum();
     let enough_s = (recording.horizon / WINDOW_SAMPLES).min(all_s / RECORDING_SAMPLES);
-    let period_s = enough_s.clamp(FINE_PERIOD_S, LONGEST_PERIOD_S);
-    at_about(recording, horizon_s, period_s)
-}
-
-/// All runs at about a millisecond, restarted every `horizon_s`.
-pub fn fine(recording: &Recording, horizon_s: f64) -> Vec<Series> {
-    at_about(recording, horizon_s, FINE_PERIOD_S)
-}
-
-fn at_about(recording: &Recording, horizon_s: f64, period_s: f64) -> Vec<Series> {
-    let offsets = session_offsets(recording);
-    // One run at a time, so that a long session is never held twice at full rate.
-    (0..recording.runs.len())
-        .map(|index| Series::new(recording, index, horizon_s, offsets[index]).coarsened(period_s))
-        .collect()
+    enough_s.clamp(FINE_PERIOD_S, LONGEST_PERIOD_S)
 }
 
 /// Windows that stay together where a long recording is thinned, so that what is carried from window to
@@ -389,20 +433,24 @@ const BLOCK: usize = 8;
 /// Samples that tell rival models apart: more would not do so better, only later.
 pub(crate) const MOST_SAMPLES: usize = 60_000;
 
-/// Blocks of windows spread evenly over `series`, of about `most` samples in all; everything if that is
-/// no more.
-pub fn thinned(series: Vec<Series>, most: usize) -> Vec<Series> {
-    let total: usize = series.iter().map(|s| s.time.len()).sum();
+/// All windows, or blocks of them spread evenly over the recording where all hold more than `most` samples. Columns are copied a
+/// block at a time, so that a long recording is never held twice.
+fn spread(recording: &Recording, horizon_s: f64, period_s: f64, most: usize) -> Vec<Series> {
+    let outlines: Vec<Outline<'_>> = Outline::of_runs(recording, horizon_s).collect();
+    let total: usize = outlines.iter().map(|o| o.samples(period_s)).sum();
     if total <= most {
-        return series;
+        let whole = outlines.iter().map(Outline::whole);
+        return whole.map(|series| series.coarsened(period_s)).collect();
     }
     let share = most as f64 / total as f64;
-    let blocks = series.iter().flat_map(|whole| {
-        let count = whole.windows.len().div_ceil(BLOCK);
+    let blocks = outlines.iter().flat_map(|outline| {
+        let count = outline.windows.len().div_ceil(BLOCK);
         let kept = ((count as f64 * share).round() as usize).max(1);
         (0..kept).map(move |k| {
             let block = (2 * k + 1) * count / (2 * kept);
-            whole.block(block * BLOCK..((block + 1) * BLOCK).min(whole.windows.len()))
+            let last = outline.windows.len();
+            let windows = (block * BLOCK).min(last)..((block + 1) * BLOCK).min(last);
+            outline.block(windows).coarsened(period_s)
         })
     });
     blocks.collect()

@@ -2,30 +2,43 @@
 
 use std::collections::VecDeque;
 
-/// Bits a second of the terminal, as its user sets them.
+/// Bits a second of a terminal that nobody has set otherwise.
 pub const BAUD: f64 = 460_800.0;
 
 /// A terminal.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Terminal {
+    /// Bits a second, as its user sets them.
+    pub baud: f64,
     typed: VecDeque<u8>,
     /// Time at which the byte on the line has arrived, s.
     arrives_s: f64,
     answered: Vec<u8>,
 }
 
+impl Default for Terminal {
+    fn default() -> Self {
+        Self {
+            baud: BAUD,
+            typed: VecDeque::new(),
+            arrives_s: 0.0,
+            answered: Vec::new(),
+        }
+    }
+}
+
 impl Terminal {
     /// Types `bytes` at time `now_s`, after what is still on its way.
     pub fn send(&mut self, bytes: &[u8], now_s: f64) {
         if self.typed.is_empty() {
-            self.arrives_s = self.arrives_s.max(now_s) + Self::frame_s();
+            self.arrives_s = self.arrives_s.max(now_s) + self.frame_s();
         }
         self.typed.extend(bytes);
     }
 
     /// Time of a byte on the line, s.
-    fn frame_s() -> f64 {
-        crate::peripherals::usart::FRAME_BITS as f64 / BAUD
+    fn frame_s(&self) -> f64 {
+        crate::peripherals::usart::FRAME_BITS as f64 / self.baud
     }
 
     /// Bytes that are still to arrive at the board.
@@ -42,7 +55,7 @@ impl Terminal {
     pub fn arrive(&mut self) -> Option<u8> {
         let byte = self.typed.pop_front()?;
         if !self.typed.is_empty() {
-            self.arrives_s += Self::frame_s();
+            self.arrives_s += self.frame_s();
         }
         Some(byte)
     }

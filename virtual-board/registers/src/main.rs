@@ -20,7 +20,7 @@ use svd::{Access, Register, Source};
 use trial::{Effect, Trial};
 
 /// Peripherals by name, base address, their description in the SVD, and bytes.
-const PERIPHERALS: [(&str, u32, &str, u32); 22] = [
+const PERIPHERALS: [(&str, u32, &str, u32); 23] = [
     ("TIM2", 0x4000_0000, "tim2", 0x54),
     ("TIM3", 0x4000_0400, "tim3", 0x54),
     ("TIM5", 0x4000_0C00, "tim5", 0x54),
@@ -41,6 +41,7 @@ const PERIPHERALS: [(&str, u32, &str, u32); 22] = [
     ("GPIOE", 0x4002_1000, "gpioi", 0x28),
     ("RCC", 0x4002_3800, "rcc", 0x90),
     ("FLASH", 0x4002_3C00, "flash", 0x18),
+    ("DMA1", 0x4002_6000, "dma2", 0xD0),
     ("DMA2", 0x4002_6400, "dma2", 0xD0),
     ("DBGMCU", 0xE004_2000, "dbgmcu", 0x10),
 ];

@@ -95,6 +95,7 @@ impl Chip {
             }
             Unit::Gpio(port) => self.gpio[port].read(offset),
             Unit::Rcc => self.rcc.read(offset, now),
+            Unit::Dma1 => self.dma1.read(offset),
             Unit::Dma2 => self.dma2.read(offset),
             Unit::Exti => {
                 // A read waits for the writes before it.
@@ -136,7 +137,7 @@ impl Chip {
             Unit::Adc => self.write_adc(offset, value, now)?,
             Unit::Usart2 => {
                 self.usart2.write(offset, value, now, apb1)?;
-                self.show_usart2(signals);
+                self.carry_serial(now, signals);
                 self.expect(self.usart2.next_sent(), signals);
             }
             Unit::Gpio(port) => self.write_gpio(port, offset, value, signals)?,
@@ -146,6 +147,11 @@ impl Chip {
                 self.follow_clocks(now);
                 signals.set_nmi(self.rcc.clock_failed());
                 signals.call_board();
+            }
+            Unit::Dma1 => {
+                self.dma1.write(offset, value)?;
+                self.carry_serial(now, signals);
+                self.expect(self.usart2.next_sent(), signals);
             }
             Unit::Dma2 => {
                 self.dma2.write(offset, value)?;
@@ -205,12 +211,13 @@ impl Chip {
     /// Resets the peripherals whose reset bit is set.
     fn reset_held(&mut self) {
         let held = |unit| map::gate(unit, 0).is_some_and(|gate| self.rcc.held_in_reset(gate));
-        let [tim8, tim2, tim3, tim5, adc, dma2, usart2, syscfg, pwr] = [
+        let [tim8, tim2, tim3, tim5, adc, dma1, dma2, usart2, syscfg, pwr] = [
             Unit::Tim8,
             Unit::Tim2,
             Unit::Tim3,
             Unit::Tim5,
             Unit::Adc,
+            Unit::Dma1,
             Unit::Dma2,
             Unit::Usart2,
             Unit::Syscfg,
@@ -233,6 +240,9 @@ impl Chip {
         if adc {
             self.adc = Default::default();
             self.adc_common = 0;
+        }
+        if dma1 {
+            self.dma1 = Dma::default();
         }
         if dma2 {
             self.dma2 = Dma::default();

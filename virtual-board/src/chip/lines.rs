@@ -18,6 +18,8 @@ const EXTI: [(usize, std::ops::RangeInclusive<u32>); 8] = [
 pub(super) const PVD_LINE: usize = 16;
 const USART2: usize = 38;
 pub const TIM8_UP_TIM13: usize = 44;
+/// Of DMA1's streams 0 to 6, and 7.
+const DMA1: [usize; 8] = [11, 12, 13, 14, 15, 16, 17, 47];
 /// Of DMA2's streams 0 to 4, and 5 to 7.
 const DMA2: [usize; 8] = [56, 57, 58, 59, 60, 68, 69, 70];
 
@@ -26,6 +28,7 @@ impl Chip {
         signals.set_line(TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
         self.show_usart2(signals);
         self.show_exti(signals);
+        self.show_dma1(signals);
         self.show_dma2(signals);
     }
 
@@ -36,6 +39,12 @@ impl Chip {
     pub(super) fn show_exti(&self, signals: &mut Signals) {
         for (line, pins) in EXTI {
             signals.set_line(line, self.exti.requests(pins));
+        }
+    }
+
+    pub(super) fn show_dma1(&self, signals: &mut Signals) {
+        for (stream, line) in DMA1.into_iter().enumerate() {
+            signals.set_line(line, self.dma1.requests_interrupt(stream));
         }
     }
 

@@ -20,6 +20,7 @@ pub enum Unit {
     Gpio(usize),
     Rcc,
     Flash,
+    Dma1,
     Dma2,
     Dbgmcu,
     /// What the factory wrote.
@@ -104,7 +105,7 @@ const MAP: [(&str, u32, u32, Option<Unit>); 67] = [
     ("RCC", 0x4002_3800, 0x4002_3C00, Some(Unit::Rcc)),
     ("FLASH", 0x4002_3C00, 0x4002_4000, Some(Unit::Flash)),
     ("backup SRAM", 0x4002_4000, 0x4002_5000, None),
-    ("DMA1", 0x4002_6000, 0x4002_6400, None),
+    ("DMA1", 0x4002_6000, 0x4002_6400, Some(Unit::Dma1)),
     ("DMA2", 0x4002_6400, 0x4002_6800, Some(Unit::Dma2)),
     ("ETHERNET", 0x4002_8000, 0x4002_9400, None),
     ("USB OTG HS", 0x4004_0000, 0x4008_0000, None),
@@ -166,6 +167,7 @@ pub fn register(unit: Unit, offset: u32) -> String {
 pub const fn gate(unit: Unit, offset: u32) -> Option<Gate> {
     Some(match unit {
         Unit::Gpio(port) => Gate(Bus::Ahb1, port as u32),
+        Unit::Dma1 => Gate(Bus::Ahb1, 21),
         Unit::Dma2 => Gate(Bus::Ahb1, 22),
         Unit::Tim2 => Gate(Bus::Apb1, 0),
         Unit::Tim3 => Gate(Bus::Apb1, 1),

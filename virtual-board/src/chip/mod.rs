@@ -5,6 +5,7 @@ mod conversion;
 mod lines;
 pub mod map;
 mod pins;
+mod serial;
 
 pub use conversion::Delivered;
 pub use pins::Pin;
@@ -25,10 +26,9 @@ use crate::peripherals::rcc::{Clocks, Rcc, ResetCause};
 use crate::peripherals::syscfg::Syscfg;
 use crate::peripherals::tim5::Tim5;
 use crate::peripherals::tim8::Tim8;
-use crate::peripherals::usart::{Line, Usart};
+use crate::peripherals::usart::Usart;
 use conversion::{ANALOG_PINS, CONVERTERS, Level};
 use map::PORTS;
-use pins::{AF_USART2, USART2_RX, USART2_TX};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -63,6 +63,7 @@ pub struct Chip {
     adc_common: u32,
     levels: [(Pin, Level); ANALOG_PINS.len()],
     delivered: Delivered,
+    dma1: Dma,
     dma2: Dma,
     /// The console's port.
     pub usart2: Usart,
@@ -102,6 +103,7 @@ impl Chip {
             adc_common: 0,
             levels: ANALOG_PINS.map(|pin| (pin, Level::default())),
             delivered: Delivered::default(),
+            dma1: Dma::default(),
             dma2: Dma::default(),
             usart2: Usart::default(),
             gpio: std::array::from_fn(Gpio::reset),
@@ -132,6 +134,7 @@ impl Chip {
         self.tim5 = Tim5::default();
         self.adc = Default::default();
         self.adc_common = 0;
+        self.dma1 = Dma::default();
         self.dma2 = Dma::default();
         self.usart2 = Usart::default();
         for (port, gpio) in self.gpio.iter_mut().enumerate() {
@@ -269,11 +272,6 @@ impl Chip {
         &self.clock
     }
 
-    /// Cycles of the core in a bit of the console's port.
-    pub fn usart2_bit_cycles(&self) -> u64 {
-        self.usart2.bit_cycles(self.clocks.apb1_divider)
-    }
-
     /// Cycle of the next event in here.
     #[inline]
     pub fn next_event(&self) -> u64 {
@@ -302,26 +300,6 @@ impl Chip {
             self.trigger(at);
         }
         signals.set_line(lines::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
-    }
-
-    /// Whether USART2's input floats if nothing is connected to it.
-    pub fn receiver_floats(&self) -> bool {
-        self.settled(USART2_RX).is_none()
-    }
-
-    /// Takes the byte that USART2 has just sent; `None` if its pin is not given to it.
-    pub fn take_sent(&mut self, signals: &mut Signals) -> Option<u8> {
-        let byte = self.usart2.sent(self.clocks.apb1_divider);
-        self.show_usart2(signals);
-        byte.filter(|_| self.mode(USART2_TX) == AF_USART2)
-    }
-
-    /// A byte arrives at USART2's pin.
-    pub fn receive(&mut self, byte: u8, line: Line, signals: &mut Signals) {
-        if self.mode(USART2_RX) == AF_USART2 {
-            self.usart2.receive(byte, line);
-            self.show_usart2(signals);
-        }
     }
 
     /// Ends a change of the flash that is due.

@@ -1,4 +1,4 @@
-//! A DMA controller: transfers from a peripheral's register into memory, one item a request.
+//! A DMA controller: transfers between a peripheral's register and memory, one item a request.
 
 use super::{Answer, Lack, bit, field, require};
 use crate::cpu::Width;
@@ -65,9 +65,9 @@ pub struct Dma {
     streams: [Stream; STREAMS],
 }
 
-/// Where an item goes.
+/// Where an item comes from or goes to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Destination {
+pub struct Place {
     /// In memory.
     pub address: u32,
     /// Of the item.
@@ -141,9 +141,9 @@ impl Dma {
         })
     }
 
-    /// Carries an item by stream `number`. Returns where it goes; `None` if the stream is done.
+    /// Carries an item by stream `number`. Returns its place in memory; `None` if the stream is done.
     #[inline]
-    pub fn carry(&mut self, number: usize) -> Option<Destination> {
+    pub fn carry(&mut self, number: usize) -> Option<Place> {
         let stream = &mut self.streams[number];
         bit(stream.cr, EN).then(|| stream.step())
     }
@@ -179,10 +179,7 @@ impl Stream {
     fn control(&mut self, value: u32) -> Answer {
         let starts = bit(value, EN) && !bit(self.cr, EN);
         if starts {
-            require(
-                field(value, 6, 2) == 0,
-                "directions other than peripheral to memory",
-            )?;
+            require(field(value, 6, 2) < 2, "transfers from memory to memory")?;
             require(field(value, 21, 4) == 0, "bursts")?;
             require(field(value, 18, 1) == 0, "double buffers")?;
             require(!bit(value, 9), "an address of the peripheral that moves")?;
@@ -192,6 +189,7 @@ impl Stream {
                 "items of different width",
             )?;
             require(self.ndtr > 0, "no items")?;
+            require(self.flags == 0, "a start with flags of the last transfer")?;
             (self.items, self.left) = (self.ndtr, self.ndtr);
         }
         self.cr = value & CONTROL_FIELDS;
@@ -199,7 +197,7 @@ impl Stream {
     }
 
     #[inline]
-    fn step(&mut self) -> Destination {
+    fn step(&mut self) -> Place {
         let width = match field(self.cr, 13, 2) {
             0 => Width::Byte,
             1 => Width::Half,
@@ -223,7 +221,7 @@ impl Stream {
                 self.ndtr = 0;
             }
         }
-        Destination { address, width }
+        Place { address, width }
     }
 }
 

@@ -3,7 +3,8 @@
 use super::{Answer, Lack, NEVER, bit, require};
 
 const SR: u32 = 0x00;
-const DR: u32 = 0x04;
+/// Offset of the data register.
+pub const DR: u32 = 0x04;
 const BRR: u32 = 0x08;
 const CR1: u32 = 0x0C;
 const CR2: u32 = 0x10;
@@ -24,6 +25,9 @@ const TXEIE: u32 = 7;
 const UE: u32 = 13;
 const OVER8: u32 = 15;
 
+const DMAR: u32 = 6;
+const DMAT: u32 = 7;
+
 /// Start bit, eight data bits, stop bit.
 pub const FRAME_BITS: u64 = 10;
 
@@ -39,12 +43,13 @@ pub enum Line {
     Broken,
 }
 
-/// A USART, without modem lines, parity and DMA.
+/// A USART, without modem lines and parity.
 #[derive(Debug, Clone)]
 pub struct Usart {
     sr: u32,
     brr: u32,
     cr1: u32,
+    cr3: u32,
     received: u8,
     /// Waits for the shifter.
     behind: Option<u8>,
@@ -60,6 +65,7 @@ impl Default for Usart {
             sr: TXE | TC,
             brr: 0,
             cr1: 0,
+            cr3: 0,
             received: 0,
             behind: None,
             shifting: None,
@@ -76,14 +82,11 @@ impl Usart {
                 self.errors_seen = self.sr & (FE | NF | ORE);
                 self.sr
             }
-            DR => {
-                self.sr &= !RXNE;
-                self.sr &= !std::mem::take(&mut self.errors_seen);
-                u32::from(self.received)
-            }
+            DR => u32::from(self.fetched()),
             BRR => self.brr,
             CR1 => self.cr1,
-            CR2 | CR3 => 0,
+            CR2 => 0,
+            CR3 => self.cr3,
             _ => return Err(Lack::Register),
         })
     }
@@ -116,7 +119,14 @@ impl Usart {
                 self.cr1 = value;
             }
             CR2 => require(value == 0, "stop bits other than one, clocks and LIN")?,
-            CR3 => require(value == 0, "DMA, flow control and error interrupts")?,
+            CR3 => {
+                const KNOWN: u32 = 1 << DMAR | 1 << DMAT;
+                require(
+                    value & !KNOWN == 0,
+                    "flow control, half duplex, smart cards, infrared and error interrupts",
+                )?;
+                self.cr3 = value;
+            }
             _ => return Err(Lack::Register),
         }
         Ok(())
@@ -181,6 +191,24 @@ impl Usart {
         }
     }
 
+    /// Whether it asks DMA to fetch the byte that it has received.
+    pub fn wants_to_be_read(&self) -> bool {
+        bit(self.cr3, DMAR) && self.sr & RXNE != 0
+    }
+
+    /// The byte that it has received, as DMA fetches it.
+    pub fn fetched(&mut self) -> u8 {
+        self.sr &= !RXNE;
+        self.sr &= !std::mem::take(&mut self.errors_seen);
+        self.received
+    }
+
+    /// Whether it asks DMA for the next byte to send.
+    pub fn wants_to_be_written(&self) -> bool {
+        let on = bit(self.cr1, UE) && bit(self.cr1, TE);
+        on && bit(self.cr3, DMAT) && self.sr & TXE != 0
+    }
+
     /// Whether it asks for an interrupt.
     pub fn requests_interrupt(&self) -> bool {
         let asks = |flags: u32, enable: u32| self.sr & flags != 0 && bit(self.cr1, enable);
@@ -193,6 +221,21 @@ mod tests {
     use super::*;
 
     const DIVIDER: u32 = 4;
+
+    #[test]
+    fn it_asks_dma_for_bytes_to_send_and_to_fetch() {
+        let mut port = port();
+        assert!(!port.wants_to_be_written());
+        port.write(CR3, 1 << DMAT | 1 << DMAR, 0, DIVIDER).unwrap();
+        assert!(port.wants_to_be_written() && !port.wants_to_be_read());
+        port.write(DR, 1, 0, DIVIDER).unwrap();
+        port.write(DR, 2, 0, DIVIDER).unwrap();
+        assert!(!port.wants_to_be_written());
+        port.receive(b'a', Line::Quiet);
+        assert!(port.wants_to_be_read());
+        assert_eq!(port.fetched(), b'a');
+        assert!(!port.wants_to_be_read());
+    }
 
     fn port() -> Usart {
         let mut port = Usart::default();

@@ -8,6 +8,7 @@
 //! excitation   time           -> setpoint
 //! control      setpoint       -> torque at the motor -> duty
 //! safety       watches each of them
+//! telemetry    tells a computer
 //! ```
 //!
 //! Everything is `f32`, allocates nothing and panics nowhere. Angles are radians at the paddle and torques are
@@ -47,5 +48,6 @@ pub mod safety;
 pub mod scalar;
 pub mod sensing;
 pub mod settings;
+pub mod telemetry;
 pub mod units;
 pub mod wiring;

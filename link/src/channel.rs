@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// A quantity of the control loop. All but the two means are the values at the beginning of their row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Channel {
-    /// Setpoint of the position loop, rad; 0 in the other modes.
+    /// Reference with the test signal on it: rad in position mode, N m at the motor in torque mode.
     Setpoint,
     /// Position by the encoder, unfiltered, rad at the paddle.
     Encoder,
@@ -59,7 +59,8 @@ impl Channel {
     /// Unit of its values; empty for none.
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::Setpoint | Self::Encoder | Self::Hall => "rad",
+            Self::Setpoint => "rad or N m",
+            Self::Encoder | Self::Hall => "rad",
             Self::Velocity => "rad/s",
             Self::Torque => "N m",
             Self::Current => "A",

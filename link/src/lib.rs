@@ -31,6 +31,7 @@
 
 mod channel;
 mod frame;
+mod sample;
 mod sequence;
 mod splitter;
 
@@ -39,5 +40,6 @@ pub use frame::{
     Body, CHUNK_SAMPLES, EncodeError, Frame, MOST_BYTES, SAMPLE_BYTES, Trigger, VERSION, encode,
     row_bytes, values,
 };
+pub use sample::{Sample, ShortSample};
 pub use sequence::Sequence;
 pub use splitter::{Heard, Splitter};

@@ -1,6 +1,9 @@
 //! Frames and text on one wire.
 
-use link::{Body, Channels, Frame, Heard, MOST_BYTES, Sequence, Splitter, Trigger, encode};
+use link::{
+    Body, Channels, Frame, Heard, MOST_BYTES, Sample, Sequence, ShortSample, Splitter, Trigger,
+    encode,
+};
 use proptest::prelude::*;
 
 /// A body that owns its bytes.
@@ -184,4 +187,33 @@ fn channels_are_named_and_read_back() {
     }
     assert_eq!(Channels::parse("all").unwrap().len(), 9);
     assert!(Channels::parse("encoder,fish").is_err());
+}
+
+proptest! {
+    #[test]
+    fn a_short_sample_comes_back_within_its_steps(
+        angle in -1.9f32..1.9, velocity in -60.0f32..60.0, torque in -0.1f32..0.1, duty in -0.95f32..0.95,
+        mode in 0u8..4, fault in 0u8..20
+    ) {
+        let sample = Sample {
+            setpoint: if mode == 2 { torque } else { angle },
+            encoder_rad: angle,
+            hall_rad: -angle,
+            velocity_rad_s: velocity,
+            torque_nm: torque,
+            current_a: angle,
+            duty,
+            mode,
+            fault,
+        };
+        let short = ShortSample::from(&sample);
+        prop_assert_eq!(ShortSample::from_bytes(short.to_bytes()), short);
+        let back = Sample::from(short);
+        prop_assert!((back.encoder_rad - angle).abs() <= 6.2e-5, "{back:?}");
+        prop_assert!((back.velocity_rad_s - velocity).abs() <= 2e-3, "{back:?}");
+        prop_assert!((back.torque_nm - torque).abs() <= 4e-6, "{back:?}");
+        prop_assert!((back.setpoint - sample.setpoint).abs() <= 6.2e-5, "{back:?}");
+        prop_assert_eq!((back.mode, back.fault), (mode, fault));
+        prop_assert_eq!(ShortSample::from(&back), short);
+    }
 }

@@ -19,6 +19,7 @@ use crate::sensing::current::{self, CurrentSensor, IdleReading, OffsetError};
 use crate::sensing::encoder::Encoder;
 use crate::sensing::hall::{self, HallCurve};
 use crate::settings::{Sensor, Settings};
+use crate::telemetry::Sample;
 
 /// What the board reads in one control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -736,6 +737,22 @@ impl Controller {
             current_a: self.current_a,
             metrics: self.metrics(),
             breakaway: self.breakaway,
+        }
+    }
+
+    /// What telemetry sees of this control period.
+    #[inline]
+    pub fn sample(&self) -> Sample {
+        Sample {
+            setpoint: self.setpoint,
+            encoder_rad: self.encoder_rad,
+            hall_rad: self.hall_rad,
+            velocity_rad_s: self.velocity.velocity_rad_s(),
+            torque_nm: self.torque_nm,
+            current_a: self.current_a,
+            duty: self.duty,
+            mode: self.mode as u8,
+            fault: self.fault.map_or(0, |fault| fault as u8 + 1),
         }
     }
 

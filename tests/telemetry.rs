@@ -1,8 +1,8 @@
 //! Rows of a stream and captures, sample by sample.
 
 use haptic_paddle::telemetry::{
-    CaptureError, CapturePlan, CaptureState, Channel, Channels, Sample, ShortSample, StreamError,
-    StreamPlan, Telemetry, Trigger, TriggerPlan,
+    CaptureError, CapturePlan, CaptureState, Channel, Channels, Part, Sample, ShortSample,
+    StreamError, StreamPlan, Telemetry, Trigger, TriggerPlan,
 };
 
 const TICK_HZ: f32 = 20_000.0;
@@ -10,7 +10,11 @@ const SAMPLES: usize = 1000;
 const BAUD: u32 = 1_843_200;
 
 fn telemetry() -> Telemetry {
-    Telemetry::new(Box::leak(Box::new([ShortSample::NONE; SAMPLES])), TICK_HZ)
+    Telemetry::new(
+        Box::leak(Box::new([ShortSample::NONE; SAMPLES])),
+        TICK_HZ,
+        BAUD,
+    )
 }
 
 /// In position mode, at an angle that tells the period.
@@ -33,7 +37,14 @@ fn sent(telemetry: &mut Telemetry) -> Vec<Sample> {
     let held = telemetry.capture.send().unwrap();
     let mut all = Vec::new();
     let mut chunk = [ShortSample::NONE; 8];
-    while let Some((_, first, count)) = telemetry.capture.next_chunk(&mut chunk) {
+    assert_eq!(
+        telemetry.capture.next_part(&mut chunk),
+        Some(Part::Head(held))
+    );
+    while let Some(part) = telemetry.capture.next_part(&mut chunk) {
+        let Part::Samples { first, count } = part else {
+            panic!("{part:?}");
+        };
         assert_eq!(first, all.len());
         all.extend(chunk[..count].iter().map(|short| Sample::from(*short)));
     }

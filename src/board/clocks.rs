@@ -8,7 +8,7 @@ use stm32f4xx_hal::rcc::{Config, Enable, Rcc};
 const HSI_HZ: u32 = 16_000_000;
 const HSE_HZ: u32 = 8_000_000;
 pub const SYSCLK_HZ: u32 = 168_000_000;
-const PCLK1_HZ: u32 = SYSCLK_HZ / 4;
+pub const PCLK1_HZ: u32 = SYSCLK_HZ / 4;
 pub const PCLK2_HZ: u32 = SYSCLK_HZ / 2;
 
 /// Longest wait for the crystal, ms; it starts within 2 ms (data sheet, typical).

@@ -9,16 +9,15 @@ mod converters;
 mod encoder;
 pub mod events;
 mod pins;
-mod serial;
+pub mod serial;
 mod supply;
 
 use core::ops::Range;
 
 use haptic_paddle::controller::Measurement;
 use stm32f4xx_hal::gpio::{Edge, ExtiPin, PinExt};
-use stm32f4xx_hal::pac::{self, USART2};
+use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::serial::{Rx, Tx};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use bridge::{Bridge, FaultLine};
@@ -30,7 +29,6 @@ pub use converters::{PERIODS_TO_MEASURE, overrun, sample_current_once};
 use encoder::Encoder;
 use pins::Pins;
 pub use pins::{ENABLE_BSRR, ENABLE_OFF, bridge_reports_fault};
-pub use serial::receive;
 pub use supply::Supply;
 pub use supply::fell as supply_fell;
 
@@ -39,12 +37,6 @@ pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
 
 /// Main RAM, as `memory.x` has it.
 pub const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
-
-/// Within 0.2 % of what the clock can divide to, and known to every terminal program.
-const BAUD: u32 = 460_800;
-
-pub type SerialTx = Tx<USART2>;
-pub type SerialRx = Rx<USART2>;
 
 /// Ports that the board has its pins on.
 pub struct Ports {
@@ -60,7 +52,8 @@ pub struct Board {
     pub bridge: Bridge,
     pub sensors: Sensors,
     pub fault_line: FaultLine,
-    pub serial: (SerialTx, SerialRx),
+    pub receiver: serial::Receiver,
+    pub transmitter: serial::Transmitter,
     pub watchdog: IndependentWatchdog,
     pub supply: Supply,
     pub button: Button,
@@ -119,15 +112,13 @@ impl Board {
         sensors.converters.start();
         bridge.start();
 
-        let port = match chip.USART2.serial(pins.serial, BAUD.bps(), &mut rcc) {
-            Ok(port) => port,
-            Err(_) => unreachable!("the bus clock divides to this rate"),
-        };
+        let (receiver, transmitter) = serial::start(chip.USART2, chip.DMA1, pins.serial, &mut rcc);
         Self {
             bridge,
             sensors,
             fault_line,
-            serial: port.split(),
+            receiver,
+            transmitter,
             watchdog,
             supply,
             button: Button::new(pins.button),

@@ -67,11 +67,14 @@ extern "C" fn __pre_init() {
     )
 }
 
+/// The serial port's output and input.
+pub type SerialPins = (PD5, PD6);
+
 /// The pins that something still has to take.
 pub struct Pins {
     pub fault: FaultPin,
     pub button: ButtonPin,
-    pub serial: (PD5, PD6),
+    pub serial: SerialPins,
 }
 
 impl Pins {

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::command::{COMMANDS, ParseError, Topic};
+use super::telemetry::{TelemetryAnswer, TelemetryRefusal};
 use crate::controller::{ArmError, Mode, ReferenceError, Status, ZeroError};
 use crate::decimal::{Decimal, Fixed};
 use crate::excitation::ExcitationError;
@@ -28,6 +29,10 @@ pub enum Answer {
     Faults(FaultLog, Counters),
     /// That a sign of life was heard.
     Beat,
+    /// What the telemetry does.
+    Telemetry(TelemetryAnswer),
+    /// The rate that the serial line will have.
+    Baud(u32),
 }
 
 impl Answer {
@@ -41,7 +46,11 @@ impl Answer {
             Self::Faults(faults, _) => {
                 usize::from(faults.reset.is_some()) + faults.len().max(1) + 1
             }
-            Self::Changed(_) | Self::Status(_) | Self::Beat => 1,
+            Self::Changed(_)
+            | Self::Status(_)
+            | Self::Beat
+            | Self::Telemetry(_)
+            | Self::Baud(_) => 1,
         }
     }
 
@@ -96,6 +105,8 @@ impl fmt::Display for Line<'_> {
             Answer::Status(status) => status.fmt(f),
             Answer::Faults(faults, counters) => faults_line(f, faults, *counters, number),
             Answer::Beat => f.write_str("beat"),
+            Answer::Telemetry(answer) => answer.fmt(f),
+            Answer::Baud(baud) => write!(f, "{baud} baud from the next prompt on"),
         }
     }
 }
@@ -224,6 +235,8 @@ pub enum Refusal {
     Reference(ReferenceError),
     /// The excitation.
     Excitation(ExcitationError),
+    /// Telemetry.
+    Telemetry(TelemetryRefusal),
 }
 
 impl fmt::Display for Refusal {
@@ -235,6 +248,7 @@ impl fmt::Display for Refusal {
             Self::Zero(error) => error.fmt(f),
             Self::Reference(error) => error.fmt(f),
             Self::Excitation(error) => error.fmt(f),
+            Self::Telemetry(error) => error.fmt(f),
         }
     }
 }
@@ -253,5 +267,5 @@ macro_rules! refusal_from {
 
 refusal_from!(
     ParseError => Parse, SettingError => Setting, ArmError => Arm, ZeroError => Zero, ReferenceError => Reference,
-    ExcitationError => Excitation
+    ExcitationError => Excitation, TelemetryRefusal => Telemetry
 );

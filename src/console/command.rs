@@ -2,6 +2,9 @@
 
 use core::fmt;
 
+use link::ChannelsError;
+
+use super::telemetry::{self, TelemetryCommand};
 use crate::controller::Mode;
 use crate::decimal;
 use crate::excitation::{Excitation, Shape};
@@ -35,8 +38,9 @@ impl fmt::Display for Usage {
 }
 
 /// All commands.
-pub static COMMANDS: [Usage; 15] = [
+pub static COMMANDS: [Usage; 18] = [
     HELP, GET, SET, DUMP, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS, FAULTS, CLEAR, BEAT,
+    STREAM, CAPTURE, BAUD,
 ];
 
 const HELP: Usage = Usage {
@@ -129,6 +133,24 @@ const BEAT: Usage = Usage {
     purpose: "a program steers: silence for host.heartbeat is a fault from now on",
     example: "beat",
 };
+const STREAM: Usage = Usage {
+    name: "stream",
+    arguments: "[CHANNEL,CHANNEL,...|all HZ | off]",
+    purpose: "send rows of these channels as binary frames, or end it",
+    example: "stream encoder,torque 2000",
+};
+const CAPTURE: Usage = Usage {
+    name: "capture",
+    arguments: "[fault|step|now [MS] | CHANNEL VALUE [MS] | send]",
+    purpose: "every control period in memory, MS of it before the trigger; or send it as binary frames",
+    example: "capture step 20",
+};
+const BAUD: Usage = Usage {
+    name: "baud",
+    arguments: "RATE",
+    purpose: "another rate of the serial line, from the next prompt on",
+    example: "baud 1843200",
+};
 
 /// The command of this name, or the only one whose name begins like this.
 ///
@@ -200,6 +222,10 @@ pub enum Command {
     Clear,
     /// A program steers.
     Beat,
+    /// A stream, or a capture.
+    Telemetry(TelemetryCommand),
+    /// Another rate of the serial line, bits a second.
+    Baud(u32),
 }
 
 /// Why a line is no command.
@@ -217,6 +243,8 @@ pub enum ParseError {
     Usage(&'static Usage),
     /// The setting is refused.
     Setting(SettingError),
+    /// No channel of telemetry has this name.
+    UnknownChannel,
 }
 
 impl fmt::Display for ParseError {
@@ -240,6 +268,7 @@ impl fmt::Display for ParseError {
                 name, arguments, ..
             }) => write!(f, "write {name} {arguments}"),
             Self::Setting(error) => error.fmt(f),
+            Self::UnknownChannel => ChannelsError.fmt(f),
         }
     }
 }
@@ -311,6 +340,9 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
         "clear" => Command::Clear,
         "faults" => Command::Faults,
         "beat" => Command::Beat,
+        "stream" => Command::Telemetry(telemetry::stream(&mut arguments)?),
+        "capture" => Command::Telemetry(telemetry::capture(&mut arguments)?),
+        "baud" => Command::Baud(telemetry::baud(&mut arguments)?),
         _ => Command::Status,
     };
     if arguments.optional().is_some() {
@@ -319,30 +351,30 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
     Ok(Some(command))
 }
 
-struct Arguments<'a> {
+pub(super) struct Arguments<'a> {
     words: core::str::SplitAsciiWhitespace<'a>,
     usage: &'static Usage,
 }
 
 impl<'a> Arguments<'a> {
-    fn misused(&self) -> ParseError {
+    pub(super) fn misused(&self) -> ParseError {
         ParseError::Usage(self.usage)
     }
 
-    fn optional(&mut self) -> Option<&'a str> {
+    pub(super) fn optional(&mut self) -> Option<&'a str> {
         self.words.next()
     }
 
-    fn word(&mut self) -> Result<&'a str, ParseError> {
+    pub(super) fn word(&mut self) -> Result<&'a str, ParseError> {
         self.optional().ok_or(self.misused())
     }
 
-    fn number(&mut self) -> Result<f32, ParseError> {
+    pub(super) fn number(&mut self) -> Result<f32, ParseError> {
         let word = self.word()?;
         self.finite(word)
     }
 
-    fn finite(&self, word: &str) -> Result<f32, ParseError> {
+    pub(super) fn finite(&self, word: &str) -> Result<f32, ParseError> {
         decimal::parse(word)
             .filter(|number: &f32| number.is_finite())
             .ok_or(self.misused())

@@ -8,23 +8,32 @@ mod answer;
 mod command;
 mod line;
 mod session;
+mod telemetry;
 
 pub use answer::{Answer, Refusal};
 pub use command::{COMMANDS, Command, MAX_LINE_BYTES, ParseError, Topic, Usage, Zero, parse};
 pub use line::{LineEditor, STOP_BYTE, Typed};
 pub use session::Session;
+pub use telemetry::{TelemetryAnswer, TelemetryCommand, TelemetryRefusal};
 
 use core::fmt;
 
 use crate::controller::{Controller, Mode, TickRate, Tuning};
 use crate::excitation::Excitation;
 use crate::settings::Settings;
+use crate::telemetry::Telemetry;
 use crate::units::RAD_PER_DEG;
 
 /// Somebody who lends the controller out: the controller itself, or the lock that guards it.
 pub trait Lender {
     /// Runs `work` with the controller.
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R;
+
+    /// Runs `work` with the telemetry, where there is one.
+    fn telemetry<R>(&mut self, work: impl FnOnce(&mut Telemetry) -> R) -> Option<R> {
+        let _ = work;
+        None
+    }
 }
 
 impl Lender for Controller {
@@ -91,7 +100,11 @@ pub fn execute(
         Command::Faults => {
             return Ok(controller.with(|c| Answer::Faults(*c.faults(), c.counters())));
         }
+        Command::Telemetry(wanted) => {
+            return Ok(Answer::Telemetry(telemetry::execute(wanted, controller)?));
+        }
         Command::Beat => return Ok(Answer::Beat),
+        Command::Baud(baud) => return Ok(Answer::Baud(baud)),
         Command::Status => {}
     }
     Ok(Answer::Status(controller.with(|c| c.status())))

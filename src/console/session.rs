@@ -30,6 +30,8 @@ pub struct Session {
     bridge_ready: bool,
     /// For how long nothing was heard of the program that steers, s; `None` while none does.
     silent_s: Option<f32>,
+    /// A rate of the serial line that is to come, bits a second.
+    baud: Option<u32>,
 }
 
 /// On the way to a mode.
@@ -64,6 +66,7 @@ impl Session {
             announced: None,
             bridge_ready: true,
             silent_s: None,
+            baud: None,
         }
     }
 
@@ -75,6 +78,11 @@ impl Session {
     /// Whether the bridge reports no fault, as far as the last look found.
     pub fn bridge_is_ready(&self) -> bool {
         self.bridge_ready
+    }
+
+    /// A rate that the serial line is to have once all that was said is out, bits a second; told once.
+    pub fn take_baud(&mut self) -> Option<u32> {
+        self.baud.take()
     }
 
     /// Says hello.
@@ -338,8 +346,10 @@ impl Session {
                 }
             }
             _ => {
-                if *command == Command::Beat {
-                    self.silent_s = Some(0.0);
+                match command {
+                    Command::Beat => self.silent_s = Some(0.0),
+                    Command::Baud(baud) => self.baud = Some(*baud),
+                    _ => {}
                 }
                 self.execute(command, controller, out);
             }

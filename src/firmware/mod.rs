@@ -2,6 +2,7 @@
 
 mod last_words;
 mod terminal;
+mod transmit;
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -9,7 +10,11 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use defmt_rtt as _;
 use haptic_paddle::console::Lender;
 use haptic_paddle::controller::Controller;
+use haptic_paddle::telemetry::Telemetry;
 use rtic::Mutex;
+use stm32f4xx_hal::pac::Interrupt;
+
+use crate::board;
 
 /// Control periods since boot; wraps.
 static TICKS: AtomicU32 = AtomicU32::new(0);
@@ -18,18 +23,34 @@ fn ticks() -> u32 {
     TICKS.load(Ordering::Relaxed)
 }
 
+/// Bits a second that the serial line is to have once all that was said is out; 0 for no change.
+static BAUD_WANTED: AtomicU32 = AtomicU32::new(0);
+
 /// Lends the controller out right after a control period, so that the work is over long before the next one and the
 /// lock, which masks the control interrupt, never delays it.
-struct AfterPeriod<'a, C>(&'a mut C);
+struct AfterPeriod<'a, C, T> {
+    controller: &'a mut C,
+    telemetry: &'a mut T,
+}
 
-impl<C: Mutex<T = Controller>> Lender for AfterPeriod<'_, C> {
+impl<C: Mutex<T = Controller>, T: Mutex<T = Telemetry>> Lender for AfterPeriod<'_, C, T> {
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
         let now = ticks();
         // Should the period end just before the sleep, the next one is taken.
         while ticks() == now {
             cortex_m::asm::wfi();
         }
-        self.0.lock(work)
+        self.controller.lock(work)
+    }
+
+    fn telemetry<R>(&mut self, work: impl FnOnce(&mut Telemetry) -> R) -> Option<R> {
+        let answer = self.telemetry.lock(|telemetry| {
+            telemetry.baud = board::serial::baud();
+            work(telemetry)
+        });
+        // There may be something to send now.
+        rtic::pend(Interrupt::DMA1_STREAM6);
+        Some(answer)
     }
 }
 
@@ -42,12 +63,16 @@ mod app {
     use haptic_paddle::safety::{Acted, Fault};
     use haptic_paddle::sensing::current::IdleReading;
     use haptic_paddle::settings::{CurrentSampling, Settings};
-    use heapless::spsc::Queue;
+    use haptic_paddle::telemetry::{Row, ShortSample, Telemetry};
+    use heapless::spsc::{Producer, Queue};
+    use stm32f4xx_hal::pac::Interrupt;
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-    use super::terminal::{self, Heard, Input, Output, Port};
-    use super::{AfterPeriod, TICKS, last_words, ticks};
+    use super::terminal::{self, Heard, Input, Output};
+    use super::transmit::{self, Sender};
+    use super::{AfterPeriod, BAUD_WANTED, TICKS, last_words, ticks};
+    use crate::board::serial::{self, Arrived, Receiver};
     use crate::board::{
         self, Board, Bridge, Button, FaultLine, Oscillator, PeriodClock, Sensors, Supply, events,
     };
@@ -64,10 +89,13 @@ mod app {
     /// Control periods between two looks of the console at the state of the controller.
     const CONSOLE_PERIODS: u32 = board::CONTROL_HZ / CONSOLE_HZ;
     const CONSOLE_HZ: u32 = 1_000;
+    /// Samples of a capture: 153.6 ms of 48 KiB.
+    const CAPTURE_SAMPLES: usize = 3072;
 
     #[shared]
     struct Shared {
         controller: Controller,
+        telemetry: Telemetry,
     }
 
     #[local]
@@ -78,21 +106,25 @@ mod app {
         supply: Supply,
         button: Button,
         periods: PeriodClock,
-        port: Port,
+        receiver: Receiver,
+        rows: Producer<'static, Row>,
+        sender: Sender,
         session: Session,
         input: Input,
         output: Output,
         watchdog: IndependentWatchdog,
     }
 
-    #[init(local = [received: Queue<u8, { terminal::INPUT_BYTES }> = Queue::new(),
-                    to_send: Queue<u8, { terminal::OUTPUT_BYTES }> = Queue::new()])]
+    #[init(local = [text: Queue<u8, { terminal::OUTPUT_BYTES }> = Queue::new(),
+                    row_queue: Queue<Row, { transmit::ROWS }> = Queue::new(),
+                    memory: [ShortSample; CAPTURE_SAMPLES] = [ShortSample::NONE; CAPTURE_SAMPLES]])]
     fn init(cx: init::Context) -> (Shared, Local) {
         let Board {
             bridge,
             sensors,
             fault_line,
-            serial,
+            receiver,
+            transmitter,
             mut watchdog,
             supply,
             button,
@@ -122,8 +154,10 @@ mod app {
             defmt::error!("{}", defmt::Display2Format(error));
         }
 
-        let (bytes_in, input) = cx.local.received.split();
-        let (output, bytes_out) = cx.local.to_send.split();
+        let (output, text) = cx.local.text.split();
+        let (rows, rows_out) = cx.local.row_queue.split();
+        let telemetry =
+            Telemetry::new(cx.local.memory, board::CONTROL_HZ as f32, serial::BOOT_BAUD);
         let mut output = Output::new(output);
         let session = Session::new(settings, rate, ready);
         let faults = last_words::recall_faults();
@@ -134,7 +168,10 @@ mod app {
         periods.restart();
         bridge.start_interrupt();
         (
-            Shared { controller },
+            Shared {
+                controller,
+                telemetry,
+            },
             Local {
                 bridge,
                 sensors,
@@ -142,9 +179,11 @@ mod app {
                 supply,
                 button,
                 periods,
-                port: Port::new(serial, bytes_in, bytes_out),
+                receiver,
+                rows,
+                sender: Sender::new(transmitter, rows_out, text),
                 session,
-                input: Input::new(input),
+                input: Input::default(),
                 output,
                 watchdog,
             },
@@ -196,6 +235,42 @@ mod app {
             }
         });
         TICKS.store(ticks().wrapping_add(periods), Ordering::Relaxed);
+        rtic::pend(Interrupt::TIM8_CC);
+    }
+
+    /// Right after the control interrupt: takes a sample of what it left, and looks at what the serial port received.
+    #[task(binds = TIM8_CC, priority = 2, local = [receiver, rows], shared = [controller, telemetry])]
+    fn sample(mut cx: sample::Context) {
+        let arrived = cx.local.receiver.look();
+        if arrived.stop || arrived.noisy || arrived.lost {
+            take_notice(arrived);
+        }
+        let sample = cx.shared.controller.lock(|controller| controller.sample());
+        let rows = cx.local.rows;
+        cx.shared.telemetry.lock(|telemetry| {
+            if let Some(row) = telemetry.add(ticks(), &sample) {
+                if rows.enqueue(row).is_err() {
+                    telemetry.stream.drop_row();
+                }
+                rtic::pend(Interrupt::DMA1_STREAM6);
+            }
+        });
+    }
+
+    /// What arrived wants more than to be typed in.
+    #[cold]
+    #[inline(never)]
+    fn take_notice(arrived: Arrived) {
+        if arrived.stop {
+            board::bridge_off();
+            events::raise(events::STOP);
+        }
+        if arrived.noisy {
+            events::raise(events::NOISE);
+        }
+        if arrived.lost {
+            terminal::cut();
+        }
     }
 
     /// Passes on what others had to tell, and periods that were missed.
@@ -247,12 +322,13 @@ mod app {
         }
     }
 
-    #[task(binds = USART2, priority = 2, local = [port])]
-    fn serial(cx: serial::Context) {
-        cx.local.port.serve();
+    /// The serial line is free, or there is something to send.
+    #[task(binds = DMA1_STREAM6, priority = 1, local = [sender], shared = [telemetry])]
+    fn send(mut cx: send::Context) {
+        cx.local.sender.serve(&mut cx.shared.telemetry);
     }
 
-    #[idle(local = [session, input, output, watchdog], shared = [controller])]
+    #[idle(local = [session, input, output, watchdog], shared = [controller, telemetry])]
     fn idle(mut cx: idle::Context) -> ! {
         let idle::LocalResources {
             session,
@@ -261,7 +337,10 @@ mod app {
             watchdog,
             ..
         } = cx.local;
-        let mut controller = AfterPeriod(&mut cx.shared.controller);
+        let mut controller = AfterPeriod {
+            controller: &mut cx.shared.controller,
+            telemetry: &mut cx.shared.telemetry,
+        };
         let mut fed = ticks();
         let mut looked = fed;
         loop {
@@ -295,6 +374,12 @@ mod app {
                 }
             }
             output.flush();
+            if let Some(baud) = session.take_baud() {
+                BAUD_WANTED.store(baud, Ordering::Relaxed);
+            }
+            if BAUD_WANTED.load(Ordering::Relaxed) != 0 {
+                rtic::pend(Interrupt::DMA1_STREAM6);
+            }
         }
     }
 }

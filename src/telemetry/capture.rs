@@ -111,8 +111,29 @@ pub struct Capture {
     before: usize,
     state: State,
     last: Sample,
-    /// Index of the next sample to be sent, while a complete capture is.
-    sending: Option<usize>,
+    /// What is to be sent next of a complete capture.
+    sending: Sending,
+}
+
+/// A part of a complete capture, as it is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// What it is.
+    Head(Held),
+    /// Some samples.
+    Samples {
+        /// Index of the first one.
+        first: usize,
+        /// How many.
+        count: usize,
+    },
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Sending {
+    Nothing,
+    Head,
+    Samples(usize),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -133,7 +154,7 @@ impl Capture {
             before,
             state: State::Waits(TriggerPlan::Fault),
             last: Sample::default(),
-            sending: None,
+            sending: Sending::Nothing,
         }
     }
 
@@ -150,7 +171,8 @@ impl Capture {
         }
     }
 
-    /// Begins a capture; what was held is forgotten.
+    /// Begins a capture; what was held is forgotten. A trigger counts from now on, though less may be there before it than
+    /// was asked for.
     ///
     /// # Errors
     /// [`CaptureError::TooLong`] for more samples before the trigger than there is room for.
@@ -161,8 +183,10 @@ impl Capture {
             });
         }
         self.before = plan.before;
-        self.filled = 0;
-        self.sending = None;
+        if matches!(self.state, State::Holds(_)) {
+            self.filled = 0;
+        }
+        self.sending = Sending::Nothing;
         self.state = State::Waits(plan.trigger);
         Ok(())
     }
@@ -206,7 +230,7 @@ impl Capture {
                 // A fault ends whatever was waited for: nothing else will come.
                 let (trigger, before) = if sample.fault != 0 && self.last.fault == 0 {
                     (Trigger::Fault, self.ring.len().saturating_sub(AFTER_FAULT))
-                } else if self.filled > self.before && plan.is_met(&self.last, sample) {
+                } else if plan.is_met(&self.last, sample) {
                     (plan.kind(), self.before)
                 } else {
                     return;
@@ -242,33 +266,38 @@ impl Capture {
     pub fn send(&mut self) -> Result<Held, CaptureError> {
         match self.state {
             State::Holds(held) => {
-                self.sending = Some(0);
+                self.sending = Sending::Head;
                 Ok(held)
             }
             _ => Err(CaptureError::NotComplete),
         }
     }
 
-    /// The next samples to be sent: index of the first one and how many were written to `chunk`. None are written
-    /// before the first, so that what it is can be told.
-    pub fn next_chunk(&mut self, chunk: &mut [ShortSample]) -> Option<(Held, usize, usize)> {
+    /// The next part to be sent; samples are written to `chunk`.
+    pub fn next_part(&mut self, chunk: &mut [ShortSample]) -> Option<Part> {
         let State::Holds(held) = self.state else {
             return None;
         };
-        let first = self.sending?;
+        let first = match self.sending {
+            Sending::Nothing => return None,
+            Sending::Head => {
+                self.sending = Sending::Samples(0);
+                return Some(Part::Head(held));
+            }
+            Sending::Samples(first) => first,
+        };
         let count = chunk.len().min(held.samples - first);
-        let oldest = (self.head + self.ring.len() - held.samples) % self.ring.len();
+        let oldest = self.head + self.ring.len() - held.samples;
         for (offset, place) in chunk.iter_mut().take(count).enumerate() {
             let index = (oldest + first + offset) % self.ring.len();
             *place = self.ring.get(index).copied().unwrap_or_default();
         }
-        self.sending = (first + count < held.samples).then_some(first + count);
-        Some((held, first, count))
-    }
-
-    /// Whether samples are yet to be sent.
-    pub fn sends(&self) -> bool {
-        self.sending.is_some()
+        self.sending = if first + count < held.samples {
+            Sending::Samples(first + count)
+        } else {
+            Sending::Nothing
+        };
+        Some(Part::Samples { first, count })
     }
 }
 

@@ -10,7 +10,7 @@
 mod capture;
 mod stream;
 
-pub use capture::{Capture, CaptureError, CapturePlan, CaptureState, TriggerPlan};
+pub use capture::{Capture, CaptureError, CapturePlan, CaptureState, Held, Part, TriggerPlan};
 pub use link::{Channel, Channels, Sample, ShortSample, Trigger};
 pub use stream::{Row, Stream, StreamError, StreamPlan};
 
@@ -26,16 +26,19 @@ pub struct Telemetry {
     pub stream: Stream,
     /// An oscilloscope.
     pub capture: Capture,
+    /// Bits a second on the serial line, as they are now.
+    pub baud: u32,
     /// Control periods a second.
     tick_hz: f32,
 }
 
 impl Telemetry {
     /// Nothing is sent; faults are captured into `memory`, one sample a control period.
-    pub fn new(memory: &'static mut [ShortSample], tick_hz: f32) -> Self {
+    pub fn new(memory: &'static mut [ShortSample], tick_hz: f32, baud: u32) -> Self {
         Self {
             stream: Stream::default(),
             capture: Capture::new(memory),
+            baud,
             tick_hz,
         }
     }

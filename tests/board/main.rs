@@ -17,3 +17,4 @@ mod replay;
 mod safety;
 mod serial_line;
 mod step_response;
+mod telemetry;

@@ -77,7 +77,8 @@ fn a_program_that_has_spoken_and_falls_silent_disarms() {
 
 #[test]
 fn ctrl_c_stops_in_every_state() {
-    const SOON_S: f64 = 60e-6;
+    /// A byte on the line, and the look at it after the next control period.
+    const SOON_S: f64 = 85e-6;
     let Some(image) = image("ctrl_c_stops_in_every_state") else {
         return;
     };

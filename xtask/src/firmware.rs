@@ -7,8 +7,9 @@ use crate::{Failure, cargo, ensure, run, say, stack};
 use firmware_build::{OPTIONS, image_path};
 
 /// Interrupts that the app serves, in the order of their priorities, with their numbers (RM0090, vector table).
-const SERVED: [(usize, &str); 5] = [
-    (38, "USART2"),
+const SERVED: [(usize, &str); 6] = [
+    (17, "DMA1_STREAM6"),
+    (46, "TIM8_CC"),
     (8, "EXTI2"),
     (44, "TIM8_UP_TIM13"),
     (40, "EXTI15_10"),

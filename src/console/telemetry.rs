@@ -1,0 +1,217 @@
+//! The commands of telemetry: `stream`, `capture` and `baud`.
+
+use core::fmt;
+
+use super::Lender;
+use super::command::{Arguments, ParseError};
+use crate::decimal::Decimal;
+use crate::telemetry::{
+    CaptureError, CapturePlan, CaptureState, Channel, Channels, StreamError, StreamPlan, Trigger,
+    TriggerPlan,
+};
+
+/// Slowest and fastest rate of the serial line, bits a second. Beyond the fastest the clock divides too coarsely.
+const BAUDS: core::ops::RangeInclusive<u32> = 9_600..=2_000_000;
+/// Time before the trigger of a capture where none is given, ms.
+const BEFORE_MS: f32 = 25.0;
+
+/// What is wanted of the telemetry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TelemetryCommand {
+    /// How the stream is.
+    ShowStream,
+    /// Rows of these channels at this rate, Hz.
+    Stream(Channels, f32),
+    /// No stream.
+    EndStream,
+    /// How the capture is.
+    ShowCapture,
+    /// A capture, with so much before its trigger, ms; of a fault, as much as there is room for.
+    Capture(TriggerPlan, Option<f32>),
+    /// The complete capture.
+    SendCapture,
+}
+
+/// The words after `stream`.
+pub(super) fn stream(arguments: &mut Arguments) -> Result<TelemetryCommand, ParseError> {
+    Ok(match arguments.optional() {
+        None => TelemetryCommand::ShowStream,
+        Some("off") => TelemetryCommand::EndStream,
+        Some(names) => {
+            let channels = Channels::parse(names).map_err(|_| ParseError::UnknownChannel)?;
+            TelemetryCommand::Stream(channels, arguments.number()?)
+        }
+    })
+}
+
+/// The words after `capture`.
+pub(super) fn capture(arguments: &mut Arguments) -> Result<TelemetryCommand, ParseError> {
+    let trigger = match arguments.optional() {
+        None => return Ok(TelemetryCommand::ShowCapture),
+        Some("send") => return Ok(TelemetryCommand::SendCapture),
+        Some("fault") => TriggerPlan::Fault,
+        Some("step") => TriggerPlan::Step,
+        Some("now") => TriggerPlan::Now,
+        Some(name) => {
+            let channel = Channel::named(name).ok_or(ParseError::UnknownChannel)?;
+            TriggerPlan::Level(channel, arguments.number()?)
+        }
+    };
+    let before_ms = arguments
+        .optional()
+        .map(|word| arguments.finite(word))
+        .transpose()?;
+    if before_ms.is_some_and(|ms| ms < 0.0) {
+        return Err(arguments.misused());
+    }
+    Ok(TelemetryCommand::Capture(trigger, before_ms))
+}
+
+/// The word after `baud`.
+pub(super) fn baud(arguments: &mut Arguments) -> Result<u32, ParseError> {
+    let baud = arguments.number()? as u32;
+    if BAUDS.contains(&baud) {
+        Ok(baud)
+    } else {
+        Err(arguments.misused())
+    }
+}
+
+/// Does what is wanted.
+pub(super) fn execute(
+    wanted: TelemetryCommand,
+    lender: &mut impl Lender,
+) -> Result<TelemetryAnswer, TelemetryRefusal> {
+    lender
+        .telemetry(|telemetry| {
+            match wanted {
+                TelemetryCommand::ShowStream => {}
+                TelemetryCommand::Stream(channels, rate_hz) => {
+                    let plan =
+                        StreamPlan::new(channels, rate_hz, telemetry.tick_hz(), telemetry.baud)?;
+                    telemetry.stream.set(Some(plan));
+                }
+                TelemetryCommand::EndStream => {
+                    let dropped = telemetry.stream.dropped();
+                    telemetry.stream.set(None);
+                    return Ok(TelemetryAnswer::Stream(None, dropped));
+                }
+                TelemetryCommand::ShowCapture => {
+                    return Ok(TelemetryAnswer::Capture(telemetry.capture.state()));
+                }
+                TelemetryCommand::Capture(trigger, before_ms) => {
+                    let plan = match (trigger, before_ms) {
+                        (TriggerPlan::Fault, None) => telemetry.capture.for_faults(),
+                        (trigger, before_ms) => CapturePlan {
+                            trigger,
+                            before: (before_ms.unwrap_or(BEFORE_MS) * 1e-3 * telemetry.tick_hz())
+                                as usize,
+                        },
+                    };
+                    telemetry.capture.start(plan)?;
+                    return Ok(TelemetryAnswer::Capture(telemetry.capture.state()));
+                }
+                TelemetryCommand::SendCapture => {
+                    telemetry.capture.send()?;
+                    return Ok(TelemetryAnswer::Capture(telemetry.capture.state()));
+                }
+            }
+            let rate = telemetry.stream.plan().map(|plan| {
+                (
+                    plan.channels(),
+                    telemetry.tick_hz() / plan.periods_per_row() as f32,
+                )
+            });
+            Ok(TelemetryAnswer::Stream(rate, telemetry.stream.dropped()))
+        })
+        .unwrap_or(Err(TelemetryRefusal::None))
+}
+
+/// What the telemetry does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TelemetryAnswer {
+    /// It streams these channels at this rate, Hz, or nothing; and how many rows found no room.
+    Stream(Option<(Channels, f32)>, u32),
+    /// How far the capture is.
+    Capture(CaptureState),
+}
+
+impl fmt::Display for TelemetryAnswer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stream(Some((channels, rate_hz)), dropped) => {
+                write!(
+                    f,
+                    "stream {channels} at {} Hz, {dropped} rows lost",
+                    Decimal(*rate_hz)
+                )
+            }
+            Self::Stream(None, dropped) => write!(f, "no stream, {dropped} rows lost"),
+            Self::Capture(CaptureState::Waits(plan)) => match plan {
+                TriggerPlan::Level(channel, level) => {
+                    write!(
+                        f,
+                        "capture waits for {} to pass {}",
+                        channel.name(),
+                        Decimal(*level)
+                    )
+                }
+                plan => write!(f, "capture waits for {}", name(plan.kind())),
+            },
+            Self::Capture(CaptureState::Fills(trigger)) => {
+                write!(f, "capture goes on, triggered by {}", name(*trigger))
+            }
+            Self::Capture(CaptureState::Holds(held)) => write!(
+                f,
+                "capture complete, triggered by {} after {} of {} samples; capture send gives it",
+                name(held.trigger),
+                held.triggered_at,
+                held.samples
+            ),
+        }
+    }
+}
+
+fn name(trigger: Trigger) -> &'static str {
+    match trigger {
+        Trigger::Fault => "a fault",
+        Trigger::Step => "a step",
+        Trigger::Level => "a level",
+        Trigger::Now => "the command",
+    }
+}
+
+/// Why the telemetry does not do what it is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TelemetryRefusal {
+    /// There is none.
+    None,
+    /// The stream.
+    Stream(StreamError),
+    /// The capture.
+    Capture(CaptureError),
+}
+
+impl fmt::Display for TelemetryRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::None => f.write_str("no telemetry here"),
+            Self::Stream(error) => error.fmt(f),
+            Self::Capture(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for TelemetryRefusal {}
+
+impl From<StreamError> for TelemetryRefusal {
+    fn from(error: StreamError) -> Self {
+        Self::Stream(error)
+    }
+}
+
+impl From<CaptureError> for TelemetryRefusal {
+    fn from(error: CaptureError) -> Self {
+        Self::Capture(error)
+    }
+}

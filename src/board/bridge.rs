@@ -121,6 +121,18 @@ impl Bridge {
     }
 }
 
+/// Waits for the beginning of a control period, while the control interrupt is masked, so that it then begins in time.
+#[expect(
+    unsafe_code,
+    reason = "the control interrupt, which owns the timer, is masked"
+)]
+pub fn wait_for_next_period() {
+    // SAFETY: of the timer only the flag is used, which a zero clears and the ones beside it change nothing.
+    let timer = unsafe { TIM8::steal() };
+    timer.sr().write(|w| w.uif().clear_bit());
+    while !timer.sr().read().uif().bit() {}
+}
+
 /// The line by which the bridge reports a fault; the interrupt on its fall owns it.
 pub struct FaultLine {
     exti: EXTI,

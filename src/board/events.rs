@@ -16,6 +16,8 @@ pub const BUTTON: u32 = 1 << 5;
 pub const OVERRUN: u32 = 1 << 7;
 /// The ring of the current's samples stands still, and is to begin anew.
 pub const RESTART: u32 = 1 << 8;
+/// The flash was busy, so that the processor stood still: control periods were missed as they should be.
+pub const FLASH: u32 = 1 << 9;
 /// The level of nFAULT has changed.
 pub const LINE: u32 = 1 << 6;
 /// A byte was received with noise on the line.

@@ -10,6 +10,7 @@ mod encoder;
 pub mod events;
 mod pins;
 pub mod serial;
+mod settings_flash;
 mod supply;
 
 use core::ops::Range;
@@ -20,7 +21,7 @@ use stm32f4xx_hal::pac;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-pub use bridge::{Bridge, FaultLine};
+pub use bridge::{Bridge, FaultLine, wait_for_next_period};
 pub use button::Button;
 pub use clocks::{Oscillator, PeriodClock};
 use clocks::{PCLK2_HZ, SYSCLK_HZ};
@@ -29,8 +30,9 @@ pub use converters::{PERIODS_TO_MEASURE, overrun, sample_current_once};
 use encoder::Encoder;
 use pins::Pins;
 pub use pins::{ENABLE_BSRR, ENABLE_OFF, bridge_reports_fault};
+pub use settings_flash::{SECTORS as SETTINGS_SECTORS, SettingsFlash};
 pub use supply::Supply;
-pub use supply::fell as supply_fell;
+pub use supply::{fell as supply_fell, is_low as supply_is_low};
 
 /// Control periods a second.
 pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
@@ -59,6 +61,7 @@ pub struct Board {
     pub button: Button,
     pub periods: PeriodClock,
     pub oscillator: Oscillator,
+    pub settings_flash: SettingsFlash,
 }
 
 /// Nominal time to reset during the boot, ms: longer than a crystal may take and the option bytes do, even with the
@@ -124,6 +127,7 @@ impl Board {
             button: Button::new(pins.button),
             periods: PeriodClock::new(chip.TIM2, &mut rcc),
             oscillator,
+            settings_flash: SettingsFlash::new(chip.FLASH),
         }
     }
 }

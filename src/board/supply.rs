@@ -17,7 +17,7 @@ const SOUND_CLOCKS: u32 = 16_000_000 / 10;
 const LINE: u8 = 16;
 
 /// The supply; the control loop owns it.
-pub struct Supply(PWR);
+pub struct Supply;
 
 impl Supply {
     /// A supply that is watched.
@@ -28,12 +28,12 @@ impl Supply {
         power
             .cr()
             .modify(|_, w| w.pls().set(DETECTOR_LEVEL).pvde().set_bit());
-        Self(power)
+        Self
     }
 
     /// Whether the supply is low.
     pub fn is_low(&self) -> bool {
-        self.0.csr().read().pvdo().bit_is_set()
+        is_low()
     }
 
     /// Has the chip held in reset below 2.83 V from the next power-on on; as delivered it goes on down to 1.7 V, far
@@ -59,6 +59,17 @@ impl Supply {
         while flash.sr().read().bsy().bit_is_set() {}
         flash.optcr().modify(|_, w| w.optlock().set_bit());
     }
+}
+
+/// Whether the supply is low.
+#[expect(
+    unsafe_code,
+    reason = "whoever owns the detector, its state may be read"
+)]
+pub fn is_low() -> bool {
+    // SAFETY: a state is only read.
+    let power = unsafe { PWR::steal() };
+    power.csr().read().pvdo().bit_is_set()
 }
 
 /// Takes notice of a supply that fell.

@@ -9,7 +9,7 @@ use crate::decimal::{Decimal, Fixed};
 use crate::excitation::ExcitationError;
 use crate::metrics::StepReport;
 use crate::safety::{Counters, FaultLog};
-use crate::settings::{FIELDS, Field, FieldSet, SettingError, Settings, Shown};
+use crate::settings::{FIELDS, Field, FieldSet, SettingError, Settings, Shown, StoreError};
 use crate::units::DEG_PER_RAD;
 
 /// What the console says: one or more lines.
@@ -23,6 +23,12 @@ pub enum Answer {
     Settings(FieldSet, Settings),
     /// These settings as commands.
     Dump(Settings),
+    /// That the settings are stored.
+    Saved,
+    /// That the stored settings are in force, of which so many were left out.
+    Loaded(usize),
+    /// That the defaults are in force.
+    Defaults,
     /// The state of the controller.
     Status(Status),
     /// The last faults, and how often limits acted.
@@ -47,6 +53,9 @@ impl Answer {
                 usize::from(faults.reset.is_some()) + faults.len().max(1) + 1
             }
             Self::Changed(_)
+            | Self::Saved
+            | Self::Loaded(_)
+            | Self::Defaults
             | Self::Status(_)
             | Self::Beat
             | Self::Telemetry(_)
@@ -102,12 +111,27 @@ impl fmt::Display for Line<'_> {
                 None => Ok(()),
             },
             Answer::Changed(shown) => shown.fmt(f),
+            Answer::Saved => f.write_str("saved"),
+            Answer::Loaded(left_out) => loaded(f, *left_out),
+            Answer::Defaults => f.write_str("the settings are the defaults; save stores them"),
             Answer::Status(status) => status.fmt(f),
             Answer::Faults(faults, counters) => faults_line(f, faults, *counters, number),
             Answer::Beat => f.write_str("beat"),
             Answer::Telemetry(answer) => answer.fmt(f),
             Answer::Baud(baud) => write!(f, "{baud} baud from the next prompt on"),
         }
+    }
+}
+
+/// That stored settings are in force.
+fn loaded(f: &mut fmt::Formatter<'_>, left_out: usize) -> fmt::Result {
+    f.write_str("the settings are the stored ones")?;
+    match left_out {
+        0 => Ok(()),
+        _ => write!(
+            f,
+            ", but {left_out} of them that this firmware does not know or allow, which are the defaults"
+        ),
     }
 }
 
@@ -227,6 +251,8 @@ pub enum Refusal {
     Parse(ParseError),
     /// The setting.
     Setting(SettingError),
+    /// Storing or recalling settings.
+    Store(StoreError),
     /// Arming.
     Arm(ArmError),
     /// The zero.
@@ -244,6 +270,7 @@ impl fmt::Display for Refusal {
         match self {
             Self::Parse(error) => error.fmt(f),
             Self::Setting(error) => error.fmt(f),
+            Self::Store(error) => error.fmt(f),
             Self::Arm(error) => error.fmt(f),
             Self::Zero(error) => error.fmt(f),
             Self::Reference(error) => error.fmt(f),
@@ -266,6 +293,6 @@ macro_rules! refusal_from {
 }
 
 refusal_from!(
-    ParseError => Parse, SettingError => Setting, ArmError => Arm, ZeroError => Zero, ReferenceError => Reference,
-    ExcitationError => Excitation, TelemetryRefusal => Telemetry
+    ParseError => Parse, SettingError => Setting, StoreError => Store, ArmError => Arm, ZeroError => Zero,
+    ReferenceError => Reference, ExcitationError => Excitation, TelemetryRefusal => Telemetry
 );

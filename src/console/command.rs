@@ -38,9 +38,9 @@ impl fmt::Display for Usage {
 }
 
 /// All commands.
-pub static COMMANDS: [Usage; 18] = [
-    HELP, GET, SET, DUMP, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS, FAULTS, CLEAR, BEAT,
-    STREAM, CAPTURE, BAUD,
+pub static COMMANDS: [Usage; 21] = [
+    HELP, GET, SET, DUMP, SAVE, LOAD, DEFAULTS, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS,
+    FAULTS, CLEAR, BEAT, STREAM, CAPTURE, BAUD,
 ];
 
 const HELP: Usage = Usage {
@@ -66,6 +66,24 @@ const DUMP: Usage = Usage {
     arguments: "",
     purpose: "all settings as commands, to be pasted back",
     example: "dump",
+};
+const SAVE: Usage = Usage {
+    name: "save",
+    arguments: "",
+    purpose: "store the settings, which then outlive a loss of the supply; disarmed only",
+    example: "save",
+};
+const LOAD: Usage = Usage {
+    name: "load",
+    arguments: "",
+    purpose: "the settings as stored",
+    example: "load",
+};
+const DEFAULTS: Usage = Usage {
+    name: "defaults",
+    arguments: "",
+    purpose: "the settings as by default; what is stored stays until save",
+    example: "defaults",
 };
 const ARM: Usage = Usage {
     name: "arm",
@@ -200,6 +218,12 @@ pub enum Command {
     Get(FieldSet),
     /// All settings as commands.
     Dump,
+    /// Store the settings.
+    Save,
+    /// Go back to the stored settings.
+    Load,
+    /// Go back to the defaults.
+    Defaults,
     /// A setting and its value, within its bounds.
     Set(&'static Field, f32),
     /// Start to control.
@@ -320,6 +344,9 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
             Command::Set(field, field.parse(arguments.word()?)?)
         }
         "dump" => Command::Dump,
+        "save" => Command::Save,
+        "load" => Command::Load,
+        "defaults" => Command::Defaults,
         "arm" => Command::Arm(match arguments.optional() {
             None | Some("position") => Mode::Position,
             Some("torque") => Mode::Torque,

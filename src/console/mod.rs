@@ -20,12 +20,12 @@ use core::fmt;
 
 use crate::controller::{Controller, Mode, TickRate, Tuning};
 use crate::excitation::Excitation;
-use crate::settings::Settings;
+use crate::settings::{Recalled, Settings, StoreError};
 use crate::telemetry::Telemetry;
 use crate::units::RAD_PER_DEG;
 
-/// Somebody who lends the controller out: the controller itself, or the lock that guards it.
-pub trait Lender {
+/// What the console reaches of the device: the controller itself, or the lock that guards it, telemetry and a memory.
+pub trait Device {
     /// Runs `work` with the controller.
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R;
 
@@ -34,9 +34,25 @@ pub trait Lender {
         let _ = work;
         None
     }
+
+    /// Stores settings so that they outlive a loss of the supply. Takes up to two seconds, in which nothing else runs.
+    ///
+    /// # Errors
+    /// [`StoreError`], armed at the latest.
+    fn save(&mut self, _settings: &Settings) -> Result<(), StoreError> {
+        Err(StoreError::NoStore)
+    }
+
+    /// The settings that were stored last.
+    ///
+    /// # Errors
+    /// [`StoreError`].
+    fn load(&mut self) -> Result<Recalled, StoreError> {
+        Err(StoreError::NoStore)
+    }
 }
 
-impl Lender for Controller {
+impl Device for Controller {
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
         work(self)
     }
@@ -66,7 +82,7 @@ pub fn execute(
     command: &Command,
     settings: &mut Settings,
     rate: TickRate,
-    controller: &mut impl Lender,
+    device: &mut impl Device,
 ) -> Result<Answer, Refusal> {
     match *command {
         Command::Help(topic) => return Ok(Answer::Help(topic, *settings)),
@@ -75,20 +91,36 @@ pub fn execute(
         Command::Set(field, value) => {
             field.write(settings, value)?;
             let tuning = Tuning::new(settings, rate);
-            controller.with(|c| c.retune(tuning));
+            device.with(|c| c.retune(tuning));
             return Ok(Answer::Changed(field.shown(settings)));
         }
-        Command::Arm(mode) => controller.with(|c| c.arm(mode))?,
-        Command::Disarm => controller.with(Controller::disarm),
-        Command::Clear => controller.with(Controller::clear_fault),
-        Command::Zero(Zero::Hall) => controller.with(Controller::zero_from_hall)?,
+        Command::Save => {
+            disarmed(device)?;
+            device.save(settings)?;
+            return Ok(Answer::Saved);
+        }
+        Command::Load => {
+            disarmed(device)?;
+            let recalled = device.load()?;
+            replace(settings, &recalled.settings, rate, device);
+            return Ok(Answer::Loaded(recalled.left_out));
+        }
+        Command::Defaults => {
+            disarmed(device)?;
+            replace(settings, &Settings::default(), rate, device);
+            return Ok(Answer::Defaults);
+        }
+        Command::Arm(mode) => device.with(|c| c.arm(mode))?,
+        Command::Disarm => device.with(Controller::disarm),
+        Command::Clear => device.with(Controller::clear_fault),
+        Command::Zero(Zero::Hall) => device.with(Controller::zero_from_hall)?,
         Command::Zero(Zero::At { angle_deg }) => {
-            controller.with(|c| c.zero_at(angle_deg * RAD_PER_DEG))?
+            device.with(|c| c.zero_at(angle_deg * RAD_PER_DEG))?
         }
         Command::Reference(value) => {
-            controller.with(|c| c.set_reference(value * per_shown_unit(c.mode())))?
+            device.with(|c| c.set_reference(value * per_shown_unit(c.mode())))?
         }
-        Command::Start(excitation) => controller.with(|c| {
+        Command::Start(excitation) => device.with(|c| {
             let unit = per_shown_unit(c.mode());
             c.start(&Excitation {
                 amplitude: excitation.amplitude * unit,
@@ -96,18 +128,33 @@ pub fn execute(
                 ..excitation
             })
         })?,
-        Command::Stop => controller.with(Controller::stop),
+        Command::Stop => device.with(Controller::stop),
         Command::Faults => {
-            return Ok(controller.with(|c| Answer::Faults(*c.faults(), c.counters())));
+            return Ok(device.with(|c| Answer::Faults(*c.faults(), c.counters())));
         }
         Command::Telemetry(wanted) => {
-            return Ok(Answer::Telemetry(telemetry::execute(wanted, controller)?));
+            return Ok(Answer::Telemetry(telemetry::execute(wanted, device)?));
         }
         Command::Beat => return Ok(Answer::Beat),
         Command::Baud(baud) => return Ok(Answer::Baud(baud)),
         Command::Status => {}
     }
-    Ok(Answer::Status(controller.with(|c| c.status())))
+    Ok(Answer::Status(device.with(|c| c.status())))
+}
+
+/// # Errors
+/// [`StoreError::Armed`] while the paddle is armed.
+fn disarmed(device: &mut impl Device) -> Result<(), StoreError> {
+    match device.with(|c| c.mode()) {
+        Mode::Off => Ok(()),
+        _ => Err(StoreError::Armed),
+    }
+}
+
+fn replace(settings: &mut Settings, by: &Settings, rate: TickRate, device: &mut impl Device) {
+    *settings = *by;
+    let tuning = Tuning::new(settings, rate);
+    device.with(|c| c.retune(tuning));
 }
 
 /// The controller's unit in one unit that people type: degrees in position mode, N m at the motor in torque mode.

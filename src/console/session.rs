@@ -3,10 +3,10 @@
 use core::fmt;
 
 use super::line::{LineEditor, STOP_BYTE, Typed};
-use super::{Answer, Command, Lender, ParseError, Terminal, execute, parse};
+use super::{Answer, Command, Device, ParseError, Terminal, execute, parse};
 use crate::controller::{ArmError, Controller, Mode, StopCause, TickRate, Tuning};
 use crate::safety::Fault;
-use crate::settings::Settings;
+use crate::settings::{Settings, StoreError};
 use crate::wiring::{Angles, Progress, WiringCheck};
 
 /// For how long the bridge stands at no voltage before its current is read, and how many readings are taken.
@@ -21,6 +21,7 @@ pub struct Session {
     settings: Settings,
     rate: TickRate,
     ready: Result<(), ArmError>,
+    recalled: Result<usize, StoreError>,
     line: LineEditor,
     /// An answer of which not every line is said yet, and the number of the next one.
     answer: Option<(Answer, usize)>,
@@ -59,6 +60,7 @@ impl Session {
             settings,
             rate,
             ready,
+            recalled: Err(StoreError::NoStore),
             line: LineEditor::default(),
             answer: None,
             arming: None,
@@ -68,6 +70,11 @@ impl Session {
             silent_s: None,
             baud: None,
         }
+    }
+
+    /// With what became of the stored settings: how many were left out, or why there are none.
+    pub fn recalled(self, recalled: Result<usize, StoreError>) -> Self {
+        Self { recalled, ..self }
     }
 
     /// The settings as they are now.
@@ -94,6 +101,11 @@ impl Session {
                 env!("CARGO_PKG_VERSION")
             ),
         );
+        match self.recalled {
+            Ok(left_out) => say(out, format_args!("{}", Answer::Loaded(left_out))),
+            Err(StoreError::Empty) => say(out, format_args!("{}", Answer::Defaults)),
+            Err(error) => say(out, format_args!("the settings are the defaults: {error}")),
+        }
         if let Err(error) = &self.ready {
             say(out, format_args!("{error}"));
         }
@@ -127,12 +139,12 @@ impl Session {
     }
 
     /// Takes a typed byte. Ctrl-C stops everything at once, in every state.
-    pub fn type_in(&mut self, byte: u8, controller: &mut impl Lender, out: &mut impl Terminal) {
+    pub fn type_in(&mut self, byte: u8, device: &mut impl Device, out: &mut impl Terminal) {
         if let Some(silent_s) = &mut self.silent_s {
             *silent_s = 0.0;
         }
         if byte == STOP_BYTE {
-            controller.with(|c| c.stop_at_once(StopCause::Typed));
+            device.with(|c| c.stop_at_once(StopCause::Typed));
         } else if !self.listens() {
             return;
         }
@@ -158,7 +170,7 @@ impl Session {
         put(out, format_args!("\r\n"));
         match command {
             Ok(None) => {}
-            Ok(Some(command)) => self.obey(&command, controller, out),
+            Ok(Some(command)) => self.obey(&command, device, out),
             Err(error) => say(out, format_args!("{error}")),
         }
         self.prompt(out);
@@ -173,9 +185,9 @@ impl Session {
     }
 
     /// Looks after the controller; to be called about once a millisecond, with the time since the last call, s.
-    pub fn look(&mut self, elapsed_s: f32, controller: &mut impl Lender, out: &mut impl Terminal) {
+    pub fn look(&mut self, elapsed_s: f32, device: &mut impl Device, out: &mut impl Terminal) {
         let silent = self.falls_silent(elapsed_s);
-        let seen = controller.with(|c| {
+        let seen = device.with(|c| {
             if silent && c.mode() != Mode::Off {
                 c.report_fault(Fault::HostSilent);
             }
@@ -188,7 +200,7 @@ impl Session {
         });
         self.announce(&seen, out);
         if let Some(arming) = self.arming.take() {
-            self.go_on(arming, elapsed_s, controller, out);
+            self.go_on(arming, elapsed_s, device, out);
         }
     }
 
@@ -252,7 +264,7 @@ impl Session {
         &mut self,
         arming: Arming,
         elapsed_s: f32,
-        controller: &mut impl Lender,
+        device: &mut impl Device,
         out: &mut impl Terminal,
     ) {
         let Arming { mode, stage } = arming;
@@ -261,12 +273,12 @@ impl Session {
                 Ok(Some(Stage::Settling(left_s - elapsed_s)))
             }
             Stage::Settling(_) => {
-                controller.with(Controller::restart_idle);
+                device.with(Controller::restart_idle);
                 Ok(Some(Stage::Reading))
             }
             Stage::Reading => {
                 let (wired, limit_nm) = (self.wired, self.settings.motor.torque_limit_nm);
-                controller.with(|c| {
+                device.with(|c| {
                     if c.idle().periods() < IDLE_PERIODS {
                         return Ok(Some(Stage::Reading));
                     }
@@ -279,10 +291,10 @@ impl Session {
                 })
             }
             Stage::Checking(mut check) => {
-                match controller.with(|c| advance(&mut check, elapsed_s, c)) {
+                match device.with(|c| advance(&mut check, elapsed_s, c)) {
                     Progress::Push(_) => Ok(Some(Stage::Checking(check))),
                     Progress::Done(Err(error)) => Err(ArmError::Wiring(error)),
-                    Progress::Done(Ok(())) => self.take_resistance(controller).map(|()| None),
+                    Progress::Done(Ok(())) => self.take_resistance(device).map(|()| None),
                 }
             }
         };
@@ -290,12 +302,12 @@ impl Session {
             Ok(Some(stage)) => self.arming = Some(Arming { mode, stage }),
             Ok(None) => {
                 self.wired = true;
-                self.execute(&Command::Arm(mode), controller, out);
+                self.execute(&Command::Arm(mode), device, out);
                 self.prompt(out);
                 self.go_on_saying(out);
             }
             Err(error) => {
-                controller.with(Controller::disarm);
+                device.with(Controller::disarm);
                 say(out, format_args!("{error}"));
                 self.prompt(out);
             }
@@ -304,8 +316,8 @@ impl Session {
 
     /// Takes over the winding's resistance as the wiring check has shown it; a motor that moved at once leaves it as it
     /// is.
-    fn take_resistance(&mut self, controller: &mut impl Lender) -> Result<(), ArmError> {
-        let Some(measured_ohm) = controller.with(|c| c.resistance_ohm()) else {
+    fn take_resistance(&mut self, device: &mut impl Device) -> Result<(), ArmError> {
+        let Some(measured_ohm) = device.with(|c| c.resistance_ohm()) else {
             return Ok(());
         };
         let expected_ohm = self.settings.motor.resistance_ohm;
@@ -318,18 +330,15 @@ impl Session {
         }
         self.settings.motor.resistance_ohm = measured_ohm;
         let tuning = Tuning::new(&self.settings, self.rate);
-        controller.with(|c| c.retune(tuning));
+        device.with(|c| c.retune(tuning));
         Ok(())
     }
 
     #[inline(never)]
-    fn obey(&mut self, command: &Command, controller: &mut impl Lender, out: &mut impl Terminal) {
+    fn obey(&mut self, command: &Command, device: &mut impl Device, out: &mut impl Terminal) {
         match *command {
             Command::Arm(mode) if mode != Mode::Off => {
-                match self
-                    .ready
-                    .and_then(|()| controller.with(|c| c.prepare(mode)))
-                {
+                match self.ready.and_then(|()| device.with(|c| c.prepare(mode))) {
                     Ok(()) => {
                         if !self.wired {
                             say(
@@ -351,19 +360,14 @@ impl Session {
                     Command::Baud(baud) => self.baud = Some(*baud),
                     _ => {}
                 }
-                self.execute(command, controller, out);
+                self.execute(command, device, out);
             }
         }
     }
 
     #[inline(never)]
-    fn execute(
-        &mut self,
-        command: &Command,
-        controller: &mut impl Lender,
-        out: &mut impl Terminal,
-    ) {
-        match execute(command, &mut self.settings, self.rate, controller) {
+    fn execute(&mut self, command: &Command, device: &mut impl Device, out: &mut impl Terminal) {
+        match execute(command, &mut self.settings, self.rate, device) {
             Ok(answer) => self.answer = Some((answer, 0)),
             Err(refusal) => say(out, format_args!("{refusal}")),
         }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::Lender;
+use super::Device;
 use super::command::{Arguments, ParseError};
 use crate::decimal::Decimal;
 use crate::telemetry::{
@@ -80,7 +80,7 @@ pub(super) fn baud(arguments: &mut Arguments) -> Result<u32, ParseError> {
 /// Does what is wanted.
 pub(super) fn execute(
     wanted: TelemetryCommand,
-    lender: &mut impl Lender,
+    lender: &mut impl Device,
 ) -> Result<TelemetryAnswer, TelemetryRefusal> {
     lender
         .telemetry(|telemetry| {

@@ -1,5 +1,6 @@
 //! The RTIC app, and what it needs beside the board and the control core.
 
+mod device;
 mod last_words;
 mod terminal;
 mod transmit;
@@ -8,13 +9,6 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 // The logger registers itself.
 use defmt_rtt as _;
-use haptic_paddle::console::Lender;
-use haptic_paddle::controller::Controller;
-use haptic_paddle::telemetry::Telemetry;
-use rtic::Mutex;
-use stm32f4xx_hal::pac::Interrupt;
-
-use crate::board;
 
 /// Control periods since boot; wraps.
 static TICKS: AtomicU32 = AtomicU32::new(0);
@@ -25,34 +19,6 @@ fn ticks() -> u32 {
 
 /// Bits a second that the serial line is to have once all that was said is out; 0 for no change.
 static BAUD_WANTED: AtomicU32 = AtomicU32::new(0);
-
-/// Lends the controller out right after a control period, so that the work is over long before the next one and the
-/// lock, which masks the control interrupt, never delays it.
-struct AfterPeriod<'a, C, T> {
-    controller: &'a mut C,
-    telemetry: &'a mut T,
-}
-
-impl<C: Mutex<T = Controller>, T: Mutex<T = Telemetry>> Lender for AfterPeriod<'_, C, T> {
-    fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
-        let now = ticks();
-        // Should the period end just before the sleep, the next one is taken.
-        while ticks() == now {
-            cortex_m::asm::wfi();
-        }
-        self.controller.lock(work)
-    }
-
-    fn telemetry<R>(&mut self, work: impl FnOnce(&mut Telemetry) -> R) -> Option<R> {
-        let answer = self.telemetry.lock(|telemetry| {
-            telemetry.baud = board::serial::baud();
-            work(telemetry)
-        });
-        // There may be something to send now.
-        rtic::pend(Interrupt::DMA1_STREAM6);
-        Some(answer)
-    }
-}
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
@@ -69,9 +35,10 @@ mod app {
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+    use super::device::{Device, SettingsStore, WATCHDOG_MS};
     use super::terminal::{self, Heard, Input, Output};
     use super::transmit::{self, Sender};
-    use super::{AfterPeriod, BAUD_WANTED, TICKS, last_words, ticks};
+    use super::{BAUD_WANTED, TICKS, last_words, ticks};
     use crate::board::serial::{self, Arrived, Receiver};
     use crate::board::{
         self, Board, Bridge, Button, FaultLine, Oscillator, PeriodClock, Sensors, Supply, events,
@@ -83,9 +50,6 @@ mod app {
     const OFFSET_PERIODS: u32 = 1024;
     /// Control periods before that, 200 ms, in which the amplifier and its reference settle.
     const WARM_UP_PERIODS: u32 = board::CONTROL_HZ / 5;
-    /// Nominal time to reset without a sign of life, ms. The oscillator behind it may have 17 to 47 kHz instead of
-    /// 32 (data sheet), so that the true time is 14 to 38 ms.
-    const WATCHDOG_MS: u32 = 20;
     /// Control periods between two looks of the console at the state of the controller.
     const CONSOLE_PERIODS: u32 = board::CONTROL_HZ / CONSOLE_HZ;
     const CONSOLE_HZ: u32 = 1_000;
@@ -113,6 +77,7 @@ mod app {
         input: Input,
         output: Output,
         watchdog: IndependentWatchdog,
+        store: SettingsStore,
     }
 
     #[init(local = [text: Queue<u8, { terminal::OUTPUT_BYTES }> = Queue::new(),
@@ -130,8 +95,13 @@ mod app {
             button,
             mut periods,
             oscillator,
+            settings_flash,
         } = Board::new(cx.device);
-        let settings = Settings::default();
+        let mut store = SettingsStore::new(settings_flash, board::SETTINGS_SECTORS);
+        let (settings, recalled) = match store.load() {
+            Ok(recalled) => (recalled.settings, Ok(recalled.left_out)),
+            Err(error) => (Settings::default(), Err(error)),
+        };
         let rate = TickRate::new(board::CONTROL_HZ as f32, POSITION_DIVIDER);
         let mut controller = Controller::new(&settings, rate);
         let mut idle = IdleReading::default();
@@ -159,7 +129,7 @@ mod app {
         let telemetry =
             Telemetry::new(cx.local.memory, board::CONTROL_HZ as f32, serial::BOOT_BAUD);
         let mut output = Output::new(output);
-        let session = Session::new(settings, rate, ready);
+        let session = Session::new(settings, rate, ready).recalled(recalled);
         let faults = last_words::recall_faults();
         last_words::report(faults.reset, &mut output);
         controller.recall(faults);
@@ -186,6 +156,7 @@ mod app {
                 input: Input::default(),
                 output,
                 watchdog,
+                store,
             },
         )
     }
@@ -286,7 +257,7 @@ mod app {
         if events & events::RESTART != 0 {
             sensors.go_on();
         }
-        if periods != 1 {
+        if periods != 1 && events & events::FLASH == 0 {
             controller.report_fault(Fault::Deadline);
         }
         if events & events::OVERRUN != 0 {
@@ -328,18 +299,21 @@ mod app {
         cx.local.sender.serve(&mut cx.shared.telemetry);
     }
 
-    #[idle(local = [session, input, output, watchdog], shared = [controller, telemetry])]
-    fn idle(mut cx: idle::Context) -> ! {
+    #[idle(local = [session, input, output, watchdog, store], shared = [controller, telemetry])]
+    fn idle(cx: idle::Context) -> ! {
         let idle::LocalResources {
             session,
             input,
             output,
             watchdog,
+            store,
             ..
         } = cx.local;
-        let mut controller = AfterPeriod {
-            controller: &mut cx.shared.controller,
-            telemetry: &mut cx.shared.telemetry,
+        let mut device = Device {
+            controller: cx.shared.controller,
+            telemetry: cx.shared.telemetry,
+            store,
+            watchdog,
         };
         let mut fed = ticks();
         let mut looked = fed;
@@ -350,11 +324,11 @@ mod app {
                 continue;
             }
             // Only a processor that still gets through both the control interrupt and this loop is alive.
-            watchdog.feed();
+            device.watchdog.feed();
             fed = now;
             if now.wrapping_sub(looked) >= CONSOLE_PERIODS {
                 looked = now;
-                session.look(1.0 / CONSOLE_HZ as f32, &mut controller, output);
+                session.look(1.0 / CONSOLE_HZ as f32, &mut device, output);
                 if board::overrun() {
                     events::raise(events::OVERRUN);
                 }
@@ -369,7 +343,7 @@ mod app {
             if session.listens() && output.has_room() {
                 match input.next(now) {
                     Heard::Nothing => {}
-                    Heard::Byte(byte) => session.type_in(byte, &mut controller, output),
+                    Heard::Byte(byte) => session.type_in(byte, &mut device, output),
                     Heard::Loss => session.complain(output),
                 }
             }

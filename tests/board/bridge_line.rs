@@ -55,7 +55,7 @@ fn without_its_24_v_at_boot_the_bridge_is_reported_and_nothing_is_latched() {
     };
     let mut bench = Bench::new(image);
     bench.board.set_bridge_fault(true);
-    bench.boot();
+    bench.run(0.5);
     let said = bench.wait_for("> ");
     assert!(said.contains("24 V"), "{said}");
     bench.command("zero hall");

@@ -17,4 +17,5 @@ mod replay;
 mod safety;
 mod serial_line;
 mod step_response;
+mod stored_settings;
 mod telemetry;

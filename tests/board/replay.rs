@@ -6,7 +6,7 @@ use std::slice;
 
 use crate::bench::{Bench, CONTROL, image, quiet, setup};
 use crate::lends::{Lend, Watch};
-use haptic_paddle::console::{Lender, Session};
+use haptic_paddle::console::{Device, Session};
 use haptic_paddle::controller::{ArmError, Controller, Duty, Measurement, Mode, TickRate};
 use haptic_paddle::sensing::current::IdleReading;
 use haptic_paddle::settings::Settings;
@@ -137,7 +137,7 @@ fn measurement(step: &Step) -> Measurement {
 }
 
 /// Drives the console as the image did, with a controller that `lender` brings to the tick of each lend.
-fn follow<L: Lender>(
+fn follow<L: Device>(
     lines: &[&str],
     lends: &VecDeque<Lend>,
     mut lender: L,
@@ -200,7 +200,7 @@ impl Replay<'_> {
     }
 }
 
-impl Lender for Replay<'_> {
+impl Device for Replay<'_> {
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
         if let Some(lend) = self.lends.next() {
             self.step_to(lend.tick);
@@ -280,7 +280,7 @@ impl Simulation<'_> {
     }
 }
 
-impl Lender for Simulation<'_> {
+impl Device for Simulation<'_> {
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
         if let Some(lend) = self.lends.next() {
             self.run_to(lend.tick as usize);

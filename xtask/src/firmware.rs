@@ -55,6 +55,7 @@ fn measure() -> Result<String, Failure> {
     })?;
     let image = Image::read(&bytes)?;
     image.check_vectors(&SERVED)?;
+    image.check_settings_are_spared()?;
     image.check_single_precision()?;
     let flash = image.flash_bytes();
     if flash > FLASH_LIMIT_BYTES {

@@ -9,6 +9,8 @@ use object::{Endianness, Object, ObjectSection, ObjectSymbol, SymbolKind};
 /// Where the chips have their flash and their main RAM.
 const FLASH: Range<u64> = 0x0800_0000..0x0810_0000;
 const RAM: Range<u64> = 0x2000_0000..0x2002_0000;
+/// The flash sectors of the stored settings, which no image may touch: 1 to 3 (RM0090, section 3.3, table 5).
+const SETTINGS: Range<u64> = 0x0800_4000..0x0801_0000;
 /// Exceptions of the Cortex-M4 in front of the interrupts, the initial stack pointer counted in.
 const EXCEPTIONS: usize = 16;
 const RESET: usize = 1;
@@ -36,6 +38,8 @@ pub enum ImageError {
         .0.join(", ")
     )]
     DoublePrecision(Vec<String>),
+    #[error("the firmware image has bytes at {0:#x}, where the stored settings are: see memory.x")]
+    OverSettings(u64),
     #[error("the firmware takes {bytes} bytes of flash, more than {limit}")]
     TooLarge { bytes: u64, limit: u64 },
     #[error(
@@ -184,16 +188,34 @@ impl<'a> Image<'a> {
         }
     }
 
+    /// No byte of the image is where the settings are stored, so that flashing leaves them alone.
+    pub fn check_settings_are_spared(&self) -> Result<(), ImageError> {
+        match self
+            .flashed()
+            .find(|span| span.start < SETTINGS.end && span.end > SETTINGS.start)
+        {
+            Some(span) => Err(ImageError::OverSettings(span.start)),
+            None => Ok(()),
+        }
+    }
+
     /// Bytes that the flash takes.
     pub fn flash_bytes(&self) -> u64 {
+        self.flashed().map(|span| span.end - span.start).sum()
+    }
+
+    /// Spans of the flash that the image fills.
+    fn flashed(&self) -> impl Iterator<Item = Range<u64>> {
         let endian = self.elf.endian();
         self.elf
             .elf_program_headers()
             .iter()
-            .filter(|header| header.p_type(endian) == object::elf::PT_LOAD)
-            .filter(|header| FLASH.contains(&u64::from(header.p_paddr(endian))))
-            .map(|header| u64::from(header.p_filesz(endian)))
-            .sum()
+            .filter(move |header| header.p_type(endian) == object::elf::PT_LOAD)
+            .map(move |header| {
+                let start = u64::from(header.p_paddr(endian));
+                start..start + u64::from(header.p_filesz(endian))
+            })
+            .filter(|span| FLASH.contains(&span.start) && !span.is_empty())
     }
 
     /// Bytes of RAM that variables take.

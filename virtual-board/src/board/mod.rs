@@ -7,6 +7,7 @@ mod step;
 
 pub use step::Step;
 
+pub use crate::chip::FlashChange;
 use crate::chip::{Chip, Pin, Supply};
 use crate::cpu::{Bus, Cpu, Memories, Stop, Unmodelled};
 use crate::image::{Image, ImageError};
@@ -539,6 +540,12 @@ impl Board {
     pub fn take_log(&mut self) -> Vec<Entry> {
         self.fetch_log();
         std::mem::take(&mut self.entries)
+    }
+
+    /// The changes of the flash since the last call. A supply that goes between the beginning and the end of one leaves
+    /// its cells as the noise has them.
+    pub fn take_flash_changes(&mut self) -> Vec<FlashChange> {
+        self.chip.take_flash_changes()
     }
 
     /// Resets since power-on: when, s, and why.

@@ -51,9 +51,13 @@ impl Bus for Chip {
             && (at as usize) < FLASH_BYTES
         {
             let hz = self.clock.hz();
-            self.flash
+            let began = self
+                .flash
                 .program(at, width, value, signals.cycle(), hz)
                 .map_err(|lack| refusal(Unit::Flash, 0, lack))?;
+            if began {
+                self.note_flash_change(signals.cycle());
+            }
             self.stall_while_flash_is_busy(signals);
             return Ok(());
         }
@@ -170,7 +174,13 @@ impl Chip {
                 self.follow_detector(changed, signals);
             }
             Unit::Flash => {
-                self.flash.write(offset, value, now, self.clock.hz())?;
+                if self
+                    .flash
+                    .write(offset, value, now, self.clock.hz())?
+                    .is_some()
+                {
+                    self.note_flash_change(now);
+                }
                 signals.set_flash_timing(self.flash.timing());
                 self.stall_while_flash_is_busy(signals);
             }

@@ -17,7 +17,7 @@ use crate::peripherals::adc::Adc;
 use crate::peripherals::dbgmcu::{Dbgmcu, Held};
 use crate::peripherals::dma::Dma;
 use crate::peripherals::exti::Exti;
-use crate::peripherals::flash::Flash;
+use crate::peripherals::flash::{Change, Flash};
 use crate::peripherals::general_timer::GeneralTimer;
 use crate::peripherals::gpio::Gpio;
 use crate::peripherals::iwdg::Iwdg;
@@ -45,6 +45,17 @@ pub enum Supply {
     TooLow,
     /// Nothing: the chip is held in reset.
     HeldInReset,
+}
+
+/// A change of the flash, and when it ran.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlashChange {
+    /// Which cells become what.
+    pub change: Change,
+    /// When it began, s.
+    pub from_s: f64,
+    /// When it ends, s, unless the supply goes before.
+    pub to_s: f64,
 }
 
 /// The chip.
@@ -75,6 +86,7 @@ pub struct Chip {
     pwr: Pwr,
     supply_v: f64,
     flash: Flash,
+    flash_changes: Vec<FlashChange>,
     iwdg: Iwdg,
     dbgmcu: Dbgmcu,
     /// What an event could not do, as for [`crate::cpu::Refusal::Unmodelled`].
@@ -113,6 +125,7 @@ impl Chip {
             pwr: Pwr::reset(pwr::NOMINAL_V),
             supply_v: pwr::NOMINAL_V,
             flash: Flash::default(),
+            flash_changes: Vec::new(),
             iwdg: Iwdg::default(),
             dbgmcu: Dbgmcu::default(),
             trouble: None,
@@ -300,6 +313,23 @@ impl Chip {
             self.trigger(at);
         }
         signals.set_line(lines::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
+    }
+
+    /// Keeps what has begun at cycle `from`, if a change of the flash has.
+    fn note_flash_change(&mut self, from: u64) {
+        if let Some((change, to)) = self.flash.running() {
+            let [from_s, to_s] = [from, to].map(|cycle| self.clock.seconds(cycle));
+            self.flash_changes.push(FlashChange {
+                change,
+                from_s,
+                to_s,
+            });
+        }
+    }
+
+    /// The changes of the flash since the last call.
+    pub fn take_flash_changes(&mut self) -> Vec<FlashChange> {
+        std::mem::take(&mut self.flash_changes)
     }
 
     /// Ends a change of the flash that is due.

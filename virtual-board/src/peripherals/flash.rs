@@ -264,6 +264,11 @@ impl Flash {
         self.busy.map_or(NEVER, |(_, end)| end)
     }
 
+    /// What runs, and the cycle at which it ends.
+    pub fn running(&self) -> Option<(Change, u64)> {
+        self.busy
+    }
+
     /// Ends the running change, which is to be carried out now.
     pub fn done(&mut self) -> Option<Change> {
         self.busy.take().map(|(change, _)| change)

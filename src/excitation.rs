@@ -74,6 +74,31 @@ impl Excitation {
         }
     }
 
+    /// Whether it makes sense on a paddle: its position loop follows some 20 Hz, and at 100 Hz the motor's clamp moves it by
+    /// a tenth of a degree.
+    ///
+    /// # Errors
+    /// [`ExcitationError::TooFast`] above 500 Hz, [`ExcitationError::Endless`] above 50 Hz without an end within a minute.
+    pub fn check_sense(&self) -> Result<(), ExcitationError> {
+        const FASTEST_HZ: f32 = 500.0;
+        const FASTEST_ENDLESS_HZ: f32 = 50.0;
+        const LONGEST_FAST_S: f32 = 60.0;
+        let highest_hz = match self.shape {
+            Shape::Step | Shape::Ramp => 0.0,
+            Shape::Sine | Shape::Square | Shape::Triangle => self.frequency_hz,
+            Shape::Chirp => self.frequency_hz.max(self.end_frequency_hz),
+            Shape::Multisine => self.frequency_hz * MULTISINE_HARMONICS as f32,
+        };
+        let ends = self.duration_s > 0.0 && self.duration_s <= LONGEST_FAST_S;
+        if highest_hz > FASTEST_HZ {
+            Err(ExcitationError::TooFast)
+        } else if highest_hz > FASTEST_ENDLESS_HZ && !ends {
+            Err(ExcitationError::Endless)
+        } else {
+            Ok(())
+        }
+    }
+
     /// A sine that lasts until stopped.
     pub const fn sine(amplitude: f32, frequency_hz: f32) -> Self {
         Self {
@@ -93,6 +118,10 @@ pub enum ExcitationError {
     NeedsDuration,
     /// The frequency is above half the rate of the position loop, or 0 for a wave.
     BadFrequency,
+    /// No paddle follows that.
+    TooFast,
+    /// A fast signal needs an end.
+    Endless,
     /// With the reference it goes beyond the travel or the torque limit.
     OutOfRange,
     /// The controller is off.
@@ -107,6 +136,10 @@ impl fmt::Display for ExcitationError {
             Self::BadFrequency => {
                 "frequency must be above 0 and below half the rate of the position loop"
             }
+            Self::TooFast => {
+                "no paddle follows more than 500 Hz (a multisine goes up to six times its frequency)"
+            }
+            Self::Endless => "above 50 Hz say for how many seconds, 60 at most",
             Self::OutOfRange => {
                 "reference, offset and amplitude together are beyond limit.travel or motor.torque_limit"
             }

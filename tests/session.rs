@@ -97,12 +97,17 @@ impl Bench {
     /// Types a line, waits half a second, and returns what appeared on the screen.
     fn enter(&mut self, line: &str) -> String {
         self.screen.clear();
-        for byte in line.bytes().chain([b'\r']) {
+        self.keys(line);
+        self.keys("\r");
+        self.run(0.5);
+        self.screen.clone()
+    }
+
+    fn keys(&mut self, keys: &str) {
+        for byte in keys.bytes() {
             self.session
                 .type_in(byte, &mut self.controller, &mut self.screen);
         }
-        self.run(0.5);
-        self.screen.clone()
     }
 }
 
@@ -248,4 +253,67 @@ fn typing_is_echoed_and_a_mistake_can_be_taken_back() {
     );
     assert!(screen.ends_with("> "), "{screen:?}");
     assert_eq!(bench.session.settings().pid.kp_nm_per_deg, 0.04);
+}
+
+#[test]
+fn tab_completes_commands_settings_and_choices() {
+    let mut bench = Bench::new(SOUND);
+    for (typed, line) in [
+        ("sta\ttu\t", "> status "),
+        ("get pid.der\t", "> get pid.derivative"),
+        ("set estimate.sen\th\t", "> set estimate.sensor hall "),
+        ("arm t\t", "> arm torque "),
+        ("start mu\t", "> start multisine "),
+    ] {
+        bench.screen.clear();
+        bench.keys(typed);
+        let shown = bench.screen.replace("\x1b[K", "");
+        assert!(shown.ends_with(line), "{typed:?}: {shown:?}");
+        bench.keys("\x15");
+    }
+    bench.screen.clear();
+    bench.keys("get pid.k\t");
+    assert!(
+        bench.screen.contains("pid.kp  pid.ki  pid.kd"),
+        "{}",
+        bench.screen
+    );
+    assert!(
+        bench.screen.ends_with("\r> get pid.k\x1b[K"),
+        "{:?}",
+        bench.screen
+    );
+}
+
+#[test]
+fn a_signal_that_makes_no_sense_is_refused() {
+    let mut bench = Bench::new(SOUND);
+    bench.enter("zero");
+    bench.enter("arm torque");
+    for (line, hint) in [
+        ("start sine 0.001 1000", "500 Hz"),
+        ("start sine 0.001 1000 2", "500 Hz"),
+        ("start multisine 0.001 100 2", "500 Hz"),
+        ("start chirp 0.001 1 2000 5", "500 Hz"),
+        ("start square 0.001 200", "how many seconds"),
+        ("start square 0.001 200 3600", "how many seconds"),
+    ] {
+        let screen = bench.enter(line);
+        assert!(screen.contains(hint), "{line}: {screen}");
+        assert!(!bench.controller.excited(), "{line}");
+    }
+    bench.enter("start sine 0.001 200 5");
+    assert!(bench.controller.excited());
+}
+
+#[test]
+fn the_greeting_and_the_version_come_on_request() {
+    let mut bench = Bench::new(SOUND);
+    for (line, hint) in [("hello", "disarmed; help lists"), ("version", "commit")] {
+        let screen = bench.enter(line);
+        assert!(screen.contains(hint) && screen.ends_with("> "), "{screen}");
+    }
+    bench.enter("arm torque");
+    assert!(bench.enter("reboot").contains("disarm first"));
+    assert_eq!(bench.controller.mode(), Mode::Torque);
 }

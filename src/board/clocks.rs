@@ -1,5 +1,7 @@
 //! The clocks, from the crystal if it starts, and the time of the control periods by a clock of its own.
 
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Enable, Rcc};
@@ -65,10 +67,21 @@ pub fn wait_us(us: u32) {
     while timer.cnt().read().bits().wrapping_sub(from) < 2 * PCLK1_HZ / 1_000_000 * us {}
 }
 
+/// When the control interrupt began last, by TIM2.
+static BEGAN: AtomicU32 = AtomicU32::new(0);
+
+/// Since then, s.
+#[expect(unsafe_code, reason = "tasks below the control loop ask too")]
+pub fn since_control_began_s() -> f32 {
+    // SAFETY: a counter is only read.
+    let timer = unsafe { TIM2::steal() };
+    let now = timer.cnt().read().bits();
+    now.wrapping_sub(BEGAN.load(Ordering::Relaxed)) as f32 * (1.0 / (2 * PCLK1_HZ) as f32)
+}
+
 /// Measures the control periods with TIM2, which no debugger's halt stops, so that a halt shows.
 pub struct PeriodClock {
     timer: TIM2,
-    last: u32,
 }
 
 impl PeriodClock {
@@ -80,20 +93,20 @@ impl PeriodClock {
         TIM2::enable(rcc);
         timer.arr().write(|w| w.set(u32::MAX));
         timer.cr1().write(|w| w.cen().enabled());
-        Self { timer, last: 0 }
+        Self { timer }
     }
 
     /// Takes this moment for the beginning of a period.
     pub fn restart(&mut self) {
-        self.last = self.timer.cnt().read().bits();
+        BEGAN.store(self.timer.cnt().read().bits(), Ordering::Relaxed);
     }
 
     /// Whole periods since the last call; 1 if none was missed.
     #[inline]
     pub fn periods(&mut self) -> u32 {
         let now = self.timer.cnt().read().bits();
-        let since = now.wrapping_sub(self.last);
-        self.last = now;
+        let since = now.wrapping_sub(BEGAN.load(Ordering::Relaxed));
+        BEGAN.store(now, Ordering::Relaxed);
         if since < Self::PERIOD + Self::PERIOD / 2 {
             1
         } else {

@@ -23,7 +23,7 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 pub use bridge::{Bridge, FaultLine, wait_for_next_period};
 pub use button::Button;
-pub use clocks::{Oscillator, PeriodClock};
+pub use clocks::{Oscillator, PeriodClock, since_control_began_s};
 use clocks::{PCLK2_HZ, SYSCLK_HZ};
 use converters::Converters;
 pub use converters::{PERIODS_TO_MEASURE, overrun, sample_current_once};

@@ -35,6 +35,10 @@ pub enum Answer {
     Faults(FaultLog, Counters),
     /// That a sign of life was heard.
     Beat,
+    /// How long the control interrupt takes, where that is measured.
+    Timing(Option<Timing>),
+    /// Version of the firmware.
+    Version,
     /// What the telemetry does.
     Telemetry(TelemetryAnswer),
     /// The rate that the serial line will have.
@@ -58,6 +62,8 @@ impl Answer {
             | Self::Defaults
             | Self::Status(_)
             | Self::Beat
+            | Self::Timing(_)
+            | Self::Version
             | Self::Telemetry(_)
             | Self::Baud(_) => 1,
         }
@@ -117,9 +123,43 @@ impl fmt::Display for Line<'_> {
             Answer::Status(status) => status.fmt(f),
             Answer::Faults(faults, counters) => faults_line(f, faults, *counters, number),
             Answer::Beat => f.write_str("beat"),
+            Answer::Timing(Some(timing)) => timing.fmt(f),
+            Answer::Timing(None) => f.write_str("nobody measures it here"),
+            Answer::Version => f.write_str(VERSION),
             Answer::Telemetry(answer) => answer.fmt(f),
             Answer::Baud(baud) => write!(f, "{baud} baud from the next prompt on"),
         }
+    }
+}
+
+/// Of the firmware, with the commit that it was made from.
+pub const VERSION: &str = concat!(
+    "haptic paddle ",
+    env!("CARGO_PKG_VERSION"),
+    ", commit ",
+    env!("PADDLE_COMMIT")
+);
+
+/// How long the control interrupt takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// The last one, s.
+    pub last_s: f32,
+    /// The longest one since the last question, s.
+    pub worst_s: f32,
+    /// A control period, s.
+    pub period_s: f32,
+}
+
+impl fmt::Display for Timing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "the control interrupt takes {} us, {} us at worst since the last question, of {} us",
+            Fixed(self.last_s * 1e6, 2),
+            Fixed(self.worst_s * 1e6, 2),
+            Fixed(self.period_s * 1e6, 0)
+        )
     }
 }
 

@@ -38,9 +38,9 @@ impl fmt::Display for Usage {
 }
 
 /// All commands.
-pub static COMMANDS: [Usage; 21] = [
+pub static COMMANDS: [Usage; 25] = [
     HELP, GET, SET, DUMP, SAVE, LOAD, DEFAULTS, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS,
-    FAULTS, CLEAR, BEAT, STREAM, CAPTURE, BAUD,
+    FAULTS, CLEAR, BEAT, STREAM, CAPTURE, BAUD, TIMING, VERSION, HELLO, REBOOT,
 ];
 
 const HELP: Usage = Usage {
@@ -170,11 +170,36 @@ const BAUD: Usage = Usage {
     example: "baud 1843200",
 };
 
+const TIMING: Usage = Usage {
+    name: "timing",
+    arguments: "",
+    purpose: "how long the control interrupt takes, now and at worst since the last question",
+    example: "timing",
+};
+const VERSION: Usage = Usage {
+    name: "version",
+    arguments: "",
+    purpose: "the version of the firmware, and the commit that it was made from",
+    example: "version",
+};
+const HELLO: Usage = Usage {
+    name: "hello",
+    arguments: "",
+    purpose: "the greeting again",
+    example: "hello",
+};
+const REBOOT: Usage = Usage {
+    name: "reboot",
+    arguments: "",
+    purpose: "begin anew, as after a reset; disarmed only",
+    example: "reboot",
+};
+
 /// The command of this name, or the only one whose name begins like this.
 ///
 /// # Errors
 /// [`ParseError`] if there is none, or more.
-fn find(text: &str) -> Result<&'static Usage, ParseError> {
+pub fn find(text: &str) -> Result<&'static Usage, ParseError> {
     if let Some(usage) = COMMANDS.iter().find(|usage| usage.name == text) {
         return Ok(usage);
     }
@@ -250,6 +275,14 @@ pub enum Command {
     Telemetry(TelemetryCommand),
     /// Another rate of the serial line, bits a second.
     Baud(u32),
+    /// How long the control interrupt takes.
+    Timing,
+    /// Version of the firmware.
+    Version,
+    /// The greeting.
+    Hello,
+    /// Begin anew.
+    Reboot,
 }
 
 /// Why a line is no command.
@@ -367,6 +400,10 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
         "clear" => Command::Clear,
         "faults" => Command::Faults,
         "beat" => Command::Beat,
+        "timing" => Command::Timing,
+        "version" => Command::Version,
+        "hello" => Command::Hello,
+        "reboot" => Command::Reboot,
         "stream" => Command::Telemetry(telemetry::stream(&mut arguments)?),
         "capture" => Command::Telemetry(telemetry::capture(&mut arguments)?),
         "baud" => Command::Baud(telemetry::baud(&mut arguments)?),

@@ -6,20 +6,21 @@
 
 mod answer;
 mod command;
+mod complete;
 mod line;
 mod session;
 mod telemetry;
 
-pub use answer::{Answer, Refusal};
+pub use answer::{Answer, Refusal, Timing};
 pub use command::{COMMANDS, Command, MAX_LINE_BYTES, ParseError, Topic, Usage, Zero, parse};
-pub use line::{LineEditor, STOP_BYTE, Typed};
+pub use line::{Edited, LineEditor, STOP_BYTE, Typed};
 pub use session::Session;
 pub use telemetry::{TelemetryAnswer, TelemetryCommand, TelemetryRefusal};
 
 use core::fmt;
 
 use crate::controller::{Controller, Mode, TickRate, Tuning};
-use crate::excitation::Excitation;
+use crate::excitation::{Excitation, ExcitationError};
 use crate::settings::{Recalled, Settings, StoreError};
 use crate::telemetry::Telemetry;
 use crate::units::RAD_PER_DEG;
@@ -34,6 +35,14 @@ pub trait Device {
         let _ = work;
         None
     }
+
+    /// How long the control interrupt takes, where that is measured.
+    fn timing(&mut self) -> Option<Timing> {
+        None
+    }
+
+    /// Begins anew, as after a reset.
+    fn reboot(&mut self) {}
 
     /// Stores settings so that they outlive a loss of the supply. Takes up to two seconds, in which nothing else runs.
     ///
@@ -120,14 +129,10 @@ pub fn execute(
         Command::Reference(value) => {
             device.with(|c| c.set_reference(value * per_shown_unit(c.mode())))?
         }
-        Command::Start(excitation) => device.with(|c| {
-            let unit = per_shown_unit(c.mode());
-            c.start(&Excitation {
-                amplitude: excitation.amplitude * unit,
-                offset: excitation.offset * unit,
-                ..excitation
-            })
-        })?,
+        Command::Start(excitation) => {
+            excitation.check_sense()?;
+            device.with(|c| start(c, &excitation))?;
+        }
         Command::Stop => device.with(Controller::stop),
         Command::Faults => {
             return Ok(device.with(|c| Answer::Faults(*c.faults(), c.counters())));
@@ -136,10 +141,27 @@ pub fn execute(
             return Ok(Answer::Telemetry(telemetry::execute(wanted, device)?));
         }
         Command::Beat => return Ok(Answer::Beat),
+        Command::Timing => return Ok(Answer::Timing(device.timing())),
+        // Of the greeting this is what needs no session.
+        Command::Version | Command::Hello => return Ok(Answer::Version),
+        Command::Reboot => {
+            disarmed(device)?;
+            device.reboot();
+        }
         Command::Baud(baud) => return Ok(Answer::Baud(baud)),
         Command::Status => {}
     }
     Ok(Answer::Status(device.with(|c| c.status())))
+}
+
+/// Starts a test signal whose numbers are in the unit that people type.
+fn start(controller: &mut Controller, excitation: &Excitation) -> Result<(), ExcitationError> {
+    let unit = per_shown_unit(controller.mode());
+    controller.start(&Excitation {
+        amplitude: excitation.amplitude * unit,
+        offset: excitation.offset * unit,
+        ..*excitation
+    })
 }
 
 /// # Errors

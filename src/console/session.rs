@@ -2,7 +2,9 @@
 
 use core::fmt;
 
-use super::line::{LineEditor, STOP_BYTE, Typed};
+use super::answer::VERSION;
+use super::complete::Completion;
+use super::line::{Edited, LineEditor, STOP_BYTE, Typed};
 use super::{Answer, Command, Device, ParseError, Terminal, execute, parse};
 use crate::controller::{ArmError, Controller, Mode, StopCause, TickRate, Tuning};
 use crate::safety::Fault;
@@ -92,24 +94,29 @@ impl Session {
         self.baud.take()
     }
 
-    /// Says hello.
+    /// Says hello, at power-on.
     pub fn greet(&self, out: &mut impl Terminal) {
-        say(
-            out,
-            format_args!(
-                "\r\nhaptic paddle {}, disarmed; help lists the commands",
-                env!("CARGO_PKG_VERSION")
-            ),
-        );
+        self.introduce(false, out);
         match self.recalled {
             Ok(left_out) => say(out, format_args!("{}", Answer::Loaded(left_out))),
             Err(StoreError::Empty) => say(out, format_args!("{}", Answer::Defaults)),
             Err(error) => say(out, format_args!("the settings are the defaults: {error}")),
         }
+        self.prompt(out);
+    }
+
+    /// Says what this is, and what keeps it from being armed.
+    fn introduce(&self, armed: bool, out: &mut impl Terminal) {
+        say(
+            out,
+            format_args!(
+                "\r\n{VERSION}, {}; help lists the commands",
+                if armed { "armed" } else { "disarmed" }
+            ),
+        );
         if let Err(error) = &self.ready {
             say(out, format_args!("{error}"));
         }
-        self.prompt(out);
     }
 
     /// Whether [`Self::type_in`] takes more than Ctrl-C: not on the way to a mode, nor within an answer.
@@ -162,6 +169,14 @@ impl Session {
                 put(out, format_args!("\x08 \x08"));
                 return;
             }
+            Typed::Edited(edited) => {
+                show(out, &edited);
+                return;
+            }
+            Typed::Complete(_) => {
+                self.complete(out);
+                return;
+            }
             Typed::Ignored => return,
             Typed::Dropped => Ok(None),
             Typed::TooLong => Err(ParseError::TooLong),
@@ -177,9 +192,36 @@ impl Session {
         self.go_on_saying(out);
     }
 
+    /// Goes on with the word that was begun, or says what it may become.
+    fn complete(&mut self, out: &mut impl Terminal) {
+        let Edited {
+            line,
+            behind_cursor,
+        } = self.line.shown();
+        let begun = line.get(..line.len() - behind_cursor).unwrap_or_default();
+        let Ok(begun) = core::str::from_utf8(begun) else {
+            return;
+        };
+        let completion = Completion::of(begun);
+        let (rest, only) = completion.rest();
+        if rest.is_empty() && !only {
+            put(out, format_args!("\r\n"));
+            for name in completion.candidates() {
+                put(out, format_args!("{name}  "));
+            }
+            put(out, format_args!("\r\n"));
+        } else {
+            self.line.insert(rest);
+            if only {
+                self.line.insert(" ");
+            }
+        }
+        show(out, &self.line.shown());
+    }
+
     /// Says that typed bytes were lost; the line that they belong to is dropped.
     pub fn complain(&mut self, out: &mut impl Terminal) {
-        self.line = LineEditor::default();
+        self.line.drop_line();
         say(out, format_args!("\r\ninput lost: send slower"));
         self.prompt(out);
     }
@@ -354,6 +396,10 @@ impl Session {
                     Err(error) => say(out, format_args!("{error}")),
                 }
             }
+            Command::Hello => {
+                let armed = device.with(|c| c.mode()) != Mode::Off;
+                self.introduce(armed, out);
+            }
             _ => {
                 match command {
                     Command::Beat => self.silent_s = Some(0.0),
@@ -398,6 +444,15 @@ fn angles(controller: &Controller) -> Angles {
     Angles {
         encoder_rad: controller.encoder_rad(),
         hall_rad: controller.hall_rad(),
+    }
+}
+
+/// Shows the line that is being typed anew, with the cursor where it is.
+fn show(out: &mut impl fmt::Write, edited: &Edited) {
+    let line = core::str::from_utf8(edited.line).unwrap_or("?");
+    put(out, format_args!("\r> {line}\x1b[K"));
+    if edited.behind_cursor > 0 {
+        put(out, format_args!("\x1b[{}D", edited.behind_cursor));
     }
 }
 

@@ -1,7 +1,10 @@
 //! What the console reaches of the device: controller and telemetry behind their locks, the stored settings, and the
 //! watchdog that all must keep in mind.
 
-use haptic_paddle::console;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use cortex_m::peripheral::SCB;
+use haptic_paddle::console::{self, Timing};
 use haptic_paddle::controller::{Controller, Mode};
 use haptic_paddle::settings::{Recalled, Settings, Store, StoreError};
 use haptic_paddle::telemetry::Telemetry;
@@ -19,6 +22,18 @@ pub const WATCHDOG_MS: u32 = 20;
 /// The same while the flash is written: two sectors are erased at most, in 0.5 s each at most (data sheet, 16 KiB by 32
 /// bits), and the true time is 2.7 s at least.
 const STORE_WATCHDOG_MS: u32 = 4000;
+
+/// What the control interrupt took last, and at worst since somebody asked, as bits of seconds.
+static LAST_S: AtomicU32 = AtomicU32::new(0);
+static WORST_S: AtomicU32 = AtomicU32::new(0);
+
+/// Takes notice of what the control interrupt has just taken.
+pub fn note_timing() {
+    let bits = board::since_control_began_s().to_bits();
+    LAST_S.store(bits, Ordering::Relaxed);
+    // Numbers that are not negative compare as their bits do.
+    WORST_S.fetch_max(bits, Ordering::Relaxed);
+}
 
 /// The settings' place in flash.
 pub type SettingsStore = Store<SettingsFlash>;
@@ -51,6 +66,22 @@ impl<C: Mutex<T = Controller>, T: Mutex<T = Telemetry>> console::Device for Devi
         // There may be something to send now.
         rtic::pend(Interrupt::DMA1_STREAM6);
         Some(answer)
+    }
+
+    fn timing(&mut self) -> Option<Timing> {
+        let seconds = |time: &AtomicU32| f32::from_bits(time.load(Ordering::Relaxed));
+        let timing = Timing {
+            last_s: seconds(&LAST_S),
+            worst_s: seconds(&WORST_S),
+            period_s: 1.0 / board::CONTROL_HZ as f32,
+        };
+        WORST_S.store(0, Ordering::Relaxed);
+        Some(timing)
+    }
+
+    fn reboot(&mut self) {
+        board::bridge_off();
+        SCB::sys_reset();
     }
 
     /// With the controller's lock taken, so that nobody can arm.

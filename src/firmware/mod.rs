@@ -35,7 +35,7 @@ mod app {
     use stm32f4xx_hal::prelude::*;
     use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-    use super::device::{Device, SettingsStore, WATCHDOG_MS};
+    use super::device::{Device, SettingsStore, WATCHDOG_MS, note_timing};
     use super::terminal::{self, Heard, Input, Output};
     use super::transmit::{self, Sender};
     use super::{BAUD_WANTED, TICKS, last_words, ticks};
@@ -212,6 +212,7 @@ mod app {
     /// Right after the control interrupt: takes a sample of what it left, and looks at what the serial port received.
     #[task(binds = TIM8_CC, priority = 2, local = [receiver, rows], shared = [controller, telemetry])]
     fn sample(mut cx: sample::Context) {
+        note_timing();
         let arrived = cx.local.receiver.look();
         if arrived.stop || arrived.noisy || arrived.lost {
             take_notice(arrived);

@@ -127,3 +127,27 @@ fn a_hall_sensor_that_is_cut_gives_no_zero() {
     assert!(refusal.contains("Hall"), "{refusal}");
     assert!(!bench.drives());
 }
+
+#[test]
+fn version_timing_and_reboot() {
+    let Some(image) = image("version_timing_and_reboot") else {
+        return;
+    };
+    let mut bench = Bench::new(image);
+    bench.boot();
+    let version = bench.command("version");
+    assert!(
+        version.contains("commit ") && !version.contains("simulated"),
+        "{version}"
+    );
+    bench.command("timing");
+    bench.run(0.01);
+    let timing = bench.command("timing");
+    println!("{timing}");
+    let worst = timing.split(" us at worst").next().unwrap_or_default();
+    let worst_us: f64 = worst.rsplit(' ').next().unwrap().parse().unwrap();
+    assert!((1.0..7.0).contains(&worst_us), "{timing}");
+    bench.board.type_in("reboot\r");
+    let greeting = bench.wait_for("disarmed; help lists the commands\r\nthe settings are the defaults; save stores them\r\n> ");
+    assert!(greeting.contains("reset by"), "{greeting}");
+}

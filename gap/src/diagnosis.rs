@@ -136,6 +136,8 @@ pub enum MeasuredBy {
     ShortPredictions,
     /// The squared residual of predictions over the whole horizon: where the gap has grown largest.
     WholeHorizon,
+    /// The square of the torque that the nominal model lacks: where that acts.
+    MissingTorque,
     /// The power of the acceleration that short predictions miss, over frequency.
     Spectrum,
     /// How much better a second position sensor is predicted.

@@ -40,6 +40,7 @@ mod model_free;
 pub mod predict;
 mod ruler;
 mod select;
+mod shapley;
 mod shrink;
 mod stage;
 mod term;

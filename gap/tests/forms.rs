@@ -50,6 +50,14 @@ fn a_spring_that_hardens_at_once_is_no_stop() {
 }
 
 #[test]
+fn a_gain_that_falls_with_the_input_is_a_curve_of_the_input() {
+    assert_found(
+        "input_nonlinearity:gain=1.05,power=0.6,reference=0.004",
+        &[("power", 0.6)],
+    );
+}
+
+#[test]
 fn a_dead_band_that_lies_off_zero_is_no_offset() {
     assert_found(
         "deadband:width=2e-4,skew=0.5",

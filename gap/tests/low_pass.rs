@@ -85,7 +85,7 @@ fn beside_means(recording: &Recording, together: &[Series], group: usize) -> f64
 #[test]
 fn samples_that_are_put_together_are_predicted_as_they_are() {
     let recording = low_passed(paddle(), false, 3);
-    let fine = gap::series::fine(&recording, recording.horizon);
+    let fine = gap::series::some_fine(&recording, recording.horizon, usize::MAX);
     assert!(beside_means(&recording, &fine, 2) < 0.2 * NOISE);
 }
 

@@ -58,7 +58,30 @@ impl Saturation {
     }
 }
 
-/// Limit, saturation, dead band, delay, first-order lags and gain, in this order; or the dead band before the limit.
+/// What acts of an input that acts as a curve: a dead zone, then a power of what is beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputCurve {
+    /// What acts of the reference input, over that.
+    pub gain: f64,
+    /// Power of the input beyond the dead zone.
+    pub power: f64,
+    /// |input| up to which nothing acts.
+    pub dead_zone: f64,
+    /// |input| at which the gain is told.
+    pub reference: f64,
+}
+
+impl InputCurve {
+    /// What acts of an input.
+    #[inline]
+    fn of(self, input: f64) -> f64 {
+        let span = (self.reference - self.dead_zone).max(1e-3 * self.reference);
+        let beyond = ((input.abs() - self.dead_zone) / span).max(0.0);
+        (self.gain * self.reference * beyond.powf(self.power)).copysign(input)
+    }
+}
+
+/// Limit, saturation, dead band, curve, delay, first-order lags and gain, in this order; or the dead band before the limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Joint torque per unit of input.
@@ -76,6 +99,8 @@ pub struct Drive {
     pub deadband_skew: f64,
     /// True if limit and saturation are of what the dead band leaves.
     pub deadband_first: bool,
+    /// The curve by which the rest acts; none if it acts in proportion.
+    pub curve: Option<InputCurve>,
     /// Pure delay, s.
     pub delay_s: f64,
     /// Time constant of the lag, s.
@@ -95,6 +120,7 @@ impl Drive {
             deadband_jump: 0.0,
             deadband_skew: 0.0,
             deadband_first: false,
+            curve: None,
             delay_s: 0.0,
             lag_s: 0.0,
             further_lag_s: 0.0,
@@ -109,7 +135,7 @@ impl Drive {
         } else {
             0.0
         };
-        self.deadband == 0.0 && largest <= acts
+        self.deadband == 0.0 && self.curve.is_none() && largest <= acts
     }
 
     /// Time after which an input that another has followed makes less than 1e-8 of a difference, s.
@@ -150,7 +176,7 @@ impl Drive {
         } else {
             self.beyond_deadband(taken(input))
         };
-        self.ratio * left
+        self.ratio * self.curve.map_or(left, |curve| curve.of(left))
     }
 
     /// What the dead band leaves of an input.
@@ -328,6 +354,27 @@ mod tests {
             }
         }
         pieces
+    }
+
+    #[test]
+    fn a_curve_of_the_input_passes_its_reference_and_has_a_dead_zone() {
+        let drive = Drive {
+            curve: Some(InputCurve {
+                gain: 1.2,
+                power: 0.5,
+                dead_zone: 0.1,
+                reference: 0.9,
+            }),
+            ..Drive::ideal(2.0)
+        };
+        for (input, torque) in [(0.05, 0.0), (0.9, 2.16), (-0.9, -2.16), (0.3, 1.08)] {
+            let settled = drive.settled(input);
+            assert!(
+                (settled - torque).abs() < 1e-12,
+                "{input}: {settled} for {torque}"
+            );
+        }
+        assert!(!drive.is_linear(0.01));
     }
 
     #[test]

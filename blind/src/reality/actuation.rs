@@ -64,6 +64,33 @@ pub(crate) enum Deadband {
     Gated(f64),
 }
 
+/// What acts of an input is a curve of it, with nothing changed at the reference input.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InputCurve {
+    /// Magnitude at which nothing is changed.
+    pub reference: f64,
+    pub shape: InputShape,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum InputShape {
+    /// `U (u / U)^p`.
+    Power(f64),
+    /// Slope `1 + k` up to half of the reference, and `1 - k` beyond.
+    Bent(f64),
+}
+
+impl InputCurve {
+    fn of(self, u: f64) -> f64 {
+        let part = u.abs() / self.reference;
+        let acts = match self.shape {
+            InputShape::Power(power) => part.powf(power),
+            InputShape::Bent(k) => (1.0 + k) * part.min(0.5) + (1.0 - k) * (part - 0.5).max(0.0),
+        };
+        (self.reference * acts).copysign(u)
+    }
+}
+
 /// Torque over position: `first sin(k x + phase) + second sin(2 k x + 2 phase)`, N m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cogging {
@@ -85,6 +112,7 @@ pub(crate) struct Actuator {
     /// Width over which the limit rounds off, relative to it.
     pub knee: f64,
     pub deadband: Option<Deadband>,
+    pub curve: Option<InputCurve>,
     pub delay_s: f64,
     pub lag_s: f64,
     /// Of another lag behind that one.
@@ -112,6 +140,7 @@ impl Actuator {
             no_load: f64::INFINITY,
             knee: 0.0,
             deadband: None,
+            curve: None,
             delay_s: model.delay,
             lag_s: model.lag,
             further_lag_s: 0.0,
@@ -143,6 +172,7 @@ impl Actuator {
                 }
             }
         };
+        u = self.curve.map_or(u, |curve| curve.of(u));
         let reach = self.slew * dt;
         memory.slewed += (u - memory.slewed).clamp(-reach, reach);
         let u = behind(&mut memory.lagged, memory.slewed, self.lag_s, dt);

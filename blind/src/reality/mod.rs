@@ -11,7 +11,7 @@ mod mechanics;
 mod sensing;
 mod surroundings;
 
-pub(crate) use actuation::{Actuator, Cogging, Deadband, InputSeries};
+pub(crate) use actuation::{Actuator, Cogging, Deadband, InputCurve, InputSeries, InputShape};
 pub(crate) use foreign::{Creep, Disturbance, Foreign, Window};
 pub(crate) use friction::{Bristle, Friction, Profile, WarmUp};
 pub(crate) use mechanics::{Coupling, Mechanics, Side, Stop};

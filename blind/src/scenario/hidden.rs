@@ -4,17 +4,18 @@ use std::f64::consts::TAU;
 
 use crate::draw::Draw;
 use crate::reality::{
-    Bristle, Cogging, Contact, Coupling, Curve, Deadband, Jump, Play, Profile, Reality, Side, Slip,
-    Stop, WarmUp,
+    Bristle, Cogging, Contact, Coupling, Curve, Deadband, InputCurve, InputShape, Jump, Play,
+    Profile, Reality, Side, Slip, Stop, WarmUp,
 };
 use crate::truth::Place;
 
 /// Every name of the contract.
-pub const VOCABULARY: [&str; 28] = [
+pub const VOCABULARY: [&str; 29] = [
     "torque_gain",
     "torque_offset",
     "deadband",
     "saturation",
+    "input_nonlinearity",
     "lag",
     "delay",
     "cogging",
@@ -190,6 +191,15 @@ impl Hidden {
                 if self.variant == 3 {
                     actuator.no_load = speed * self.log_between(0, 1.5, 6.0);
                 }
+            }
+            "input_nonlinearity" => {
+                actuator.curve = Some(InputCurve {
+                    reference: scale.input,
+                    shape: match self.variant {
+                        0..=3 => InputShape::Power(self.factor()),
+                        _ => InputShape::Bent(signed),
+                    },
+                });
             }
             "lag" if self.is_overstated() => {
                 actuator.lag_s = (actuator.lag_s - s / (TAU * hz)).max(0.0);
@@ -542,6 +552,9 @@ impl Hidden {
                     axis("actuation"),
                 ]
             }
+            "input_nonlinearity" => {
+                vec![Place::on("input", -100.0 * u, 100.0 * u), axis("actuation")]
+            }
             "lag" | "delay" => [&driven[..], &accelerating, &[phase, axis("actuation")]].concat(),
             "cogging" => vec![everywhere, axis("actuation")],
             "coulomb" => [&fast[..], &[near_rest, axis("friction")]].concat(),
@@ -625,6 +638,7 @@ fn range(name: &str) -> [f64; 2] {
         "torque_offset" => [0.02, 0.5],
         "deadband" => [0.03, 0.5],
         "saturation" => [0.1, 0.7],
+        "input_nonlinearity" => [0.1, 0.7],
         "lag" | "delay" | "sensor_lag" => [0.02, 0.6],
         "cogging" => [0.03, 0.6],
         "coulomb" | "asymmetric_coulomb" => [0.15, 2.0],

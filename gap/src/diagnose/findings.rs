@@ -35,11 +35,12 @@ pub(super) fn most_sure(verdict: Verdict, timing: Option<&TimingDoubt>) -> f64 {
     }
 }
 
-/// The effects of a selection, those that close most first.
+/// The effects of a selection, those that close most first: each `closes` its part of the gap, with its 95 % interval.
 pub(super) fn findings(
     problem: &Problem<'_>,
     selection: &Selection,
     steps: &[Step],
+    closes: &[[f64; 3]],
     comparison: Option<&Comparison>,
     most_sure: f64,
 ) -> Vec<Finding> {
@@ -50,8 +51,9 @@ pub(super) fn findings(
     let fitted = fitted.zip(fit.hypothesis.parts(&fit.std));
     let fitted = fitted.skip(selection.base());
     let mut all = Vec::new();
-    let rounds = selection.rounds.iter().zip(steps);
-    for ((place, (round, step)), ((term, x), (_, std))) in rounds.enumerate().zip(fitted) {
+    let rounds = selection.rounds.iter().zip(steps).zip(closes);
+    for ((place, ((round, step), closes)), ((term, x), (_, std))) in rounds.enumerate().zip(fitted)
+    {
         let is_aside =
             step.is_small() && !is_relieved(round) && is_spare(problem, selection, place);
         let most_sure = most_sure.min(if is_aside { SURE_IF_SMALL } else { 1.0 });
@@ -80,8 +82,8 @@ pub(super) fn findings(
             basis: PREDICTION,
             held_out: !round.place.by_few,
             parameters,
-            shrink: step.own[0],
-            shrink_interval: [step.own[1], step.own[2]],
+            shrink: closes[0],
+            shrink_interval: [closes[1], closes[2]],
         });
     }
     all.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));

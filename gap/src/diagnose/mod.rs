@@ -1,5 +1,6 @@
 //! The diagnosis: how large the gap is, where it lies, which effects cause it, how far it shrinks.
 
+mod attribution;
 mod corrected;
 mod findings;
 mod numbers;
@@ -23,12 +24,13 @@ use crate::instrument::timing;
 use crate::measure::{Gap, exceeds, measure};
 use crate::model_free::ModelFree;
 use crate::select::{self, Given, Selection};
-use crate::shrink::shrink;
+use crate::shrink::{on_another, shrink};
 use crate::stage::Stage;
 use crate::windows::run_order::canonical;
 use crate::windows::series;
 use crate::windows::unbroken::Unbroken;
 use crate::{comparison, experiment, locate, ruler};
+use attribution::{Attributed, Cause, attributed};
 pub use corrected::{CorrectedEffect, CorrectedModel};
 use corrected::{corrected, nominal};
 use findings::{findings, most_sure, tried};
@@ -125,6 +127,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         &problem,
         &selection,
         &correction.steps,
+        &correction.closes,
         comparison.as_ref(),
         most_sure,
     );
@@ -133,6 +136,7 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
         &effects,
         most_sure,
     ));
+    effects.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
     let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
 
     progress(Stage::Where);
@@ -281,7 +285,8 @@ impl Baseline {
         &self,
         problem: &Problem<'_>,
         (floor, floor_of): (f64, FloorOf),
-        [shrink, low, high]: [f64; 3],
+        shrink: f64,
+        [low, high]: [f64; 2],
     ) -> Closing {
         let before = self.nominal.before;
         Closing {
@@ -293,7 +298,7 @@ impl Baseline {
             standing: problem.rms(&self.model_free.standing),
             coasting: problem.rms(&self.model_free.coasting),
             shrink,
-            shrink_interval: [low, high],
+            shrink_interval: [low.min(shrink), high.max(shrink)],
             unit: self.nominal.unit.clone(),
         }
     }
@@ -304,9 +309,13 @@ struct Correction {
     model: CorrectedModel,
     gap: Closing,
     steps: Vec<Step>,
+    /// What each effect closes, with its 95 % interval.
+    closes: Vec<[f64; 3]>,
     numbers: Vec<NumberFinding>,
     /// Squares of each window that it leaves on data that its fit has not seen.
     after: Vec<f64>,
+    /// Lowest shrink with 97.5 % probability on this recording's windows.
+    lowest: f64,
 }
 
 impl Correction {
@@ -315,10 +324,12 @@ impl Correction {
         let floor = (baseline.nominal.floor, FloorOf::NominalModel);
         Self {
             model: nominal(problem.recording),
-            gap: baseline.closing(problem, floor, [0.0; 3]),
+            gap: baseline.closing(problem, floor, 0.0, [0.0; 2]),
             steps: Vec::new(),
+            closes: Vec::new(),
             numbers: Vec::new(),
             after: baseline.squares.clone(),
+            lowest: 0.0,
         }
     }
 
@@ -348,12 +359,16 @@ impl Correction {
         }
         let total = steps.last().map_or([0.0; 3], |step| step.total);
         let floors = problem.floor_squares(selection.fit());
+        let parts = attributed(problem, selection.fit(), total, &baseline.squares, &floors);
+        let interval = on_another(&baseline.squares, &after, &floors);
         Self {
-            gap: baseline.closing(problem, (floor, floor_of), total),
-            numbers: numbers::moved(problem, selection.fit(), &baseline.squares, &floors),
+            gap: baseline.closing(problem, (floor, floor_of), total[0], interval),
+            numbers: numbers::moved(problem, selection.fit(), &parts),
+            closes: closes(selection, &steps, &parts),
             model,
             steps,
             after,
+            lowest: total[1],
         }
     }
 
@@ -362,9 +377,10 @@ impl Correction {
         let none = Self::none(problem, baseline);
         let fit = &selection.null;
         let floors = problem.floor_squares(fit);
-        let numbers = numbers::moved(problem, fit, &none.after, &floors);
         let after = problem.unseen(fit, |fit, half| problem.window_squares(fit, half));
         let total = shrink(&none.after, &after, &floors, &none.after);
+        let parts = attributed(problem, fit, total, &none.after, &floors);
+        let numbers = numbers::moved(problem, fit, &parts);
         if numbers.is_empty() || total[1] <= 0.0 {
             return none;
         }
@@ -374,8 +390,9 @@ impl Correction {
             measured.floor.min(baseline.nominal.before),
             FloorOf::CorrectedModel,
         );
+        let interval = on_another(&baseline.squares, &after, &floors);
         Self {
-            gap: baseline.closing(problem, floor, total),
+            gap: baseline.closing(problem, floor, total[0], interval),
             model,
             numbers,
             after,
@@ -389,11 +406,25 @@ impl Correction {
         // Nothing was held out of what shows in a window or two.
         let lowest = match (self.gap.shrink > 0.0, selection.shows_in_few()) {
             (true, true) => self.gap.shrink,
-            (true, false) => self.gap.shrink_interval[0],
+            (true, false) => self.lowest,
             (false, _) => f64::NEG_INFINITY,
         };
         is_judged
             .then(|| Rejection::of(&self.after, model_free, lowest))
             .flatten()
     }
+}
+
+/// What each effect of a selection closes, with its 95 % interval: its part of the whole, or where the first was given, its step.
+fn closes(selection: &Selection, steps: &[Step], parts: &[Attributed]) -> Vec<[f64; 3]> {
+    let places = 0..selection.rounds.len();
+    let closes = places.map(|place| {
+        let own = Cause::Effect(selection.base() + place);
+        let part = parts.iter().find(|part| part.cause == own);
+        match part {
+            Some(part) if !selection.given => part.shrink,
+            _ => steps[place].own,
+        }
+    });
+    closes.collect()
 }

@@ -13,6 +13,7 @@ mod friction_drift;
 mod gravity;
 mod identification;
 mod inertia;
+mod input_nonlinearity;
 mod lag;
 mod load_dependent_friction;
 mod lost_counts;
@@ -48,6 +49,7 @@ static ALL: [&dyn Identification; KINDS.len()] = [
     &torque_offset::TorqueOffset,
     &deadband::Deadband,
     &saturation::Saturation,
+    &input_nonlinearity::InputNonlinearity,
     &lag::Lag,
     &delay::Delay,
     &cogging::Cogging,

@@ -5,6 +5,7 @@ mod evidence;
 mod grown;
 mod innovation;
 mod level;
+mod missing;
 mod recurrence;
 mod region;
 mod spectrum;
@@ -18,6 +19,7 @@ use evidence::Evidence;
 use grown::grown;
 use host_sim::effects::Channel;
 use innovation::innovations;
+use missing::missing;
 use region::Told;
 
 /// A share of the gap that is most of it: its place is told first.
@@ -111,6 +113,13 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let is_new = |(third, _): &(Evidence, Told)| axes.iter().all(|(e, _)| e.axis != third.axis);
     let third = third.filter(is_new);
     axes.extend(third);
+    // What the missing torque is a function of is where it acts.
+    if let Some(first) = missing(recording).and_then(told_of) {
+        let known = axes.iter().position(|(e, _)| e.axis == first.0.axis);
+        let first = known.map_or(first, |place| axes.remove(place));
+        axes.insert(0, first);
+        axes.truncate(AXES);
+    }
     let (first, second): (Vec<_>, Vec<_>) = axes
         .into_iter()
         .map(|(_, told)| (told.first, told.second))

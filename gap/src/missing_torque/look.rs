@@ -94,6 +94,30 @@ impl MissingTorque {
         }
     }
 
+    /// Its instants, of which nothing is explained yet.
+    pub(crate) fn points(&self) -> Vec<Point> {
+        let smoothed = &self.estimate.smoothed;
+        let path = self.path();
+        let net = path.torque(&self.device);
+        let rows = self.rows(BLOCK_HORIZONS * self.recording.horizon);
+        let points = rows.rows.iter().map(|&row| {
+            let mut stretches = self.samples.stretches.iter();
+            let stretch = stretches.find(|stretch| stretch.rows.contains(&row));
+            Point {
+                run: stretch.map_or(0, |stretch| stretch.run),
+                time_s: self.samples.time_s[row],
+                position: smoothed.position[row],
+                velocity: smoothed.velocity[row],
+                drive: path.drive[row],
+                net: net[row],
+                torque: smoothed.torque[row],
+                std: smoothed.torque_std[row],
+                explained: 0.0,
+            }
+        });
+        points.collect()
+    }
+
     /// What is to be seen of it. What explains it is the device `found` with its effects `names`, or else the best proposal.
     pub fn look(&self, found: Option<(&Device, Vec<&'static str>)>) -> Look {
         let smoothed = &self.estimate.smoothed;
@@ -140,24 +164,10 @@ impl MissingTorque {
                 (field.explained(&names), names)
             }
         };
-        let net = path.torque(&self.device);
-        let points = rows.rows.iter().enumerate().map(|(i, &row)| {
-            let stretch = self
-                .samples
-                .stretches
-                .iter()
-                .find(|s| s.rows.contains(&row));
-            Point {
-                run: stretch.map_or(0, |stretch| stretch.run),
-                time_s: self.samples.time_s[row],
-                position: smoothed.position[row],
-                velocity: smoothed.velocity[row],
-                drive: path.drive[row],
-                net: net[row],
-                torque: smoothed.torque[row],
-                std: smoothed.torque_std[row],
-                explained: explained.get(i).copied().unwrap_or(0.0),
-            }
+        let points = self.points().into_iter().enumerate();
+        let points = points.map(|(i, point)| Point {
+            explained: explained.get(i).copied().unwrap_or(0.0),
+            ..point
         });
         let named = explained_by.first().filter(|_| is_found);
         let axis = named.and_then(|name| axis_of(name));

@@ -1,6 +1,7 @@
 //! How sure a name is: by how often the same choice falls on it when the windows are others.
 
 use super::scored::Scored;
+use crate::shrink::Picks;
 
 /// Resamplings of the windows.
 const RESAMPLINGS: usize = 200;
@@ -15,16 +16,13 @@ pub(super) fn share(sets: &[Scored], name: &str) -> f64 {
     if blocks == 0 {
         return 0.0;
     }
-    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut random = Picks::new();
     let mut drawn = Vec::with_capacity(windows);
     let mut hits = 0;
     for _ in 0..RESAMPLINGS {
         drawn.clear();
         for _ in 0..blocks {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            let first = ((state >> 33) as usize % blocks) * BLOCK;
+            let first = random.below(blocks) * BLOCK;
             drawn.extend(first..(first + BLOCK).min(windows));
         }
         hits += usize::from(names[chosen(sets, &drawn)]);

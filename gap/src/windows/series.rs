@@ -416,7 +416,7 @@ pub fn some_coarse(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Se
 
 /// All runs at about a millisecond, restarted every `horizon_s`, of a long recording about `most` samples in blocks of windows that
 /// are spread evenly over it.
-pub(crate) fn some_fine(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
+pub fn some_fine(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
     spread(recording, horizon_s, FINE_PERIOD_S, most)
 }
 

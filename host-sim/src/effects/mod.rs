@@ -13,6 +13,7 @@ pub mod end_stop;
 pub mod friction_drift;
 pub mod gravity;
 pub mod inertia;
+pub mod input_nonlinearity;
 mod kind;
 pub mod lag;
 pub mod load_dependent_friction;
@@ -90,6 +91,7 @@ pub const KINDS: &[&Kind] = &[
     &torque_offset::KIND,
     &deadband::KIND,
     &saturation::KIND,
+    &input_nonlinearity::KIND,
     &lag::KIND,
     &delay::KIND,
     &cogging::KIND,

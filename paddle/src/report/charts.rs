@@ -326,6 +326,9 @@ fn measure_in_words(measured_by: MeasuredBy) -> &'static str {
         MeasuredBy::WholeHorizon => {
             "Where the gap has grown largest: squared residual of predictions over the whole time between restarts."
         }
+        MeasuredBy::MissingTorque => {
+            "Where the torque acts that the nominal model lacks: its square, beyond noise."
+        }
         MeasuredBy::Spectrum => "Power of the acceleration that short predictions miss.",
         MeasuredBy::SecondSensor => "How much better a second position sensor is predicted.",
     }

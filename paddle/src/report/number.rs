@@ -21,7 +21,11 @@ fn sentence(number: &NumberFinding) -> String {
              move closes {closes} of the gap.",
             show(stated, unit)
         ),
-        _ => format!("The number `{name}` is not stated; the estimate is {found}."),
+        (Some(stated), None) => format!(
+            "The number `{name}` is {found} rather than {}, which is stated without a tolerance; its move closes {closes} of the gap.",
+            show(stated, unit)
+        ),
+        (None, _) => format!("The number `{name}` is not stated; the estimate is {found}."),
     }
 }
 
@@ -48,6 +52,8 @@ mod tests {
         for part in ["`coulomb`", "57", "20", "2.1 of its", "71 %"] {
             assert!(text.contains(part), "{text}");
         }
+        let text = sentence(&number(Some(0.02), None));
+        assert!(text.contains("without a tolerance"), "{text}");
         let text = sentence(&number(None, None));
         assert!(text.contains("not stated"), "{text}");
     }

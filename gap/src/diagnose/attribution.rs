@@ -1,0 +1,152 @@
+//! How far each part of a corrected model closes the gap: its effects, and the numbers of the model that had to move.
+
+use crate::fit::Fit;
+use crate::fit::hypothesis::INPUT_TIME;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
+use crate::shapley;
+use crate::shrink::shrink;
+
+const ITERATIONS: usize = 6;
+/// Standard deviations of its own estimate by which a number must have moved.
+const SURE: f64 = 2.0;
+
+/// A part of a corrected model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cause {
+    /// A number that moved, by its place among those that may.
+    Number(usize),
+    /// An effect, by its place in the fit.
+    Effect(usize),
+}
+
+/// What a part accounts for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Attributed {
+    pub cause: Cause,
+    /// By which parts are ordered.
+    pub rank: f64,
+    /// Its part of the shrink of the whole model, with its 95 % interval.
+    pub shrink: [f64; 3],
+}
+
+/// What the parts of a fit account for of a `total` shrink with its 95 % interval, those that close most first: each refitted without
+/// others, so that what several can close is shared among them. `nominal` and `floor` are squares by window.
+pub(super) fn attributed(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    total: [f64; 3],
+    nominal: &[f64],
+    floor: &[f64],
+) -> Vec<Attributed> {
+    let causes = causes(problem, fit);
+    if let [cause] = causes[..] {
+        return vec![Attributed {
+            cause,
+            rank: 1.0,
+            shrink: total,
+        }];
+    }
+    let all = (1u32 << causes.len()) - 1;
+    let is_taken = |subset: u32, cause: Cause| {
+        let place = causes.iter().position(|other| *other == cause);
+        place.is_some_and(|place| subset >> place & 1 == 1)
+    };
+    let left = |subset: u32| left_with(problem, fit, |cause| is_taken(subset, cause));
+    let shares = shapley::shares(causes.len(), |subset| problem.rms(&left(subset)));
+    let positive = shares.iter().map(|share| share.of_all.max(0.0));
+    let sum = positive.sum::<f64>().max(f64::MIN_POSITIVE);
+    let with = problem.window_squares(fit, Part::All);
+    let places = causes.iter().zip(&shares).enumerate();
+    let parts = places.map(|(place, (&cause, share))| {
+        let own = total[0] * share.of_all.max(0.0) / sum;
+        let [beside, low, high] = shrink(&left(all & !(1 << place)), &with, floor, nominal);
+        Attributed {
+            cause,
+            rank: share.rank(),
+            shrink: [
+                own,
+                own + (low - beside).min(0.0),
+                own + (high - beside).max(0.0),
+            ],
+        }
+    });
+    let mut parts: Vec<Attributed> = parts.collect();
+    parts.sort_by(|a, b| b.rank.total_cmp(&a.rank));
+    parts
+}
+
+/// The effects of a fit, and the numbers that surely moved.
+fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
+    let has_moved = |place: &usize| {
+        problem.nudges[*place].name != INPUT_TIME && fit.x[*place].abs() > SURE * fit.std[*place]
+    };
+    let numbers = (0..problem.nudges.len()).filter(has_moved);
+    let effects = 0..fit.hypothesis.terms.len();
+    numbers
+        .map(Cause::Number)
+        .chain(effects.map(Cause::Effect))
+        .collect()
+}
+
+/// Squares of each window that are left with those causes that are `taken`, refitted; other numbers are as stated.
+fn left_with(problem: &Problem<'_>, fit: &Fit, taken: impl Fn(Cause) -> bool) -> Vec<f64> {
+    let is_free =
+        |place: &usize| problem.nudges[*place].name == INPUT_TIME || taken(Cause::Number(*place));
+    let kept: Vec<usize> = (0..problem.nudges.len()).filter(is_free).collect();
+    let numbers: Vec<_> = kept.iter().map(|&k| problem.nudges[k].clone()).collect();
+    let mut some = fit.clone();
+    for place in (0..fit.hypothesis.terms.len()).rev() {
+        if !taken(Cause::Effect(place)) {
+            (some.hypothesis, some.x) = some.without(place);
+        }
+    }
+    let own = some.x[problem.nudges.len()..].iter().copied();
+    let x = kept.iter().map(|&place| fit.x[place]).chain(own).collect();
+    let held = problem.off_by(problem.modelling).with_numbers(&numbers);
+    let held_fit = held.fit(&some.hypothesis, x, Part::All, ITERATIONS);
+    held.window_squares(&held_fit, Part::All)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::hypothesis::{Hypothesis, nudges};
+    use crate::guess::start::linear;
+    use crate::made;
+
+    /// What the number `viscous` and an offset account for of a shrink of 0.9, where both are off by so much.
+    fn accounted(viscous: f64, offset: f64) -> [f64; 2] {
+        let hidden = [
+            format!("viscous:coefficient={viscous}"),
+            format!("torque_offset:torque={offset}"),
+        ];
+        let hidden: Vec<&str> = hidden.iter().map(String::as_str).collect();
+        let mut recording = made::recording(&hidden);
+        recording.tolerance.set("viscous", 1.0);
+        let problem = Problem {
+            nudges: nudges(&recording),
+            ..made::problem(&recording)
+        };
+        let term = made::term("torque_offset", &[linear(0, 0.0, 1e-3)]);
+        let hypothesis = Hypothesis { terms: vec![term] };
+        let fit = problem.fit(&hypothesis, vec![0.0; 2], Part::All, 12);
+        let nominal = problem.nominal_squares();
+        let floor = problem.floor_squares(&fit);
+        let parts = attributed(&problem, &fit, [0.9, 0.8, 1.0], &nominal, &floor);
+        [Cause::Number(0), Cause::Effect(0)].map(|cause| {
+            let part = parts.iter().find(|part| part.cause == cause);
+            part.unwrap_or_else(|| panic!("no {cause:?} in {parts:?}"))
+                .shrink[0]
+        })
+    }
+
+    #[test]
+    fn a_number_that_moved_and_an_effect_share_what_they_close_together() {
+        let [number, offset] = accounted(5.3e-4, 3e-4);
+        assert!((number + offset - 0.9).abs() < 1e-9, "{number} {offset}");
+        assert!(number > 2.0 * offset, "{number} {offset}");
+        let [number, offset] = accounted(2.6e-4, 4e-3);
+        assert!(offset > 2.0 * number, "{number} {offset}");
+    }
+}

@@ -1,0 +1,77 @@
+//! A torque that is a curve of the input.
+
+use super::deadband::Deadband;
+use super::identification::Identification;
+use super::phrase::Found;
+use super::saturation::Saturation;
+use super::torque_gain::TorqueGain;
+use crate::guess::Evidence;
+use crate::guess::start::{linear, log, term};
+use crate::term::{Coordinate, Term};
+use crate::windows::statistics::quantile;
+use host_sim::effects::Kind;
+use host_sim::effects::input_nonlinearity::KIND;
+
+/// Places of the parameters.
+const GAIN: usize = 0;
+const POWER: usize = 1;
+const DEAD_ZONE: usize = 2;
+const REFERENCE: usize = 3;
+/// Powers and dead zones, over the reference input, from which the curve is looked for.
+const STARTS: [(f64, f64); 4] = [(0.6, 0.0), (1.6, 0.0), (0.6, 0.1), (1.2, 0.1)];
+/// Share of the inputs that the reference exceeds: what the few largest do must not set the gain of all others.
+const LARGE: f64 = 0.9;
+/// One unit of the coordinate of the dead zone, over the reference input.
+const ZONE: f64 = 0.05;
+
+#[derive(Debug)]
+pub(super) struct InputNonlinearity;
+
+impl Identification for InputNonlinearity {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let inputs = e.series.iter().flat_map(|series| &series.input);
+        let sizes: Vec<f64> = inputs.map(|u| e.device.drive.taken(*u)).collect();
+        let reference = quantile(&sizes, LARGE);
+        if reference <= 0.0 {
+            return Vec::new();
+        }
+        let starts = STARTS.map(|(power, zone)| {
+            let mut free = vec![log(GAIN, 1.0), log(POWER, power)];
+            if zone > 0.0 {
+                free.push(dead_zone(zone * reference, reference));
+            }
+            term(&KIND, free, &[(REFERENCE, reference)])
+        });
+        starts.to_vec()
+    }
+
+    fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
+        let zone = (!fitted.is_free(DEAD_ZONE)).then(|| dead_zone(0.0, fitted.values[REFERENCE]));
+        zone.into_iter().collect()
+    }
+
+    fn special_cases(&self) -> &'static [&'static dyn Identification] {
+        &[&TorqueGain, &Deadband, &Saturation]
+    }
+
+    fn noun(&self) -> &'static str {
+        "a torque that is a curve of the input"
+    }
+
+    fn template(&self, found: &Found<'_>) -> &'static str {
+        match found.fitted("dead_zone") {
+            Some(_) => {
+                "a torque that goes with the power {power} of the input beyond a dead zone of {dead_zone}"
+            }
+            None => "a torque that goes with the power {power} of the input",
+        }
+    }
+}
+
+fn dead_zone(start: f64, reference: f64) -> Coordinate {
+    linear(DEAD_ZONE, start, ZONE * reference)
+}

@@ -1,0 +1,80 @@
+//! The axis that the missing torque is a function of.
+
+use super::bins::{Bins, Point};
+use super::evidence::{BINS, Evidence};
+use crate::diagnosis::MeasuredBy;
+use crate::missing_torque::{self, MissingTorque};
+use host_sim::device::Device;
+use recording::Recording;
+
+/// Share of the missing torque, squared, on held-out time that a function of an axis explains at least to be where it lies.
+const LEAST_SHARE: f64 = 0.5;
+
+/// The axis, if a function of it explains most of the missing torque, and the stretch of it that carries more of that than of the
+/// samples.
+pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
+    let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
+    let summary = missing.summary();
+    if summary.repeats {
+        return None;
+    }
+    let shares = summary
+        .shares
+        .iter()
+        .filter(|share| share.share >= LEAST_SHARE);
+    let (axis, at) = shares.filter_map(|share| column(share.axis)).next()?;
+    let ratio = recording.model.ratio;
+    let seen = missing.points();
+    // Whole horizons are drawn, of each run its own.
+    let horizon_of =
+        |point: &missing_torque::Point| (point.time_s / recording.horizon).max(0.0) as usize;
+    let longest = seen.iter().map(horizon_of).max()? + 1;
+    let points = seen.iter().enumerate().map(|(index, point)| Point {
+        at: at(point, ratio),
+        index,
+        block: point.run * longest + horizon_of(point),
+        weight: 1.0,
+        excess: (point.torque.powi(2) - point.std.powi(2)).max(0.0),
+    });
+    let points = points.collect();
+    let bins = Bins::new(points, BINS)?;
+    let stretch = bins.best(None)?;
+    Some(Evidence {
+        measured_by: MeasuredBy::MissingTorque,
+        ..Evidence::new(axis, bins, stretch, stretch.surplus())
+    })
+}
+
+/// A value at an instant of the missing torque, on a device of a ratio.
+type Column = fn(&missing_torque::Point, f64) -> f64;
+
+/// The axis of a place that a share is about, with its values; none of what is no place.
+fn column(share: &str) -> Option<(&'static str, Column)> {
+    match share {
+        "velocity" | "velocity odd" | "velocity even" => Some(("velocity", |p, _| p.velocity)),
+        "position" | "direction x position" => Some(("position", |p, _| p.position)),
+        "input" => Some(("input", |p, ratio| p.drive / ratio)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+
+    fn axis(effects: &[&str]) -> Option<&'static str> {
+        missing(&made::recording(effects)).map(|evidence| evidence.axis)
+    }
+
+    #[test]
+    fn a_missing_torque_lies_on_the_axis_that_it_is_a_function_of() {
+        assert_eq!(axis(&["spring:stiffness=0.06,zero=0"]), Some("position"));
+        assert_eq!(axis(&["quadratic_drag:coefficient=6e-4"]), Some("velocity"));
+    }
+
+    #[test]
+    fn noise_lies_on_no_axis() {
+        assert_eq!(axis(&[]), None);
+    }
+}

@@ -1,0 +1,56 @@
+//! The torque is no straight line of the input.
+
+use super::{Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
+use crate::drive::InputCurve;
+
+/// `T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p`: a dead zone, then a power of what is beyond it. At the input `U` the
+/// torque is `g` times what it would be. A power below 1 is a gain that falls with the input, one of 2 a square law.
+pub const KIND: Kind = Kind {
+    name: "input_nonlinearity",
+    channel: Channel::Actuation,
+    about: "The torque is a curve of the input",
+    equation: "T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p",
+    parameters: &[
+        Parameter {
+            name: "gain",
+            quantity: Quantity::Ratio,
+            range: POSITIVE,
+            default: 1.0,
+            typical: [0.2, 5.0],
+            about: "torque at the reference input over what it would be",
+        },
+        Parameter {
+            name: "power",
+            quantity: Quantity::Ratio,
+            range: [0.05, 10.0],
+            default: 1.0,
+            typical: [0.3, 3.0],
+            about: "power of the input beyond the dead zone",
+        },
+        Parameter {
+            name: "dead_zone",
+            quantity: Quantity::Input,
+            range: NOT_NEGATIVE,
+            default: 0.0,
+            typical: [0.0, 1e-3],
+            about: "input up to which nothing happens",
+        },
+        Parameter {
+            name: "reference",
+            quantity: Quantity::Input,
+            range: POSITIVE,
+            default: 5e-3,
+            typical: [1e-3, 1e-2],
+            about: "input at which the gain is told",
+        },
+    ],
+    events: None,
+    install: |device, p| {
+        device.drive.curve = Some(InputCurve {
+            gain: p[0],
+            power: p[1],
+            dead_zone: p[2],
+            reference: p[3],
+        });
+    },
+};

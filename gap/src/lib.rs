@@ -37,6 +37,7 @@ mod measure;
 pub mod missing_torque;
 pub mod model_file;
 mod model_free;
+mod plausible;
 pub mod predict;
 mod ruler;
 mod select;

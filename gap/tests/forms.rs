@@ -26,6 +26,14 @@ fn what_grows_with_the_weight_as_with_the_drive_is_found() {
 }
 
 #[test]
+fn what_rubs_more_where_the_load_drives_is_found() {
+    assert_found(
+        "load_dependent_friction:share=0.05,backdriven=4",
+        &[("share", 0.05), ("backdriven", 4.0)],
+    );
+}
+
+#[test]
 fn what_settles_at_the_level_of_the_model_is_no_other_level() {
     assert_found(
         "friction_drift:rate=-0.5,settling=1.5,settled=1",

@@ -107,6 +107,8 @@ pub(crate) struct Friction {
     pub warm_up: Option<WarmUp>,
     /// Further dry friction per unit of torque that the transmission carries.
     pub load_share: f64,
+    /// That where the load drives the motor, over that.
+    pub backdriven: f64,
     /// Whether that is what gravity and springs pull, too.
     pub carries_all: bool,
     pub bristle: Option<Bristle>,
@@ -138,6 +140,7 @@ impl Friction {
             profile: None,
             warm_up: None,
             load_share: 0.0,
+            backdriven: 1.0,
             carries_all: false,
             bristle: None,
         }
@@ -156,10 +159,16 @@ impl Friction {
         if let Some(warm_up) = self.warm_up {
             factor *= warm_up.factor(time_s);
         }
-        let loaded = self.load_share * carried.abs();
+        let driven = self.load_share * carried.abs();
+        let backdriven = self.backdriven * driven;
+        let [forward, backward] = if carried < 0.0 {
+            [backdriven, driven]
+        } else {
+            [driven, backdriven]
+        };
         Level {
-            forward: self.forward * factor + loaded,
-            backward: self.backward * factor + loaded,
+            forward: self.forward * factor + forward,
+            backward: self.backward * factor + backward,
         }
     }
 

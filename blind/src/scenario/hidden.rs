@@ -291,6 +291,9 @@ impl Hidden {
             "load_dependent_friction" => {
                 friction.load_share = s;
                 friction.carries_all = !self.first_form();
+                if self.variant >= 4 {
+                    friction.backdriven = self.log_between(0, 1.5, 5.0);
+                }
             }
             "friction_drift" => {
                 let amount = if self.sign > 0.0 { s } else { -s.min(0.85) };

@@ -1,12 +1,12 @@
 //! The effects that are named, how sure that is, and what was tried beside them.
 
-use super::plausible::Implausible;
 use super::relief::is_relieved;
 use super::steps::{Step, is_spare};
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Estimate, Finding, Tried, Verdict};
 use crate::fit::problem::Problem;
 use crate::instrument::timing::TimingDoubt;
+use crate::plausible::Implausible;
 use crate::select::{self, Round, Selection};
 
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
@@ -150,7 +150,11 @@ pub(super) fn tried(
             }
             let gain = round.known.costs.level() - rival.fit.costs.level();
             let after = left(&rival.fit);
-            let no_device = implausible.iter().find(|one| one.effect == rival.name);
+            let withdrawn = implausible.iter().find(|one| one.effect == rival.name);
+            let last = rival.fit.hypothesis.terms.len().saturating_sub(1);
+            let no_device = withdrawn
+                .cloned()
+                .or_else(|| Implausible::of(problem, &rival.fit, last));
             let why_not = if let Some(no_device) = no_device {
                 no_device.to_string()
             } else if gain <= 0.0 {

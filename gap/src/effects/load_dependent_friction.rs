@@ -5,12 +5,16 @@ use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::regression::regress;
 use crate::guess::start::{linear, log, terms};
-use crate::term::Term;
+use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::load_dependent_friction::KIND;
 
 /// Part of the pull of gravity and springs that it may grow with, beside that of the drive.
 const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
+
+/// Place of the parameter that says by how much more it rubs where the load drives, and from where that is looked for.
+const BACKDRIVEN: usize = 2;
+const BACKDRIVES: [f64; 2] = [0.3, 4.0];
 
 #[derive(Debug)]
 pub(super) struct LoadDependentFriction;
@@ -28,7 +32,14 @@ impl Identification for LoadDependentFriction {
             let carried = PASSIVE.map(|part| vec![log(0, 0.1), linear(1, part, 1.0)]);
             starts.extend(terms(&KIND, None, carried));
         }
+        let backdriven = BACKDRIVES.map(|times| vec![log(0, 0.1), log(BACKDRIVEN, times)]);
+        starts.extend(terms(&KIND, None, backdriven));
         starts
+    }
+
+    fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
+        let backdriven = (!fitted.is_free(BACKDRIVEN)).then(|| log(BACKDRIVEN, 1.0));
+        backdriven.into_iter().collect()
     }
 
     fn noun(&self) -> &'static str {
@@ -37,6 +48,9 @@ impl Identification for LoadDependentFriction {
 
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.fitted("passive") {
+            None if found.fitted("backdriven").is_some() => {
+                "dry friction that grows by {share} of the driving torque, and by {backdriven} times as much where the load drives"
+            }
             Some(_) => {
                 "dry friction that grows by {share} of what the drive and {passive} times the weight or spring pull together"
             }

@@ -10,6 +10,7 @@ const BLOCK: usize = 3;
 
 /// Share of resamplings of the windows, in blocks, in which the simplest set within one standard error of the best has the name.
 pub(super) fn share(sets: &[Scored], name: &str) -> f64 {
+    let sets: Vec<&Scored> = sets.iter().filter(|set| set.is_plausible).collect();
     let names: Vec<bool> = sets.iter().map(|set| set.names().contains(&name)).collect();
     let windows = sets.first().map_or(0, |set| set.unseen.len());
     let blocks = windows.div_ceil(BLOCK);
@@ -25,15 +26,15 @@ pub(super) fn share(sets: &[Scored], name: &str) -> f64 {
             let first = random.below(blocks) * BLOCK;
             drawn.extend(first..(first + BLOCK).min(windows));
         }
-        hits += usize::from(names[chosen(sets, &drawn)]);
+        hits += usize::from(names[chosen(&sets, &drawn)]);
     }
     hits as f64 / RESAMPLINGS as f64
 }
 
 /// Which set is the simplest within one standard error of the best on some windows.
-fn chosen(sets: &[Scored], windows: &[usize]) -> usize {
+fn chosen(sets: &[&Scored], windows: &[usize]) -> usize {
     let count = windows.len() as f64;
-    let cost = |set: &Scored| {
+    let cost = |set: &&Scored| {
         let sum: f64 = windows.iter().map(|&w| set.unseen[w]).sum();
         sum / count + set.fit.costs.prior / set.unseen.len() as f64
     };

@@ -9,6 +9,7 @@ mod agreement;
 mod numbers;
 mod order;
 mod pool;
+mod proposed;
 mod scale;
 mod scored;
 mod selection;
@@ -46,7 +47,7 @@ pub(crate) fn measured<'a>(
     Some((free, selection))
 }
 
-/// Adds all main numbers as a set, and what is found on top of them; returns the error scale at which these alone are fitted best.
+/// Adds what the missing torque proposes, all main numbers as a set, and what is found on top of them; returns the error scale at which these alone are fitted best.
 fn on_all_numbers(
     stated: &Problem<'_>,
     free: &Problem<'_>,
@@ -63,6 +64,7 @@ fn on_all_numbers(
         progress,
         perfect,
     };
+    pool.extend(proposed::proposed(&search(free, found.perfect), &null));
     let mut restating = numbers::restating(free.recording);
     let terms = &null.hypothesis.terms;
     restating.retain(|effect| terms.iter().all(|term| term.kind.name != effect.name()));

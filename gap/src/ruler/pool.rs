@@ -50,6 +50,10 @@ impl Pool {
         self.starts[0].clone()
     }
 
+    pub(super) fn extend(&mut self, starts: Vec<Start>) {
+        self.starts.extend(starts);
+    }
+
     pub(super) fn add(&mut self, fit: &Fit) {
         self.starts.push(Start {
             hypothesis: fit.hypothesis.clone(),

@@ -5,6 +5,7 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
+use crate::plausible::Implausible;
 
 const ITERATIONS: usize = 5;
 
@@ -17,6 +18,8 @@ pub(super) struct Scored {
     pub unseen: Vec<f64>,
     /// Squared residual of each window, likewise, in units of position squared.
     pub squares: Vec<f64>,
+    /// True if no number of its effects is one that no device has.
+    pub is_plausible: bool,
 }
 
 impl Scored {
@@ -31,7 +34,12 @@ impl Scored {
             problem.costs(&fit.hypothesis, &fit.x, half).per_sample
         });
         let squares = Problem::unseen_by(&halves, |fit, half| problem.window_squares(fit, half));
+        let places = 0..fit.hypothesis.terms.len();
+        let is_plausible = places
+            .into_iter()
+            .all(|place| Implausible::of(problem, &fit, place).is_none());
         Self {
+            is_plausible,
             fit,
             unseen: unseen.into_iter().map(f64::ln_1p).collect(),
             squares,
@@ -64,11 +72,12 @@ impl Scored {
     }
 }
 
-/// The simplest of those whose cost is within one standard error of the least: fewest effects, then fewest free numbers,
-/// then the lowest cost.
+/// The simplest of those that are plausible and whose cost is within one standard error of the least: fewest effects, then fewest
+/// free numbers, then the lowest cost.
 pub(super) fn simplest(all: &[Scored]) -> Option<&Scored> {
-    let best = all.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
-    let within = all.iter().filter(|scored| is_within_error(scored, best));
+    let plausible = || all.iter().filter(|scored| scored.is_plausible);
+    let best = plausible().min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
+    let within = plausible().filter(|scored| is_within_error(scored, best));
     within.min_by(|a, b| {
         let by_complexity = a.complexity().cmp(&b.complexity());
         by_complexity.then(a.cost().total_cmp(&b.cost()))

@@ -1,13 +1,14 @@
 //! Dry friction that grows with the torque that is transmitted.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
 
-/// `F = (F_c + µ |T + p P(x)|) sign(v)`, where P pulls whatever the drive does.
+/// `F = (F_c + µ |T + p P(x)|) sign(v)`, where P pulls whatever the drive does; `b µ` in place of µ where the transmitted torque acts
+/// against the motion: the friction of a gear differs when the load drives it.
 pub const KIND: Kind = Kind {
     name: "load_dependent_friction",
     channel: Channel::Friction,
     about: "Dry friction that grows with the torque that is transmitted",
-    equation: "F = (F_c + µ |T + p P(x)|) sign(v)",
+    equation: "F = (F_c + µ |T + p P(x)|) sign(v), with b µ where T + p P acts against v",
     parameters: &[
         Parameter {
             name: "share",
@@ -25,11 +26,20 @@ pub const KIND: Kind = Kind {
             typical: [-1.0, 1.0],
             about: "part of the pull of gravity and springs that is transmitted beside the drive",
         },
+        Parameter {
+            name: "backdriven",
+            quantity: Quantity::Ratio,
+            range: POSITIVE,
+            default: 1.0,
+            typical: [0.2, 20.0],
+            about: "the share where the load drives the motor, over that where the motor drives",
+        },
     ],
     events: None,
     install: |device, p| {
         let friction = &mut device.mechanics.friction;
         friction.load_share = p[0];
         friction.load_passive = p[1];
+        friction.load_backdriven = p[2];
     },
 };

@@ -9,7 +9,8 @@ use crate::ripple::Ripple;
 ///
 /// `F(x, v, t, T) = s · p(x) · d(t) · [1 + (r − 1) e^−|v/v_s|ⁿ] + µ |T|`
 ///
-/// with the level `s` of the direction of motion, a [`Stribeck`] factor and a share µ of the torque T that is transmitted.
+/// with the level `s` of the direction of motion, a [`Stribeck`] factor and a share µ of the torque T that is transmitted: another
+/// one where T acts against the motion, as the load drives the motor then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Sliding level against positive and against negative motion, N m.
@@ -24,8 +25,10 @@ pub struct Friction {
     pub position_ripple: Ripple,
     /// Likewise, the last term.
     pub position_spot: Spot,
-    /// Share of the torque that is transmitted, which is added to the level.
+    /// Share of the torque that is transmitted, which is added to the level, where the motor drives.
     pub load_share: f64,
+    /// The share where the load drives, over that.
+    pub load_backdriven: f64,
     /// Part of what gravity and springs pull that is transmitted beside the driving torque.
     pub load_passive: f64,
     /// Dependence on time, if any: `d = max(0, 1 + growth(t))`.
@@ -43,6 +46,7 @@ impl Friction {
             position_ripple: Ripple::NONE,
             position_spot: Spot::NONE,
             load_share: 0.0,
+            load_backdriven: 1.0,
             load_passive: 0.0,
             drift: None,
         }
@@ -91,14 +95,25 @@ impl Friction {
         transmitted_nm: f64,
     ) -> f64 {
         let stribeck = self.stribeck.factor(speed);
-        self.scaled(direction, position, t_s) * stribeck + self.load_share * transmitted_nm.abs()
+        self.scaled(direction, position, t_s) * stribeck + self.by_load(direction, transmitted_nm)
     }
 
     /// Level that holds against a push in `direction` (±1) at rest, N m.
     #[inline]
     pub fn holding(&self, direction: f64, position: f64, t_s: f64, transmitted_nm: f64) -> f64 {
         self.scaled(direction, position, t_s) * self.stribeck.ratio
-            + self.load_share * transmitted_nm.abs()
+            + self.by_load(direction, transmitted_nm)
+    }
+
+    /// What the load adds against motion in `direction` (±1), N m.
+    #[inline]
+    fn by_load(&self, direction: f64, transmitted_nm: f64) -> f64 {
+        let added_nm = self.load_share * transmitted_nm.abs();
+        if direction * transmitted_nm < 0.0 {
+            self.load_backdriven * added_nm
+        } else {
+            added_nm
+        }
     }
 
     #[inline]
@@ -118,6 +133,23 @@ impl Friction {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gear_that_is_driven_by_its_load_rubs_by_another_share() {
+        let gear = Friction {
+            load_share: 0.1,
+            load_backdriven: 3.0,
+            ..Friction::coulomb(2.0)
+        };
+        let level =
+            |direction, transmitted_nm| gear.sliding(direction, 0.0, 0.1, 0.0, transmitted_nm);
+        for (direction, transmitted_nm, expected) in
+            [(1.0, 5.0, 2.5), (1.0, -5.0, 3.5), (-1.0, -5.0, 2.5)]
+        {
+            let level = level(direction, transmitted_nm);
+            assert!((level - expected).abs() < 1e-12, "{level} for {expected}");
+        }
+    }
 
     #[test]
     fn a_spot_rubs_where_it_is_alone() {

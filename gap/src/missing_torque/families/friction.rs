@@ -17,6 +17,8 @@ const SPOTS: [f64; 7] = [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75];
 const SPOT_WIDTHS: [f64; 2] = [0.25, 0.5];
 /// Part of the pull of gravity and springs that a friction may grow with beside that of the drive.
 const PASSIVE: [f64; 3] = [0.0, 1.0, -1.0];
+/// And how many times as much it rubs where the load drives.
+const BACKDRIVEN: [f64; 2] = [1.0, 5.0];
 
 fn level(path: &Path<'_>) -> f64 {
     path.device.mechanics.friction.highest_nm()
@@ -116,9 +118,10 @@ pub(super) fn load_dependent_friction(path: &Path<'_>, _: &Seen<'_>) -> Vec<Form
     let name = "load_dependent_friction";
     let pulled = path.device.mechanics.is_pulled();
     let parts = PASSIVE.iter().filter(|part| pulled || **part == 0.0);
-    parts
-        .map(|&part| linear(path, name, &[0.0, part], &[(0, 0.1)]).positive())
-        .collect()
+    let forms = parts.flat_map(|&part| {
+        BACKDRIVEN.map(|times| linear(path, name, &[0.0, part, times], &[(0, 0.1)]).positive())
+    });
+    forms.collect()
 }
 
 pub(super) fn position_dependent_coulomb(path: &Path<'_>, seen: &Seen<'_>) -> Vec<Form> {

@@ -1,5 +1,6 @@
 //! Sizes of effects that no device has: a fit that ends there bends to something else.
 
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::term::Term;
@@ -23,9 +24,13 @@ pub(crate) struct Implausible {
 }
 
 impl Implausible {
-    /// The first such number of the effect at a place of a fit, if there is one.
-    pub(super) fn of(problem: &Problem<'_>, fit: &Fit, place: usize) -> Option<Self> {
+    /// The first such number of the effect at a place of a fit, if there is one; a number of the model that is not stated may be any.
+    pub(crate) fn of(problem: &Problem<'_>, fit: &Fit, place: usize) -> Option<Self> {
         let (term, x) = fit.hypothesis.parts(&fit.x).nth(place)?;
+        let number = effects::of(term.kind.name).main_number();
+        if number.is_some_and(|number| problem.recording.unstated.contains(&number.name)) {
+            return None;
+        }
         let values = term.at(x);
         let model = &problem.recording.model;
         let mut free = term.free.iter().zip(x);

@@ -4,11 +4,13 @@ use std::path::Path;
 use std::process::Command;
 
 /// What else the program is made of, next to this package.
-const CRATES: [&str; 6] = [
+const CRATES: [&str; 8] = [
     "../src",
     "../blind",
     "../gap",
     "../host-sim",
+    "../link",
+    "../remote",
     "../recording",
     "../virtual-board",
 ];

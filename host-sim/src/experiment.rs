@@ -257,14 +257,16 @@ pub fn recording(
     recording
 }
 
-fn other_column(sensor: Sensor) -> &'static str {
+/// The column of the sensor that does not feed the regulator.
+pub fn other_column(sensor: Sensor) -> &'static str {
     match sensor {
         Sensor::Encoder => "position_hall",
         Sensor::Hall => "position_encoder",
     }
 }
 
-fn encoder_sensor(settings: &Settings) -> recording::Sensor {
+/// The encoder, as a recording states it.
+pub fn encoder_sensor(settings: &Settings) -> recording::Sensor {
     let mechanism = &settings.mechanism;
     recording::Sensor {
         resolution: f64::from(encoder::rad_per_count(
@@ -283,8 +285,8 @@ fn hall_sensor(hall: &Hall) -> recording::Sensor {
     }
 }
 
-/// The regulator in the recording's terms; `None` if those cannot state it.
-fn pid(settings: &Settings, period: f64) -> Option<Pid> {
+/// The regulator in the recording's terms, of a position loop of `period`, s; `None` if those cannot state it.
+pub fn pid(settings: &Settings, period: f64) -> Option<Pid> {
     let (gains, estimate, on) = (&settings.pid, &settings.estimate, &settings.compensation);
     let stated = gains.setpoint_weight == 1.0
         && gains.derivative_cutoff_hz == 0.0

@@ -123,6 +123,9 @@ pub enum Failure {
     /// The virtual board can go no further.
     #[error(transparent)]
     Halt(#[from] virtual_board::board::Halt),
+    /// The board at the other end of the serial port.
+    #[error(transparent)]
+    Device(#[from] remote::DeviceError),
     /// The program is at fault.
     #[error("the diagnosis broke off on a fault of the program; report it with the recording")]
     Fault,

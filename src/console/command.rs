@@ -147,8 +147,8 @@ const CLEAR: Usage = Usage {
 };
 const BEAT: Usage = Usage {
     name: "beat",
-    arguments: "",
-    purpose: "a program steers: silence for host.heartbeat is a fault from now on",
+    arguments: "[off]",
+    purpose: "a program steers: silence for host.heartbeat is a fault from now on, until off",
     example: "beat",
 };
 const STREAM: Usage = Usage {
@@ -269,8 +269,8 @@ pub enum Command {
     Faults,
     /// Let go of the fault.
     Clear,
-    /// A program steers.
-    Beat,
+    /// A program steers, or no longer.
+    Beat(bool),
     /// A stream, or a capture.
     Telemetry(TelemetryCommand),
     /// Another rate of the serial line, bits a second.
@@ -399,7 +399,11 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
         "stop" => Command::Stop,
         "clear" => Command::Clear,
         "faults" => Command::Faults,
-        "beat" => Command::Beat,
+        "beat" => Command::Beat(match arguments.optional() {
+            None => true,
+            Some("off") => false,
+            Some(_) => return Err(arguments.misused()),
+        }),
         "timing" => Command::Timing,
         "version" => Command::Version,
         "hello" => Command::Hello,

@@ -140,7 +140,7 @@ pub fn execute(
         Command::Telemetry(wanted) => {
             return Ok(Answer::Telemetry(telemetry::execute(wanted, device)?));
         }
-        Command::Beat => return Ok(Answer::Beat),
+        Command::Beat(_) => return Ok(Answer::Beat),
         Command::Timing => return Ok(Answer::Timing(device.timing())),
         // Of the greeting this is what needs no session.
         Command::Version | Command::Hello => return Ok(Answer::Version),

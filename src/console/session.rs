@@ -402,7 +402,7 @@ impl Session {
             }
             _ => {
                 match command {
-                    Command::Beat => self.silent_s = Some(0.0),
+                    Command::Beat(steers) => self.silent_s = steers.then_some(0.0),
                     Command::Baud(baud) => self.baud = Some(*baud),
                     _ => {}
                 }

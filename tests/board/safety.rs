@@ -69,6 +69,12 @@ fn a_program_that_has_spoken_and_falls_silent_disarms() {
     let said = bench.wait_for("> ");
     assert!(said.contains("gone silent"), "{said}");
     bench.command("clear");
+    bench.command("beat off");
+    bench.command("arm");
+    bench.run(0.5);
+    assert!(bench.drives(), "a person may be silent again");
+    bench.command("disarm");
+    bench.command("beat");
     bench.command("set host.heartbeat 0");
     bench.command("arm");
     bench.run(0.5);

@@ -3,7 +3,9 @@
 pub mod board;
 pub mod demo;
 pub mod effects;
+pub mod experiment;
 pub mod gap;
+pub mod record;
 pub mod reproduce;
 pub mod sim;
 
@@ -22,6 +24,10 @@ pub enum Command {
     Sim(sim::Command),
     /// Run the flashed image on a virtual board that is wired to the simulated paddle.
     Board(board::Arguments),
+    /// Drive a board through experiments, and leave a recording.
+    Record(record::Arguments),
+    /// Record and diagnose, by turns, until the answer is unique.
+    Experiment(experiment::Arguments),
     /// Measure the gap between a simulation and a recording.
     #[command(subcommand)]
     Gap(gap::Command),
@@ -38,6 +44,8 @@ impl Command {
             Self::Demo(arguments) => arguments.targets(),
             Self::Sim(command) => command.targets(),
             Self::Board(arguments) => arguments.targets(),
+            Self::Record(arguments) => arguments.targets(),
+            Self::Experiment(arguments) => arguments.targets(),
             Self::Gap(command) => command.targets(),
             Self::Reproduce(arguments) => arguments.targets(),
             Self::Effects(_) => Vec::new(),
@@ -53,6 +61,8 @@ impl Command {
             Self::Demo(arguments) => demo::run(arguments),
             Self::Sim(command) => command.run(),
             Self::Board(arguments) => board::run(arguments),
+            Self::Record(arguments) => record::run(arguments),
+            Self::Experiment(arguments) => experiment::run(arguments),
             // Its JSON is the recording format's.
             Self::Gap(command) => return command.run(),
             Self::Reproduce(arguments) => reproduce::run(arguments),

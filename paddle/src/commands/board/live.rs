@@ -1,9 +1,9 @@
 //! The board at the pace of the clock on the wall, with its serial port as a terminal device.
 
-use super::interrupt::Interrupt;
 use super::leave::Session;
 use super::line;
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::progress;
 use rustix::fs::{Mode, OFlags};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -17,8 +17,11 @@ use virtual_board::board::Board;
 
 /// Between two looks at the terminal.
 const PACE: Duration = Duration::from_millis(2);
-/// A computer that is later than this does not catch up: the board's time then stands still for it, s.
-const PATIENCE_S: f64 = 0.2;
+/// A computer that is later than this does not catch up: the board's time then stands still for it, s. A program that
+/// steers the board falls behind with it.
+const PATIENCE_S: f64 = 0.05;
+/// The board runs for so long at most between two looks at the terminal, s.
+const SLICE_S: f64 = 0.005;
 
 /// A pseudo-terminal: the board's side, and the name of the user's.
 struct Terminal {
@@ -48,7 +51,8 @@ impl Terminal {
     }
 }
 
-/// Runs `board` until the user wants to end, and tells `session` all along.
+/// Runs `board` until the user wants to end, `pace` times as fast as the clock on the wall if the computer is as fast, and
+/// tells `session` all along.
 ///
 /// # Errors
 /// [`Failure`] if there is no terminal device, or when the board stops.
@@ -57,6 +61,7 @@ pub fn run(
     header: &str,
     session: &mut Session,
     interrupt: &Interrupt,
+    pace: f64,
 ) -> Result<(), Failure> {
     let mut terminal = Terminal::open()
         .map_err(|error| Failure::Board(format!("no pseudo-terminal to be had: {error}")))?;
@@ -70,12 +75,15 @@ pub fn run(
     let mut typed = [0; 256];
     let mut answer = Vec::new();
     while !interrupt.is_wished() {
-        let due_s = began_s + began.elapsed().as_secs_f64();
+        let mut due_s = began_s + pace * began.elapsed().as_secs_f64();
         if due_s - board.time_s() > PATIENCE_S {
             (began, began_s) = (Instant::now(), board.time_s());
-            continue;
+            due_s = began_s;
         }
-        board.run_until(due_s)?;
+        // A pseudo-terminal has no rate of its own.
+        board.terminal.baud = board.baud();
+        let next_s = due_s.min(board.time_s() + SLICE_S);
+        board.run_until(next_s)?;
         match terminal.board.read(&mut typed) {
             Ok(length) => {
                 let now_s = board.time_s();
@@ -97,7 +105,9 @@ pub fn run(
         for entry in logged {
             progress::say(&line(&entry));
         }
-        thread::sleep(PACE);
+        if next_s >= due_s {
+            thread::sleep(PACE);
+        }
     }
     Ok(())
 }

@@ -1,7 +1,6 @@
 //! `paddle board`: the flashed image on a virtual board, wired to the simulated paddle.
 
 mod firmware;
-mod interrupt;
 mod leave;
 mod live;
 
@@ -10,6 +9,7 @@ use crate::commands::sim::SensorChoice;
 use crate::device_file::CHECK_THE_NAME;
 use crate::failure::Failure;
 use crate::files::Folder;
+use crate::interrupt::Interrupt;
 use crate::numbers;
 use crate::plant_choice::{Plant, PlantChoice};
 use crate::targets::{Target, Use};
@@ -19,7 +19,6 @@ use haptic_paddle::settings::{Sensor, Settings};
 use host_sim::closed_loop::LoopSetup;
 use host_sim::effects::Effect;
 use host_sim::presets;
-use interrupt::Interrupt;
 use leave::Session;
 use recording::{Model, open_file, read_text};
 use serde_json::json;
@@ -79,6 +78,9 @@ pub struct Arguments {
         value_name = "deg"
     )]
     start: f64,
+    /// Times as fast as the clock on the wall, as far as the computer can.
+    #[arg(long, default_value_t = 1.0, value_name = "TIMES", value_parser = numbers::positive)]
+    pace: f64,
     /// Of all noise.
     #[arg(long, default_value_t = 0, value_parser = numbers::whole)]
     seed: u64,
@@ -144,7 +146,13 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
                 .run(&mut board, seconds, &mut go_on)
                 .map_err(Failure::from)
         }
-        None => live::run(&mut board, &header, &mut session, &interrupt),
+        None => live::run(
+            &mut board,
+            &header,
+            &mut session,
+            &interrupt,
+            arguments.pace,
+        ),
     };
     let took_s = began.elapsed().as_secs_f64();
     session.take(&mut board);

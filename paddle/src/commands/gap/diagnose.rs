@@ -105,7 +105,7 @@ impl Arguments {
 }
 
 /// The options, unless a name is misspelt.
-fn options(without: &[String]) -> Result<Options, Failure> {
+pub fn options(without: &[String]) -> Result<Options, Failure> {
     match without.iter().find(|name| effects::kind(name).is_none()) {
         Some(unknown) => Err(EffectError::Kind(unknown.clone()).into()),
         None => Ok(Options {

@@ -54,7 +54,7 @@ impl Command {
 }
 
 /// Reads a recording whose columns mean what its model takes them for.
-fn read(folder: &Path) -> Result<Recording, Failure> {
+pub fn read(folder: &Path) -> Result<Recording, Failure> {
     progress::begin();
     progress::doing("reading".into());
     let recording = Recording::read_watched(folder, &|share| progress::part_done(share))?;

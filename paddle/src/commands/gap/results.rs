@@ -21,17 +21,13 @@ pub fn json(recording: &Recording, outcome: &Outcome, provenance: &Provenance) -
 }
 
 /// Leaves the corrected model in a file.
-pub(super) fn save_model(
-    path: &Path,
-    recording: &Recording,
-    outcome: &Outcome,
-) -> Result<(), Failure> {
+pub fn save_model(path: &Path, recording: &Recording, outcome: &Outcome) -> Result<(), Failure> {
     let file = ModelFile::new(&outcome.model, recording);
     std::fs::write(path, file.to_string()).map_err(Failure::write(path))
 }
 
 /// Leaves the page in a file.
-pub(super) fn save_report(
+pub fn save_report(
     path: &Path,
     recording: &Recording,
     outcome: &Outcome,

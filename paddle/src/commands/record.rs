@@ -1,0 +1,164 @@
+//! `paddle record`: a board's experiments as a recording.
+
+use crate::answer::Answer;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::numbers;
+use crate::plant_choice::PlantChoice;
+use crate::progress;
+use crate::rig::{ROWS_HZ, Rig};
+use crate::targets::{Target, Use};
+use clap::Args;
+use recording::Tolerance;
+use remote::{Plan, Recorder, Session};
+use serde_json::json;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Which board, and what it is to do.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  paddle record --port /dev/ttyUSB0 --run step:10 --run multisine:0.0036,2,4 --out my-recording
+  paddle gap diagnose my-recording
+
+An experiment is SHAPE:AMPLITUDE,HZ,SECONDS of a shape of the console's `start`. A step is of the position, in degrees, and
+is recorded on its way back, too; all others are of the torque, in N m at the motor. `position:` or `torque:` in front
+says otherwise. Before each the paddle is brought to the middle.
+
+Ctrl-C disarms the paddle, and keeps the runs that are complete. If this program or the line dies, the board disarms by
+itself after host.heartbeat. The paddle must be free to move, and hang as it always does.")]
+pub struct Arguments {
+    /// The serial port, or what `paddle board` says.
+    #[arg(long)]
+    port: String,
+    /// An experiment; may be repeated.
+    #[arg(long = "run", required = true, value_name = "SHAPE:NUMBERS")]
+    runs: Vec<Plan>,
+    /// Leave the recording in this folder.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    nominal: Nominal,
+    /// Rows a second.
+    #[arg(long, default_value_t = ROWS_HZ, value_name = "Hz", value_parser = numbers::positive)]
+    rate: f64,
+}
+
+/// What a recording states beside its runs.
+#[derive(Args)]
+pub struct Nominal {
+    /// The model whose gap is asked about: `nominal`, `refit`, or a TOML file with what differs from nominal.
+    #[arg(long, default_value = "nominal", value_name = "nominal|FILE.toml")]
+    model: PlantChoice,
+    /// Prediction window that the recording states.
+    #[arg(long, default_value_t = 0.3, value_name = "s", value_parser = numbers::positive)]
+    horizon: f64,
+    /// A line for people.
+    #[arg(long, default_value = "A paddle", value_name = "TEXT")]
+    title: String,
+}
+
+/// How well the nominal model's numbers are known, as the lab states them of its paddle.
+const TOLERANCE: [(&str, f64); 4] = [
+    ("inertia", 0.02),
+    ("gravity", 0.05),
+    ("viscous", 0.2),
+    ("coulomb", 0.2),
+];
+
+impl Nominal {
+    /// The file that it reads.
+    pub fn target(&self) -> Option<Target<'_>> {
+        Target::of("--model", Use::Read, self.model.file())
+    }
+
+    /// A recording without runs, of this board.
+    ///
+    /// # Errors
+    /// [`Failure`] for a file that cannot be used.
+    pub fn recorder(&self, rig: &Rig) -> Result<Recorder, Failure> {
+        let mut tolerance = Tolerance::default();
+        for (name, relative) in TOLERANCE {
+            tolerance.set(name, relative);
+        }
+        Ok(Recorder::new(Session {
+            title: self.title.clone(),
+            horizon_s: self.horizon,
+            model: self.model.load()?.model,
+            tolerance,
+            settings: rig.settings,
+        }))
+    }
+}
+
+/// Records.
+///
+/// # Errors
+/// [`Failure`] for a board that does not do as it is asked, and files that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    let interrupt = Interrupt::watched()?;
+    let mut rig = Rig::open(&arguments.port)?;
+    let mut recorder = arguments.nominal.recorder(&rig)?;
+    let mut amiss = Vec::new();
+    for (at, plan) in arguments.runs.iter().enumerate() {
+        progress::within(&format!("run {} of {}", at + 1, arguments.runs.len()));
+        match rig.take(plan, arguments.rate, &interrupt) {
+            Ok(taken) => {
+                if let Some(fault) = &taken.fault {
+                    amiss.push(Failure::Device(remote::DeviceError::Fault(format!(
+                        "{fault}; {plan} is kept up to then"
+                    ))));
+                }
+                recorder.add(&taken);
+            }
+            Err(error) => {
+                amiss.push(error.into());
+                break;
+            }
+        }
+    }
+    if recorder.recording().runs.is_empty() {
+        return Err(amiss.pop().unwrap_or(Failure::Fault));
+    }
+    amiss.extend(rig.leave().err().map(Failure::from));
+    leave(&recorder, &rig, &arguments.out)?;
+
+    let mut text = String::new();
+    for run in &recorder.recording().runs {
+        let _ = writeln!(text, "  {:<32} {:.2} s", run.file, run.duration_s());
+    }
+    let folder = arguments.out.display();
+    let _ = writeln!(
+        text,
+        "recording in {folder}; next: paddle gap diagnose {folder}"
+    );
+    Ok(Answer {
+        text,
+        json: json!({
+            "recording": arguments.out,
+            "runs": recorder.recording().runs.iter().map(|run| json!({
+                "file": run.file, "seconds": run.duration_s(), "rows": run.len(),
+            })).collect::<Vec<_>>(),
+        }),
+        amiss,
+    })
+}
+
+/// Leaves the recording so far, and beside it what was done with which settings.
+///
+/// # Errors
+/// [`Failure`] for what cannot be written, or used.
+pub fn leave(recorder: &Recorder, rig: &Rig, folder: &Path) -> Result<(), Failure> {
+    recorder.recording().write(folder)?;
+    let path = folder.join("session.toml");
+    std::fs::write(&path, rig.account()).map_err(Failure::write(&path))?;
+    Ok(recorder.recording().validate()?)
+}
+
+impl Arguments {
+    /// Where it will write, and what it reads.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let out = Target::of("--out", Use::NewFolder, &self.out);
+        [self.nominal.target(), out].into_iter().flatten().collect()
+    }
+}

@@ -1,0 +1,170 @@
+//! `paddle record` and a board at the other end of a pseudo-terminal.
+
+use std::io::{BufRead, BufReader, Lines};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Output, Stdio};
+use std::time::Duration;
+
+use recording::{Drive, Recording};
+
+const PADDLE: &str = env!("CARGO_BIN_EXE_paddle");
+
+/// The image that `cargo fw` left, if it did.
+fn image(test: &str) -> Option<PathBuf> {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent()?;
+    let path = target.join("thumbv7em-none-eabihf/firmware/firmware");
+    if !path.exists() {
+        println!("skipped: {test}: no image; `cargo fw` builds it");
+        return None;
+    }
+    Some(path)
+}
+
+/// A live virtual board, ended with the test.
+struct Board {
+    child: Child,
+    _lines: Lines<BufReader<ChildStdout>>,
+    port: String,
+}
+
+impl Board {
+    fn start(image: &Path) -> Self {
+        let mut child = Command::new(PADDLE)
+            .args(["board", "--plant", "nominal", "--elf"])
+            .arg(image)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+        let port = lines
+            .by_ref()
+            .map(Result::unwrap)
+            .find_map(|line| line.strip_prefix("serial port: ").map(str::to_owned))
+            .expect("no port");
+        Self {
+            child,
+            _lines: lines,
+            port,
+        }
+    }
+
+    fn record(&self, out: &Path, runs: &[&str]) -> Command {
+        let mut command = Command::new(PADDLE);
+        command.args(["record", "--port", &self.port, "--out"]);
+        command.arg(out);
+        for run in runs {
+            command.args(["--run", run]);
+        }
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("record-{name}"));
+    let _ = std::fs::remove_dir_all(&path);
+    path
+}
+
+fn said(output: &Output) -> String {
+    let [out, err] = [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said));
+    format!("{out}{err}")
+}
+
+#[test]
+fn experiments_become_a_recording_and_the_board_is_left_to_a_person() {
+    let Some(image) = image("experiments_become_a_recording") else {
+        return;
+    };
+    let board = Board::start(&image);
+    let runs = ["step:10,0.4", "multisine:0.0036,2,1.5"];
+    for out in ["first", "second"].map(folder) {
+        let output = board.record(&out, &runs).output().unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+        let recording = Recording::read(&out).unwrap();
+        let drives: Vec<_> = recording.runs.iter().map(|run| run.drive).collect();
+        assert_eq!(drives, [Drive::ClosedLoop, Drive::OpenLoop]);
+        assert!(recording.runs[1].duration_s() > 1.9);
+        assert_eq!(recording.oddities, []);
+        let session = std::fs::read_to_string(out.join("session.toml")).unwrap();
+        for part in [
+            "program = ",
+            "torque:multisine:0.0036,2,1.5",
+            "pid.kp = 0.05",
+        ] {
+            assert!(session.contains(part), "{session}");
+        }
+        // What stands there is a measurement.
+        let again = board.record(&out, &runs).output().unwrap();
+        assert_eq!(again.status.code(), Some(2));
+        assert!(
+            said(&again).contains("holds a recording"),
+            "{}",
+            said(&again)
+        );
+    }
+}
+
+#[test]
+fn ctrl_c_disarms_and_keeps_the_runs_that_are_complete() {
+    let Some(image) = image("ctrl_c_disarms_and_keeps") else {
+        return;
+    };
+    let board = Board::start(&image);
+    let out = folder("ended");
+    let child = board
+        .record(&out, &["step:10,0.3", "position:sine:10,1,60"])
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(14));
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+    assert!(
+        said(&output).contains("the paddle is disarmed"),
+        "{}",
+        said(&output)
+    );
+    assert_eq!(Recording::read(&out).unwrap().runs.len(), 1);
+}
+
+#[test]
+fn a_port_that_is_none_and_an_experiment_that_is_none_are_told() {
+    let out = folder("none");
+    for (arguments, part) in [
+        (
+            ["--port", "/dev/no-such-port", "--run", "step:10"],
+            "check the name",
+        ),
+        (
+            ["--port", "/dev/null", "--run", "hop:10"],
+            "is no experiment",
+        ),
+    ] {
+        let output = Command::new(PADDLE)
+            .arg("record")
+            .args(arguments)
+            .arg("--out")
+            .arg(&out)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(said(&output).contains(part), "{}", said(&output));
+        assert!(!out.exists());
+    }
+}

@@ -1,0 +1,64 @@
+//! A capture that the board sends.
+
+use link::{Body, Sample, ShortSample, Trigger};
+
+/// Every control period of a stretch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Captured {
+    head: Option<Head>,
+    /// One a control period.
+    pub samples: Vec<Sample>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Head {
+    trigger: Trigger,
+    samples: usize,
+    triggered_at: usize,
+}
+
+impl Captured {
+    pub(crate) fn hear(&mut self, body: &Body) {
+        match *body {
+            Body::Capture {
+                trigger,
+                samples,
+                triggered_at,
+                ..
+            } => {
+                self.samples.clear();
+                self.head = Some(Head {
+                    trigger,
+                    samples: samples.into(),
+                    triggered_at: triggered_at.into(),
+                });
+            }
+            // Samples after ones that were lost are of no use.
+            Body::Samples { first, samples } if usize::from(first) == self.samples.len() => {
+                let (samples, _) = samples.as_chunks();
+                let samples = samples.iter().copied().map(ShortSample::from_bytes);
+                self.samples.extend(samples.map(Sample::from));
+            }
+            Body::Samples { .. } | Body::Row { .. } => {}
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    pub(crate) fn is_complete(&self) -> bool {
+        self.head
+            .is_some_and(|head| head.samples == self.samples.len())
+    }
+
+    /// What triggered it.
+    pub fn trigger(&self) -> Option<Trigger> {
+        self.head.map(|head| head.trigger)
+    }
+
+    /// Index of the sample at which the trigger came.
+    pub fn triggered_at(&self) -> usize {
+        self.head.map_or(0, |head| head.triggered_at)
+    }
+}

@@ -1,0 +1,27 @@
+//! A paddle's board at the other end of a serial port.
+//!
+//! ```text
+//! Wire       bytes: a serial port, or a pseudo-terminal
+//! Device     commands with their answers, rows of the stream, captures
+//! Plan       an experiment as it is written: step:10, torque:multisine:0.0036,2,4
+//! take       carries a plan out, and gives its rows
+//! Recorder   puts runs together to a recording
+//! ```
+//!
+//! Nothing here knows whether the board is a real one.
+
+mod capture;
+mod device;
+mod error;
+mod plan;
+mod recorder;
+mod take;
+mod wire;
+
+pub use capture::Captured;
+pub use device::{Device, Row};
+pub use error::DeviceError;
+pub use plan::{Plan, PlanError};
+pub use recorder::{Recorder, Session};
+pub use take::{Progress, Taken, take};
+pub use wire::{BOOT_BAUD, FAST_BAUD, SerialWire, Wire};

@@ -1,0 +1,219 @@
+//! Experiments on the flashed image, with the virtual board at the other end of the wire.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use haptic_paddle::settings::Settings;
+use host_sim::closed_loop::LoopSetup;
+use host_sim::presets;
+use link::Channel;
+use recording::{Drive, Tolerance};
+use remote::{Device, DeviceError, Plan, Progress, Recorder, Session, Wire, take};
+use virtual_board::board::{Board, Pause};
+use virtual_board::image::Image;
+use virtual_board::wiring::Wires;
+
+/// A board in this process, which runs as long as somebody reads.
+struct VirtualWire {
+    board: Board,
+    /// Bytes that are no longer heard from this time on.
+    cut_s: f64,
+}
+
+impl Wire for VirtualWire {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let end_s = self.board.time_s() + 1e-3;
+        while self.board.run_until(end_s).unwrap() != Pause::Time {}
+        let answer = self.board.terminal.take_answer();
+        bytes[..answer.len()].copy_from_slice(&answer);
+        Ok(answer.len())
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let now_s = self.board.time_s();
+        if now_s < self.cut_s {
+            self.board.terminal.send(bytes, now_s);
+        }
+        Ok(())
+    }
+
+    fn set_baud(&mut self, baud: u32) -> io::Result<()> {
+        self.board.terminal.baud = baud.into();
+        Ok(())
+    }
+
+    fn time_s(&self) -> f64 {
+        self.board.time_s()
+    }
+}
+
+/// Nobody watches; the user ends when this turns true.
+struct Quiet(bool);
+
+impl Progress for Quiet {
+    fn done(&mut self, _: f64) {}
+
+    fn ends(&self) -> bool {
+        self.0
+    }
+}
+
+fn image(test: &str) -> Option<Image> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    let path = root
+        .join(target)
+        .join("thumbv7em-none-eabihf/firmware/firmware");
+    if !path.exists() {
+        println!("skipped: {test}: no image; `cargo fw` builds it");
+        return None;
+    }
+    Some(Image::read(&path).unwrap())
+}
+
+fn wire(image: &Image) -> VirtualWire {
+    let setup = LoopSetup::firmware(presets::refit(), Settings::default(), presets::motor());
+    let mut board = Board::new(image, &setup.paddle, &setup.settings, Wires::default()).unwrap();
+    board.set_brown_out();
+    VirtualWire {
+        board,
+        cut_s: f64::INFINITY,
+    }
+}
+
+fn ready(image: &Image) -> Device<VirtualWire> {
+    let mut device = Device::find(wire(image)).unwrap();
+    device.speed_up().unwrap();
+    device.expect("zero hall", "zeroed").unwrap();
+    device.steer(true).unwrap();
+    device
+}
+
+fn plan(text: &str) -> Plan {
+    text.parse().unwrap()
+}
+
+#[test]
+fn a_step_and_a_multisine_become_a_recording_that_reads_back() {
+    let Some(image) = image("a_step_and_a_multisine_become_a_recording") else {
+        return;
+    };
+    let mut device = ready(&image);
+    let settings = device.settings().unwrap();
+    assert_eq!(settings.pid.kp_nm_per_deg, 0.05);
+    let mut recorder = Recorder::new(Session {
+        title: "Two runs".into(),
+        horizon_s: 0.3,
+        model: presets::nominal(),
+        tolerance: Tolerance::default(),
+        settings,
+    });
+    for text in ["step:10,0.5", "multisine:0.0036,2,3"] {
+        let taken = take(&mut device, &plan(text), 1000.0, &mut Quiet(false)).unwrap();
+        assert_eq!((taken.lost, &taken.fault), (0, &None), "{text}");
+        recorder.add(&taken);
+    }
+    let recording = recorder.recording();
+    let folder = std::env::temp_dir().join(format!("remote-two-runs-{}", std::process::id()));
+    recording.write(&folder).unwrap();
+    let read = recording::Recording::read(&folder).unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(read.runs, recording.runs);
+    assert_eq!(read.oddities, []);
+
+    let [step, multisine] = &read.runs[..] else {
+        panic!("{} runs", read.runs.len());
+    };
+    assert_eq!(
+        (step.drive, multisine.drive),
+        (Drive::ClosedLoop, Drive::OpenLoop)
+    );
+    assert!(step.controller.is_some());
+    let highest = step.position.iter().fold(0.0f64, |most, at| most.max(*at));
+    assert!((9.5..12.0).contains(&highest.to_degrees()), "{highest}");
+    let last = step.position.last().unwrap().to_degrees();
+    assert!(last.abs() < 0.5, "back at {last}");
+    let largest = multisine
+        .input
+        .iter()
+        .fold(0.0f64, |most, at| most.max(at.abs()));
+    assert!((0.003..0.0037).contains(&largest), "{largest}");
+    // The run begins at rest, without torque.
+    assert!(multisine.input[..200].iter().all(|torque| *torque == 0.0));
+    assert!(read.sensors["position_hall"].noise > 0.0);
+}
+
+#[test]
+fn a_lost_link_disarms_the_board() {
+    let Some(image) = image("a_lost_link_disarms_the_board") else {
+        return;
+    };
+    let mut wire = wire(&image);
+    // In the middle of the run.
+    wire.cut_s = 4.0;
+    let mut device = Device::find(wire).unwrap();
+    device.speed_up().unwrap();
+    device.expect("zero hall", "zeroed").unwrap();
+    device.steer(true).unwrap();
+    let failed = take(
+        &mut device,
+        &plan("position:sine:10,1,20"),
+        1000.0,
+        &mut Quiet(false),
+    );
+    assert!(failed.is_err(), "{failed:?}");
+    let rows = device.take_rows();
+    let last = rows.last().unwrap();
+    assert_eq!(last.value(Channel::Mode), 0.0, "disarmed");
+    assert!(last.value(Channel::Fault) > 0.0);
+}
+
+#[test]
+fn a_user_who_ends_leaves_a_disarmed_board() {
+    let Some(image) = image("a_user_who_ends") else {
+        return;
+    };
+    let mut device = ready(&image);
+    let ended = take(&mut device, &plan("step:10"), 1000.0, &mut Quiet(true));
+    assert!(matches!(ended, Err(DeviceError::Ended)), "{ended:?}");
+    assert!(device.command("status").unwrap().contains("mode off"));
+}
+
+#[test]
+fn what_the_board_refuses_is_told_in_its_words() {
+    let Some(image) = image("what_the_board_refuses") else {
+        return;
+    };
+    let mut device = ready(&image);
+    let refused = take(&mut device, &plan("step:80"), 1000.0, &mut Quiet(false));
+    let Err(DeviceError::Refused { line, answer }) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(line.starts_with("start step 80"), "{line}");
+    assert!(answer.contains("limit.travel"), "{answer}");
+}
+
+#[test]
+fn a_board_that_was_left_at_a_fast_rate_is_found() {
+    let Some(image) = image("a_board_that_was_left") else {
+        return;
+    };
+    let mut device = Device::find(wire(&image)).unwrap();
+    device.speed_up().unwrap();
+    let wire = device.into_wire();
+    let mut device = Device::find(wire).unwrap();
+    assert!(device.command("status").unwrap().contains("mode off"));
+}
+
+#[test]
+fn a_capture_is_fetched() {
+    let Some(image) = image("a_capture_is_fetched") else {
+        return;
+    };
+    let mut device = ready(&image);
+    device.command("capture now 0").unwrap();
+    device.wait_s(0.3).unwrap();
+    let captured = device.fetch_capture().unwrap();
+    assert_eq!(captured.samples.len(), 3072);
+}

@@ -1,5 +1,6 @@
 //! The missing torque of devices whose truth is known.
 
+use gap::missing_torque::Axis;
 use gap::{Device, Effect, MissingTorque};
 use host_sim::drive::DriveLine;
 use host_sim::plant::Plant;
@@ -143,27 +144,27 @@ fn recorded_with_ripple(orders: &[(f64, f64)], seed: u64) -> Recording {
 #[test]
 fn the_axis_of_a_single_effect_comes_first() {
     let cases = [
-        ("coulomb:level=0.015", "velocity"),
-        ("viscous:coefficient=0.002", "velocity"),
+        ("coulomb:level=0.015", Axis::Velocity),
+        ("viscous:coefficient=0.002", Axis::Velocity),
         (
             "asymmetric_coulomb:positive=0.012,negative=0.004",
-            "velocity",
+            Axis::Velocity,
         ),
-        ("quadratic_drag:coefficient=0.0004", "velocity"),
-        ("stribeck:static_ratio=3,velocity=1", "velocity"),
-        ("spring:stiffness=0.05,zero=0.2", "position"),
-        ("gravity:weight=0.02,zero=0.5", "position"),
+        ("quadratic_drag:coefficient=0.0004", Axis::Velocity),
+        ("stribeck:static_ratio=3,velocity=1", Axis::Velocity),
+        ("spring:stiffness=0.05,zero=0.2", Axis::Position),
+        ("gravity:weight=0.02,zero=0.5", Axis::Position),
         (
             "cogging:amplitude=0.006,wave_number=5,phase=0.4",
-            "position",
+            Axis::Position,
         ),
         (
             "end_stop:lower=-9,upper=0.5,stiffness=0.1,damping=0",
-            "position",
+            Axis::Position,
         ),
-        ("torque_gain:gain=1.3", "input"),
-        ("deadband:width=0.001", "input"),
-        ("saturation:limit=0.002", "input"),
+        ("torque_gain:gain=1.3", Axis::Input),
+        ("deadband:width=0.001", Axis::Input),
+        ("saturation:limit=0.002", Axis::Input),
     ];
     let (mut right, mut all, mut wrong) = (0, 0, Vec::new());
     for (effect, axis) in cases {

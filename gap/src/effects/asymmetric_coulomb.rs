@@ -7,6 +7,10 @@ use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
 use crate::guess::regression::regress;
 use crate::guess::start::{log, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::asymmetric_coulomb::KIND;
@@ -60,6 +64,18 @@ impl Identification for AsymmetricCoulomb {
         let levels = [-1.0, 1.0].map(|way| model.coulomb + way * torque_nm);
         let is_friction = levels.iter().all(|level| *level > 0.0);
         is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]))
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let base = path.device.mechanics.friction.level_nm;
+        let step = path.scale.torque_step();
+        [&[(0, step)][..], &[(1, step)], &[(0, step), (1, step)]]
+            .map(|steps| Form::linear(path, &KIND, &base, steps))
+            .into()
     }
 
     fn noun(&self) -> &'static str {

@@ -6,6 +6,10 @@ use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::start::{count, linear, log, term};
 use crate::guess::two_masses::{HALF, is_no_link, rubs, two_masses};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::{Path, sign};
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use crate::windows::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
@@ -24,6 +28,8 @@ const FLANK_DAMPING: f64 = 0.22;
 /// Shares of the inertia and of the friction beyond a play that are tried with each: a side that flies free tells them.
 const FREE_SHARES: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
 const FREE_FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+/// Half of the play over half of the span, as screened for the missing torque.
+const HALF_PLAYS_SCREENED: [f64; 5] = [0.006, 0.014, 0.03, 0.06, 0.12];
 
 #[derive(Debug)]
 pub(super) struct Backlash;
@@ -76,6 +82,24 @@ impl Identification for Backlash {
         is_no_link(fit.device, fit.horizon_s)
     }
 
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let carried = path.carried();
+        let half_plays = HALF_PLAYS_SCREENED.map(|part| part * path.scale.half_span());
+        let forms = half_plays.map(|half_play| {
+            let columns = floats_and_strikes(path, &carried, half_play);
+            let values = move |c: &[f64]| {
+                let share = (0.5 + c[0].abs().min(1.0) * 0.2).clamp(0.1, 0.9);
+                with_defaults(&KIND, &[(0, 2.0 * half_play), (1, share)])
+            };
+            Form::new(columns.into(), values).searched(1)
+        });
+        forms.into()
+    }
+
     fn noun(&self) -> &'static str {
         "backlash"
     }
@@ -83,4 +107,43 @@ impl Identification for Backlash {
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "backlash of {play}"
     }
+}
+
+/// Torque that the load does not take while the play is passed, and that with which it strikes where it ends, per step. `carried`
+/// is what a transmission without play would carry to the load.
+fn floats_and_strikes(path: &Path<'_>, carried: &[f64], half_play: f64) -> [Vec<f64>; 2] {
+    let inertia = path.device.mechanics.inertia;
+    // Side on which the load lies, way of the motor since it left, and velocity of the load then.
+    let (mut side, mut passed, mut speed, mut free) = (0.0, 0.0, 0.0, false);
+    let n = carried.len();
+    let [mut floats, mut strikes] = [vec![0.0; n], vec![0.0; n]];
+    for i in 0..n {
+        let step_s = path.samples.step_s[i];
+        if step_s == 0.0 {
+            (free, side) = (false, 0.0);
+            continue;
+        }
+        let pushes = sign(carried[i]);
+        if !free {
+            if side == 0.0 {
+                side = pushes;
+            }
+            if pushes == side || pushes == 0.0 {
+                continue;
+            }
+            (free, passed, speed) = (true, 0.0, path.velocity[i]);
+        }
+        passed -= side * (path.velocity[i] - speed) * step_s;
+        let crossed = passed >= 2.0 * half_play;
+        if crossed || passed < -0.5 * half_play {
+            strikes[i] = -inertia * (path.velocity[i] - speed) / step_s;
+            free = false;
+            if crossed {
+                side = -side;
+            }
+        } else {
+            floats[i] = carried[i];
+        }
+    }
+    [floats, strikes]
 }

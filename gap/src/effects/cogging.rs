@@ -9,9 +9,13 @@ use crate::guess::Evidence;
 use crate::guess::regression::{Moment, moments};
 use crate::guess::start::{linear, log, term};
 use crate::guess::waves;
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use crate::windows::statistics::quantile;
-use core::f64::consts::TAU;
+use core::f64::consts::{FRAC_PI_2, TAU};
 use host_sim::effects::Kind;
 use host_sim::effects::cogging::KIND;
 
@@ -75,6 +79,27 @@ impl Identification for Cogging {
 
     fn too_few_periods(&self, fitted: &Term, extremes: [f64; 2]) -> Option<f64> {
         waves_short(fitted.values[WAVE_NUMBER], extremes)
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Wave
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let forms = target.waves.strongest.iter().map(|&wave_number| {
+            let wave = |shift: f64| -> Vec<f64> {
+                let positions = path.position.iter();
+                positions.map(|x| (wave_number * x + shift).sin()).collect()
+            };
+            let columns = vec![wave(0.0), wave(FRAC_PI_2)];
+            let form = Form::new(columns, move |c| {
+                let (amplitude, phase) = (c[0].hypot(c[1]), c[1].atan2(c[0]));
+                let values = [(0, amplitude), (WAVE_NUMBER, wave_number), (2, phase)];
+                with_defaults(&KIND, &values)
+            });
+            form.searched(1)
+        });
+        forms.collect()
     }
 
     fn noun(&self) -> &'static str {

@@ -3,8 +3,12 @@
 use super::identification::{Fitted, Identification, Landscape};
 use super::phrase::Found;
 use crate::guess::Evidence;
-use crate::guess::start::{linear, log, term};
+use crate::guess::start::{geometric, linear, log, term};
 use crate::guess::two_masses::{HALF, is_no_link, rubs, two_masses};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use crate::windows::series::FINE_PERIOD_S;
 use core::f64::consts::TAU;
@@ -21,6 +25,12 @@ const HIGHEST_RESONANCE: f64 = 0.2;
 const TWIST_DAMPING: f64 = 0.05;
 /// The side on which most of the friction is decides how it rings while one side sticks: shares beyond the twist.
 const TWIST_FRICTIONS: [f64; 2] = [0.2, 0.8];
+/// Resonance over the rate of the motion, lowest and highest, as screened for the missing torque, and how many are tried by equal
+/// ratios; those that explain most become forms. And its damping.
+const RESONANCES_SCREENED: [f64; 2] = [1.5, 40.0];
+const RESONANCES_TRIED: usize = 70;
+const RESONANCES_KEPT: usize = 2;
+const SCREENED_DAMPING: f64 = 0.03;
 
 #[derive(Debug)]
 pub(super) struct Compliance;
@@ -63,6 +73,42 @@ impl Identification for Compliance {
         is_no_link(fit.device, fit.horizon_s)
     }
 
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let carried = path.carried();
+        let inertia = path.device.mechanics.inertia;
+        let [lowest, highest] = RESONANCES_SCREENED.map(|part| part * path.scale.rate());
+        // The smoother does not follow faster ones.
+        let highest = highest.min(target.corner).max(1.1 * lowest);
+        let rates = geometric([lowest, highest], RESONANCES_TRIED);
+        let tried = rates.map(|rate| {
+            let column = above_resonance(path, &carried, rate);
+            (
+                target.explained(core::slice::from_ref(&column)),
+                rate,
+                column,
+            )
+        });
+        let mut tried: Vec<(f64, f64, Vec<f64>)> = tried.collect();
+        tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+        tried.truncate(RESONANCES_KEPT);
+        // The masses swing against each other: of two masses and a spring between them, `J s² x/T − 1` is `s²/(s² + ω²)` times
+        // the ratio of the masses on the motor's side, and −1 times that on the load's.
+        let forms = tried.into_iter().map(|(_, rate, column)| {
+            Form::new(vec![column], move |c| {
+                let load = if c[0] > 0.0 { c[0] / (1.0 + c[0]) } else { 0.5 };
+                let load = load.clamp(0.1, 0.9);
+                let stiffness = load * (1.0 - load) * inertia * rate * rate;
+                with_defaults(&KIND, &[(0, stiffness), (2, load)])
+            })
+            .searched(1)
+        });
+        forms.collect()
+    }
+
     fn noun(&self) -> &'static str {
         "a compliant transmission"
     }
@@ -70,4 +116,25 @@ impl Identification for Compliance {
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a compliant transmission of {stiffness}"
     }
+}
+
+/// What of a torque is above a resonance, per step.
+fn above_resonance(path: &Path<'_>, torque: &[f64], rate: f64) -> Vec<f64> {
+    let (mut y, mut w) = (0.0, 0.0);
+    let steps = torque.iter().zip(&path.samples.step_s);
+    let above = steps.map(|(torque, &step_s)| {
+        if step_s == 0.0 {
+            (y, w) = (0.0, 0.0);
+            return 0.0;
+        }
+        // In parts of at most a fifth of a radian.
+        let count = (5.0 * rate * step_s).ceil().max(1.0);
+        let t = step_s / count;
+        for _ in 0..count as usize {
+            w += t * (rate * rate * (torque - y) - 2.0 * SCREENED_DAMPING * rate * w);
+            y += t * w;
+        }
+        torque - y
+    });
+    above.collect()
 }

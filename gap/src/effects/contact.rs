@@ -10,6 +10,10 @@ use crate::diagnosis::Estimate;
 use crate::guess::Evidence;
 use crate::guess::push::{LEAST_SPAN, Push, pushes, stretches};
 use crate::guess::start::{linear, log, term};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use crate::windows::series::Series;
 use crate::windows::statistics::quantile;
@@ -29,6 +33,8 @@ const INSTANTS: [usize; 2] = [2, 3];
 /// Scales of where it is and of the instants at which it comes and goes, over the span of the motion and the time meanwhile.
 const PLACE_SCALE: f64 = 0.1;
 const TIME_SCALE: f64 = 0.1;
+/// Where it begins, between the ends of the motion while it is there, as screened for the missing torque.
+const PLACES_SCREENED: [f64; 9] = [0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85];
 
 #[derive(Debug)]
 pub(super) struct Contact;
@@ -58,6 +64,28 @@ impl Identification for Contact {
 
     fn special_cases(&self) -> &'static [&'static dyn Identification] {
         &[&TorqueOffset, &Gravity, &Spring, &EndStop]
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Time
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let Some((first, last)) = most_missing(path, target) else {
+            return Vec::new();
+        };
+        let during = first..last + 1;
+        let ends = path.position[during.clone()].iter();
+        let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| {
+            [l.min(*x), h.max(*x)]
+        });
+        let span = (high - low).max(f64::MIN_POSITIVE);
+        let mut forms = vec![held(path, &during, [low, high])];
+        for side in [-1.0, 1.0] {
+            let places = PLACES_SCREENED.iter().map(|part| low + part * span);
+            forms.extend(places.map(|at| pushed(path, &during, side, at, span)));
+        }
+        target.screened(forms, 2)
     }
 
     fn noun(&self) -> &'static str {
@@ -201,4 +229,93 @@ fn returning(contact: &Term, series: &Series, windows: Range<usize>) -> Term {
     let stay = [push.side, push.position, push.from_s, push.to_s];
     contact.values.extend(stay);
     contact
+}
+
+/// Something that holds during some rows, in which the motion lies between two ends.
+fn held(path: &Path<'_>, during: &Range<usize>, [low, high]: [f64; 2]) -> Form {
+    let span = (high - low).max(f64::MIN_POSITIVE);
+    let middle = 0.5 * (low + high);
+    let speed = path.scale.velocity;
+    let instants_s = instants_s(path, during);
+    let columns = vec![
+        only(path, during, |i| -(path.position[i] - middle) / span),
+        only(path, during, |i| -path.velocity[i] / speed),
+        only(path, during, |_| 1.0),
+    ];
+    let form = Form::new(columns, move |c| {
+        let k = c[0] / span;
+        let at = middle + c[2] / k;
+        stay([k, c[1] / speed], 0.0, at, instants_s)
+    });
+    form.searched(4).seldom()
+}
+
+/// Something that pushes back to one side from a place on during some rows, in which the motion has a span.
+fn pushed(path: &Path<'_>, during: &Range<usize>, side: f64, at: f64, span: f64) -> Form {
+    let speed = path.scale.velocity;
+    let instants_s = instants_s(path, during);
+    let depth = |i: usize| side * (path.position[i] - at);
+    let push = only(path, during, |i| -side * depth(i).max(0.0) / span);
+    let damp = only(path, during, |i| {
+        if depth(i) > 0.0 {
+            -path.velocity[i] / speed
+        } else {
+            0.0
+        }
+    });
+    let form = Form::new(vec![push, damp], move |c| {
+        stay([c[0] / span, c[1] / speed], side, at, instants_s)
+    });
+    form.searched(5).seldom().positive()
+}
+
+/// A value at each of some rows, and 0 at all others.
+fn only(path: &Path<'_>, during: &Range<usize>, value: impl Fn(usize) -> f64) -> Vec<f64> {
+    let rows = 0..path.position.len();
+    rows.map(|i| if during.contains(&i) { value(i) } else { 0.0 })
+        .collect()
+}
+
+/// Instants of the first and the last of some rows, s of the session.
+fn instants_s(path: &Path<'_>, during: &Range<usize>) -> [f64; 2] {
+    [during.start, during.end - 1].map(|row| path.samples.session_s[row])
+}
+
+/// The numbers of a contact with a stiffness and a damping that stays once.
+fn stay([stiffness, damping]: [f64; 2], side: f64, at: f64, [from_s, to_s]: [f64; 2]) -> Vec<f64> {
+    let place = KIND.event_place(0);
+    let values = [
+        (STIFFNESS, stiffness.max(0.0)),
+        (DAMPING, damping.max(0.0)),
+        (place + SIDE, side),
+        (place + POSITION, at),
+        (place + INSTANTS[0], from_s),
+        (place + INSTANTS[1], to_s),
+    ];
+    with_defaults(&KIND, &values)
+}
+
+/// First and last row of the stretch of time in which most more is missing than on the average.
+fn most_missing(path: &Path<'_>, target: &Target<'_>) -> Option<(usize, usize)> {
+    let energy = |i: usize| target.weight[i] * (target.torque[i].powi(2));
+    let energy = |i: usize| energy(i).sqrt();
+    let rows = 0..path.samples.len();
+    let weighed: f64 = target.weight.iter().map(|w| w.sqrt()).sum();
+    let mean = rows.map(energy).sum::<f64>() / weighed.max(f64::MIN_POSITIVE);
+    let mut best: Option<(f64, usize, usize)> = None;
+    for stretch in &path.samples.stretches {
+        let (mut sum, mut from) = (0.0, stretch.rows.start);
+        for row in stretch.rows.clone() {
+            if sum <= 0.0 {
+                (sum, from) = (0.0, row);
+            }
+            // Twice the mean, so that what is usual does not add up.
+            sum += energy(row) - 2.0 * mean * target.weight[row].sqrt();
+            if best.is_none_or(|(most, ..)| sum > most) {
+                best = Some((sum, from, row));
+            }
+        }
+    }
+    best.filter(|(sum, from, to)| *sum > 0.0 && to > from)
+        .map(|(_, from, to)| (from, to))
 }

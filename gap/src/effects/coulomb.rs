@@ -7,6 +7,10 @@ use crate::guess::Evidence;
 use crate::guess::balance::Balance;
 use crate::guess::regression::regress;
 use crate::guess::start::{linear, log, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::coulomb::KIND;
@@ -42,6 +46,20 @@ impl Identification for Coulomb {
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
         own.begun(&[(0, balance.coulomb)])
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let level = path.friction_level();
+        vec![Form::linear(
+            path,
+            &KIND,
+            &[level],
+            &[(0, path.scale.torque_step())],
+        )]
     }
 
     fn noun(&self) -> &'static str {

@@ -4,6 +4,10 @@ use super::identification::Identification;
 use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::start::{geometric, linear, log, term, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::deadband::KIND;
@@ -16,6 +20,8 @@ const BEFORE_LIMIT: usize = 2;
 /// Place of the parameter that says how far it lies off zero, and one unit of its coordinate.
 const SKEW: usize = 3;
 const SKEWED: f64 = 0.5;
+/// Parts of the largest input up to which nothing happens, that are screened for the missing torque.
+const WIDTHS_SCREENED: [f64; 8] = [0.03, 0.06, 0.1, 0.15, 0.21, 0.28, 0.36, 0.46];
 
 #[derive(Debug)]
 pub(super) struct Deadband;
@@ -40,6 +46,22 @@ impl Identification for Deadband {
     fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
         let skew = (!fitted.is_free(SKEW)).then(|| linear(SKEW, 0.0, SKEWED));
         skew.into_iter().collect()
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Input
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let widths = WIDTHS_SCREENED.iter().map(|part| part * path.scale.input);
+        let forms = widths.flat_map(|width| {
+            // The torque starts from zero beyond it, or with all of the input.
+            [(0.0, Some(0)), (1.0, None)].map(|(jump, size)| {
+                let values = with_defaults(&KIND, &[(0, width), (1, jump)]);
+                Form::whole(path, &KIND, values, size).positive()
+            })
+        });
+        target.screened(forms.collect(), 2)
     }
 
     fn noun(&self) -> &'static str {

@@ -5,6 +5,11 @@ use super::phrase::{Found, Part, Phrase};
 use super::sensor_lag::SensorLag;
 use crate::guess::Evidence;
 use crate::guess::late::{later, sooner};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::lateness::late;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::delay::KIND;
@@ -35,6 +40,15 @@ impl Identification for Delay {
 
     fn replaces(&self) -> Option<&'static str> {
         Some("delay")
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let stated_s = path.device.drive.delay_s;
+        late(path, target, &KIND, stated_s).into_iter().collect()
     }
 
     fn noun(&self) -> &'static str {

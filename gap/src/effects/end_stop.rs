@@ -8,10 +8,15 @@ use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
 use crate::guess::push::pushes;
 use crate::guess::start::{linear, log, term};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
 use host_sim::effects::end_stop::KIND;
+use host_sim::plant::Mechanics;
 use recording::Model;
 
 /// Shares of the samples that may lie beyond a stop: none where it is touched once.
@@ -24,6 +29,10 @@ const STOP_DAMPING: f64 = 0.1;
 const MOVED: f64 = 0.1;
 /// Spans of the motion beyond it at which a stop is none.
 const OUT_OF_REACH: f64 = 10.0;
+/// How far from the end of the motion a stop begins, over half of the span, as screened for the missing torque.
+const WAYS_SCREENED: [f64; 11] = [
+    0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.07, 0.11, 0.18, 0.3, 0.5,
+];
 
 #[derive(Debug)]
 pub(super) struct EndStop;
@@ -89,6 +98,27 @@ impl Identification for EndStop {
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
         let positions = fit.series.iter().flat_map(|s| s.position.iter().copied());
         push_at_most(fit.term, positions)
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let forms = [-1.0, 1.0].into_iter().flat_map(|side| {
+            let ways = WAYS_SCREENED.into_iter();
+            ways.map(move |part| pressed(path, side, part * path.scale.half_span()))
+        });
+        let mut forms = target.screened(forms.collect(), 3);
+        if path.device.mechanics.barriers.iter().any(Option::is_some) {
+            let mut free = path.device.clone();
+            free.mechanics.barriers = Mechanics::inertia(1.0).barriers;
+            let far = path.scale.half_span();
+            let [low, high] = path.scale.reach;
+            let values = move |_: &[f64]| with_defaults(&KIND, &[(0, low - far), (1, high + far)]);
+            forms.push(Form::new(vec![path.on_top(&free)], values).positive());
+        }
+        forms
     }
 
     fn noun(&self) -> &'static str {
@@ -200,6 +230,35 @@ fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64
         (term, x)
     };
     [(0, lower), (1, upper)].map(without).into()
+}
+
+/// A stop at the lower (−1) or upper (1) end of the motion that is pressed in by `depth` at most.
+fn pressed(path: &Path<'_>, side: f64, depth: f64) -> Form {
+    let [low, high] = path.scale.reach;
+    let at = if side > 0.0 { high } else { low } - side * depth;
+    let pressed = |i: usize| side * (path.position[i] - at);
+    let steps = 0..path.position.len();
+    let push = steps.clone().map(|i| -side * pressed(i).max(0.0) / depth);
+    let damp = steps.map(|i| {
+        if pressed(i) > 0.0 {
+            -path.velocity[i] / path.scale.velocity
+        } else {
+            0.0
+        }
+    });
+    let columns = vec![push.collect(), damp.collect()];
+    let per_speed = path.scale.velocity;
+    let far = 100.0 * path.scale.half_span();
+    let [lower, upper] = if side > 0.0 {
+        [low - far, at]
+    } else {
+        [at, high + far]
+    };
+    let form = Form::new(columns, move |c| {
+        let (k, d) = (c[0].max(0.0) / depth, c[1].max(0.0) / per_speed);
+        vec![lower, upper, k, d]
+    });
+    form.searched(2).seldom().positive()
 }
 
 #[cfg(test)]

@@ -7,6 +7,10 @@ use crate::guess::Evidence;
 use crate::guess::regression::{Moment, moments, regress, regress_in};
 use crate::guess::sliding::{friction_nm, is_dry, most_telling};
 use crate::guess::start::{guessed, linear, log, term, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::friction_drift::KIND;
@@ -20,6 +24,11 @@ const SETTLED: usize = 3;
 const STEP: usize = 4;
 const STEP_AT: usize = 5;
 const STEPS: usize = 48;
+/// Parts of the session after which it has settled or steps, as screened for the missing torque.
+const SETTLINGS_SCREENED: [f64; 2] = [0.2, 0.5];
+const STEPS_SCREENED: [f64; 13] = [
+    0.15, 0.21, 0.27, 0.33, 0.39, 0.45, 0.51, 0.57, 0.63, 0.69, 0.75, 0.81, 0.87,
+];
 
 #[derive(Debug)]
 pub(super) struct FrictionDrift;
@@ -50,6 +59,34 @@ impl Identification for FrictionDrift {
 
     fn special_cases(&self) -> &'static [&'static dyn Identification] {
         &[&Coulomb]
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Time
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        if path.friction_level() == 0.0 {
+            return Vec::new();
+        }
+        let [from_s, to_s] = path.scale.session_s;
+        let lasts_s = (to_s - from_s).max(f64::MIN_POSITIVE);
+        let linear = |base: &[(usize, f64)], step: (usize, f64)| {
+            Form::linear(path, &KIND, &with_defaults(&KIND, base), &[step])
+        };
+        let steady = [(0, 0.0), (1, 0.0), (SETTLED, 0.0)];
+        let mut forms = vec![linear(&steady, (0, 0.3 / lasts_s))];
+        for part in SETTLINGS_SCREENED {
+            for settled in [0.0, 1.0] {
+                let base = [(0, 0.0), (1, part * lasts_s), (SETTLED, settled)];
+                forms.push(linear(&base, (0, 0.3 / (part * lasts_s))).searched(1));
+            }
+        }
+        for part in STEPS_SCREENED {
+            let base = [(0, 0.0), (1, 0.0), (STEP_AT, from_s + part * lasts_s)];
+            forms.push(linear(&base, (STEP, 0.3)).searched(1));
+        }
+        target.screened(forms, 3)
     }
 
     fn noun(&self) -> &'static str {

@@ -8,6 +8,10 @@ use crate::guess::Evidence;
 use crate::guess::balance::Balance;
 use crate::guess::regression::regress;
 use crate::guess::start::{guessed, linear, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::gravity::KIND;
@@ -82,6 +86,35 @@ impl Identification for Gravity {
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
         own.begun(&[(0, balance.weight), (ZERO, balance.zero)])
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let m = &path.device.mechanics;
+        let angle = m.angle_rad;
+        if angle == 0.0 {
+            return Vec::new();
+        }
+        let step = path.scale.torque_step();
+        let mut forms = Vec::new();
+        if m.gravity != 0.0 {
+            let base = [m.gravity, m.gravity_zero];
+            forms.push(Form::linear(path, &KIND, &base, &[(0, step)]));
+        }
+        let of = |f: fn(f64) -> f64| -> Vec<f64> {
+            path.position.iter().map(|x| step * f(angle * x)).collect()
+        };
+        let columns = vec![of(|a| -a.sin()), of(f64::cos)];
+        let (weight, zero) = (m.gravity, angle * m.gravity_zero);
+        forms.push(Form::new(columns, move |c| {
+            let across = weight * zero.cos() + c[0] * step;
+            let along = weight * zero.sin() + c[1] * step;
+            vec![across.hypot(along), along.atan2(across) / angle]
+        }));
+        forms
     }
 
     fn noun(&self) -> &'static str {

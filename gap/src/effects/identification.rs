@@ -3,6 +3,10 @@
 use crate::columns::Disagreement;
 use crate::guess::Evidence;
 use crate::guess::balance::Balance;
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use crate::windows::series::Series;
 use host_sim::device::Device;
@@ -159,6 +163,13 @@ pub(crate) trait Identification: Debug + Sync {
     fn count_in_columns(&self, values: &[f64]) -> usize {
         values.iter().filter(|value| **value != 0.0).count()
     }
+
+    /// The axis along which its torque is seen best.
+    fn axis(&self) -> Axis;
+
+    /// The torques that it may make along the motion of `path`, those that may explain the missing torque `target`; none if it
+    /// makes none there.
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form>;
 
     /// What it is called in a sentence, without its numbers.
     fn noun(&self) -> &'static str;

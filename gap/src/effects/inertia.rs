@@ -6,6 +6,10 @@ use crate::guess::Evidence;
 use crate::guess::balance::Balance;
 use crate::guess::regression::regress;
 use crate::guess::start::{log, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::inertia::KIND;
@@ -52,6 +56,19 @@ impl Identification for Inertia {
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
         own.begun(&[(0, balance.inertia)])
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        // J' a = T, so that J a − T = (J/J' − 1) T.
+        let stated = path.device.mechanics.inertia;
+        let column = path.torque(path.device);
+        vec![Form::new(vec![column], move |c| {
+            vec![stated / (1.0 + c[0]).max(0.05)]
+        })]
     }
 
     fn noun(&self) -> &'static str {

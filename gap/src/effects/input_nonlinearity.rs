@@ -7,6 +7,10 @@ use super::saturation::Saturation;
 use super::torque_gain::TorqueGain;
 use crate::guess::Evidence;
 use crate::guess::start::{linear, log, term};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
@@ -56,6 +60,15 @@ impl Identification for InputNonlinearity {
 
     fn special_cases(&self) -> &'static [&'static dyn Identification] {
         &[&TorqueGain, &Deadband, &Saturation]
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Input
+    }
+
+    /// None: its gain, its dead zone and its end are screened as effects of their own.
+    fn torque_forms(&self, _path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        Vec::new()
     }
 
     fn noun(&self) -> &'static str {

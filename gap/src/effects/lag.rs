@@ -4,6 +4,11 @@ use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::{Found, Part, Phrase};
 use crate::guess::Evidence;
 use crate::guess::late::{later, sooner, twice};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::lateness::{LATE, late};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::lag::KIND;
@@ -39,6 +44,23 @@ impl Identification for Lag {
 
     fn replaces(&self) -> Option<&'static str> {
         Some("lag")
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let stated_s = path.device.drive.lag_s;
+        let mut forms: Vec<Form> = late(path, target, &KIND, stated_s).into_iter().collect();
+        if stated_s == 0.0 {
+            let twice = LATE.iter().map(|part| {
+                let values = with_defaults(&KIND, &[(0, part / path.scale.rate()), (1, 1.0)]);
+                Form::whole(path, &KIND, values, Some(0)).positive()
+            });
+            forms.extend(target.screened(twice.collect(), 1));
+        }
+        forms
     }
 
     fn noun(&self) -> &'static str {

@@ -5,16 +5,23 @@ use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::regression::regress;
 use crate::guess::start::{linear, log, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::load_dependent_friction::KIND;
 
 /// Part of the pull of gravity and springs that it may grow with, beside that of the drive.
 const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
-
+/// The same as screened for the missing torque.
+const PASSIVE_SCREENED: [f64; 3] = [0.0, 1.0, -1.0];
 /// Place of the parameter that says by how much more it rubs where the load drives, and from where that is looked for.
 const BACKDRIVEN: usize = 2;
 const BACKDRIVES: [f64; 2] = [0.3, 4.0];
+/// The same as screened for the missing torque.
+const BACKDRIVEN_SCREENED: [f64; 2] = [1.0, 5.0];
 
 #[derive(Debug)]
 pub(super) struct LoadDependentFriction;
@@ -40,6 +47,21 @@ impl Identification for LoadDependentFriction {
     fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
         let backdriven = (!fitted.is_free(BACKDRIVEN)).then(|| log(BACKDRIVEN, 1.0));
         backdriven.into_iter().collect()
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Load
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let pulled = path.device.mechanics.is_pulled();
+        let parts = PASSIVE_SCREENED.iter();
+        let parts = parts.filter(|part| pulled || **part == 0.0);
+        let forms = parts.flat_map(|&part| {
+            BACKDRIVEN_SCREENED
+                .map(|times| Form::linear(path, &KIND, &[0.0, part, times], &[(0, 0.1)]).positive())
+        });
+        forms.collect()
     }
 
     fn noun(&self) -> &'static str {

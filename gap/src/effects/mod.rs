@@ -94,7 +94,7 @@ pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
 }
 
 /// The effect called `name`, if there is one.
-fn find(name: &str) -> Option<&'static dyn Identification> {
+pub(crate) fn find(name: &str) -> Option<&'static dyn Identification> {
     ALL.iter().copied().find(|effect| effect.name() == name)
 }
 

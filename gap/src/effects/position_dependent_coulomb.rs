@@ -8,6 +8,10 @@ use crate::guess::regression::{moments, regress, regress_in};
 use crate::guess::sliding::{friction_nm, is_dry, most_telling, times};
 use crate::guess::start::{guessed, linear, log, term, terms};
 use crate::guess::waves;
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use core::f64::consts::TAU;
 use host_sim::effects::Kind;
@@ -24,6 +28,9 @@ const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
 const SPOT: usize = 6;
 const SPOT_EXPONENT: usize = 9;
 const STEEP: f64 = 4.0;
+/// Places of a spot that rubs and its width, over half of the span, as screened for the missing torque.
+const SPOTS_SCREENED: [f64; 7] = [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75];
+const SPOT_WIDTHS_SCREENED: [f64; 2] = [0.25, 0.5];
 
 #[derive(Debug)]
 pub(super) struct PositionDependentCoulomb;
@@ -105,6 +112,38 @@ impl Identification for PositionDependentCoulomb {
 
     fn special_cases(&self) -> &'static [&'static dyn Identification] {
         &[&Coulomb]
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::DirectionAndPosition
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        if path.friction_level() == 0.0 {
+            return Vec::new();
+        }
+        let half = path.scale.half_span();
+        let level = [(0, 0.0), (1, 0.0), (2, 1.0)];
+        let varied = |more: &[(usize, f64)]| with_defaults(&KIND, &[&level, more].concat());
+        let rise = [(0, 0.2 / half), (2, 0.2)];
+        let bend = [(0, 0.2 / half), (1, 0.2 / (half * half)), (2, 0.2)];
+        let mut forms = Vec::new();
+        for &place in &SPOTS_SCREENED {
+            for &width in &SPOT_WIDTHS_SCREENED {
+                let at = path.scale.middle() + place * half;
+                let base = varied(&[(7, at), (8, width * half)]);
+                forms.push(Form::linear(path, &KIND, &base, &[(SPOT, 0.3)]).searched(2));
+            }
+        }
+        for &wave_number in &target.waves.resisting {
+            let base = varied(&[(5, wave_number)]);
+            let steps = [(2, 0.2), (3, 0.2), (4, 0.2)];
+            forms.push(Form::linear(path, &KIND, &base, &steps).searched(1));
+        }
+        let mut forms = target.screened(forms, 2);
+        forms.push(Form::linear(path, &KIND, &varied(&[]), &rise));
+        forms.push(Form::linear(path, &KIND, &varied(&[]), &bend));
+        forms
     }
 
     fn noun(&self) -> &'static str {

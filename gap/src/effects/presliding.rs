@@ -5,6 +5,10 @@ use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::sliding::is_dry;
 use crate::guess::start::{guessed, linear, log, term};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::{Path, sign};
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use crate::windows::series::FINE_PERIOD_S;
 use host_sim::effects::Kind;
@@ -16,6 +20,8 @@ const RESOLVED_RATE: f64 = 2.0;
 const BENDS: [f64; 6] = [3e-5, 3e-4, 0.003, 0.015, 0.06, 0.2];
 /// Their damping over that of the springs that bend alike, as a share of the critical one.
 const BRISTLE_DAMPING: f64 = 0.3;
+/// How far bristles bend before they slide, over half of the span, as screened for the missing torque.
+const BENDS_SCREENED: [f64; 8] = [0.004, 0.008, 0.015, 0.03, 0.055, 0.1, 0.16, 0.25];
 
 #[derive(Debug)]
 pub(super) struct Presliding;
@@ -40,6 +46,25 @@ impl Identification for Presliding {
         true
     }
 
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        if path.friction_level() == 0.0 {
+            return Vec::new();
+        }
+        let distances = BENDS_SCREENED.map(|part| part * path.scale.half_span());
+        let forms = distances.map(|distance| {
+            Form::new(vec![not_held(path, distance)], move |_| {
+                with_defaults(&KIND, &[(0, distance), (1, 0.0)])
+            })
+            .searched(1)
+            .positive()
+        });
+        target.screened(forms.into(), 2)
+    }
+
     fn noun(&self) -> &'static str {
         "presliding"
     }
@@ -61,4 +86,30 @@ fn bristles(e: &Evidence<'_>, bend: f64) -> [Term; 2] {
     let damping = guessed(1, much, 0.0);
     [log(2, 0.7), linear(3, 0.4, 0.2)]
         .map(|last| term(&KIND, vec![log(0, distance), damping, last], &[]))
+}
+
+/// What bristles that bend so far do not yet hold of the dry friction, per step.
+fn not_held(path: &Path<'_>, distance: f64) -> Vec<f64> {
+    let levels = path.device.mechanics.friction.level_nm;
+    let mut bent = 0.0f64;
+    let steps = (0..path.position.len()).map(|i| {
+        let step_s = path.samples.step_s[i];
+        if step_s == 0.0 {
+            bent = 0.0;
+            return 0.0;
+        }
+        let passed = path.velocity[i] * step_s / distance;
+        let before = bent;
+        // Dahl's bristles: s' = x'(1 − s sgn x')/z, in one step.
+        let way = sign(passed);
+        bent = way + (bent - way) * (-passed.abs()).exp();
+        let held = 0.5 * (before + bent);
+        let full = if path.direction[i] < 0.0 {
+            levels[1]
+        } else {
+            levels[0]
+        };
+        full * (path.direction[i] - held)
+    });
+    steps.collect()
 }

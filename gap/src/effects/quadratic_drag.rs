@@ -5,6 +5,10 @@ use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::regression::regress;
 use crate::guess::start::{guessed, linear, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::quadratic_drag::KIND;
@@ -26,6 +30,16 @@ impl Identification for QuadraticDrag {
 
     fn family(&self) -> Option<Family> {
         Some(Family::Drag)
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let stated = path.device.mechanics.drag;
+        let step = 0.1 * path.scale.torque / path.scale.velocity.powi(2);
+        vec![Form::linear(path, &KIND, &[stated], &[(0, step)])]
     }
 
     fn noun(&self) -> &'static str {

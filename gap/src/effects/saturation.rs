@@ -4,6 +4,10 @@ use super::identification::Identification;
 use super::phrase::{Found, Phrase};
 use crate::guess::Evidence;
 use crate::guess::start::{log, term};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
@@ -20,6 +24,10 @@ const FASTEST: f64 = 0.99;
 /// largest inputs a limit is none.
 const RAISED: [f64; 2] = [0.3, 0.9];
 const OUT_OF_REACH: f64 = 10.0;
+/// Parts of the largest input from which on it may be clipped, that are screened for the missing torque; and limits over the
+/// model's own, where that is too low.
+const LOWER_SCREENED: [f64; 8] = [0.92, 0.84, 0.76, 0.67, 0.58, 0.49, 0.4, 0.3];
+const HIGHER_SCREENED: [f64; 3] = [1.15, 1.5, 2.2];
 
 #[derive(Debug)]
 pub(super) struct Saturation;
@@ -45,6 +53,25 @@ impl Identification for Saturation {
 
     fn may_show_in_few_windows(&self) -> bool {
         true
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Input
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let limit = path.device.drive.limit;
+        let reached = path.scale.input.min(limit);
+        let lower = LOWER_SCREENED.iter().map(|part| part * reached);
+        let higher = HIGHER_SCREENED.iter().map(|part| part * limit);
+        let higher = higher.filter(|_| limit < path.scale.input);
+        let forms = lower.chain(higher).flat_map(|limit| {
+            [0.0, 0.5].map(|knee| {
+                let values = with_defaults(&KIND, &[(0, limit), (1, knee), (2, 0.0)]);
+                Form::whole(path, &KIND, values, None).positive()
+            })
+        });
+        target.screened(forms.collect(), 2)
     }
 
     fn noun(&self) -> &'static str {

@@ -5,6 +5,11 @@ use super::phrase::Found;
 use crate::columns::Disagreement;
 use crate::guess::Evidence;
 use crate::guess::start::{linear, log, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::misreading::{STEP, misread};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::sensor_gain::KIND;
@@ -50,6 +55,33 @@ impl Identification for SensorGain {
         let line = columns.linear(|x| [x, 1.0]);
         let values = line.map(|[slope, _]| vec![1.0 + slope, 0.0]);
         values.into_iter().collect()
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Input
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let gain = misread(path, |x| [STEP * x, STEP, 0.0]);
+        let alone = Form::new(vec![gain.clone()], |c| {
+            with_defaults(&KIND, &[(0, (1.0 + STEP * c[0]).max(0.1))])
+        });
+        if !path.device.mechanics.is_pulled() {
+            return vec![alone];
+        }
+        // It may read right elsewhere than at zero.
+        let half = path.scale.half_span();
+        let shift = misread(path, |_| [STEP * half, 0.0, 0.0]);
+        let elsewhere = Form::new(vec![gain, shift], move |c| {
+            let right_at = if c[0] == 0.0 {
+                0.0
+            } else {
+                -c[1] * half / c[0]
+            };
+            let values = [(0, (1.0 + STEP * c[0]).max(0.1)), (1, right_at)];
+            with_defaults(&KIND, &values)
+        });
+        vec![alone, elsewhere]
     }
 
     fn noun(&self) -> &'static str {

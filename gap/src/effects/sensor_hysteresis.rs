@@ -5,6 +5,10 @@ use super::phrase::Found;
 use crate::columns::{Disagreement, lowest};
 use crate::guess::Evidence;
 use crate::guess::start::{count, geometric, log, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::{Moment, Path, sign, torque};
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::sensor_hysteresis::KIND;
@@ -21,6 +25,8 @@ const SOFT_REACH: f64 = 1.5;
 const WIDTHS: [f64; 2] = [1e-4, 0.5];
 /// Ways after a turn within which a column comes to stay behind, over that width; none for play.
 const REACHES: [f64; 3] = [0.0, 1.5, 3.0];
+/// Half of the play over half of the span, as screened for the missing torque.
+const HALF_PLAYS_SCREENED: [f64; 7] = [0.005, 0.01, 0.02, 0.035, 0.06, 0.1, 0.16];
 
 #[derive(Debug)]
 pub(super) struct SensorHysteresis;
@@ -50,11 +56,77 @@ impl Identification for SensorHysteresis {
         REACHES.map(of_reach).to_vec()
     }
 
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let half_plays = HALF_PLAYS_SCREENED.map(|part| part * path.scale.half_span());
+        half_plays.map(|half_play| behind(path, half_play)).into()
+    }
+
     fn noun(&self) -> &'static str {
         "hysteresis of the sensor"
     }
 
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a sensor with {width} of hysteresis"
+    }
+}
+
+/// A reading that stays behind by half of the play. At a reversal it rests until the position has crossed the play, as the device
+/// itself says how fast it does, and is then suddenly as fast as the position.
+fn behind(path: &Path<'_>, half_play: f64) -> Form {
+    let m = &path.device.mechanics;
+    let n = path.position.len();
+    let mut reading = vec![0.0; n];
+    let mut torques = vec![0.0; n];
+    // Side to which the reading is off, and way and velocity of the position since the reading rests.
+    let (mut side, mut way, mut speed) = (0.0, 0.0, 0.0);
+    for i in 0..n {
+        let shown = path.at(i);
+        let step_s = path.samples.step_s[i];
+        if shown.slides && shown.direction.abs() == 1.0 {
+            side = -shown.direction;
+            (way, speed) = (0.0, shown.velocity);
+            reading[i] = half_play * side;
+        } else {
+            let is = Moment {
+                velocity: speed,
+                direction: sign(speed),
+                slides: speed != 0.0,
+                ..shown
+            };
+            let acceleration = torque(m, path.drive[i], &is) / m.inertia;
+            speed += acceleration * step_s;
+            way = (way + speed * side * step_s).clamp(0.0, 2.0 * half_play);
+            // On the old side the position goes on; then it comes back through the play.
+            reading[i] = side * (half_play - way);
+        }
+        let is = Moment {
+            position: shown.position - reading[i],
+            ..shown
+        };
+        let is = if shown.slides {
+            is
+        } else {
+            Moment {
+                velocity: speed,
+                direction: sign(speed),
+                slides: speed != 0.0,
+                ..is
+            }
+        };
+        torques[i] = torque(m, path.drive[i], &is) - torque(m, path.drive[i], &shown);
+        if step_s == 0.0 {
+            (side, way, speed) = (0.0, 0.0, 0.0);
+        }
+    }
+    let form = Form::new(vec![torques], move |c| {
+        with_defaults(&KIND, &[(0, 2.0 * half_play * c[0].max(0.1))])
+    });
+    Form {
+        reading: vec![reading],
+        ..form.searched(1).positive()
     }
 }

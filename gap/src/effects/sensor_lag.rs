@@ -5,8 +5,14 @@ use super::phrase::Found;
 use crate::columns::{Disagreement, lowest};
 use crate::guess::Evidence;
 use crate::guess::late::{later, twice};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::lateness::late;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
+use host_sim::effects::lag;
 use host_sim::effects::sensor_lag::KIND;
 use recording::Model;
 
@@ -47,6 +53,23 @@ impl Identification for SensorLag {
         vec![lag(0.0), lag(1.0)]
     }
 
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        // As a drive that is late, with the friction as late as the drive.
+        let late = late(path, target, &lag::KIND, 0.0);
+        let form = late.map(|form| {
+            let late_s = (form.values)(&[1.0])[0];
+            let drive = form.torque.into_iter().next().unwrap_or_default();
+            let column = with_late_friction(path, drive, late_s);
+            let values = move |c: &[f64]| with_defaults(&KIND, &[(0, (late_s * c[0]).max(0.0))]);
+            Form::new(vec![column], values).searched(1).positive()
+        });
+        form.into_iter().collect()
+    }
+
     fn noun(&self) -> &'static str {
         "lag of the sensor"
     }
@@ -57,4 +80,25 @@ impl Identification for SensorLag {
             _ => "a sensor that lags by {time}",
         }
     }
+}
+
+/// The torque of a drive that is late by a time, s, with the friction as late: the position is ahead of its reading, and so is its
+/// friction, of which the reading shows a lagging part.
+fn with_late_friction(path: &Path<'_>, mut drive: Vec<f64>, late_s: f64) -> Vec<f64> {
+    let friction = &path.device.mechanics.friction;
+    let held = |i: usize| friction.level(path.direction[i]) * path.direction[i];
+    let last = path.samples.len().saturating_sub(1);
+    let rows_ahead = (late_s / path.samples.period_s) as usize;
+    let mut lagging = 0.0;
+    for (i, torque) in drive.iter_mut().enumerate() {
+        let step_s = path.samples.step_s[i];
+        if step_s == 0.0 {
+            lagging = held(i);
+            continue;
+        }
+        let passed = 1.0 - (-step_s / late_s).exp();
+        lagging += passed * (held((i + rows_ahead).min(last)) - lagging);
+        *torque -= lagging - held(i);
+    }
+    drive
 }

@@ -8,8 +8,13 @@ use crate::guess::Evidence;
 use crate::guess::regression::{Moment, moments};
 use crate::guess::start::{linear, term};
 use crate::guess::waves::Waves;
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::misreading::{STEP, misread};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
-use core::f64::consts::TAU;
+use core::f64::consts::{FRAC_PI_2, TAU};
 use host_sim::effects::Kind;
 use host_sim::effects::sensor_nonlinearity::KIND;
 use nalgebra::{Matrix2, Vector2};
@@ -111,6 +116,55 @@ impl Identification for SensorNonlinearity {
             return 3;
         }
         values.iter().filter(|value| **value != 0.0).count()
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let (half, middle) = (path.scale.half_span(), path.scale.middle());
+        let bent = |power: i32| {
+            misread(path, |x| {
+                let z = (x - middle) / half;
+                let n = f64::from(power);
+                let bend = n * (n - 1.0) * z.powi(power - 2) / half;
+                [
+                    STEP * half * z.powi(power),
+                    STEP * n * z.powi(power - 1),
+                    STEP * bend,
+                ]
+            })
+        };
+        let square = move |c: &[f64]| {
+            let values = [(0, STEP * c[0] / half), (CUBIC, 0.0), (MIDDLE, middle)];
+            with_defaults(&KIND, &values)
+        };
+        let cube = move |c: &[f64]| {
+            let cubic = STEP * c[0] / (half * half);
+            with_defaults(&KIND, &[(0, 0.0), (CUBIC, cubic), (MIDDLE, middle)])
+        };
+        let mut forms = vec![
+            Form::new(vec![bent(2)], square),
+            Form::new(vec![bent(3)], cube),
+        ];
+        for &n in &target.waves.of_reading {
+            let wave = |shift: f64| {
+                misread(path, |x| {
+                    let (sin, cos) = (n * x + shift).sin_cos();
+                    // As steep as a gain of that size would be.
+                    [STEP * sin / n, STEP * cos, -STEP * n * sin]
+                })
+            };
+            let columns = vec![wave(0.0), wave(FRAC_PI_2)];
+            let form = Form::new(columns, move |c| {
+                let [sine, cosine] = [c[0], c[1]].map(|c| STEP * c / n);
+                let values = [(0, 0.0), (RIPPLE[0], sine), (RIPPLE[1], cosine), (4, n)];
+                with_defaults(&KIND, &values)
+            });
+            forms.push(form.searched(1));
+        }
+        forms
     }
 
     fn noun(&self) -> &'static str {

@@ -7,6 +7,10 @@ use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
 use crate::guess::regression::regress;
 use crate::guess::start::{guessed, linear, log, term, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::spring::KIND;
@@ -76,6 +80,34 @@ impl Identification for Spring {
 
     fn replaces(&self) -> Option<&'static str> {
         Some("stiffness")
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Position
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let m = &path.device.mechanics;
+        let (half, middle) = (path.scale.half_span(), path.scale.middle());
+        let step = path.scale.torque_step();
+        let away = |power: i32| -> Vec<f64> {
+            let positions = path.position.iter();
+            positions
+                .map(|x| -step * ((x - middle) / half).powi(power))
+                .collect()
+        };
+        let constant = vec![step; path.position.len()];
+        let (stiffness, zero) = (m.stiffness, m.stiffness_zero);
+        let values = move |c: &[f64]| {
+            let pull = stiffness + c[0] * step / half;
+            let offset = stiffness * (zero - middle) + c[1] * step;
+            let hardening = c.get(2).map_or(0.0, |c| c * step / half.powi(3) / pull);
+            vec![pull, middle + offset / pull, hardening]
+        };
+        vec![
+            Form::new(vec![away(1), constant.clone()], values),
+            Form::new(vec![away(1), constant, away(3)], values),
+        ]
     }
 
     fn noun(&self) -> &'static str {

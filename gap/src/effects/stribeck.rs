@@ -6,6 +6,10 @@ use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::sliding::is_dry;
 use crate::guess::start::{linear, log, term};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
 use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
@@ -25,6 +29,8 @@ const HELD_MARGIN: f64 = 1.05;
 /// Share of the rests that held no more, and of the friction that inertia may take there: at a reversal nothing rests.
 const HELD: f64 = 0.98;
 const RESTS: f64 = 0.1;
+/// Velocities over which it falls that are screened for the missing torque, over the rms one.
+const VELOCITIES_SCREENED: [f64; 6] = [0.02, 0.04, 0.08, 0.15, 0.3, 0.6];
 
 #[derive(Debug)]
 pub(super) struct Stribeck;
@@ -59,6 +65,27 @@ impl Identification for Stribeck {
 
     fn special_cases(&self) -> &'static [&'static dyn Identification] {
         &[&Coulomb]
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        if path.friction_level() == 0.0 {
+            return Vec::new();
+        }
+        let falls = VELOCITIES_SCREENED.iter().flat_map(|part| {
+            [1.0, 2.0].map(|exponent| {
+                let velocity = part * path.scale.velocity;
+                let base = [(0, 1.0), (1, velocity), (EXPONENT, exponent)];
+                let base = with_defaults(&KIND, &base);
+                Form::linear(path, &KIND, &base, &[(0, 0.5)])
+                    .searched(1)
+                    .positive()
+            })
+        });
+        target.screened(falls.collect(), 2)
     }
 
     fn noun(&self) -> &'static str {

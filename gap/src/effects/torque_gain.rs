@@ -6,6 +6,10 @@ use crate::guess::Evidence;
 use crate::guess::balance::Balance;
 use crate::guess::regression::regress;
 use crate::guess::start::{log, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::torque_gain::KIND;
@@ -56,6 +60,14 @@ impl Identification for TorqueGain {
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
         own.begun(&[(0, balance.gain)])
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Input
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        vec![Form::linear(path, &KIND, &[1.0], &[(0, 0.3)])]
     }
 
     fn noun(&self) -> &'static str {

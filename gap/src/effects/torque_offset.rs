@@ -5,6 +5,10 @@ use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::regression::regress;
 use crate::guess::start::{guessed, linear, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::torque_offset::KIND;
@@ -36,6 +40,16 @@ impl Identification for TorqueOffset {
 
     fn replaces(&self) -> Option<&'static str> {
         Some("offset")
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let offset = path.device.mechanics.offset_nm;
+        let step = path.scale.torque_step();
+        vec![Form::linear(path, &KIND, &[offset], &[(0, step)])]
     }
 
     fn noun(&self) -> &'static str {

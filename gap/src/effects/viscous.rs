@@ -6,6 +6,10 @@ use crate::guess::Evidence;
 use crate::guess::balance::Balance;
 use crate::guess::regression::regress;
 use crate::guess::start::{guessed, linear, terms};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::viscous::KIND;
@@ -39,6 +43,16 @@ impl Identification for Viscous {
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
         own.begun(&[(0, balance.viscous)])
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
+        let stated = path.device.mechanics.viscous;
+        let step = 0.1 * path.scale.torque / path.scale.velocity;
+        vec![Form::linear(path, &KIND, &[stated], &[(0, step)])]
     }
 
     fn noun(&self) -> &'static str {

@@ -1,5 +1,6 @@
 //! Whether the data say that `input` was sampled otherwise than is stated, or that it acts earlier or later.
 
+use crate::effects::{self, Family, Identification};
 use crate::fit::Fit;
 use crate::fit::hypothesis::{Hypothesis, INPUT_TIME, nudges};
 use crate::fit::part::Part;
@@ -8,6 +9,7 @@ use crate::floor::{WHITE, mean_and_error};
 use crate::term::Term;
 use crate::windows::series;
 use crate::windows::statistics::rms;
+use host_sim::effects::Channel;
 use recording::{InputSampling, Recording};
 use std::fmt;
 
@@ -20,8 +22,6 @@ const SOME_FRICTION: f64 = 0.02;
 /// Samples that suffice.
 const MOST_SAMPLES: usize = 10_000;
 const ITERATIONS: usize = 12;
-/// Effects that do what another timing does.
-const OF_TIME: [&str; 3] = ["delay", "lag", "sensor_lag"];
 
 /// The timing that the data prefer to what is stated.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,9 +65,11 @@ pub(crate) fn doubt(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
     let Trials { stated, best } = trials(problem, &recording, &bare, &[], row_s);
     let best = best?;
     let parts = found.hypothesis.parts(&found.x);
-    let effects = parts.filter(|(term, _)| !OF_TIME.contains(&term.kind.name));
+    // What comes late does what another timing does.
+    let is_late = |term: &Term| effects::of(term.kind.name).family() == Some(Family::Lateness);
+    let others = parts.filter(|(term, _)| !is_late(term));
     let (terms, own): (Vec<Term>, Vec<&[f64]>) =
-        effects.map(|(term, own)| (term.clone(), own)).unzip();
+        others.map(|(term, own)| (term.clone(), own)).unzip();
     if !terms.is_empty() {
         let beside = trials(
             problem,
@@ -203,7 +205,8 @@ fn loosened(problem: &Problem<'_>) -> Recording {
     if model.viscous == 0.0 && speed > 0.0 {
         model.viscous = some / speed;
     }
-    for name in ["inertia", "viscous", "coulomb", "gravity", "stiffness"] {
+    let numbers = effects::all().filter(|effect| effect.kind().channel != Channel::Actuation);
+    for name in numbers.filter_map(Identification::replaces) {
         let known = recording.tolerance.iter().find(|(of, _)| *of == name);
         let stated = known.map_or(0.0, |(_, std)| std);
         recording.tolerance.set(name, stated.max(FREE));

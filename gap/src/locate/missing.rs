@@ -3,7 +3,7 @@
 use super::bins::{Bins, Point};
 use super::evidence::{BINS, Evidence};
 use crate::diagnosis::MeasuredBy;
-use crate::missing_torque::{self, MissingTorque};
+use crate::missing_torque::{self, Axis, MissingTorque};
 use host_sim::device::Device;
 use recording::Recording;
 
@@ -49,11 +49,13 @@ pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
 type Column = fn(&missing_torque::Point, f64) -> f64;
 
 /// The axis of a place that a share is about, with its values; none of what is no place.
-fn column(share: &str) -> Option<(&'static str, Column)> {
-    match share {
-        "velocity" | "velocity odd" | "velocity even" => Some(("velocity", |p, _| p.velocity)),
-        "position" | "direction x position" => Some(("position", |p, _| p.position)),
-        "input" => Some(("input", |p, ratio| p.drive / ratio)),
+fn column(axis: Axis) -> Option<(&'static str, Column)> {
+    match axis {
+        Axis::Velocity | Axis::VelocityOdd | Axis::VelocityEven => {
+            Some(("velocity", |p, _| p.velocity))
+        }
+        Axis::Position | Axis::DirectionAndPosition => Some(("position", |p, _| p.position)),
+        Axis::Input => Some(("input", |p, ratio| p.drive / ratio)),
         _ => None,
     }
 }

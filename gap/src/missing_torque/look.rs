@@ -1,13 +1,15 @@
 //! What is to be seen of a missing torque: its axes, what may explain it, and the points that a picture shows.
 
-use super::families::{Seen, axis_of};
+use super::axis::Axis;
 use super::orders::{Order, orders};
 use super::repeats::repeats;
 use super::ripple::Waves;
 use super::shares::{Share, shares};
 use super::shortlist::{Field, Proposal, respond};
 use super::smoother::Steps;
+use super::target::Target;
 use super::{BLOCK_HORIZONS, MissingTorque};
+use crate::effects;
 use host_sim::device::Device;
 use serde::Serialize;
 
@@ -65,8 +67,8 @@ pub struct Look {
     pub orders: Vec<Order>,
     /// Where the direction of sliding is known, in the order of time.
     pub points: Vec<Point>,
-    /// The axis that carries it best: of a share, or `wave` for a ripple of the first order.
-    pub axis: &'static str,
+    /// The axis that carries it best: of a share, or [`Axis::Wave`] for a ripple.
+    pub axis: Axis,
     /// Names of the effects behind [`Point::explained`].
     pub explained_by: Vec<&'static str>,
     /// Share of the samples in which dry friction may hold, so that nothing is known of what is missing.
@@ -131,7 +133,7 @@ impl MissingTorque {
         let corner = self.corner();
         let waves = Waves::of(&path, &rows, &target, corner);
         let weight = self.weights(&rows);
-        let seen = Seen {
+        let torque = Target {
             torque: &smoothed.torque,
             corner,
             rows: &rows.rows,
@@ -139,7 +141,7 @@ impl MissingTorque {
             innovation: &smoothed.innovation,
             waves: &waves,
         };
-        let field = Field::of(&self.recording, &path, &smoother, &rows, &seen);
+        let field = Field::of(&self.recording, &path, &smoother, &rows, &torque);
         let proposals = field.shortlist(PROPOSALS);
         let is_found = found.is_some();
         let (explained, explained_by) = match found {
@@ -170,11 +172,13 @@ impl MissingTorque {
             ..point
         });
         let named = explained_by.first().filter(|_| is_found);
-        let axis = named.and_then(|name| axis_of(name));
+        let axis = named
+            .and_then(|name| effects::find(name))
+            .map(|effect| effect.axis());
         let axis = axis.unwrap_or_else(|| carrying(&summary.shares, proposals.first()));
         let orders = orders(&path, &smoother, &rows, &target, corner);
-        let axis = if axis == "wave" && orders.is_empty() {
-            "position"
+        let axis = if axis == Axis::Wave && orders.is_empty() {
+            Axis::Position
         } else {
             axis
         };
@@ -192,27 +196,30 @@ impl MissingTorque {
 }
 
 /// Axes that a picture can have.
-const DRAWN: [&str; 7] = [
-    "velocity",
-    "position",
-    "input",
-    "load",
-    "acceleration",
-    "time",
-    "direction x position",
+const DRAWN: [Axis; 7] = [
+    Axis::Velocity,
+    Axis::Position,
+    Axis::Input,
+    Axis::Load,
+    Axis::Acceleration,
+    Axis::Time,
+    Axis::DirectionAndPosition,
 ];
 /// Share by which named effects must explain more than a function of one axis for theirs to be drawn.
 const CLEARLY_MORE: f64 = 0.1;
 
 /// The axis that explains most, unless the first effect that is proposed has another and explains clearly more.
-fn carrying(shares: &[Share], proposal: Option<&Proposal>) -> &'static str {
+fn carrying(shares: &[Share], proposal: Option<&Proposal>) -> Axis {
     let most = shares.iter().find(|share| DRAWN.contains(&share.axis));
     let first = proposal.and_then(|proposal| {
         let least = most.map_or(0.0, |most| most.share) + CLEARLY_MORE;
         let name = proposal.effects.first()?.0;
-        axis_of(name).filter(|_| proposal.share > least)
+        let effect = effects::find(name).filter(|_| proposal.share > least)?;
+        Some(effect.axis())
     });
-    first.or(most.map(|most| most.axis)).unwrap_or("velocity")
+    first
+        .or(most.map(|most| most.axis))
+        .unwrap_or(Axis::Velocity)
 }
 
 impl Proposal {

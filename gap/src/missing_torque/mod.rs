@@ -5,12 +5,15 @@
 //! smoother, so that both sides are smoothed alike; least squares over blocks of time say which sets of effects explain the
 //! missing torque, and with which numbers. That takes milliseconds and proposes; it does not decide.
 
+pub(crate) mod axis;
 mod estimate;
-mod families;
+pub(crate) mod form;
+pub(crate) mod lateness;
 mod look;
+pub(crate) mod misreading;
 mod numbers;
 mod orders;
-mod path;
+pub(crate) mod path;
 mod regression;
 mod repeats;
 mod ripple;
@@ -18,10 +21,10 @@ mod samples;
 mod shares;
 mod shortlist;
 mod smoother;
+pub(crate) mod target;
 
 use crate::windows::excerpt::excerpt;
 use estimate::{Estimate, estimate};
-use families::Seen;
 use host_sim::device::Device;
 use path::Path;
 use recording::Recording;
@@ -30,7 +33,9 @@ use ripple::Waves;
 use samples::{Samples, nominal_drive};
 use shortlist::Field;
 use smoother::Steps;
+use target::Target;
 
+pub use axis::Axis;
 pub use look::{Look, Point, Summary};
 pub use orders::Order;
 pub use shares::Share;
@@ -121,7 +126,7 @@ impl MissingTorque {
         let corner = self.corner();
         let waves = Waves::of(&path, &rows, &rows.of(&smoothed.torque), corner);
         let weight = self.weights(&rows);
-        let seen = Seen {
+        let target = Target {
             torque: &smoothed.torque,
             corner,
             rows: &rows.rows,
@@ -132,7 +137,7 @@ impl MissingTorque {
         let steps = Steps::of(&self.samples, &self.device.mechanics);
         let sliding = &self.estimate.sliding;
         let smoother = steps.smoother(self.estimate.noise, &smoothed.velocity, sliding);
-        Field::of(&self.recording, &path, &smoother, &rows, &seen).shortlist(count)
+        Field::of(&self.recording, &path, &smoother, &rows, &target).shortlist(count)
     }
 
     /// The orders of a ripple in it, the largest first.

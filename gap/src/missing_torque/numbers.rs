@@ -1,38 +1,26 @@
 //! The model's own numbers, which are known to within a tolerance only.
 
 use super::path::Path;
+use host_sim::device::Device;
 use recording::Recording;
 
 /// Torque over each step for one standard deviation of each number that has a tolerance.
 pub(super) fn numbers(recording: &Recording, path: &Path<'_>) -> Vec<Vec<f64>> {
-    let stated = recording
-        .tolerance
-        .iter()
-        .filter(|(_, relative)| *relative > 0.0);
+    let nominal = Device::nominal(&recording.model);
+    let without = path.torque(&nominal);
+    let stated = recording.tolerance.iter();
     let columns = stated.filter_map(|(name, relative)| {
-        let mut device = path.device.clone();
-        let m = &mut device.mechanics;
-        let factor = 1.0 + relative;
-        match name {
-            // J' a = T, so that J a − T = (J/J' − 1) T.
-            "inertia" => {
-                let torque = path.torque(path.device);
-                return Some(torque.into_iter().map(|t| -relative * t).collect());
-            }
-            "viscous" => m.viscous *= factor,
-            "coulomb" => m.friction.scale(factor),
-            "gravity" => m.gravity *= factor,
-            "gravity_zero" => m.gravity_zero *= factor,
-            "stiffness" => m.stiffness *= factor,
-            "stiffness_zero" => m.stiffness_zero *= factor,
-            "offset" => m.offset_nm *= factor,
-            "ratio" => device.drive.ratio *= factor,
-            "delay" => device.drive.delay_s *= factor,
-            "lag" => device.drive.lag_s *= factor,
-            "input_limit" => device.drive.limit *= factor,
-            _ => return None,
+        let mut model = recording.model;
+        let value = model.get(name)?;
+        if relative <= 0.0 || !model.set(name, (1.0 + relative) * value) {
+            return None;
         }
-        let column = path.on_top(&device);
+        let moved = Device::nominal(&model);
+        // J' a = T', so that J a − T = T' − T − (J'/J − 1) T to first order.
+        let heavier = moved.mechanics.inertia / nominal.mechanics.inertia - 1.0;
+        let pairs = path.torque(&moved).into_iter().zip(&without);
+        let column = pairs.map(|(with, without)| with - without - heavier * without);
+        let column: Vec<f64> = column.collect();
         column.iter().any(|t| *t != 0.0).then_some(column)
     });
     columns.collect()

@@ -3,6 +3,7 @@
 use super::samples::Samples;
 use super::smoother::Smoothed;
 use host_sim::device::Device;
+use host_sim::effects::Kind;
 use host_sim::plant::Mechanics;
 use std::sync::OnceLock;
 
@@ -52,6 +53,11 @@ impl Scale {
     /// Middle of the span.
     pub fn middle(&self) -> f64 {
         0.5 * (self.reach[0] + self.reach[1])
+    }
+
+    /// A torque that is small beside that of the input.
+    pub fn torque_step(&self) -> f64 {
+        0.2 * self.torque
     }
 
     /// Frequency of a sine of this span and velocity, rad/s.
@@ -165,6 +171,31 @@ impl<'a> Path<'a> {
             .zip(nominal)
             .for_each(|(with, without)| *with -= without);
         with
+    }
+
+    /// What an effect with these numbers does along the motion on top of the device of this path.
+    pub fn torque_of(&self, kind: &Kind, values: &[f64]) -> Vec<f64> {
+        let mut device = self.device.clone();
+        kind.install(&mut device, values);
+        self.on_top(&device)
+    }
+
+    /// Torque that a rigid transmission carries to a load with all of the inertia, per step.
+    pub fn carried(&self) -> Vec<f64> {
+        let m = &self.device.mechanics;
+        let net = self.torque(self.device);
+        let steps = net.iter().enumerate();
+        steps
+            .map(|(i, net)| {
+                let level = m.friction.level(self.direction[i]);
+                net + m.viscous * self.velocity[i] + level * self.direction[i]
+            })
+            .collect()
+    }
+
+    /// Level of the device's dry friction, the higher one of both directions; 0 if it has none.
+    pub fn friction_level(&self) -> f64 {
+        self.device.mechanics.friction.highest_nm()
     }
 
     fn has_friction(&self) -> bool {

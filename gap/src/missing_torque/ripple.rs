@@ -32,7 +32,7 @@ struct Scan {
 
 impl Waves {
     /// Of a torque at the rows of a fit; `corner` is that of the smoother, rad/s.
-    pub fn of(path: &Path<'_>, rows: &Rows, torque: &[f64], corner: f64) -> Self {
+    pub(super) fn of(path: &Path<'_>, rows: &Rows, torque: &[f64], corner: f64) -> Self {
         let every = rows.rows.len().div_ceil(ROWS).max(1);
         let some: Vec<usize> = (0..rows.rows.len()).step_by(every).collect();
         let of = |f: &dyn Fn(usize) -> f64| some.iter().map(|&i| f(i)).collect::<Vec<f64>>();

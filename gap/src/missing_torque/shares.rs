@@ -1,5 +1,6 @@
 //! How much of a missing torque is a function of one axis, on blocks of time that the fit has not seen.
 
+use super::axis::Axis;
 use super::path::{Path, sign};
 use super::regression::{Normal, Rows};
 use super::ripple::Waves;
@@ -20,33 +21,31 @@ const WAVES: usize = 2;
 const DELAYS: [f64; 2] = [0.1, 0.3];
 
 /// The axes in the order in which they are preferred where they explain alike: those that say least first.
-const AXES: [&str; 9] = [
-    "constant",
-    "velocity",
-    "position",
-    "input",
-    "acceleration",
-    "load",
-    "direction x position",
-    "memory",
-    "time",
+const AXES: [Axis; 9] = [
+    Axis::Constant,
+    Axis::Velocity,
+    Axis::Position,
+    Axis::Input,
+    Axis::Acceleration,
+    Axis::Load,
+    Axis::DirectionAndPosition,
+    Axis::Memory,
+    Axis::Time,
 ];
 /// Those of which the best additive law is made.
-const ADDITIVE: [&str; 5] = [
-    "velocity",
-    "position",
-    "input",
-    "load",
-    "direction x position",
+const ADDITIVE: [Axis; 5] = [
+    Axis::Velocity,
+    Axis::Position,
+    Axis::Input,
+    Axis::Load,
+    Axis::DirectionAndPosition,
 ];
 
 /// The share of the missing torque, squared, that a function of one axis explains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// `velocity` (with a part `velocity odd` against the motion and a part `velocity even` with one sign), `position`,
-    /// `input`, `load` (friction by the size of the driving torque, where the motor drives and where the load does), `acceleration` (by the model's own torque), `time`,
-    /// `memory` (way since the last reversal, and late input), `direction x position` (friction by the position), `constant`.
-    pub axis: &'static str,
+    /// That which the function is of.
+    pub axis: Axis,
     /// On blocks of time that the fit has not seen; below 0 where it is worse than nothing.
     pub share: f64,
 }
@@ -60,17 +59,17 @@ pub(super) fn shares(
     rms: f64,
     waves: &Waves,
 ) -> (Vec<Share>, f64) {
-    let tables = AXES.par_iter().map(|axis| {
+    let tables = AXES.par_iter().map(|&axis| {
         let torque = table(axis, path, waves, LARGEST * rms);
-        (*axis, respond(smoother, rows, &torque, &[]))
+        (axis, respond(smoother, rows, &torque, &[]))
     });
-    let mut tables: Vec<(&'static str, Vec<Vec<f64>>)> = tables.collect();
-    let velocity = tables.iter().find(|(axis, _)| *axis == "velocity");
+    let mut tables: Vec<(Axis, Vec<Vec<f64>>)> = tables.collect();
+    let velocity = tables.iter().find(|(axis, _)| *axis == Axis::Velocity);
     let halves = velocity.map(|(_, columns)| {
         let (odd, even) = columns.split_at(KNOTS);
         [
-            ("velocity odd", odd.to_vec()),
-            ("velocity even", even.to_vec()),
+            (Axis::VelocityOdd, odd.to_vec()),
+            (Axis::VelocityEven, even.to_vec()),
         ]
     });
     let explained = |columns: &[&[f64]]| {
@@ -86,7 +85,7 @@ pub(super) fn shares(
     let additive = explained(&law);
     tables.extend(halves.into_iter().flatten());
     let all = tables.par_iter().map(|(axis, columns)| Share {
-        axis,
+        axis: *axis,
         share: explained(&of(columns)),
     });
     let all: Vec<Share> = all.collect();
@@ -110,19 +109,19 @@ fn ranked(mut left: Vec<Share>) -> Vec<Share> {
 }
 
 /// Columns of a table over an axis, each up to `size`.
-fn table(axis: &str, path: &Path<'_>, waves: &Waves, size: f64) -> Vec<Vec<f64>> {
+fn table(axis: Axis, path: &Path<'_>, waves: &Waves, size: f64) -> Vec<Vec<f64>> {
     let n = path.position.len();
     let against: Vec<f64> = path.direction.iter().map(|d| -d).collect();
     let alike = vec![1.0; n];
     let magnitudes = |values: &[f64]| values.iter().map(|v| v.abs()).collect::<Vec<_>>();
     let hats = |places: &[f64], by: &[f64]| hats(path, places, by, size);
     match axis {
-        "constant" => vec![vec![size; n]],
-        "velocity" => {
+        Axis::Constant => vec![vec![size; n]],
+        Axis::Velocity => {
             let speed = magnitudes(&path.velocity);
             [hats(&speed, &against), hats(&speed, &alike)].concat()
         }
-        "position" => {
+        Axis::Position => {
             let mut columns = hats(&path.position, &alike);
             // A ripple is finer than any knots.
             for n in waves.strongest.iter().take(WAVES) {
@@ -133,9 +132,9 @@ fn table(axis: &str, path: &Path<'_>, waves: &Waves, size: f64) -> Vec<Vec<f64>>
             }
             columns
         }
-        "input" => hats(&path.drive, &alike),
-        "acceleration" => hats(&path.torque(path.device), &alike),
-        "load" => {
+        Axis::Input => hats(&path.drive, &alike),
+        Axis::Acceleration => hats(&path.torque(path.device), &alike),
+        Axis::Load => {
             // Friction may be another one where the load drives the motor.
             let size = magnitudes(&path.drive);
             let only = |motor: bool| -> Vec<f64> {
@@ -147,10 +146,10 @@ fn table(axis: &str, path: &Path<'_>, waves: &Waves, size: f64) -> Vec<Vec<f64>>
             };
             [hats(&size, &only(true)), hats(&size, &only(false))].concat()
         }
-        "direction x position" => hats(&path.position, &against),
-        "memory" => memory(path, &against, size),
-        "time" => hats(&path.samples.session_s, &alike),
-        _ => Vec::new(),
+        Axis::DirectionAndPosition => hats(&path.position, &against),
+        Axis::Memory => memory(path, &against, size),
+        Axis::Time => hats(&path.samples.session_s, &alike),
+        Axis::VelocityOdd | Axis::VelocityEven | Axis::Wave => Vec::new(),
     }
 }
 

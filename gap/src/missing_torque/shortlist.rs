@@ -1,10 +1,12 @@
 //! Sets of up to three effects that explain a missing torque, with their numbers.
 
-use super::families::{FAMILIES, Form, Seen, Values};
+use super::form::{Form, Values};
 use super::numbers::numbers;
 use super::path::Path;
 use super::regression::{Normal, Rows};
 use super::smoother::Smoother;
+use super::target::Target;
+use crate::effects::{self, Identification};
 use rayon::prelude::*;
 use recording::Recording;
 
@@ -33,7 +35,7 @@ pub struct Proposal {
 
 /// An effect in the form that explains most.
 pub(super) struct Group {
-    pub name: &'static str,
+    effect: &'static dyn Identification,
     /// Smoothed as the missing torque is, at the rows of a fit.
     pub columns: Vec<Vec<f64>>,
     values: Values,
@@ -55,15 +57,16 @@ impl Field {
         path: &Path<'_>,
         smoother: &Smoother<'_>,
         rows: &Rows,
-        seen: &Seen<'_>,
+        target: &Target<'_>,
     ) -> Self {
-        let target = rows.of(seen.torque);
+        let missing = rows.of(target.torque);
         let known = respond(smoother, rows, &numbers(recording, path), &[]);
-        let groups = FAMILIES.par_iter().filter_map(|family| {
-            let forms = (family.forms)(path, seen).into_iter();
+        let effects: Vec<&dyn Identification> = effects::all().collect();
+        let groups = effects.into_par_iter().filter_map(|effect| {
+            let forms = effect.torque_forms(path, target).into_iter();
             let tried = forms.map(|form| {
                 let columns = respond(smoother, rows, &form.torque, &form.reading);
-                let score = score_alone(rows, &known, &columns, &target, &form);
+                let score = score_alone(rows, &known, &columns, &missing, &form);
                 (score, form, columns)
             });
             let best = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -76,7 +79,7 @@ impl Field {
                 ..
             } = form;
             Some(Group {
-                name: family.effect,
+                effect,
                 columns,
                 values,
                 searched,
@@ -87,7 +90,7 @@ impl Field {
         let groups: Vec<Group> = groups.collect();
         let all = known.iter().chain(groups.iter().flat_map(|g| &g.columns));
         let all: Vec<&[f64]> = all.map(Vec::as_slice).collect();
-        let mut normal = Normal::of(rows, &all, known.len(), &target);
+        let mut normal = Normal::of(rows, &all, known.len(), &missing);
         let mut first = known.len();
         for group in &groups {
             let own: Vec<usize> = (first..first + group.columns.len()).collect();
@@ -206,7 +209,7 @@ impl Field {
             let group = &self.groups[group];
             let (own, others) = rest.split_at(group.columns.len());
             rest = others;
-            (group.name, (group.values)(own))
+            (group.effect.name(), (group.values)(own))
         });
         let effects = effects.collect();
         let left = self.normal.held_out(&columns);
@@ -221,7 +224,7 @@ impl Field {
     pub fn explained(&self, names: &[&str]) -> Vec<f64> {
         let named = self.groups.iter().enumerate();
         let set: Vec<usize> = named
-            .filter(|(_, g)| names.contains(&g.name))
+            .filter(|(_, g)| names.contains(&g.effect.name()))
             .map(|(i, _)| i)
             .collect();
         let coefficients = self.normal.fit(&self.columns(&set));

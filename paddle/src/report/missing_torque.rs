@@ -2,7 +2,7 @@
 
 use crate::plot::{Cloud, PlotError, Scatter};
 use gap::diagnosis::Verdict;
-use gap::missing_torque::{Look, Point};
+use gap::missing_torque::{Axis, Look, Point};
 use gap::{Device, MissingTorque, Outcome};
 use recording::Recording;
 
@@ -57,11 +57,13 @@ impl View {
             sign: as_it_is,
         };
         match (look.axis, look.orders.first()) {
-            ("position", _) => over(format!("position, {position_unit}"), |p| p.position),
-            ("input", _) => over(format!("torque of the input, {torque_unit}"), |p| p.drive),
-            ("acceleration", _) => over(format!("torque by the model, {torque_unit}"), |p| p.net),
-            ("time", _) => over("time, s".into(), |p| p.time_s),
-            ("load", _) => Self {
+            (Axis::Position, _) => over(format!("position, {position_unit}"), |p| p.position),
+            (Axis::Input, _) => over(format!("torque of the input, {torque_unit}"), |p| p.drive),
+            (Axis::Acceleration, _) => {
+                over(format!("torque by the model, {torque_unit}"), |p| p.net)
+            }
+            (Axis::Time, _) => over("time, s".into(), |p| p.time_s),
+            (Axis::Load, _) => Self {
                 x_label: format!("size of the torque of the input, {torque_unit}"),
                 y_label: "missing torque against the motion",
                 labels: ["the motor drives", "the load drives"],
@@ -69,12 +71,12 @@ impl View {
                 place: Box::new(|p| p.drive.abs()),
                 sign: against,
             },
-            ("direction x position", _) => Self {
+            (Axis::DirectionAndPosition, _) => Self {
                 y_label: "missing torque against the motion",
                 sign: against,
                 ..over(format!("position, {position_unit}"), |p| p.position)
             },
-            ("wave", Some(order)) => {
+            (Axis::Wave, Some(order)) => {
                 let waves = order.wave_number / core::f64::consts::TAU;
                 let label = format!(
                     "position within one of {} waves per {position_unit}",
@@ -229,7 +231,10 @@ fn values(look: &Look) -> String {
         significant(sum / points.len().max(1) as f64)
     };
     let view = View::of(look, "");
-    if matches!(look.axis, "position" | "input" | "acceleration" | "time") {
+    if matches!(
+        look.axis,
+        Axis::Position | Axis::Input | Axis::Acceleration | Axis::Time
+    ) {
         let mut sorted: Vec<&Point> = look.points.iter().collect();
         sorted.sort_by(|a, b| (view.place)(a).total_cmp(&(view.place)(b)));
         let count = ((ENDS * sorted.len() as f64) as usize).max(1);
@@ -242,7 +247,7 @@ fn values(look: &Look) -> String {
     }
     let (mut second, mut first): (Vec<&Point>, Vec<&Point>) =
         look.points.iter().partition(|p| (view.second)(p));
-    if look.axis == "velocity" {
+    if look.axis == Axis::Velocity {
         let ends = [&mut first, &mut second].map(|points| {
             points.sort_by(|a, b| a.velocity.abs().total_cmp(&b.velocity.abs()));
             let count = ((ENDS * points.len() as f64) as usize)
@@ -270,17 +275,17 @@ fn values(look: &Look) -> String {
 }
 
 /// An axis in a sentence.
-fn said(axis: &str) -> &'static str {
+fn said(axis: Axis) -> &'static str {
     match axis {
-        "velocity" => "velocity",
-        "position" => "position",
-        "input" => "the input",
-        "load" => "the size of the torque that is transmitted",
-        "acceleration" => "the torque that accelerates",
-        "time" => "time",
-        "direction x position" => "position, against the motion",
-        "wave" => "the place within a wave over the position",
-        _ => "no single axis",
+        Axis::Velocity => "velocity",
+        Axis::Position => "position",
+        Axis::Input => "the input",
+        Axis::Load => "the size of the torque that is transmitted",
+        Axis::Acceleration => "the torque that accelerates",
+        Axis::Time => "time",
+        Axis::DirectionAndPosition => "position, against the motion",
+        Axis::Wave => "the place within a wave over the position",
+        Axis::Constant | Axis::VelocityOdd | Axis::VelocityEven | Axis::Memory => "no single axis",
     }
 }
 

@@ -3,6 +3,9 @@
 use crate::columns::Disagreement;
 use crate::guess::Evidence;
 use crate::guess::start::linear;
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use crate::windows::statistics::quantile;
 use host_sim::effects::lost_counts::KIND;
@@ -28,6 +31,11 @@ const JUMP_HEIGHT: f64 = 3.0;
 const LEAST_JUMP: f64 = 0.1;
 /// Samples between two jumps at least: a column that lags shows the kick of a loop that believed the jump.
 const APART: usize = 10;
+/// Jumps that are looked for in the missing torque, and rows between two of them at least; the first rows of a stretch surprise
+/// the smoother anyway.
+const JUMPS_SCREENED: usize = 3;
+const ROWS_APART: usize = 20;
+const FIRST_ROWS: usize = 10;
 
 /// The jumps found, as one term with time and height of each; none if there are none.
 pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
@@ -212,6 +220,63 @@ pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
     };
     let steps: Vec<_> = steps(&edges).into_iter().map(timed).collect();
     (!steps.is_empty()).then(|| KIND.events(&steps))
+}
+
+/// Jumps of the counter where the smoother is most surprised: the largest one, the two largest, and so on.
+pub(super) fn torque_forms(path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+    let n = path.position.len();
+    let found = most_surprising(path, target);
+    let unit = 0.1 * path.scale.half_span();
+    let column = |row: usize| -> Vec<f64> {
+        let end = path
+            .samples
+            .stretches
+            .iter()
+            .find(|s| s.rows.contains(&row));
+        let end = end.map_or(n, |s| s.rows.end);
+        let rows = 0..n;
+        rows.map(|i| if (row..end).contains(&i) { unit } else { 0.0 })
+            .collect()
+    };
+    let forms = (1..=found.len()).map(|count| {
+        let rows = &found[..count];
+        let at_s: Vec<f64> = rows
+            .iter()
+            .map(|&row| path.samples.session_s[row])
+            .collect();
+        let form = Form::new(vec![vec![0.0; n]; count], move |c| {
+            let mut values = with_defaults(&KIND, &[(0, at_s[0]), (1, unit * c[0]), (2, 0.0)]);
+            for (at_s, c) in at_s.iter().zip(c).skip(1) {
+                values.extend([*at_s, unit * c]);
+            }
+            values
+        });
+        Form {
+            reading: rows.iter().map(|&row| column(row)).collect(),
+            ..form.searched(count).seldom()
+        }
+    });
+    forms.collect()
+}
+
+/// The rows whose innovations are largest, apart from each other.
+fn most_surprising(path: &Path<'_>, target: &Target<'_>) -> Vec<usize> {
+    let mut rows: Vec<usize> = (0..path.position.len()).collect();
+    for stretch in &path.samples.stretches {
+        let first = stretch.rows.start..(stretch.rows.start + FIRST_ROWS).min(stretch.rows.end);
+        rows.retain(|row| !first.contains(row));
+    }
+    let size = |row: usize| target.innovation[row].abs();
+    let mut found: Vec<usize> = Vec::new();
+    while found.len() < JUMPS_SCREENED {
+        let far = |row: usize| found.iter().all(|f: &usize| f.abs_diff(row) > ROWS_APART);
+        let next = rows.iter().copied().filter(|&row| far(row));
+        let Some(row) = next.max_by(|a, b| size(*a).total_cmp(&size(*b))) else {
+            break;
+        };
+        found.push(row);
+    }
+    found
 }
 
 #[cfg(test)]

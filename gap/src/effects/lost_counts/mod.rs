@@ -7,6 +7,10 @@ use super::identification::{Fitted, Identification};
 use super::phrase::{Found, Phrase};
 use crate::columns::Disagreement;
 use crate::guess::Evidence;
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
 use crate::term::Term;
 use crate::windows::series::Series;
 use host_sim::effects::Kind;
@@ -36,6 +40,16 @@ impl Identification for LostCounts {
     fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {
         let jumps = jumps::between_columns(columns).into_iter();
         jumps.chain(overspeed::between_columns(columns)).collect()
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Velocity
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let mut forms = overspeed::torque_forms(path);
+        forms.extend(jumps::torque_forms(path, target));
+        forms
     }
 
     fn noun(&self) -> &'static str {

@@ -4,6 +4,8 @@ use crate::columns::{Disagreement, Track, less_mean, lowest, mean_square, residu
 use crate::fit::whitening::dot;
 use crate::guess::Evidence;
 use crate::guess::start::{log, term};
+use crate::missing_torque::form::{Form, with_defaults};
+use crate::missing_torque::path::Path;
 use crate::term::Term;
 use crate::windows::series::Series;
 use crate::windows::statistics::{quantile, rms};
@@ -21,6 +23,10 @@ const NO_JUMP: [(usize, f64); 2] = [(0, 0.0), (1, 0.0)];
 /// Speeds between two columns, over the fastest motion.
 const SPEEDS: [f64; 2] = [0.02, 0.98];
 
+/// Speeds beyond which counts are lost that are screened for the missing torque, over the rms one, and the share that is lost then
+/// for a unit of the coefficient.
+const SPEEDS_SCREENED: [f64; 6] = [0.3, 0.5, 0.7, 0.9, 1.15, 1.45];
+const SHARE_STEP: f64 = 0.1;
 /// Share of its root mean square speed below which no motion is to be seen.
 const STANDSTILL: f64 = 0.05;
 
@@ -69,6 +75,38 @@ pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
     let speed = lowest(SPEEDS.map(|f| f * fastest), |speed| suited(speed).1);
     let (share, _) = suited(speed);
     (share > 0.0).then(|| values(speed, share))
+}
+
+/// The torques that seem to be missing along a motion where counts are lost beyond a speed.
+pub(super) fn torque_forms(path: &Path<'_>) -> Vec<Form> {
+    let speeds = SPEEDS_SCREENED.map(|part| part * path.scale.velocity);
+    speeds.map(|speed| slips(path, speed)).into()
+}
+
+/// Beyond a speed, a share of the way is lost: the reading goes slower, from there at once.
+fn slips(path: &Path<'_>, beyond: f64) -> Form {
+    let m = &path.device.mechanics;
+    let net = path.torque(path.device);
+    let mut before = None;
+    let column = (0..net.len()).map(|i| {
+        let v = path.velocity[i];
+        let loses = f64::from(v.abs() > beyond);
+        let step_s = path.samples.step_s[i];
+        let began: f64 = match before {
+            Some(before) if step_s > 0.0 => (loses - before) / step_s,
+            _ => 0.0,
+        };
+        before = (step_s > 0.0).then_some(loses);
+        -(loses * (net[i] + m.viscous * v) + m.inertia * v * began) * SHARE_STEP
+    });
+    let form = Form::new(vec![column.collect()], move |c| {
+        let share = (SHARE_STEP * c[0]).clamp(0.0, 1.0);
+        with_defaults(
+            &KIND,
+            &[(1, 0.0), (SHARE_LOST, share), (FROM_SPEED, beyond)],
+        )
+    });
+    form.searched(1).positive()
 }
 
 #[cfg(test)]

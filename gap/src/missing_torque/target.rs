@@ -1,0 +1,67 @@
+//! The estimated missing torque as the target of a fit.
+
+use super::form::Form;
+use super::ripple::Waves;
+use nalgebra::{DMatrix, DVector};
+
+/// The missing torque that forms are to explain, and what else the smoother says of it.
+pub(crate) struct Target<'a> {
+    /// Estimated, per row.
+    pub torque: &'a [f64],
+    /// Corner of the smoother, rad/s.
+    pub corner: f64,
+    /// Rows that a fit sees.
+    pub rows: &'a [usize],
+    /// Of each row in a fit; 0 where it says nothing.
+    pub weight: &'a [f64],
+    /// In standard deviations, per row.
+    pub innovation: &'a [f64],
+    /// Waves over the position that the torque may have.
+    pub waves: &'a Waves,
+}
+
+impl Target<'_> {
+    /// The `count` forms that explain most of it, not smoothed alike yet.
+    pub fn screened(&self, forms: Vec<Form>, count: usize) -> Vec<Form> {
+        if forms.len() <= count {
+            return forms;
+        }
+        let tried = forms
+            .into_iter()
+            .map(|form| (self.explained(&form.torque), form));
+        let mut tried: Vec<(f64, Form)> = tried.collect();
+        tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+        tried.truncate(count);
+        tried.into_iter().map(|(_, form)| form).collect()
+    }
+
+    /// Squares that some torques explain by least squares.
+    pub fn explained(&self, torque: &[Vec<f64>]) -> f64 {
+        let n = torque.len();
+        let mut normal = DMatrix::<f64>::zeros(n, n);
+        let mut right = DVector::<f64>::zeros(n);
+        for (&row, weight) in self.rows.iter().map(|row| (row, self.weight[*row])) {
+            for a in 0..n {
+                right[a] += weight * torque[a][row] * self.torque[row];
+                for b in 0..=a {
+                    normal[(a, b)] += weight * torque[a][row] * torque[b][row];
+                }
+            }
+        }
+        for a in 0..n {
+            normal[(a, a)] += 1e-9 * normal[(a, a)] + f64::MIN_POSITIVE;
+        }
+        let solved = normal.cholesky().map(|c| c.solve(&right));
+        solved.map_or(0.0, |solved| solved.dot(&right))
+    }
+
+    /// Coefficient of one torque by least squares.
+    pub fn coefficient(&self, torque: &[f64]) -> f64 {
+        let (mut square, mut product) = (0.0, 0.0);
+        for (&row, weight) in self.rows.iter().map(|row| (row, self.weight[*row])) {
+            square += weight * torque[row] * torque[row];
+            product += weight * torque[row] * self.torque[row];
+        }
+        if square > 0.0 { product / square } else { 0.0 }
+    }
+}

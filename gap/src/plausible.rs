@@ -3,7 +3,7 @@
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::term::Term;
+use crate::term::{Scale, Term};
 use host_sim::effects::{Parameter, Quantity};
 use recording::Model;
 use std::fmt;
@@ -24,6 +24,12 @@ pub(crate) struct Implausible {
 }
 
 impl Implausible {
+    /// True if no effect of a fit has such a number.
+    pub(crate) fn has_none(problem: &Problem<'_>, fit: &Fit) -> bool {
+        let mut places = 0..fit.hypothesis.terms.len();
+        places.all(|place| Self::of(problem, fit, place).is_none())
+    }
+
     /// The first such number of the effect at a place of a fit, if there is one; a number of the model that is not stated may be any.
     pub(crate) fn of(problem: &Problem<'_>, fit: &Fit, place: usize) -> Option<Self> {
         let (term, x) = fit.hypothesis.parts(&fit.x).nth(place)?;
@@ -39,8 +45,8 @@ impl Implausible {
             let value = values[coordinate.parameter];
             let [low, high] = coordinate.reach(parameter);
             let is_at_end = !(low..high).contains(x) && is_unusual(parameter, value, model, 1.0);
-            // The first number of an effect is its size, the others are its shape: a shape may be nothing of its kind.
-            let is_size = coordinate.parameter == 0;
+            // The first number of an effect is its size, the others are its shape: of those that may be zero, that says nothing.
+            let is_size = coordinate.parameter == 0 || coordinate.scale == Scale::Log;
             let is_far = is_size && is_unusual(parameter, value, model, FAR);
             (is_at_end || is_far).then(|| Self {
                 effect: term.kind.name,

@@ -115,8 +115,8 @@ fn compared(finding: &mut Finding, like: &Match, given: bool) {
 /// Probability that the winner of a round is right: from how much better it is than the next that is not more of the
 /// same, and how little it leaves.
 pub(super) fn confidence(round: &Round, perfect: f64) -> f64 {
-    if let Some(measured) = round.confidence {
-        return measured;
+    if let Some(measured) = &round.measured {
+        return measured.confidence;
     }
     let known = &round.known;
     let winner = &round.rivals[0];

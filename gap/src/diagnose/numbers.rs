@@ -34,15 +34,13 @@ fn stated(problem: &Problem<'_>, fit: &Fit, place: usize, shrink: [f64; 3]) -> N
     let moved_by = fit.x[place];
     let found = number.at(moved_by);
     let spread = number.at(moved_by + fit.std[place]) - found;
-    let mut tolerances = problem.recording.tolerance.iter();
-    let has_tolerance = tolerances.any(|(name, tolerance)| name == number.name && tolerance > 0.0);
     let [value, low, high] = shrink;
     NumberFinding {
         name: number.name.clone(),
         stated: Some(number.value),
         found,
         std: spread.is_finite().then_some(spread.abs()),
-        sigmas: has_tolerance.then_some(moved_by.abs()),
+        sigmas: number.is_stated.then_some(moved_by.abs()),
         shrink: value,
         shrink_interval: [low, high],
         unit: unit(&number.name, problem.recording),
@@ -86,7 +84,7 @@ fn estimated(
 /// Stated standard deviations beyond which a number that moved is an effect.
 const BEYOND_TOLERANCE: f64 = 3.0;
 /// Probability that such an effect is what the number moved for: without it another one might have moved.
-const SURE_BEYOND_TOLERANCE: f64 = 0.6;
+const SURE_BEYOND_TOLERANCE: f64 = 0.45;
 
 /// The numbers that moved beyond what is stated of them, or that were stated as exact, as effects, but for those that are `named`
 /// already.

@@ -219,7 +219,7 @@ mod tests {
                 rivals: vec![Rival { name, fit }],
                 screened: Vec::new(),
                 place: Place::given(true),
-                confidence: None,
+                measured: None,
             });
             hand.map(|hand| contact::stays(&hand))
         };

@@ -363,7 +363,7 @@ mod tests {
                 rivals: rivals.collect(),
                 screened: Vec::new(),
                 place: Place::given(false),
-                confidence: None,
+                measured: None,
             })
         };
         assert!(is_as_bristles(&[("presliding", 1.0)]));

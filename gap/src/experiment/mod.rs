@@ -264,7 +264,7 @@ mod tests {
             rivals,
             screened: Vec::new(),
             place: Place::given(false),
-            confidence: None,
+            measured: None,
         }
     }
 

@@ -18,6 +18,8 @@ pub(crate) struct Nudge {
     pub value: f64,
     /// Standard deviation over the value.
     pub relative: f64,
+    /// True if that is stated, and not only what such numbers are usually off by.
+    pub is_stated: bool,
 }
 
 /// What the time between input and position is called among the model's numbers.
@@ -44,6 +46,7 @@ pub(crate) fn nudges(recording: &Recording) -> Vec<Nudge> {
             name: name.to_owned(),
             value,
             relative,
+            is_stated: true,
         })
     });
     numbers.chain(input_times(recording)).collect()
@@ -62,6 +65,7 @@ fn input_times(recording: &Recording) -> Vec<Nudge> {
         name: INPUT_TIME.to_owned(),
         value,
         relative: 1.0,
+        is_stated: true,
     });
     times.collect()
 }

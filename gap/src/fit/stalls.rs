@@ -135,6 +135,7 @@ mod tests {
             name: name.to_owned(),
             value: 1.0,
             relative: 0.02,
+            is_stated: true,
         };
         let nudges = [nudge("inertia"), nudge("viscous")];
         let at = |x: [f64; 4], std: [f64; 4]| {

@@ -6,6 +6,7 @@
 //! numbers anew.
 
 mod agreement;
+mod confounders;
 mod numbers;
 mod order;
 mod pool;
@@ -42,7 +43,16 @@ pub(crate) fn measured<'a>(
     let mut pool = Pool::of_search(found, problem.nudges.len(), freed.len());
     let scale = on_all_numbers(problem, &free, &mut pool, found, given, progress);
     let (free, pool) = pool.scored_at_own_scale(free.off_by(scale));
-    let (set, pool) = pool.without_needless(&free, found.null.hypothesis.terms.len());
+    let kept = found.null.hypothesis.terms.len();
+    let (set, pool) = pool.without_needless(&free, kept);
+    let search = Search {
+        problem: &free,
+        given,
+        progress,
+        perfect: found.perfect,
+    };
+    let confounders = confounders::of(&search, &set.fit, kept);
+    let (set, pool) = pool.with(&free, confounders).without_needless(&free, kept);
     let selection = selection::of(&free, found, &set, &pool);
     Some((free, selection))
 }

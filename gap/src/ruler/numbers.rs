@@ -25,6 +25,7 @@ pub(super) fn freed(problem: &Problem<'_>) -> Vec<Nudge> {
                 name: number.name.to_owned(),
                 value,
                 relative,
+                is_stated: false,
             });
         }
     }

@@ -5,14 +5,17 @@ use super::scored::{Scored, simplest};
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
+use crate::plausible::Implausible;
 use crate::select::Selection;
 use rayon::prelude::*;
 
 /// Sets that are scored on held-out data, those that cost least after a short fit to all; and again once the error scale is known
 /// from the best of them.
 const MOST_SCORED: usize = 8;
-const SHORT_ITERATIONS: usize = 3;
+pub(super) const SHORT_ITERATIONS: usize = 3;
 const MOST_SCORED_AGAIN: usize = 5;
+/// Sets beside these of which a number is one that no device has: they are told, not taken.
+const MOST_IMPLAUSIBLE: usize = 2;
 /// Factor by which the scale must fall to score again.
 const OTHER_SCALE: f64 = 0.7;
 
@@ -70,7 +73,7 @@ impl Pool {
             return (problem, pool);
         }
         let null = pool.null.clone();
-        pool.sets.truncate(MOST_SCORED_AGAIN);
+        pool.keep_plausible(MOST_SCORED_AGAIN);
         let finer = problem.off_by(left);
         let again = core::iter::once(&null).chain(&pool.sets).map(|set| Start {
             hypothesis: set.fit.hypothesis.clone(),
@@ -93,8 +96,10 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     fits.sort_by(|a, b| a.costs.level().total_cmp(&b.costs.level()));
     let names = |fit: &Fit| fit.hypothesis.names();
     let mut kept: Vec<Fit> = Vec::new();
+    let mut room = Room::of(MOST_SCORED);
     for fit in fits {
-        if kept.len() < MOST_SCORED && kept.iter().all(|other| names(other) != names(&fit)) {
+        let is_new = kept.iter().all(|other| names(other) != names(&fit));
+        if is_new && room.takes(Implausible::has_none(problem, &fit)) {
             kept.push(fit);
         }
     }
@@ -105,11 +110,40 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     null.into_iter().chain(kept).collect()
 }
 
+/// How many more sets there is room for: of those that are plausible, and of others.
+struct Room {
+    plausible: usize,
+    implausible: usize,
+}
+
+impl Room {
+    fn of(plausible: usize) -> Self {
+        Self {
+            plausible,
+            implausible: MOST_IMPLAUSIBLE,
+        }
+    }
+
+    /// Takes one more, if there is room.
+    fn takes(&mut self, is_plausible: bool) -> bool {
+        let left = if is_plausible {
+            &mut self.plausible
+        } else {
+            &mut self.implausible
+        };
+        let takes = *left > 0;
+        *left -= usize::from(takes);
+        takes
+    }
+}
+
 /// Sets of effects, fitted and costed on data that their fits have not seen.
 pub(super) struct ScoredPool {
     pub null: Scored,
     /// By cost, the null among them; one for each set of names.
     pub sets: Vec<Scored>,
+    /// Names of those of which each effect was left out in turn.
+    reduced: Vec<Vec<&'static str>>,
 }
 
 impl ScoredPool {
@@ -126,15 +160,24 @@ impl ScoredPool {
                 sets.push(one);
             }
         }
-        Self { null, sets }
+        Self {
+            null,
+            sets,
+            reduced: Vec::new(),
+        }
+    }
+
+    /// Keeps so many of those that are plausible, and a few others.
+    fn keep_plausible(&mut self, most: usize) {
+        let mut room = Room::of(most);
+        self.sets.retain(|set| room.takes(set.is_plausible));
     }
 
     /// The least that a set leaves of data that its fit has not seen, beyond what noise and restarts would, rms.
     fn least_left(&self, problem: &Problem<'_>) -> f64 {
         let left = |set: &Scored| problem.rms(&set.squares);
-        let least = self
-            .sets
-            .iter()
+        let plausible = self.sets.iter().filter(|set| set.is_plausible);
+        let least = plausible
             .min_by(|a, b| left(a).total_cmp(&left(b)))
             .unwrap_or(&self.null);
         let floor = problem.rms(&problem.floor_squares(&least.fit));
@@ -143,15 +186,14 @@ impl ScoredPool {
 
     /// The simplest set within one standard error of the best, once every effect beyond the first `kept` was left out of it in turn.
     pub(super) fn without_needless(mut self, problem: &Problem<'_>, kept: usize) -> (Scored, Self) {
-        let mut looked: Vec<Vec<&'static str>> = Vec::new();
         loop {
             let Some(set) = simplest(&self.sets).cloned() else {
                 return (self.null.clone(), self);
             };
-            if looked.contains(&set.names()) {
+            if self.reduced.contains(&set.names()) {
                 return (set, self);
             }
-            looked.push(set.names());
+            self.reduced.push(set.names());
             let places = kept..set.fit.hypothesis.terms.len();
             let reduced = places.into_par_iter().map(|place| {
                 let (hypothesis, x) = set.fit.without(place);
@@ -162,6 +204,17 @@ impl ScoredPool {
                 self.add(one);
             }
         }
+    }
+
+    /// With further sets, each fitted and costed.
+    pub(super) fn with(mut self, problem: &Problem<'_>, starts: Vec<Start>) -> Self {
+        let scored = starts
+            .into_par_iter()
+            .map(|start| Scored::of(problem, &start.hypothesis, start.x));
+        for one in scored.collect::<Vec<Scored>>() {
+            self.add(one);
+        }
+        self
     }
 
     /// Adds a set, or puts it in the place of one of the same names that costs more.

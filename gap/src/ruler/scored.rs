@@ -18,6 +18,8 @@ pub(super) struct Scored {
     pub unseen: Vec<f64>,
     /// Squared residual of each window, likewise, in units of position squared.
     pub squares: Vec<f64>,
+    /// Numbers of the model that moved although nothing is stated to be uncertain about them, farther than such numbers usually are off.
+    pub moved: usize,
     /// True if no number of its effects is one that no device has.
     pub is_plausible: bool,
 }
@@ -34,12 +36,11 @@ impl Scored {
             problem.costs(&fit.hypothesis, &fit.x, half).per_sample
         });
         let squares = Problem::unseen_by(&halves, |fit, half| problem.window_squares(fit, half));
-        let places = 0..fit.hypothesis.terms.len();
-        let is_plausible = places
-            .into_iter()
-            .all(|place| Implausible::of(problem, &fit, place).is_none());
+        let moves = problem.nudges.iter().zip(fit.moves());
+        let moved = moves.filter(|(number, z)| !number.is_stated && z.abs() > 1.0);
         Self {
-            is_plausible,
+            moved: moved.count(),
+            is_plausible: Implausible::has_none(problem, &fit),
             fit,
             unseen: unseen.into_iter().map(f64::ln_1p).collect(),
             squares,
@@ -51,10 +52,10 @@ impl Scored {
         self.fit.hypothesis.names()
     }
 
-    /// Effects, then free numbers of effects.
+    /// Effects and numbers that moved as such, then free numbers of effects.
     pub(super) fn complexity(&self) -> (usize, usize) {
         let hypothesis = &self.fit.hypothesis;
-        (hypothesis.terms.len(), hypothesis.free())
+        (hypothesis.terms.len() + self.moved, hypothesis.free())
     }
 
     /// Mean cost of a window, that of moving the model's own numbers included.

@@ -3,11 +3,12 @@
 use super::agreement;
 use super::order::{order, subset_fit};
 use super::pool::ScoredPool;
-use super::scored::Scored;
+use super::scored::{Scored, is_within_error};
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::floor::{Perfect, mean_and_error};
-use crate::select::{Place, Rival, Round, Selection};
+use crate::select::{Measured, Place, Rival, Round, Selection};
 
 /// The selection with the effects of `set` in the order of what each closes, each beside all others of the set, with the sets of
 /// `pool` that have another effect in its place as its rivals.
@@ -105,10 +106,19 @@ fn round(
             rest.retain(|n| *n != term.kind.name);
             term.kind.name != name && rest == others
         })?;
-        Some(Rival {
-            name: terms[other].kind.name,
-            fit: with_last(&rival.fit, other),
-        })
+        Some((terms[other].kind.name, other, rival))
+    });
+    let swapped: Vec<(&'static str, usize, &Scored)> = swapped.collect();
+    let is_tied = |other: &str, rival: &Scored| {
+        rival.is_plausible && is_within_error(rival, set) && !effects::of(other).contains(name)
+    };
+    let tied = swapped
+        .iter()
+        .filter(|(other, _, rival)| is_tied(other, rival));
+    let ties: Vec<&'static str> = tied.map(|(other, ..)| *other).collect();
+    let swapped = swapped.iter().map(|&(name, other, rival)| Rival {
+        name,
+        fit: with_last(&rival.fit, other),
     });
     let rivals: Vec<Rival> = core::iter::once(winner).chain(swapped).collect();
     let is_event = rivals[0].is_event();
@@ -116,6 +126,12 @@ fn round(
         .rounds
         .iter()
         .any(|round| round.rivals[0].name == name);
+    let confidence = confidence(
+        agreement::share(&pool.sets, name),
+        is_agreed && ties.is_empty(),
+        closed(problem, set, pool),
+        is_event,
+    );
     Round {
         known: without.fit,
         rivals,
@@ -126,12 +142,7 @@ fn round(
             by_few: is_event,
         },
         so_far,
-        confidence: Some(confidence(
-            agreement::share(&pool.sets, name),
-            is_agreed,
-            closed(problem, set, pool),
-            is_event,
-        )),
+        measured: Some(Measured { confidence, ties }),
     }
 }
 
@@ -141,8 +152,9 @@ fn closed(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> f64 {
     (1.0 - left / before.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// Probability that a name is right: that a share of the resampled windows chooses with the numbers free, that the search with the
-/// numbers as stated named as well or not, in a set that has closed so much. What is bound to moments was not held out, and bends to
+/// Probability that a name is right: that a share of the resampled windows chooses with the numbers free, that is agreed or not, in a
+/// set that has closed so much. It is agreed if the search with the numbers as stated named it as well and nothing does as well in its
+/// place. What is bound to moments was not held out, and bends to
 /// whatever is missing there.
 fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
     let (least, most) = if is_agreed { (0.4, 0.95) } else { (0.3, 0.65) };
@@ -188,6 +200,6 @@ fn beyond(set: &Scored, pool: &ScoredPool) -> Option<Round> {
             by_few: false,
         },
         rivals,
-        confidence: None,
+        measured: None,
     })
 }

@@ -31,8 +31,8 @@ pub(crate) use place::Place;
 use ranking::is_far_likelier;
 pub(crate) use ranking::{inseparable, luck, others, ties};
 pub(crate) use rival::Rival;
-pub(crate) use round::Round;
 pub(crate) use round::Search;
+pub(crate) use round::{Measured, Round};
 
 /// Robust excess per window up to which nothing is missing: the noise is known to some 15 %.
 const QUIET_EXCESS: f64 = 0.12;
@@ -132,7 +132,7 @@ impl Selection {
     /// True if its effects were measured beside each other at an error scale of their own: what they leave is no measure of whether
     /// there is a gap.
     pub(crate) fn is_measured(&self) -> bool {
-        self.rounds.iter().any(|round| round.confidence.is_some())
+        self.rounds.iter().any(|round| round.measured.is_some())
     }
 
     /// True if no effect is among those found of which data could be held out.

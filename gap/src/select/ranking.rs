@@ -106,6 +106,9 @@ pub(crate) fn luck(fit: &Fit) -> f64 {
 
 /// Names in a round that this recording cannot tell from the winner.
 pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
+    if let Some(measured) = &round.measured {
+        return measured.ties.clone();
+    }
     let winner = &round.rivals[0];
     let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
     let close = level(&winner.fit) + luck(&winner.fit).max(TIE_SHARE * gain);
@@ -235,7 +238,7 @@ mod tests {
                 rivals: vec![winner, rival("gravity", 2, BEST)],
                 screened: Vec::new(),
                 place: Place::given(false),
-                confidence: None,
+                measured: None,
             })
         };
         let worth = price(200) / 200.0;
@@ -253,7 +256,7 @@ mod tests {
                 rivals: vec![winner, rival(other, 1, KNOWN)],
                 screened: Vec::new(),
                 place: Place::given(false),
-                confidence: None,
+                measured: None,
             })
         };
         assert_eq!(names("delay", "sensor_lag"), ["sensor_lag"]);

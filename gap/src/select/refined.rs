@@ -70,7 +70,7 @@ impl Selection {
             screened: only.screened.clone(),
             place: only.place,
             so_far,
-            confidence: None,
+            measured: None,
         };
         refined.rounds = vec![first, second];
         Some((exact, refined))

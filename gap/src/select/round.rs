@@ -36,8 +36,17 @@ pub(crate) struct Round {
     pub place: Place,
     /// The model with the effects up to this one.
     pub so_far: Fit,
-    /// Probability that the winner is right, where it was measured beside all other effects.
-    pub confidence: Option<f64>,
+    /// What is known of the winner where it was measured beside all other effects.
+    pub measured: Option<Measured>,
+}
+
+/// What measuring an effect beside all others of its set says of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Measured {
+    /// Probability that it is right.
+    pub confidence: f64,
+    /// Effects in whose place it costs no less, within the error.
+    pub ties: Vec<&'static str>,
 }
 
 impl Round {
@@ -58,7 +67,8 @@ impl Round {
                 fit,
             }],
             screened: Vec::new(),
-            ..*self
+            place: self.place,
+            measured: self.measured.clone(),
         }
     }
 }
@@ -102,7 +112,7 @@ impl Search<'_> {
             }],
             screened: Vec::new(),
             place: Place::given(term.is_event()),
-            confidence: None,
+            measured: None,
         }
     }
 
@@ -214,7 +224,7 @@ impl Search<'_> {
             rivals,
             screened,
             place,
-            confidence: None,
+            measured: None,
         })
     }
 }

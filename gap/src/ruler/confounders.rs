@@ -1,0 +1,87 @@
+//! Effects that may be what another one was taken for.
+
+use super::Start;
+use super::pool::SHORT_ITERATIONS;
+use crate::effects::{self, Candidate, Identification};
+use crate::fit::Fit;
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::part::Part;
+use crate::select::Search;
+use crate::term::Term;
+use rayon::prelude::*;
+
+/// Starts from which each is fitted shortly: those that leave least at once.
+const MOST_STARTS: usize = 3;
+
+/// A set of effects with one beyond the first `kept` exchanged for each that does nearly the same on small motion, that it is a
+/// special case of or that is one of it: from where a short fit leaves least.
+pub(super) fn of(search: &Search<'_>, set: &Fit, kept: usize) -> Vec<Start> {
+    let names = set.hypothesis.names();
+    let places = kept..set.hypothesis.terms.len();
+    let exchanged = places.flat_map(|place| {
+        let mut known = set.clone();
+        (known.hypothesis, known.x) = set.without(place);
+        let exchanged = exchanged(search, set, place, &known);
+        exchanged
+            .into_iter()
+            .map(move |starts| (known.clone(), starts))
+            .collect::<Vec<_>>()
+    });
+    let exchanged: Vec<(Fit, Vec<Term>)> = exchanged.collect();
+    let fits = exchanged.par_iter().filter_map(|(known, starts)| {
+        let at_once = starts.par_iter().map(|start| {
+            let mut hypothesis = known.hypothesis.clone();
+            hypothesis.terms.push(start.clone());
+            let mut x = known.x.clone();
+            x.resize(hypothesis.dimensions(&search.problem.nudges), 0.0);
+            let level = search.problem.costs(&hypothesis, &x, Part::All).level();
+            (level, hypothesis, x)
+        });
+        let mut at_once: Vec<(f64, Hypothesis, Vec<f64>)> = at_once.collect();
+        at_once.sort_by(|a, b| a.0.total_cmp(&b.0));
+        at_once.truncate(MOST_STARTS);
+        let fits = at_once.into_par_iter().map(|(_, hypothesis, x)| {
+            let iterations = SHORT_ITERATIONS;
+            search.problem.fit(&hypothesis, x, Part::All, iterations)
+        });
+        fits.min_by(|a, b| a.costs.level().total_cmp(&b.costs.level()))
+    });
+    let fits: Vec<Fit> = fits.collect();
+    let new = fits
+        .into_iter()
+        .filter(|fit| fit.hypothesis.names() != names);
+    let starts = new.map(|fit| Start {
+        hypothesis: fit.hypothesis,
+        x: fit.x,
+    });
+    starts.collect()
+}
+
+/// What the effect at a place may be exchanged for beside the others that are `known`, each as starts of its fit.
+fn exchanged(search: &Search<'_>, set: &Fit, place: usize, known: &Fit) -> Vec<Vec<Term>> {
+    let model = &search.problem.recording.model;
+    let Some((term, x)) = set.hypothesis.parts(&set.x).nth(place) else {
+        return Vec::new();
+    };
+    let own = effects::of(term.kind.name);
+    let on_small_motion = own.on_small_motion(&term.moved(x), model);
+    let confounds = |candidate: &&Candidate| {
+        let other = candidate.effect;
+        other.name() != own.name() && are_confounded(own, other)
+    };
+    let tried = search.tried(known, &[]);
+    let starts = tried.iter().filter(confounds).map(|candidate| {
+        let first = candidate.starts.first();
+        let alike = on_small_motion.zip(first);
+        let alike =
+            alike.and_then(|(motion, first)| candidate.effect.begun_from(first, motion, model));
+        let starts = alike.into_iter().chain(candidate.starts.iter().cloned());
+        starts.collect()
+    });
+    starts.collect()
+}
+
+fn are_confounded(one: &'static dyn Identification, other: &'static dyn Identification) -> bool {
+    let is_kin = one.family().is_some() && one.family() == other.family();
+    is_kin || one.contains(other.name()) || other.contains(one.name())
+}

@@ -8,7 +8,7 @@ use super::torque_gain::TorqueGain;
 use crate::guess::Evidence;
 use crate::guess::start::{linear, log, term};
 use crate::missing_torque::axis::Axis;
-use crate::missing_torque::form::Form;
+use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::Path;
 use crate::missing_torque::target::Target;
 use crate::term::{Coordinate, Term};
@@ -25,6 +25,9 @@ const REFERENCE: usize = 3;
 const STARTS: [(f64, f64); 4] = [(0.6, 0.0), (1.6, 0.0), (0.6, 0.1), (1.2, 0.1)];
 /// Share of the inputs that the reference exceeds: what the few largest do must not set the gain of all others.
 const LARGE: f64 = 0.9;
+/// Powers that are screened for the missing torque, and reference inputs over the largest.
+const POWERS_SCREENED: [f64; 4] = [0.4, 0.7, 1.5, 2.2];
+const REFERENCES_SCREENED: [f64; 2] = [0.5, 0.9];
 /// One unit of the coordinate of the dead zone, over the reference input.
 const ZONE: f64 = 0.05;
 
@@ -66,9 +69,16 @@ impl Identification for InputNonlinearity {
         Axis::Input
     }
 
-    /// None: its gain, its dead zone and its end are screened as effects of their own.
-    fn torque_forms(&self, _path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
-        Vec::new()
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let forms = POWERS_SCREENED.iter().flat_map(|&power| {
+            REFERENCES_SCREENED.map(|part| {
+                let reference = part * path.scale.input;
+                let set = [(GAIN, 1.0), (POWER, power), (REFERENCE, reference)];
+                let values = with_defaults(&KIND, &set);
+                Form::whole(path, &KIND, values, None).positive()
+            })
+        });
+        target.screened(forms.collect(), 2)
     }
 
     fn noun(&self) -> &'static str {

@@ -12,6 +12,7 @@
 
 use crate::failure::Failure;
 use gap::ModelFile;
+use gap::model_file::ModelFileError;
 use haptic_paddle::settings::Settings;
 use host_sim::device::Device;
 use host_sim::effects::{Effect, check_distinct};
@@ -163,16 +164,47 @@ pub fn stands_alone(path: &Path) -> Result<bool, Failure> {
         .is_ok_and(|table| table.contains_key("format")))
 }
 
-/// A model that `paddle gap diagnose --save-model` wrote.
+/// A model that `paddle gap diagnose --save-model` wrote. One that was saved with `--effects-only` takes the numbers of `base`.
 ///
 /// # Errors
-/// [`Failure`] for a file that cannot be used.
-pub fn saved_model(path: &Path) -> Result<ModelFile, Failure> {
+/// [`Failure`] for a file that cannot be used, such as one of effects alone without a `base`.
+pub fn saved_model(path: &Path, base: Option<&Model>) -> Result<ModelFile, Failure> {
     let text = read_text(path, CHECK_THE_NAME)?;
-    text.parse().map_err(|cause| Failure::ModelFile {
+    let wrong = |cause| Failure::ModelFile {
         path: path.to_owned(),
         cause,
-    })
+    };
+    let table = text.parse::<Table>().ok();
+    let Some(mut table) = table.filter(|table| !table.contains_key("model")) else {
+        return text.parse().map_err(wrong);
+    };
+    let Some(base) = base else {
+        return Err(Failure::EffectsAlone(path.to_owned()));
+    };
+    if table.get("format").and_then(Value::as_integer) != Some(1) {
+        // Its own reader says what is wrong.
+        return text.parse().map_err(wrong);
+    }
+    let failed = |message: &str| wrong(ModelFileError::Toml(plain_message(message)));
+    let numbers = Table::try_from(base).map_err(|error| failed(&error.to_string()))?;
+    table.insert("model".into(), Value::Table(numbers));
+    table.insert("angle_rad".into(), Value::Float(base.angle_rad));
+    table
+        .try_into()
+        .map_err(|error: toml::de::Error| failed(error.message()))
+}
+
+/// The text of a saved model without its `[model]`: the effects alone, for another nominal model.
+pub fn effects_alone(saved: &str) -> String {
+    let mut is_model = false;
+    let kept = saved.lines().filter(|line| {
+        if line.starts_with('[') {
+            is_model = *line == "[model]";
+        }
+        // The angle of the recording's unit belongs to the model.
+        !is_model && !line.starts_with("angle_rad")
+    });
+    kept.map(|line| format!("{line}\n")).collect()
 }
 
 /// Dotted names with their values as the console takes them.

@@ -11,6 +11,12 @@ pub enum Failure {
     /// The recording cannot be used.
     #[error(transparent)]
     Recording(#[from] recording::Error),
+    /// A log cannot be imported.
+    #[error(transparent)]
+    Import(#[from] import::ImportError),
+    /// The user does not agree with what was told from a log.
+    #[error("nothing was written; say what the columns are by --time, --input and --position")]
+    NotConfirmed,
     /// A column of it is in another unit than its model.
     #[error("{}: {mistake}", .folder.display())]
     Unit {
@@ -129,6 +135,17 @@ pub enum Failure {
     /// The program is at fault.
     #[error("the diagnosis broke off on a fault of the program; report it with the recording")]
     Fault,
+    /// A model whose positions are in degrees, for simulators that take radians.
+    #[error("{}: its positions are in degrees; diagnose a recording in rad", .0.display())]
+    NotSi(PathBuf),
+    /// No diagnosis where some are looked for.
+    #[error("{} holds no diagnosis; name what `paddle gap diagnose --batch` left", .0.display())]
+    NoResults(PathBuf),
+    /// A model file without numbers where there is no recording to take them from.
+    #[error(
+        "{} holds effects alone; give a model that was saved without --effects-only, or use it with a recording: paddle gap measure RECORDING --model", .0.display()
+    )]
+    EffectsAlone(PathBuf),
     /// A model file that is not as it should be.
     #[error("{}: {cause}", .path.display())]
     ModelFile {

@@ -100,12 +100,12 @@ impl PlantChoice {
             Self::Refit => (presets::refit(), model),
             Self::File(path) if device_file::stands_alone(path)? => {
                 let (corrected, left_out) =
-                    device_file::saved_model(path)?.apart().map_err(|cause| {
-                        Failure::ModelFile {
+                    device_file::saved_model(path, None)?
+                        .apart()
+                        .map_err(|cause| Failure::ModelFile {
                             path: path.clone(),
                             cause,
-                        }
-                    })?;
+                        })?;
                 for effect in left_out {
                     warnings.push_str(&format!("warning: {effect}\n"));
                 }

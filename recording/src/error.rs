@@ -73,7 +73,7 @@ pub enum Fault {
     #[error("the text is not UTF-8; save it as UTF-8")]
     NotUtf8,
     /// Not TOML, or a key is missing or of the wrong kind.
-    #[error("{message}; write it as the recording format says")]
+    #[error("{message}; write it as docs/recording-format.md says")]
     Toml {
         /// What the parser said.
         message: String,
@@ -121,23 +121,25 @@ pub enum Fault {
     #[error("there is no sample; put a header line and one row per sample into it")]
     Empty,
     /// Cells are separated by something else than commas.
-    #[error("columns are separated by {found}; separate them by commas, with a point in decimals")]
+    #[error(
+        "columns are separated by {found}; separate them by commas, with a point in decimals, or import the log by `paddle gap import` (docs/recording-format.md)"
+    )]
     Delimiter {
         /// The separator that was found.
         found: &'static str,
     },
     /// The first line is a row of numbers.
     #[error(
-        "the first line has numbers instead of names; add a header line such as `time,input,position`"
+        "the first line has numbers instead of names; add a header line such as `time,input,position`, or import the log by `paddle gap import` (docs/recording-format.md)"
     )]
     NoHeader,
     /// The first line is a comment.
     #[error(
-        "the first line begins with `#`; remove the lines of comment, and the `#` in front of the names of the columns"
+        "the first line begins with `#`; remove the lines of comment, and the `#` in front of the names of the columns, or import the log by `paddle gap import` (docs/recording-format.md)"
     )]
     Comment,
     /// A column that every run needs is not there.
-    #[error("column `{column}` is missing; {}", match similar { Some(name) => format!("rename `{name}` to `{column}`"), None => "add it".to_owned() })]
+    #[error("column `{column}` is missing; {}", match similar { Some(name) => format!("rename `{name}` to `{column}`"), None => "add it, or import the log by `paddle gap import` (docs/recording-format.md)".to_owned() })]
     MissingColumn {
         /// The column.
         column: &'static str,

@@ -19,11 +19,12 @@ const TOP: [&str; 8] = [
 ];
 const UNITS: [&str; 2] = ["position", "input"];
 const SENSOR: [&str; 3] = ["resolution", "noise", "cutoff_hz"];
-const RUN: [&str; 5] = [
+const RUN: [&str; 6] = [
     "file",
     "drive",
     "input_time_std",
     "input_sampling",
+    "model",
     "controller",
 ];
 const PID: [&str; 6] = ["kind", "kp", "ki", "kd", "period", "position_cutoff_hz"];
@@ -148,6 +149,10 @@ pub(crate) fn check(text: &str, root: &DeTable) -> Result<Vec<Oddity>, Error> {
     for run in runs.into_iter().flatten() {
         if let DeValue::Table(run) = run.get_ref() {
             lenient("[[runs]]", run, &RUN);
+            if let Some(numbers) = table(run, "model") {
+                let known = Model::NAMES.into_iter().filter(|name| *name != "travel");
+                strict("[runs.model]", numbers, &known.collect::<Vec<_>>())?;
+            }
             if let Some(controller) = table(run, "controller") {
                 strict("[runs.controller]", controller, &PID)?;
             }

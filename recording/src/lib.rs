@@ -128,6 +128,21 @@ impl Recording {
         oddity::lines(&self.oddities)
     }
 
+    /// The nominal model of `run`: the recording's, with the run's own numbers.
+    pub fn model_of(&self, run: &Run) -> Model {
+        let mut model = self.model;
+        for (name, value) in &run.numbers {
+            // An absent limit has no place to be set.
+            if name == "input_limit" {
+                model.input_limit = Some(*value);
+            } else if !model.set(name, *value) {
+                // Reading and `validate` refuse names that no model has.
+                continue;
+            }
+        }
+        model
+    }
+
     /// The sensor behind `column`; an ideal one if nothing is stated about it.
     pub fn sensor(&self, column: &str) -> Sensor {
         self.sensors.get(column).copied().unwrap_or_default()

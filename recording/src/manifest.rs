@@ -47,6 +47,8 @@ pub(crate) struct RunEntry {
     pub input_time_std: f64,
     #[serde(default, skip_serializing_if = "is_mean")]
     pub input_sampling: InputSampling,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub model: BTreeMap<String, f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controller: Option<Controller>,
 }
@@ -159,6 +161,7 @@ pub(crate) fn text(recording: &Recording) -> Result<String, toml::ser::Error> {
         drive: run.drive,
         input_time_std: run.input_time_std,
         input_sampling: run.input_sampling,
+        model: run.numbers.clone(),
         controller: run.controller.map(Controller::Pid),
     };
     toml::to_string(&Manifest {

@@ -44,7 +44,7 @@ pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
         let horizon = recording.horizon;
         return Err(Error::new(Fault::TimeUnit { period_s, horizon }));
     }
-    let model = &recording.model;
+    let model = &recording.model_of(run);
     let span = quantile(run.position.clone(), 0.95) - quantile(run.position.clone(), 0.05);
     if let Some([low, high]) = model.travel
         && span > TRAVELS * (high - low)
@@ -123,7 +123,8 @@ fn motion(run: &Run, recording: &Recording) -> Option<Motion> {
         return None;
     }
     let (low, high) = extremes(&run.input);
-    let drive = torque(&recording.model, low).max(torque(&recording.model, high));
+    let model = &recording.model_of(run);
+    let drive = torque(model, low).max(torque(model, high));
     let accelerations = moving
         .iter()
         .map(|place| place.accelerations(run, recording, drive, blur))
@@ -177,7 +178,8 @@ impl Place {
         let [first, second] = self.slopes(run);
         let half_s = (run.time[self.after] - run.time[self.before]) / 2.0;
         let measured = ((second - first).abs() / half_s - 4.0 * blur / (half_s * half_s)).max(0.0);
-        let possible = 2.0 * (drive + self.holding(run, recording)) / recording.model.inertia;
+        let possible =
+            2.0 * (drive + self.holding(run, recording)) / recording.model_of(run).inertia;
         if measured > 0.0 {
             measured / possible
         } else {
@@ -187,7 +189,7 @@ impl Place {
 
     /// How far the torque that is left of the input would carry the model in one horizon.
     fn carry(&self, run: &Run, recording: &Recording) -> f64 {
-        let model = &recording.model;
+        let model = &recording.model_of(run);
         let velocity = self
             .slopes(run)
             .into_iter()
@@ -200,7 +202,7 @@ impl Place {
 
     /// Least size of the torque from the input around here; 0 where its sign changes.
     fn drive(&self, run: &Run, recording: &Recording) -> f64 {
-        let model = &recording.model;
+        let model = &recording.model_of(run);
         let since = run.time[self.before] - model.delay - LAGS * model.lag;
         let first = run.time.partition_point(|t| *t < since).saturating_sub(1);
         let (low, high) = extremes(&run.input[first..=self.after]);
@@ -214,7 +216,7 @@ impl Place {
 
     /// The most that friction, gravity, spring, offset and stops can come to here.
     fn holding(&self, run: &Run, recording: &Recording) -> f64 {
-        let model = &recording.model;
+        let model = &recording.model_of(run);
         let (low, high) = extremes(&run.position[self.samples()]);
         let spring = (low - model.stiffness_zero)
             .abs()

@@ -70,6 +70,12 @@ impl Recording {
             before += size;
             validate::run(&run, &recording)
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
+            if !run.numbers.is_empty() {
+                recording.oddities.push(Oddity::OwnNumbers {
+                    file: run.file.clone(),
+                    names: run.numbers.keys().cloned().collect::<Vec<_>>().join(", "),
+                });
+            }
             if let Some(stale) = inspect::stale_start(&run) {
                 recording.oddities.push(stale);
                 run = run.part(1..run.len());
@@ -134,6 +140,7 @@ fn read_run(
         drive: entry.drive,
         input_time_std: entry.input_time_std,
         input_sampling: entry.input_sampling,
+        numbers: entry.model,
         controller: entry.controller.map(|Controller::Pid(pid)| pid),
         time: columns.time,
         input: columns.input,

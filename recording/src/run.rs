@@ -77,6 +77,10 @@ pub struct Run {
     pub input_sampling: InputSampling,
     /// The loop, if it is stated.
     pub controller: Option<Pid>,
+    /// Numbers of the model that are other in this run, such as another load; see [`Recording::model_of`].
+    ///
+    /// [`Recording::model_of`]: crate::Recording::model_of
+    pub numbers: BTreeMap<String, f64>,
     /// s, strictly increasing.
     pub time: Vec<f64>,
     /// What the actuator was told, as [`input_sampling`](Self::input_sampling) says.
@@ -112,6 +116,7 @@ impl Run {
             input_time_std: 0.0,
             input_sampling: InputSampling::Mean,
             controller: None,
+            numbers: BTreeMap::new(),
             time,
             input,
             position,
@@ -176,6 +181,7 @@ impl Run {
             input_time_std: self.input_time_std,
             input_sampling: self.input_sampling,
             controller: self.controller,
+            numbers: self.numbers.clone(),
             time: of(&self.time),
             input: of(&self.input),
             position: of(&self.position),

@@ -104,6 +104,23 @@ pub(crate) fn manifest(
             return Err(Error::new(Fault::SameFile { file }).at(line));
         }
         not_negative(&format!("runs.{k}.input_time_std"), run.input_time_std)?;
+        let mut own = manifest.model;
+        for (name, value) in &run.model {
+            match name.as_str() {
+                "input_limit" => own.input_limit = Some(*value),
+                name => _ = own.set(name, *value),
+            }
+        }
+        own.check().map_err(|wrong| {
+            let key = format!("runs.{k}.model.{}", wrong.name);
+            let line = lines.get(&key);
+            let fault = Fault::OutOfRange {
+                key,
+                value: wrong.value,
+                wanted: wrong.wanted,
+            };
+            Error::new(fault).at(line)
+        })?;
         if let Some(Controller::Pid(pid)) = &run.controller {
             let key = |name: &str| format!("runs.{k}.controller.{name}");
             for (name, gain) in [("kp", pid.kp), ("ki", pid.ki), ("kd", pid.kd)] {

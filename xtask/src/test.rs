@@ -6,7 +6,13 @@ use std::process::Stdio;
 use crate::{Failure, cargo, shown};
 
 /// Tests that may be skipped, each with what it needs that a fresh clone lacks.
-const MAY_SKIP: &[(&str, &str)] = &[("shared_data", "real recordings beside the project")];
+const MAY_SKIP: &[(&str, &str)] = &[
+    ("shared_data", "real recordings beside the project"),
+    (
+        "python_formats",
+        "Python with the packages that write the formats of other programs",
+    ),
+];
 
 /// Formatting, lints, the firmware image and all tests, in this order; the first failure ends it.
 pub fn run() -> Result<(), Failure> {

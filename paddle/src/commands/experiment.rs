@@ -222,7 +222,7 @@ impl Course<'_> {
             Err(failure) => amiss.push(failure),
         };
         let path = out.join("corrected.toml");
-        let saved = results::save_model(&path, recording, outcome);
+        let saved = results::save_model(&path, recording, outcome, false);
         say("corrected model", path, saved);
         let path = out.join("report.html");
         let saved = results::save_report(&path, recording, outcome, &provenance);

@@ -4,5 +4,6 @@ mod bad_input;
 mod folder;
 mod oddities;
 mod order;
+mod own_numbers;
 mod round_trip;
 mod shared_data;

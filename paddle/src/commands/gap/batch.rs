@@ -15,6 +15,37 @@ use std::time::SystemTime;
 
 const MANIFEST: &str = "recording.toml";
 
+/// A part of a batch: every `of_all`-th recording from the `place`-th on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1.
+    place: usize,
+    of_all: usize,
+}
+
+impl Shard {
+    fn part<T>(self, all: Vec<T>) -> Vec<T> {
+        all.into_iter()
+            .skip(self.place - 1)
+            .step_by(self.of_all)
+            .collect()
+    }
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/');
+        let numbers =
+            parts.and_then(|(place, of_all)| Some((place.parse().ok()?, of_all.parse().ok()?)));
+        match numbers {
+            Some((place, of_all)) if (1..=of_all).contains(&place) => Ok(Self { place, of_all }),
+            _ => Err("write K/N, K from 1 to N, as in 2/8".into()),
+        }
+    }
+}
+
 /// A recording of the batch.
 struct Case {
     folder: PathBuf,
@@ -30,8 +61,18 @@ type Refused = (PathBuf, Failure);
 /// # Errors
 /// [`Failure`] where no folder has a recording; a recording that cannot be used, a folder without any and results that
 /// cannot be written are a part of the answer.
-pub fn run(folders: &[PathBuf], out: &Path, options: &Options) -> Result<Answer, Failure> {
-    let (cases, refused) = cases(folders, out)?;
+pub fn run(
+    folders: &[PathBuf],
+    out: &Path,
+    shard: Option<Shard>,
+    options: &Options,
+) -> Result<Answer, Failure> {
+    let (mut cases, mut refused) = cases(folders, out)?;
+    if let Some(shard) = shard {
+        cases = shard.part(cases);
+        // A folder without recordings is told once.
+        refused.retain(|_| shard.of_all == 1 || shard.place == 1);
+    }
     let all = cases.len() + refused.len();
     let mut lines = Vec::with_capacity(all);
     let mut table = format!(
@@ -173,7 +214,7 @@ fn save(
     if let Some(parent) = case.results.parent() {
         std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
     }
-    save_model(&with(&case.results, "toml"), recording, outcome)?;
+    save_model(&with(&case.results, "toml"), recording, outcome, false)?;
     let page = with(&case.results, "html");
     save_report(&page, recording, outcome, provenance)?;
     let (begun, whole) = (

@@ -1,6 +1,6 @@
 //! `paddle gap diagnose`: where a gap lies, which effect causes it, how far it shrinks.
 
-use super::batch;
+use super::batch::{self, Shard};
 use super::results::{json, save_model, save_report};
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
   paddle gap diagnose my-recording --report report.html --save-model corrected.toml --json diagnosis.json
   paddle gap diagnose my-recording --without presliding
   paddle gap diagnose --batch monday tuesday --json all.jsonl
+  paddle gap diagnose --batch fleet --shard 2/8 --json shard-2.jsonl     # see docs/many-recordings.md
 
 Each effect of `paddle effects` is fitted by simulation and judged on data that the fit has not seen. The exit status is
 0 whatever the verdict, 2 for a recording that cannot be used.
@@ -37,12 +38,19 @@ pub struct Arguments {
     /// Leave the corrected model here, for `paddle gap measure --model`.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "batch")]
     save_model: Option<PathBuf>,
+    /// Leave the numbers of the nominal model out of the corrected one, so that its effects can be laid over another: a
+    /// model that was found with one load, on a recording with another.
+    #[arg(long, requires = "save_model")]
+    effects_only: bool,
     /// Do not try this effect; may be repeated.
     #[arg(long, value_name = "NAME")]
     without: Vec<String>,
     /// Diagnose all recordings in these folders and below; one that fails stops none.
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     batch: Vec<PathBuf>,
+    /// Diagnose the part K of N of a batch: every N-th recording from the K-th on, so that N machines share it.
+    #[arg(long, value_name = "K/N", requires = "batch")]
+    shard: Option<Shard>,
     /// Where a batch leaves its results.
     #[arg(
         long,
@@ -60,7 +68,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let options = options(&arguments.without)?;
     let Some(folder) = &arguments.recording else {
-        return batch::run(&arguments.batch, &arguments.out, &options);
+        return batch::run(&arguments.batch, &arguments.out, arguments.shard, &options);
     };
     let recording = super::read(folder)?;
     let provenance = Provenance::of(folder, &recording)?;
@@ -78,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         say(
             "corrected model",
             path,
-            save_model(path, &recording, &outcome),
+            save_model(path, &recording, &outcome, arguments.effects_only),
         );
     }
     if let Some(path) = &arguments.report {

@@ -1,5 +1,6 @@
 //! What a diagnosis leaves behind: JSON, the corrected model and the report.
 
+use crate::device_file;
 use crate::failure::Failure;
 use crate::provenance::Provenance;
 use crate::report;
@@ -20,10 +21,20 @@ pub fn json(recording: &Recording, outcome: &Outcome, provenance: &Provenance) -
     whole
 }
 
-/// Leaves the corrected model in a file.
-pub fn save_model(path: &Path, recording: &Recording, outcome: &Outcome) -> Result<(), Failure> {
-    let file = ModelFile::new(&outcome.model, recording);
-    std::fs::write(path, file.to_string()).map_err(Failure::write(path))
+/// Leaves the corrected model in a file, or its effects alone.
+pub fn save_model(
+    path: &Path,
+    recording: &Recording,
+    outcome: &Outcome,
+    effects_only: bool,
+) -> Result<(), Failure> {
+    let whole = ModelFile::new(&outcome.model, recording).to_string();
+    let text = if effects_only {
+        device_file::effects_alone(&whole)
+    } else {
+        whole
+    };
+    std::fs::write(path, text).map_err(Failure::write(path))
 }
 
 /// Leaves the page in a file.

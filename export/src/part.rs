@@ -1,0 +1,189 @@
+//! What a device is made of, by the names of the effects that make it so.
+
+use host_sim::device::Device;
+
+/// A part of a device beside its inertia and its ratio.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// A limit of the input.
+    Limit,
+    /// A limit that sets in gradually or falls with speed.
+    Saturation,
+    /// Inputs up to which nothing happens.
+    Deadband,
+    /// Pure delay of the input.
+    Delay,
+    /// First-order lag of the input.
+    Lag,
+    /// A second lag behind it.
+    FurtherLag,
+    /// Constant torque.
+    Offset,
+    /// Torque ripple.
+    Cogging,
+    /// Dry friction.
+    Coulomb,
+    /// Dry friction of two levels.
+    AsymmetricCoulomb,
+    /// Dry friction that depends on position.
+    PositionDependentCoulomb,
+    /// Static friction above the sliding level.
+    Stribeck,
+    /// Dry friction that grows with the torque.
+    LoadDependentFriction,
+    /// Dry friction that changes in time.
+    FrictionDrift,
+    /// Viscous friction.
+    Viscous,
+    /// Drag with the square of velocity.
+    QuadraticDrag,
+    /// Elastic part of friction.
+    Presliding,
+    /// Weight.
+    Gravity,
+    /// Spring.
+    Spring,
+    /// A spring that hardens.
+    Hardening,
+    /// Stops.
+    EndStop,
+    /// Something outside at times.
+    Contact,
+    /// Play.
+    Backlash,
+    /// A transmission that bends.
+    Compliance,
+    /// A sensor of another gain.
+    SensorGain,
+    /// A sensor's curve or offset.
+    SensorNonlinearity,
+    /// A reading that stays behind where the motion turns.
+    SensorHysteresis,
+    /// A reading that lags.
+    SensorLag,
+    /// A counter that loses counts.
+    LostCounts,
+}
+
+impl Part {
+    /// The effect of the vocabulary that it belongs to.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Limit => "input limit",
+            Self::Saturation => "saturation",
+            Self::Deadband => "deadband",
+            Self::Delay => "delay",
+            Self::Lag => "lag",
+            Self::FurtherLag => "second lag",
+            Self::Offset => "torque_offset",
+            Self::Cogging => "cogging",
+            Self::Coulomb => "coulomb",
+            Self::AsymmetricCoulomb => "asymmetric_coulomb",
+            Self::PositionDependentCoulomb => "position_dependent_coulomb",
+            Self::Stribeck => "stribeck",
+            Self::LoadDependentFriction => "load_dependent_friction",
+            Self::FrictionDrift => "friction_drift",
+            Self::Viscous => "viscous",
+            Self::QuadraticDrag => "quadratic_drag",
+            Self::Presliding => "presliding",
+            Self::Gravity => "gravity",
+            Self::Spring => "spring",
+            Self::Hardening => "hardening of the spring",
+            Self::EndStop => "end_stop",
+            Self::Contact => "contact",
+            Self::Backlash => "backlash",
+            Self::Compliance => "compliance",
+            Self::SensorGain => "sensor_gain",
+            Self::SensorNonlinearity => "sensor_nonlinearity",
+            Self::SensorHysteresis => "sensor_hysteresis",
+            Self::SensorLag => "sensor_lag",
+            Self::LostCounts => "lost_counts",
+        }
+    }
+}
+
+/// The parts that `device` has.
+pub fn parts(device: &Device) -> Vec<Part> {
+    let (drive, mechanics, sensing) = (&device.drive, &device.mechanics, &device.sensing);
+    let friction = &mechanics.friction;
+    let [forward, backward] = friction.level_nm;
+    let mut found = Vec::new();
+    let mut part = |part: Part, is_there: bool| found.extend(is_there.then_some(part));
+    let bends = drive.saturation.knee > 0.0 || drive.saturation.no_load_velocity.is_finite();
+    part(Part::Limit, limit(device).is_finite());
+    part(
+        Part::Saturation,
+        drive.saturation.limit.is_finite() && bends,
+    );
+    part(Part::Deadband, drive.deadband > 0.0);
+    part(Part::Delay, drive.delay_s > 0.0);
+    part(Part::Lag, drive.lag_s > 0.0);
+    part(Part::FurtherLag, drive.further_lag_s > 0.0);
+    part(Part::Offset, mechanics.offset_nm != 0.0);
+    part(Part::Cogging, mechanics.cogging.is_some());
+    part(Part::Coulomb, forward > 0.0 || backward > 0.0);
+    part(Part::AsymmetricCoulomb, forward != backward);
+    let varies = friction.position_slope != 0.0
+        || friction.position_curve != 0.0
+        || !friction.position_ripple.is_none()
+        || !friction.position_spot.is_none();
+    part(Part::PositionDependentCoulomb, varies);
+    part(Part::Stribeck, !friction.stribeck.is_none());
+    part(Part::LoadDependentFriction, friction.load_share != 0.0);
+    part(Part::FrictionDrift, friction.drift.is_some());
+    part(Part::Viscous, mechanics.viscous != 0.0);
+    part(Part::QuadraticDrag, mechanics.drag != 0.0);
+    part(Part::Presliding, mechanics.presliding.is_some());
+    part(Part::Gravity, mechanics.gravity != 0.0);
+    part(Part::Spring, mechanics.stiffness != 0.0);
+    part(Part::Hardening, mechanics.hardening != 0.0);
+    let barriers = || mechanics.barriers.iter().flatten();
+    let is_stop =
+        |barrier: &&host_sim::plant::Barrier| barrier.during_s.is_none() && barrier.side != 0.0;
+    part(Part::EndStop, barriers().any(|barrier| is_stop(&barrier)));
+    part(Part::Contact, barriers().any(|barrier| !is_stop(&barrier)));
+    if let Some(link) = mechanics.link {
+        part(
+            if link.play > 0.0 {
+                Part::Backlash
+            } else {
+                Part::Compliance
+            },
+            true,
+        );
+    }
+    part(Part::SensorGain, sensing.gain != 1.0);
+    let is_curved = sensing.quadratic != 0.0
+        || sensing.cubic != 0.0
+        || !sensing.ripple.is_none()
+        || sensing.offset != 0.0;
+    part(Part::SensorNonlinearity, is_curved);
+    part(Part::SensorHysteresis, !sensing.hysteresis.is_none());
+    part(Part::SensorLag, sensing.lag_s > 0.0);
+    part(
+        Part::LostCounts,
+        !sensing.jumps.is_empty() || !sensing.overspeed.is_none(),
+    );
+    found
+}
+
+/// The hard limit of the input; infinite for none.
+pub(crate) fn limit(device: &Device) -> f64 {
+    let saturation = &device.drive.saturation;
+    let is_hard = saturation.knee == 0.0 && saturation.no_load_velocity.is_infinite();
+    if is_hard {
+        device.drive.limit.min(saturation.limit)
+    } else {
+        device.drive.limit
+    }
+}
+
+/// Positions of the lower and the upper stop, with stiffness and damping, as far as there are any.
+pub(crate) fn stops(device: &Device) -> [Option<host_sim::plant::Barrier>; 2] {
+    [-1.0, 1.0].map(|side| {
+        let barriers = device.mechanics.barriers.iter().flatten();
+        barriers
+            .copied()
+            .find(|barrier| barrier.during_s.is_none() && barrier.side == side)
+    })
+}

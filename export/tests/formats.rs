@@ -1,0 +1,128 @@
+//! Exports as their readers see them.
+
+use export::{Exported, Format, Model, Part, exported, parts};
+use host_sim::device::Device;
+use host_sim::effects::{Effect, KINDS};
+
+fn nominal() -> recording::Model {
+    recording::Model {
+        viscous: 2e-4,
+        coulomb: 4e-3,
+        gravity: 0.0146,
+        gravity_zero: 0.05,
+        ratio: 15.0,
+        input_limit: Some(0.03),
+        ..recording::Model::new(5.8e-4)
+    }
+}
+
+fn with(effects: &[&str]) -> Model {
+    let mut device = Device::nominal(&nominal());
+    for effect in effects {
+        let effect: Effect = effect.parse().expect("an effect");
+        effect.install(&mut device);
+    }
+    Model {
+        name: "a <paddle> & \"co\"".into(),
+        device,
+        is_linear: false,
+    }
+}
+
+const ALL: [Format; 6] = [
+    Format::Mjcf,
+    Format::Urdf,
+    Format::Usd,
+    Format::SimulinkM,
+    Format::Python,
+    Format::Console,
+];
+
+#[test]
+fn every_effect_is_expressed_approximated_or_named() {
+    for kind in KINDS {
+        let model = with(&[kind.name]);
+        for format in ALL {
+            let Exported {
+                text,
+                approximated,
+                left_out,
+            } = exported(&model, format);
+            assert!(!text.is_empty(), "{} {format:?}", kind.name);
+            for part in &left_out {
+                assert!(
+                    text.contains(part.name()),
+                    "{} is not at the head of {format:?}",
+                    part.name()
+                );
+            }
+            for (part, how) in &approximated {
+                assert!(
+                    text.contains(how) && !left_out.contains(part),
+                    "{} {format:?}",
+                    kind.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_part_that_no_effect_brings_is_not_there() {
+    let found = parts(&Device::nominal(&recording::Model::new(1.0)));
+    assert_eq!(found, []);
+    let found = parts(&with(&[]).device);
+    assert_eq!(
+        found,
+        [Part::Limit, Part::Coulomb, Part::Viscous, Part::Gravity]
+    );
+}
+
+#[test]
+fn xml_is_escaped_and_closed() {
+    for format in [Format::Mjcf, Format::Urdf] {
+        let Exported { text, .. } = exported(&with(&["backlash"]), format);
+        assert!(
+            text.contains("a &lt;paddle> &amp; &quot;co&quot;"),
+            "{text}"
+        );
+        let closed = if format == Format::Mjcf {
+            "</mujoco>"
+        } else {
+            "</robot>"
+        };
+        assert!(text.trim_end().ends_with(closed), "{text}");
+    }
+}
+
+#[test]
+fn the_console_is_given_the_motors_friction() {
+    let Exported { text, .. } = exported(&with(&["asymmetric_coulomb"]), Format::Console);
+    let set = |name: &str| {
+        let line = text
+            .lines()
+            .find(|line| line.starts_with(&format!("set {name} ")))
+            .expect(name);
+        line.rsplit(' ')
+            .next()
+            .and_then(|value| value.parse::<f64>().ok())
+            .expect("a number")
+    };
+    let [forward, backward] = with(&["asymmetric_coulomb"])
+        .device
+        .mechanics
+        .friction
+        .level_nm;
+    assert!(
+        (set("compensation.dry_forward") - forward / 15.0).abs() < 1e-9,
+        "{text}"
+    );
+    assert!(
+        (set("compensation.dry_backward") - backward / 15.0).abs() < 1e-9,
+        "{text}"
+    );
+    assert!(
+        (set("compensation.gravity_zero") - 0.05_f64.to_degrees()).abs() < 1e-5,
+        "{text}"
+    );
+}

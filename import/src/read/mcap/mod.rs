@@ -1,0 +1,77 @@
+//! MCAP: messages of ROS 2 (CDR, described by their `.msg` text) and JSON.
+
+mod definition;
+mod message;
+
+use crate::log::{Cells, Column, Log};
+use definition::Definitions;
+use message::{Message, decoded};
+use std::collections::BTreeMap;
+
+/// Reads all messages that are understood; each is a row, at its header's stamp or else when it was logged.
+pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
+    let failed = |error: mcap::McapError| error.to_string();
+    let mut known: BTreeMap<u16, Result<Definitions, String>> = BTreeMap::new();
+    let mut names: BTreeMap<String, usize> = BTreeMap::new();
+    let mut rows: Vec<(i64, Vec<(usize, f64)>)> = Vec::new();
+    let mut left_out: BTreeMap<String, String> = BTreeMap::new();
+    for read in mcap::MessageStream::new(bytes).map_err(failed)? {
+        let read = read.map_err(failed)?;
+        let channel = &read.channel;
+        let definitions = known.entry(channel.id).or_insert_with(|| {
+            match (&channel.schema, channel.message_encoding.as_str()) {
+                (Some(schema), "cdr") if schema.encoding == "ros2msg" => {
+                    Definitions::parse(&schema.name, &schema.data)
+                }
+                (_, other) => Err(format!(
+                    "its messages are {other}, not CDR with a ros2msg schema"
+                )),
+            }
+        });
+        let message = definitions
+            .as_ref()
+            .map_err(Clone::clone)
+            .and_then(|definitions| decoded(&read.data, definitions));
+        let Message { stamp_ns, fields } = match message {
+            Ok(message) => message,
+            Err(why) => {
+                left_out.entry(channel.topic.clone()).or_insert(why);
+                continue;
+            }
+        };
+        let logged_ns = i64::try_from(read.log_time).unwrap_or(i64::MAX);
+        let cells = fields.into_iter().map(|(name, value)| {
+            let count = names.len();
+            let column = names
+                .entry(format!("{}.{name}", channel.topic))
+                .or_insert(count);
+            (*column, value)
+        });
+        rows.push((
+            stamp_ns.filter(|stamp| *stamp > 0).unwrap_or(logged_ns),
+            cells.collect(),
+        ));
+    }
+    rows.sort_by_key(|(at, _)| *at);
+    let mut columns = vec![vec![f64::NAN; rows.len()]; names.len()];
+    for (row, (_, cells)) in rows.iter().enumerate() {
+        for (column, value) in cells {
+            columns[*column][row] = *value;
+        }
+    }
+    let mut log = Log::default();
+    let stamps = rows.iter().map(|(at, _)| Some(*at)).collect();
+    log.columns
+        .push(Column::new("time [ns]".into(), Cells::Whole(stamps)));
+    log.columns.extend(
+        names
+            .into_iter()
+            .map(|(name, column)| Column::numbers(name, std::mem::take(&mut columns[column]))),
+    );
+    log.notes.extend(
+        left_out
+            .into_iter()
+            .map(|(topic, why)| format!("topic {topic} is left out: {why}")),
+    );
+    Ok(log)
+}

@@ -1,0 +1,135 @@
+//! One quantity of a log: a column, or a formula of columns, and its unit.
+
+use crate::error::ImportError;
+use crate::formula::Formula;
+use crate::log::{Column, Log};
+use crate::unit;
+
+/// What the user asks for: `NAME`, `NAME:UNIT`, `FORMULA` or `FORMULA:UNIT`.
+#[derive(Clone, Debug)]
+pub(crate) enum Choice<'a> {
+    Column {
+        column: &'a Column,
+        /// That is written behind the name.
+        unit: Option<String>,
+    },
+    Formula {
+        formula: Box<Formula>,
+        /// In the order of the formula's names.
+        columns: Vec<&'a Column>,
+        unit: Option<String>,
+    },
+}
+
+impl<'a> Choice<'a> {
+    /// Finds what `text` means in `log`.
+    ///
+    /// # Errors
+    /// [`ImportError`] for names that are not there and for formulas that cannot be understood.
+    pub fn of(text: &str, log: &'a Log) -> Result<Self, ImportError> {
+        let column = |name: &str, unit: Option<&str>| {
+            log.find(name).map(|at| Self::Column {
+                column: &log.columns[at],
+                unit: unit.map(str::to_owned),
+            })
+        };
+        let whole = column(text, None);
+        if !matches!(whole, Err(ImportError::NoColumn { .. })) {
+            return whole;
+        }
+        let (body, unit) = match text.rsplit_once(':') {
+            Some((body, unit)) if is_unit(unit) => (body, Some(unit.trim())),
+            _ => (text, None),
+        };
+        let named = column(body, unit);
+        let is_formula = body.contains(['+', '-', '*', '/', '^', '(', ')', '{'])
+            || body.trim().parse::<f64>().is_ok();
+        if !is_formula || !matches!(named, Err(ImportError::NoColumn { .. })) {
+            return named;
+        }
+        let formula = Formula::parse(body)?;
+        let columns = formula
+            .names()
+            .iter()
+            .map(|name| log.find(name).map(|at| &log.columns[at]));
+        Ok(Self::Formula {
+            columns: columns.collect::<Result<_, _>>()?,
+            unit: unit.map(str::to_owned),
+            formula: Box::new(formula),
+        })
+    }
+
+    /// Its unit: as written, else the column's, else that at the end of its name.
+    pub fn unit(&self) -> Option<&str> {
+        match self {
+            Self::Column { column, unit } => unit
+                .as_deref()
+                .or(column.unit.as_deref())
+                .or_else(|| unit::of_name(column.bare())),
+            Self::Formula { unit, .. } => unit.as_deref(),
+        }
+    }
+
+    /// What it is, for people.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Column { column, .. } => column.name.trim(),
+            Self::Formula { formula, .. } => formula.text(),
+        }
+    }
+
+    /// Its values row by row, NaN where a cell is empty.
+    ///
+    /// # Errors
+    /// [`ImportError::Text`].
+    pub fn values(&self, log: &Log) -> Result<Vec<f64>, ImportError> {
+        match self {
+            Self::Column { column, .. } => numbers(column, log),
+            Self::Formula {
+                formula, columns, ..
+            } => {
+                let columns = columns.iter().map(|column| held(column, log));
+                let columns: Vec<Vec<f64>> = columns.collect::<Result<_, _>>()?;
+                let row = |at: usize| columns.iter().map(|column| column[at]).collect::<Vec<_>>();
+                Ok((0..log.rows()).map(|at| formula.value(&row(at))).collect())
+            }
+        }
+    }
+}
+
+/// The values of a column of numbers.
+pub(crate) fn numbers(column: &Column, log: &Log) -> Result<Vec<f64>, ImportError> {
+    match &column.cells {
+        crate::log::Cells::Text(cells) => Err(ImportError::Text {
+            log: log.name.clone(),
+            column: column.name.clone(),
+            cell: cells
+                .iter()
+                .find(|cell| !cell.is_empty())
+                .cloned()
+                .unwrap_or_default(),
+        }),
+        _ => Ok(column.values().unwrap_or_default().into_owned()),
+    }
+}
+
+/// The same with empty cells as the last one before them.
+pub(crate) fn held(column: &Column, log: &Log) -> Result<Vec<f64>, ImportError> {
+    let mut last = f64::NAN;
+    let held = numbers(column, log)?.into_iter().map(|value| {
+        if !value.is_nan() {
+            last = value;
+        }
+        last
+    });
+    Ok(held.collect())
+}
+
+/// Whether text behind a colon is a unit rather than a part of a name.
+fn is_unit(text: &str) -> bool {
+    let text = text.trim();
+    unit::parse(text).is_some()
+        || (!text.is_empty()
+            && text.len() <= 8
+            && !text.contains(['(', ')', '+', '*', '^', '[', ']']))
+}

@@ -1,0 +1,620 @@
+//! A log with what its columns are, told by the recipe or guessed.
+
+use crate::assemble::Imported;
+use crate::clock;
+use crate::counter;
+use crate::error::ImportError;
+use crate::guess;
+use crate::log::{Column, Log};
+use crate::recipe::Recipe;
+use crate::runs::{Span, spans};
+use crate::sensor;
+use crate::signal::{Choice, numbers};
+use crate::stretch::{Columns, LEAST_ROWS, Stretch};
+use crate::unit::{self, Quantity};
+use recording::Units;
+use std::f64::consts::TAU;
+
+/// Spans around which angles and counters wrap when nobody says: of angles in rad, deg and turns, and of registers.
+const ANGLE_SPANS: [f64; 3] = [TAU, 360.0, 1.0];
+/// See [`ANGLE_SPANS`].
+const COUNTER_SPANS: [f64; 7] = [
+    1024.0,
+    4096.0,
+    8192.0,
+    16_384.0,
+    65_536.0,
+    4_294_967_296.0,
+    36_000.0,
+];
+
+/// A log with what its columns are.
+pub(crate) struct Source<'a> {
+    pub log: &'a Log,
+    pub recipe: &'a Recipe,
+    /// Among the logs.
+    pub place: usize,
+    pub seconds: Vec<f64>,
+    pub origin_s: f64,
+    /// The log is in the recording's own format, so that its times stay as they are.
+    pub keeps_time: bool,
+    pub input: Option<Choice<'a>>,
+    pub position: Choice<'a>,
+    pub is_velocity: bool,
+    pub setpoint: Option<Choice<'a>>,
+    pub further: Vec<(String, Choice<'a>)>,
+    pub split_by: Option<&'a Column>,
+    pub roles: Vec<String>,
+    pub notes: Vec<String>,
+    pub is_guessed: bool,
+}
+
+impl<'a> Source<'a> {
+    pub fn of(log: &'a Log, recipe: &'a Recipe, place: usize) -> Result<Self, ImportError> {
+        let mut roles = Vec::new();
+        let mut notes: Vec<String> = log
+            .notes
+            .iter()
+            .map(|note| format!("{}: {note}", log.name))
+            .collect();
+        let mut is_guessed = false;
+        let mut taken = Vec::new();
+        let at = |choice: &Choice| match choice {
+            Choice::Column { column, .. } => log
+                .columns
+                .iter()
+                .position(|other| std::ptr::eq(other, *column)),
+            Choice::Formula { .. } => None,
+        };
+        let not_guessed = |role, option| ImportError::NotGuessed {
+            log: log.name.clone(),
+            role,
+            option,
+            known: log.live_names(),
+        };
+        let of_column = |at: usize| Choice::Column {
+            column: &log.columns[at],
+            unit: None,
+        };
+
+        let (seconds, origin_s, said) = match (&recipe.time, recipe.rate_hz) {
+            (_, Some(rate_hz)) if rate_hz > 0.0 && rate_hz.is_finite() => {
+                let seconds = (0..log.rows()).map(|row| row as f64 / rate_hz).collect();
+                (seconds, 0.0, format!("{rate_hz} rows a second, as stated"))
+            }
+            (_, Some(rate_hz)) => {
+                return Err(ImportError::Option(format!(
+                    "--rate is {rate_hz}; it must be above 0"
+                )));
+            }
+            (Some(text), None) => match Choice::of(text, log)? {
+                Choice::Column { column, unit } => {
+                    taken.extend(at(&Choice::Column { column, unit: None }));
+                    let times = clock::times(column, unit.as_deref(), &log.name)?;
+                    let said = format!("`{}` in {}", column.name.trim(), times.unit);
+                    (times.seconds, times.origin_s, said)
+                }
+                formula @ Choice::Formula { .. } => {
+                    let values = formula.values(log)?;
+                    let si = match formula.unit().map(unit::parse) {
+                        None => 1.0,
+                        Some(Some((Quantity::Time, si))) => si,
+                        Some(_) => {
+                            let unit = formula.unit().unwrap_or_default().to_owned();
+                            return Err(ImportError::Unit {
+                                unit,
+                                role: "time",
+                                examples: "s, ms, us, ns",
+                            });
+                        }
+                    };
+                    let first = values
+                        .iter()
+                        .copied()
+                        .find(|value| !value.is_nan())
+                        .unwrap_or(0.0);
+                    let seconds = values.iter().map(|value| (value - first) * si).collect();
+                    (
+                        seconds,
+                        first * si,
+                        format!("{} in {}", formula.name(), formula.unit().unwrap_or("s")),
+                    )
+                }
+            },
+            (None, None) => {
+                let found = guess::time(log).ok_or_else(|| not_guessed("time", "--time"))?;
+                is_guessed = true;
+                taken.push(found);
+                let column = &log.columns[found];
+                let times = clock::times(column, None, &log.name)?;
+                let how = if times.is_guessed {
+                    ", told by its size"
+                } else {
+                    ""
+                };
+                let said = format!("`{}` in {}{how}", column.name.trim(), times.unit);
+                (times.seconds, times.origin_s, said)
+            }
+        };
+        roles.push(format!("time      {said}"));
+
+        let position_text = recipe.position.as_ref().or(recipe.velocity.as_ref());
+        let is_velocity = recipe.position.is_none() && recipe.velocity.is_some();
+        let (position, is_velocity) = match position_text {
+            Some(text) => (Choice::of(text, log)?, is_velocity),
+            None => {
+                is_guessed = true;
+                let position = guess::position(log, &taken).map(|at| (of_column(at), false));
+                let velocity = || guess::velocity(log, &taken).map(|at| (of_column(at), true));
+                position
+                    .or_else(velocity)
+                    .ok_or_else(|| not_guessed("position", "--position"))?
+            }
+        };
+        taken.extend(at(&position));
+        let input = match (&recipe.input, &recipe.pid) {
+            (Some(_), Some(_)) => {
+                return Err(ImportError::Option(
+                    "--input and --pid both say what the input was; leave one out".into(),
+                ));
+            }
+            (Some(text), None) => Some(Choice::of(text, log)?),
+            (None, Some(_)) => None,
+            (None, None) => {
+                is_guessed = true;
+                let found =
+                    guess::input(log, &taken).ok_or_else(|| not_guessed("input", "--input"))?;
+                Some(of_column(found))
+            }
+        };
+        taken.extend(input.as_ref().and_then(at));
+        let setpoint = match &recipe.setpoint {
+            Some(text) => Some(Choice::of(text, log)?),
+            None => guess::setpoint(log, &taken).map(of_column),
+        };
+        let mut further = Vec::new();
+        for (name, text) in &recipe.further {
+            if !is_further(name) {
+                return Err(ImportError::Option(format!(
+                    "a recording has no column `{name}`; it may be called position_NAME, current, supply or temperature"
+                )));
+            }
+            further.push((name.clone(), Choice::of(text, log)?));
+        }
+        for column in &log.columns {
+            let name = column.name.trim();
+            if is_further(name)
+                && !further.iter().any(|(other, _)| other == name)
+                && column.values().is_some()
+            {
+                further.push((name.to_owned(), Choice::Column { column, unit: None }));
+            }
+        }
+        let split_by = match &recipe.split_by {
+            Some(name) => Some(&log.columns[log.find(name)?]),
+            None => ["episode_index", "episode", "run", "trial"]
+                .iter()
+                .find_map(|name| {
+                    log.columns
+                        .iter()
+                        .find(|column| column.name.eq_ignore_ascii_case(name) && column.is_live())
+                }),
+        };
+        let frozen = log.frozen_names();
+        if !frozen.is_empty() {
+            let names = crate::log::listed(frozen.into_iter());
+            notes.push(format!(
+                "{}: these columns repeat one value, as if they were not live: {names}",
+                log.name
+            ));
+        }
+        let has = |name: &str| log.columns.iter().any(|column| column.name == name);
+        let keeps_time = has("time")
+            && has("input")
+            && has("position")
+            && recipe.time.is_none()
+            && recipe.rate_hz.is_none();
+        let mut seconds = seconds;
+        if keeps_time && let Some(column) = log.columns.iter().find(|column| column.name == "time")
+        {
+            // Times of the format are in s, whatever their size.
+            seconds = numbers(column, log)?;
+        }
+        Ok(Self {
+            log,
+            recipe,
+            place,
+            seconds,
+            origin_s,
+            keeps_time,
+            input,
+            position,
+            is_velocity,
+            setpoint,
+            further,
+            split_by,
+            roles,
+            notes,
+            is_guessed,
+        })
+    }
+
+    /// Adds the log's runs.
+    pub fn add_to(mut self, imported: &mut Imported) -> Result<(), ImportError> {
+        let quantity = self.position_quantity()?;
+        let (input_si, input_unit) = self.input_unit()?;
+        let mut position = self.readings()?;
+        let reading = self.wrapped(&mut position, quantity.counts);
+        self.roles
+            .push(format!("position  {}", quantity.said(&self, &reading)));
+        let input = match &self.input {
+            Some(choice) => {
+                let mut values = choice.values(self.log)?;
+                if let Some(bit) = self.recipe.input_sign_bit {
+                    counter::sign_magnitude(&mut values, bit);
+                }
+                if let Some(bits) = self.recipe.input_bits {
+                    counter::twos_complement(&mut values, bits);
+                }
+                let tick = match (choice, self.recipe.tick_s) {
+                    (Choice::Formula { .. }, Some(tick_s)) => {
+                        format!(", mean over ticks of {} ms", 1e3 * tick_s)
+                    }
+                    _ => String::new(),
+                };
+                self.roles.push(format!(
+                    "input     `{}` in {}{tick}",
+                    choice.name(),
+                    shown(&input_unit)
+                ));
+                Some(values)
+            }
+            None => {
+                self.roles.push(format!(
+                    "input     the PID law on the logged position, in {}",
+                    shown(&input_unit)
+                ));
+                None
+            }
+        };
+        let setpoint = self
+            .setpoint
+            .as_ref()
+            .map(|choice| choice.values(self.log))
+            .transpose()?;
+        if let Some(choice) = &self.setpoint {
+            self.roles.push(format!("setpoint  `{}`", choice.name()));
+        }
+        let live = |values: &[f64]| {
+            let mut filled = values.iter().filter(|value| !value.is_nan());
+            filled
+                .next()
+                .is_some_and(|first| filled.any(|value| value != first))
+        };
+        if !live(&position) {
+            return Err(ImportError::Frozen {
+                log: self.log.name.clone(),
+                column: self.position.name().to_owned(),
+                value: position
+                    .iter()
+                    .copied()
+                    .find(|x| !x.is_nan())
+                    .unwrap_or(f64::NAN),
+                live: self.log.live_names(),
+            });
+        }
+        if let (Some(values), Some(choice)) = (&input, &self.input)
+            && !live(values)
+        {
+            self.notes.push(format!(
+                "{}: the input `{}` is the same in every row, so it says nothing about the actuator; live columns: {}",
+                self.log.name, choice.name(), self.log.live_names()
+            ));
+        }
+        let spans = spans(&self.seconds, self.split_by, self.recipe.split_gap_s);
+        let several = spans.len() > 1;
+        let mut too_short = 0;
+        let begin_s = spans.first().map_or(0.0, |span| self.seconds[span.rows[0]]);
+        let mut any = false;
+        let columns = Columns {
+            position: &position,
+            input: input.as_deref(),
+            setpoint: setpoint.as_deref(),
+        };
+        for (place, span) in spans.iter().enumerate() {
+            let file = self.file(span, place, several, imported);
+            let stretch = Stretch {
+                source: &self,
+                columns: &columns,
+                quantity: &quantity,
+                input_si,
+                begin_s,
+            };
+            match stretch.run(span, file)? {
+                Some(run) => {
+                    any = true;
+                    imported.recording.runs.push(run);
+                }
+                None => too_short += 1,
+            }
+        }
+        if too_short > 0 {
+            self.notes.push(format!(
+                "{}: {too_short} stretches of fewer than {LEAST_ROWS} rows are left out",
+                self.log.name
+            ));
+        }
+        if !any {
+            return Err(ImportError::NothingLeft {
+                log: self.log.name.clone(),
+                rows: LEAST_ROWS,
+                mend: "check --time and its unit, --split-gap and --keep",
+            });
+        }
+        imported.recording.units = Units {
+            position: quantity.unit.to_owned(),
+            input: input_unit,
+        };
+        if imported.roles.is_empty() {
+            imported.roles = self.roles;
+        } else if imported.roles != self.roles {
+            let roles = self.roles.join("; ");
+            self.notes
+                .push(format!("{}: other columns: {roles}", self.log.name));
+        }
+        imported.notes.extend(self.notes);
+        imported.is_guessed |= self.is_guessed;
+        imported.is_integrated |= self.is_velocity;
+        imported.position_si = quantity.si;
+        imported.counts |= quantity.counts.is_some();
+        Ok(())
+    }
+
+    /// The name of a run's file, which no other has.
+    fn file(&self, span: &Span, place: usize, several: bool, imported: &Imported) -> String {
+        let plain = |text: &str| -> String {
+            let kept = |c: char| {
+                if c.is_alphanumeric() || "-_.".contains(c) {
+                    c
+                } else {
+                    '_'
+                }
+            };
+            text.chars().map(kept).collect()
+        };
+        let stem = match (&span.label, several) {
+            (Some(label), true) => format!("{}-{}", plain(&self.log.name), plain(label)),
+            (None, true) => format!("{}-{}", plain(&self.log.name), place + 1),
+            _ => plain(&self.log.name),
+        };
+        let stem = if stem.trim_matches(['.', '_']).is_empty() {
+            "run".to_owned()
+        } else {
+            stem
+        };
+        let is_free = |file: &String| imported.recording.runs.iter().all(|run| run.file != *file);
+        let mut numbered = (2..).map(|number| format!("{stem}-{number}.csv"));
+        let first = format!("{stem}.csv");
+        if is_free(&first) {
+            first
+        } else {
+            numbered.find(is_free).unwrap_or(first)
+        }
+    }
+
+    /// What the position is in, and what one of it is in the recording.
+    fn position_quantity(&self) -> Result<Reading, ImportError> {
+        let unit = self.position.unit();
+        let wrong = |role: &'static str, examples: &'static str| ImportError::Unit {
+            unit: unit.unwrap_or_default().to_owned(),
+            role,
+            examples,
+        };
+        let logged = unit.map(str::to_owned);
+        let parsed = unit.map(unit::parse);
+        if self.is_velocity {
+            return match parsed {
+                None => Ok(Reading {
+                    si: 1.0,
+                    unit: "rad",
+                    logged,
+                    counts: None,
+                }),
+                Some(Some((Quantity::AngularVelocity, si))) => Ok(Reading {
+                    si,
+                    unit: "rad",
+                    logged,
+                    counts: None,
+                }),
+                Some(Some((Quantity::Speed, si))) => Ok(Reading {
+                    si,
+                    unit: "m",
+                    logged,
+                    counts: None,
+                }),
+                Some(_) => Err(wrong("velocity", "rad/s, deg/s, rpm, m/s")),
+            };
+        }
+        match (self.recipe.counts_per_turn, parsed) {
+            (Some(counts), None | Some(Some((Quantity::Count, _))))
+                if counts > 0.0 && counts.is_finite() =>
+            {
+                Ok(Reading {
+                    si: TAU / counts,
+                    unit: "rad",
+                    logged: Some("counts".into()),
+                    counts: Some(counts),
+                })
+            }
+            (Some(counts), _) if !(counts > 0.0 && counts.is_finite()) => Err(ImportError::Option(
+                format!("--counts-per-turn is {counts}; it must be above 0"),
+            )),
+            (Some(_), _) => Err(ImportError::Option(format!(
+                "--counts-per-turn is given, but the position is in {}; leave one out",
+                unit.unwrap_or_default()
+            ))),
+            (None, None) => Ok(Reading {
+                si: 1.0,
+                unit: "rad",
+                logged,
+                counts: None,
+            }),
+            (None, Some(Some((Quantity::Angle, si)))) => Ok(Reading {
+                si,
+                unit: "rad",
+                logged,
+                counts: None,
+            }),
+            (None, Some(Some((Quantity::Length, si)))) => Ok(Reading {
+                si,
+                unit: "m",
+                logged,
+                counts: None,
+            }),
+            (None, Some(Some((Quantity::Count, _)))) => Err(ImportError::CountsPerTurn),
+            (None, Some(_)) => Err(wrong(
+                "position",
+                "rad, deg, turns, m, mm, or counts with --counts-per-turn",
+            )),
+        }
+    }
+
+    /// What one of the input is in the recording, and the unit there.
+    fn input_unit(&self) -> Result<(f64, String), ImportError> {
+        let Some(choice) = &self.input else {
+            return Ok((1.0, "N m".into()));
+        };
+        let Some(text) = choice.unit() else {
+            return Ok((1.0, unit_of_name(choice).to_owned()));
+        };
+        let Some((quantity, si)) = unit::parse(text) else {
+            return Ok((1.0, text.to_owned()));
+        };
+        Ok(match quantity {
+            Quantity::Torque => (si, "N m".into()),
+            Quantity::Force => (si, "N".into()),
+            Quantity::Current => (si, "A".into()),
+            Quantity::Voltage => (si, "V".into()),
+            Quantity::Share => (si, "duty".into()),
+            Quantity::Angle => (si, "rad".into()),
+            Quantity::Length => (si, "m".into()),
+            Quantity::AngularVelocity => (si, "rad/s".into()),
+            Quantity::Speed => (si, "m/s".into()),
+            Quantity::Count | Quantity::Other => (1.0, text.to_owned()),
+            Quantity::Time => {
+                return Err(ImportError::Unit {
+                    unit: text.to_owned(),
+                    role: "input",
+                    examples: "Nm, mNm, A, mA, V, duty, %",
+                });
+            }
+        })
+    }
+
+    /// The position's cells as numbers, in the logged unit.
+    fn readings(&self) -> Result<Vec<f64>, ImportError> {
+        let mut readings = self.position.values(self.log)?;
+        if let Some(bit) = self.recipe.position_sign_bit {
+            counter::sign_magnitude(&mut readings, bit);
+        }
+        Ok(readings)
+    }
+
+    /// Undoes wrap-around; says what was done.
+    fn wrapped(&self, readings: &mut [f64], counts: Option<f64>) -> String {
+        if self.is_velocity {
+            return String::new();
+        }
+        let span = match self.recipe.wrap {
+            Some(0.0) => return String::new(),
+            Some(span) => Some(span),
+            None => {
+                let logged = self.position.unit().and_then(unit::parse);
+                let spans: Vec<f64> = match (counts, logged) {
+                    (Some(counts), _) => std::iter::once(counts).chain(COUNTER_SPANS).collect(),
+                    (None, Some((Quantity::Angle, si))) => vec![TAU / si],
+                    (None, Some(_)) => return String::new(),
+                    (None, None) => ANGLE_SPANS[..2].to_vec(),
+                };
+                counter::wraps(readings, &spans)
+            }
+        };
+        let Some(span) = span else {
+            return String::new();
+        };
+        match counter::unwrap(readings, span) {
+            0 => String::new(),
+            times => format!(
+                ", {times} wraps around {} undone",
+                sensor::three_digits(span)
+            ),
+        }
+    }
+}
+
+/// What the position is in.
+pub(crate) struct Reading {
+    /// One of the logged unit in the recording's.
+    pub si: f64,
+    /// The recording's unit.
+    pub unit: &'static str,
+    pub logged: Option<String>,
+    /// Counts in a turn.
+    pub counts: Option<f64>,
+}
+
+impl Reading {
+    fn said(&self, source: &Source, wraps: &str) -> String {
+        let name = source.position.name();
+        let from = match (&self.logged, source.is_velocity) {
+            (None, false) => format!("`{name}`, taken as {}", self.unit),
+            (None, true) => format!("the integral of `{name}`, taken as {}/s", self.unit),
+            (Some(logged), false) if logged == self.unit => format!("`{name}` in {}", self.unit),
+            (Some(logged), false) => format!("`{name}` from {logged} to {}", self.unit),
+            (Some(logged), true) => {
+                format!("the integral of `{name}` in {logged}, in {}", self.unit)
+            }
+        };
+        let low_pass = match source.recipe.undo_low_pass_hz {
+            Some(cutoff_hz) => format!(", low-pass of {cutoff_hz} Hz undone"),
+            None => String::new(),
+        };
+        format!("{from}{wraps}{low_pass}")
+    }
+}
+
+/// The unit of an input that states none: what its name tells.
+fn unit_of_name(choice: &Choice) -> &'static str {
+    let name = choice.name().to_lowercase();
+    let tells = [
+        ("torque", "N m"),
+        ("tau", "N m"),
+        ("effort", "N m"),
+        ("current", "A"),
+        ("voltage", "V"),
+        ("volt", "V"),
+        ("duty", "duty"),
+        ("pwm", "pwm"),
+        ("force", "N"),
+    ];
+    let told = tells
+        .iter()
+        .find(|(word, _)| name.contains(word))
+        .map(|(_, unit)| *unit);
+    // The format's own column is in N m unless its units say otherwise.
+    told.unwrap_or(if name == "input" { "N m" } else { "1" })
+}
+
+fn shown(unit: &str) -> &str {
+    match unit {
+        "1" => "units of its own",
+        unit => unit,
+    }
+}
+
+fn is_further(name: &str) -> bool {
+    matches!(name, "current" | "supply" | "temperature")
+        || name
+            .strip_prefix("position_")
+            .is_some_and(|rest| !rest.is_empty())
+}

@@ -1,0 +1,7 @@
+//! Logs as other programs write them.
+
+mod lab;
+mod round_trip;
+mod support;
+mod text;
+mod words;

@@ -1,0 +1,110 @@
+//! Options that say what is known of a device.
+
+use crate::failure::Failure;
+use clap::{Args, ValueEnum};
+use import::{ImportError, Kind, Known, Motor};
+
+/// What is known of a device; what is left out is estimated.
+#[derive(Args, Default)]
+pub struct KnownArguments {
+    /// What moves.
+    #[arg(long, value_enum)]
+    pub kind: Option<DeviceKind>,
+    /// Turns of the motor per turn of the joint.
+    #[arg(long, value_name = "RATIO")]
+    gear: Option<f64>,
+    /// Mass that moves, kg.
+    #[arg(long, value_name = "KG")]
+    mass: Option<f64>,
+    /// From the axis to the centre of that mass, m.
+    #[arg(long, value_name = "M")]
+    lever: Option<f64>,
+    /// The motor's data sheet: kt in N m/A, resistance in Ohm, rotor_inertia in kg m2, supply in V; may be repeated.
+    #[arg(long, value_name = "NAME=VALUE", value_parser = number, value_delimiter = ',')]
+    motor: Vec<(String, f64)>,
+    /// A number of [model] as it is, such as inertia=5.8e-4; may be repeated.
+    #[arg(long = "model", value_name = "NAME=VALUE", value_parser = number, value_delimiter = ',')]
+    numbers: Vec<(String, f64)>,
+    /// How well one is known, relative, such as inertia=0.02; may be repeated.
+    #[arg(long, value_name = "NAME=SHARE", value_parser = number, value_delimiter = ',')]
+    tolerance: Vec<(String, f64)>,
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DeviceKind {
+    /// It turns.
+    Rotary,
+    /// It turns, and its weight pulls it towards hanging.
+    Pendulum,
+    /// It slides.
+    Linear,
+    /// It follows a position that it is told, which is the input.
+    Servo,
+}
+
+impl KnownArguments {
+    /// What they say.
+    ///
+    /// # Errors
+    /// [`ImportError::Option`] for names that no motor has.
+    pub fn known(&self) -> Result<Known, Failure> {
+        let mut motor = Motor::default();
+        for (name, value) in &self.motor {
+            if !motor.set(name, *value) {
+                let known = Motor::NAMES.join(", ");
+                return Err(ImportError::Option(format!(
+                    "--motor has no `{name}`; there are {known}"
+                ))
+                .into());
+            }
+        }
+        Ok(Known {
+            kind: match self.kind {
+                None | Some(DeviceKind::Rotary) => Kind::Rotary,
+                Some(DeviceKind::Pendulum) => Kind::Pendulum,
+                Some(DeviceKind::Linear) => Kind::Linear,
+                Some(DeviceKind::Servo) => Kind::Servo,
+            },
+            gear: self.gear,
+            mass_kg: self.mass,
+            lever_m: self.lever,
+            motor,
+            numbers: self.numbers.iter().cloned().collect(),
+            tolerances: self.tolerance.iter().cloned().collect(),
+        })
+    }
+
+    /// Whether nothing is said.
+    pub fn is_empty(&self) -> bool {
+        self.kind.is_none()
+            && [self.gear, self.mass, self.lever]
+                .iter()
+                .all(Option::is_none)
+            && self.motor.is_empty()
+            && self.numbers.is_empty()
+    }
+}
+
+/// `NAME=TEXT`.
+pub fn pair(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err("write NAME=VALUE".into()),
+    }
+}
+
+/// `NAME=NUMBER`.
+fn number(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = pair(text)?;
+    let value: f64 = value
+        .parse()
+        .map_err(|_| format!("`{value}` is no number"))?;
+    if value.is_finite() {
+        Ok((name, value))
+    } else {
+        Err(format!("`{value}` is no finite number"))
+    }
+}

@@ -30,7 +30,16 @@ fn a_limit_that_sets_in_little_by_little_is_one() {
     let found = diagnose(&recording, &Options::default()).diagnosis;
     let saturation = &found.effects[0];
     assert_eq!(saturation.name, "saturation");
-    assert!(saturation.shrink > 0.9, "{}", saturation.shrink);
+    let all = found
+        .effects
+        .iter()
+        .map(|e| (e.name, e.confidence, e.shrink));
+    assert!(
+        saturation.shrink > 0.9,
+        "{:?} {:?}",
+        all.collect::<Vec<_>>(),
+        found.numbers
+    );
     let knee = saturation.parameters["knee"].value;
     assert!((0.6..1.0).contains(&knee), "{knee}");
 }

@@ -238,6 +238,11 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
 /// is a hand.
 fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) -> bool {
     let winner = &selection.rounds[i].rivals[0];
+    // What contains another effect that is there only gives that another form.
+    let mut others = selection.rounds.iter().map(|round| round.rivals[0].name);
+    if step.is_small() && others.any(|other| effects::of(winner.name).contains(other)) {
+        return true;
+    }
     let comes_and_goes = effects::of(winner.name).comes_and_goes();
     if comes_and_goes && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
         // What comes after a hand may be most of what it leaves.

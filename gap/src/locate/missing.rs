@@ -5,7 +5,7 @@ use super::evidence::{BINS, Evidence};
 use crate::diagnosis::MeasuredBy;
 use crate::missing_torque::{self, Axis, MissingTorque};
 use host_sim::device::Device;
-use recording::Recording;
+use recording::{Model, Recording};
 
 /// Share of the missing torque, squared, on held-out time that a function of an axis explains at least to be where it lies.
 const LEAST_SHARE: f64 = 0.5;
@@ -23,14 +23,13 @@ pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
         .iter()
         .filter(|share| share.share >= LEAST_SHARE);
     let (axis, at) = shares.filter_map(|share| column(share.axis)).next()?;
-    let ratio = recording.model.ratio;
     let seen = missing.points();
     // Whole horizons are drawn, of each run its own.
     let horizon_of =
         |point: &missing_torque::Point| (point.time_s / recording.horizon).max(0.0) as usize;
     let longest = seen.iter().map(horizon_of).max()? + 1;
     let points = seen.iter().enumerate().map(|(index, point)| Point {
-        at: at(point, ratio),
+        at: at(point, &recording.model),
         index,
         block: point.run * longest + horizon_of(point),
         weight: 1.0,
@@ -45,8 +44,8 @@ pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
     })
 }
 
-/// A value at an instant of the missing torque, on a device of a ratio.
-type Column = fn(&missing_torque::Point, f64) -> f64;
+/// A value at an instant of the missing torque of a nominal model.
+type Column = fn(&missing_torque::Point, &Model) -> f64;
 
 /// The axis of a place that a share is about, with its values; none of what is no place.
 fn column(axis: Axis) -> Option<(&'static str, Column)> {
@@ -55,7 +54,9 @@ fn column(axis: Axis) -> Option<(&'static str, Column)> {
             Some(("velocity", |p, _| p.velocity))
         }
         Axis::Position | Axis::DirectionAndPosition => Some(("position", |p, _| p.position)),
-        Axis::Input => Some(("input", |p, ratio| p.drive / ratio)),
+        Axis::Input => Some(("input", |p, model| p.drive / model.ratio)),
+        // By the nominal torque: the measured acceleration holds what is missing.
+        Axis::Acceleration => Some(("acceleration", |p, model| p.net / model.inertia)),
         _ => None,
     }
 }
@@ -73,6 +74,7 @@ mod tests {
     fn a_missing_torque_lies_on_the_axis_that_it_is_a_function_of() {
         assert_eq!(axis(&["spring:stiffness=0.06,zero=0"]), Some("position"));
         assert_eq!(axis(&["quadratic_drag:coefficient=6e-4"]), Some("velocity"));
+        assert_eq!(axis(&["inertia:inertia=9e-4"]), Some("acceleration"));
     }
 
     #[test]

@@ -225,7 +225,7 @@ fn chosen<'a>(
         return (problem, measured, closed);
     }
     let mut found = found;
-    let refined = found.refined(&problem, given, progress);
+    let refined = select::refined(&found, &problem, given, progress);
     progress(Stage::Shrink);
     if let Some((exact, mut refined)) = refined {
         let closed = closing_steps(&exact, &mut refined);

@@ -1,10 +1,11 @@
 //! What fits of one more effect on top of a known one share, and what such an effect promises to first order.
 
+use super::fitted::Fit;
 use super::hypothesis::Hypothesis;
 use super::part::Part;
 use super::problem::{PRIOR_WEIGHT, Problem};
+use super::slopes::{DIFFERENCES, Slope, aside};
 use super::whitening::{Whitening, dot};
-use super::{DIFFERENCES, Fit, Slope, aside};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::mem;

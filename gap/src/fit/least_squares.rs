@@ -1,67 +1,18 @@
 //! Robust nonlinear least squares on whitened window residuals.
 
 use super::costs::Costs;
+use super::fitted::Fit;
 use super::ground::Ground;
 use super::hypothesis::Hypothesis;
 use super::part::Part;
 use super::problem::{PRIOR_WEIGHT, Problem};
+use super::slopes::{DIFFERENCES, Slope, aside, within};
 use super::whitening::{Whitening, dot};
 use crate::predict::Predictor;
-use crate::term::Term;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Change of the residuals, per series, by one coordinate.
-pub(crate) type Slope = Vec<Vec<f64>>;
-
-/// A fitted hypothesis.
-#[derive(Clone, Debug)]
-pub(crate) struct Fit {
-    pub hypothesis: Hypothesis,
-    pub x: Vec<f64>,
-    /// Standard deviation of each coordinate.
-    pub std: Vec<f64>,
-    pub costs: Costs,
-}
-
-impl Fit {
-    /// Its last effect as it was fitted, as a place to start from.
-    pub(crate) fn last_term(&self) -> Option<Term> {
-        let (term, own) = self.hypothesis.parts(&self.x).last()?;
-        Some(term.moved(own))
-    }
-
-    /// Its effects with more of the last one free, and the coordinates with as many more.
-    pub(crate) fn loosened(
-        &self,
-        more: impl Fn(&Term) -> Option<Term>,
-    ) -> Option<(Hypothesis, Vec<f64>)> {
-        let mut hypothesis = self.hypothesis.clone();
-        let last = hypothesis.terms.last_mut()?;
-        *last = more(last)?;
-        let mut x = self.x.clone();
-        x.resize(
-            self.x.len() - self.hypothesis.free() + hypothesis.free(),
-            0.0,
-        );
-        Some((hypothesis, x))
-    }
-
-    /// Its effects without one of them, and the coordinates without its own.
-    pub(crate) fn without(&self, place: usize) -> (Hypothesis, Vec<f64>) {
-        let parts = self.hypothesis.parts(&self.x).enumerate();
-        let kept = parts.filter(|(i, _)| *i != place);
-        let (terms, own): (_, Vec<_>) = kept.map(|(_, (term, own))| (term.clone(), own)).unzip();
-        let mut x = self.x[..self.x.len() - self.hypothesis.free()].to_vec();
-        x.extend(own.concat());
-        (Hypothesis { terms }, x)
-    }
-}
-
-/// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
-/// kinks of stick and slip, then narrow.
-pub(crate) const DIFFERENCES: [f64; 2] = [0.15, 0.02];
 /// The slopes along the model's own numbers, which move little, and how uncertain the restarts leave the windows are taken
 /// anew at every third iteration, the slopes along effects before the last at every second.
 const ANEW_EVERY: usize = 3;
@@ -111,56 +62,6 @@ impl Problem<'_> {
         };
         let (first, second) = rayon::join(|| on(true), || on(false));
         [first, second]
-    }
-
-    /// The windows of a part in which the effect that coordinate `i` belongs to acts at either of two points: it changes nothing else.
-    /// None if it always acts.
-    fn touched(
-        &self,
-        hypothesis: &Hypothesis,
-        points: [&[f64]; 2],
-        i: usize,
-        part: Part<'_>,
-    ) -> Option<Vec<bool>> {
-        let [here, there] = points.map(|x| hypothesis.meanwhile(x, i));
-        let meanwhile = self.during(&[here?, there?].concat());
-        let windows = meanwhile.into_iter().enumerate();
-        Some(windows.map(|(w, acts)| acts && part.has(w)).collect())
-    }
-
-    /// Change of the residuals from those at `x`, which are `base`, by coordinate `i`.
-    pub(crate) fn slope(
-        &self,
-        hypothesis: &Hypothesis,
-        x: &[f64],
-        base: &[Vec<f64>],
-        i: usize,
-        difference: f64,
-        part: Part<'_>,
-    ) -> Slope {
-        let mut moved = x.to_vec();
-        moved[i] += difference;
-        let touched = self.touched(hypothesis, [x, &moved], i, part);
-        let part = touched.as_deref().map_or(part, Part::Chosen);
-        let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
-        for (((slope, base), series), first) in slope
-            .iter_mut()
-            .zip(base)
-            .zip(&self.series)
-            .zip(self.bases())
-        {
-            for (w, window) in series.windows.iter().enumerate() {
-                let samples = window.samples.clone();
-                if part.has(first + w) {
-                    for (s, r) in slope[samples.clone()].iter_mut().zip(&base[samples]) {
-                        *s = (*s - r) / difference;
-                    }
-                } else {
-                    slope[samples].fill(0.0);
-                }
-            }
-        }
-        slope
     }
 
     /// Fits `hypothesis` from `x` on a part of the windows by Levenberg's and Marquardt's method with
@@ -379,19 +280,6 @@ fn damped_step(
     Some(damped.cholesky()?.solve(&pull))
 }
 
-/// A difference of a coordinate that leaves it in its reach: at the upper end it goes nowhere but back.
-pub(crate) fn aside(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
-    if x + difference > high {
-        -difference
-    } else {
-        difference
-    }
-}
-
-pub(crate) fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
-    x.max(low).min(high)
-}
-
 /// Standard deviations by the sandwich of Huber (Berkeley Symposium 5, 1967), windows as clusters: what
 /// is left inside a window is anything but independent.
 fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
@@ -409,7 +297,7 @@ fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::made;
-    use crate::term::{Coordinate, Scale};
+    use crate::term::{Coordinate, Scale, Term};
 
     fn term(name: &str, free: &[(usize, f64, f64)]) -> Term {
         let linear = |&(parameter, start, scale)| Coordinate {

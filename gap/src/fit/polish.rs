@@ -1,10 +1,11 @@
 //! Fits carried on where slopes lead no further: they say nothing across a kink, a step or a change of what sticks.
 
 use super::costs::Costs;
+use super::fitted::Fit;
 use super::hypothesis::Hypothesis;
 use super::part::Part;
 use super::problem::Problem;
-use super::{Fit, within};
+use super::slopes::within;
 use rayon::prelude::*;
 
 /// Moves of one coordinate that are looked at, and how often.

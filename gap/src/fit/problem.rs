@@ -1,7 +1,7 @@
 //! The data that every fit shares, and what a hypothesis leaves of them.
 
-use super::Fit;
 use super::costs::Costs;
+use super::fitted::Fit;
 use super::hypothesis::{self, Hypothesis, Nudge};
 use super::part::Part;
 use super::whitening::{Whitening, dot, whitenings};

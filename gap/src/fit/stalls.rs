@@ -1,7 +1,7 @@
 //! Numbers that a fit left where its derivative says nothing, at the end of their reach or where nothing depends on them: it may
 //! have stalled there, and their uncertainty counts for nothing.
 
-use super::Fit;
+use super::fitted::Fit;
 use super::hypothesis::Nudge;
 use std::fmt;
 

@@ -21,7 +21,7 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::Perfect;
-use crate::select::{Given, Search, Selection};
+use crate::select::{self, Given, Search, Selection};
 use crate::stage::Stage;
 use pool::Pool;
 
@@ -89,7 +89,7 @@ fn on_all_numbers(
     }
     let scaled = free.off_by(scale);
     let perfect = Perfect::of(&scaled, &numbers).bounded();
-    if let Some(round) = search(&scaled, perfect).round(&numbers, &[], 0.0) {
+    if let Some(round) = select::next_effect(&search(&scaled, perfect), &numbers, &[], 0.0) {
         for rival in &round.rivals {
             pool.add(&rival.fit);
         }

@@ -1,6 +1,7 @@
 //! Whether an effect is more than luck.
 
-use super::{Rival, is_quiet};
+use super::excess::is_quiet;
+use super::rival::Rival;
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::costs::Costs;

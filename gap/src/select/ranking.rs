@@ -1,8 +1,8 @@
 //! Which of the fitted rivals comes first, and which of them this recording cannot tell from it.
 
+use super::excess::{QUIET_EXCESS, level};
 use super::rival::Rival;
 use super::round::Round;
-use super::{QUIET_EXCESS, level};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::PRIOR_WEIGHT;
@@ -146,6 +146,23 @@ pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
     round.rivals[1..]
         .iter()
         .filter(move |rival| !effects::of(rival.name).contains(winner))
+}
+
+/// Adds some rivals, each as [`join`] does.
+pub(super) fn join_all(rivals: &mut Vec<Rival>, others: Vec<Rival>) {
+    for rival in others {
+        join(rivals, rival);
+    }
+}
+
+/// Adds a rival, or puts it in the place of one of the same name that leaves more, by more than what its numbers are worth.
+pub(super) fn join(rivals: &mut Vec<Rival>, rival: Rival) {
+    let leaves = |r: &Rival| level(&r.fit) + r.parameters() as f64 * luck(&r.fit);
+    match rivals.iter_mut().find(|other| other.name == rival.name) {
+        Some(same) if leaves(same) <= leaves(&rival) => {}
+        Some(same) => *same = rival,
+        None => rivals.push(rival),
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,11 @@
 //! A second effect that shows only where a right model may be off by nothing.
 
+use super::excess::LOUD_GAP;
+use super::next_effect::{LEAST_PROMISED, LEAST_PROMISED_AT_FLOOR, next_effect};
 use super::rival::Rival;
-use super::round::{FITTING_ITERATIONS, Round, Search};
-use super::{Given, LEAST_PROMISED, LEAST_PROMISED_AT_FLOOR, LOUD_GAP, Selection};
+use super::round::Round;
+use super::search::{FITTING_ITERATIONS, Given, Search};
+use super::selection::Selection;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
@@ -10,71 +13,69 @@ use crate::floor::Perfect;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-impl Selection {
-    /// The problem for a model that is off by nothing, and the same selection there with the second effect that closes most of
-    /// what the only one leaves; none if that leaves little, or if no other does.
-    pub(crate) fn refined<'a>(
-        &self,
-        problem: &Problem<'a>,
-        given: &Given<'_>,
-        progress: fn(Stage),
-    ) -> Option<(Problem<'a>, Self)> {
-        let [only] = &self.rounds[..] else {
-            return None;
-        };
-        if self.given || self.last.is_some() {
-            return None;
-        }
-        let exact = problem.exact();
-        let anew = |fit: &Fit| {
-            let Fit { hypothesis, x, .. } = fit;
-            exact.fit(hypothesis, x.clone(), Part::All, FITTING_ITERATIONS)
-        };
-        let null = anew(&self.null);
-        let mut refined = Self {
-            perfect: Perfect::of(&exact, &null).bounded(),
-            null,
-            quiet: self.quiet,
-            plain: self.plain,
-            given: false,
-            rounds: Vec::new(),
-            last: None,
-        };
-        let so_far = anew(&only.so_far);
-        if refined.suffices(&exact, &so_far) {
-            return None;
-        }
-        let search = Search {
-            problem: &exact,
-            given,
-            progress,
-            perfect: refined.perfect,
-        };
-        // Far above the floor something is missing, however little of it screening finds.
-        let promised = if exact.gap_over_floor(&so_far) > LOUD_GAP {
-            LEAST_PROMISED
-        } else {
-            LEAST_PROMISED_AT_FLOOR
-        };
-        let second = search.round(&so_far, &only.screened, promised)?;
-        if !second.place.earned {
-            return None;
-        }
-        let rivals = only.rivals.par_iter().map(|rival| Rival {
-            name: rival.name,
-            fit: anew(&rival.fit),
-        });
-        let first = Round {
-            known: refined.null.clone(),
-            rivals: rivals.collect(),
-            screened: only.screened.clone(),
-            place: only.place,
-            so_far,
-            measured: None,
-        };
-        refined.rounds = vec![first, second];
-        Some((exact, refined))
+/// The problem for a model that is off by nothing, and the same selection there with the second effect that closes most of
+/// what the only one leaves; none if that leaves little, or if no other does.
+pub(crate) fn refined<'a>(
+    selection: &Selection,
+    problem: &Problem<'a>,
+    given: &Given<'_>,
+    progress: fn(Stage),
+) -> Option<(Problem<'a>, Selection)> {
+    let [only] = &selection.rounds[..] else {
+        return None;
+    };
+    if selection.given || selection.last.is_some() {
+        return None;
     }
+    let exact = problem.exact();
+    let anew = |fit: &Fit| {
+        let Fit { hypothesis, x, .. } = fit;
+        exact.fit(hypothesis, x.clone(), Part::All, FITTING_ITERATIONS)
+    };
+    let null = anew(&selection.null);
+    let mut refined = Selection {
+        perfect: Perfect::of(&exact, &null).bounded(),
+        null,
+        quiet: selection.quiet,
+        plain: selection.plain,
+        given: false,
+        rounds: Vec::new(),
+        last: None,
+    };
+    let so_far = anew(&only.so_far);
+    if refined.suffices(&exact, &so_far) {
+        return None;
+    }
+    let search = Search {
+        problem: &exact,
+        given,
+        progress,
+        perfect: refined.perfect,
+    };
+    // Far above the floor something is missing, however little of it screening finds.
+    let promised = if exact.gap_over_floor(&so_far) > LOUD_GAP {
+        LEAST_PROMISED
+    } else {
+        LEAST_PROMISED_AT_FLOOR
+    };
+    let second = next_effect(&search, &so_far, &only.screened, promised)?;
+    if !second.place.earned {
+        return None;
+    }
+    let rivals = only.rivals.par_iter().map(|rival| Rival {
+        name: rival.name,
+        fit: anew(&rival.fit),
+    });
+    let first = Round {
+        known: refined.null.clone(),
+        rivals: rivals.collect(),
+        screened: only.screened.clone(),
+        place: only.place,
+        so_far,
+        measured: None,
+    };
+    refined.rounds = vec![first, second];
+    Some((exact, refined))
 }
 
 #[cfg(test)]
@@ -93,7 +94,7 @@ mod tests {
         problem.modelling = 0.2 * problem.plain_gap(&problem.series, &nominal);
         let given = Given::A_GAP;
         let coarse = select(&problem, None, &given, |_| {});
-        let refined = coarse.refined(&problem, &given, |_| {});
+        let refined = refined(&coarse, &problem, &given, |_| {});
         let names = |selection: &Selection| {
             let rounds = selection.rounds.iter();
             rounds.map(|round| round.rivals[0].name).collect()

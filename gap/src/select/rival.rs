@@ -1,5 +1,6 @@
 //! A hypothesis with one more effect.
 
+use super::excess::level;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
 use crate::term::Term;
@@ -92,6 +93,13 @@ pub(super) fn turned(both: &Rival) -> Option<Rival> {
     fit.x[nudges..].rotate_left(split);
     fit.std[nudges..].rotate_left(split);
     Some(Rival { name, fit })
+}
+
+/// The one that leaves least.
+pub(super) fn best_of(rivals: &[Rival]) -> Option<&Rival> {
+    rivals
+        .iter()
+        .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)))
 }
 
 #[cfg(test)]

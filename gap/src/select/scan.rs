@@ -1,8 +1,7 @@
 //! Where in a landscape of many optima a fit is to begin.
 
 use super::evolution::evolved;
-use super::field::{Field, lowest};
-use super::screening::MANY_ITERATIONS;
+use super::screening_set::{MANY_ITERATIONS, ScreeningSet, lowest};
 use crate::fit::Fit;
 use crate::floor::WHITE;
 use crate::term::Term;
@@ -22,69 +21,76 @@ const LEAST_SEARCH_LEAD: f64 = 0.2;
 /// Lowest points that are searched from: the right one was among them in all of 16 recordings.
 const SEARCHED: usize = 2;
 
-impl Field<'_> {
-    /// Cost at which so much of the excess of what is known is gone, and so large a share of what `best` closes, that a start
-    /// is worth a search.
-    fn worth(&self, best: &Fit, share: f64) -> f64 {
-        let known = self.cost_of(self.known);
-        let closed = known - self.cost_of(best);
-        known - (LEAST_SCAN_GAIN * (known - WHITE)).max(share * closed)
-    }
+/// Cost at which so much of the excess of what is known is gone, and so large a share of what `best` closes, that a start
+/// is worth a search.
+fn worth(field: &ScreeningSet<'_>, best: &Fit, share: f64) -> f64 {
+    let known = field.cost_of(field.known);
+    let closed = known - field.cost_of(best);
+    known - (LEAST_SCAN_GAIN * (known - WHITE)).max(share * closed)
+}
 
-    /// Those of many starts that cost least as they are, `kept` of them.
-    fn near(&self, starts: &[Term], kept: usize) -> Vec<Term> {
-        let costs = starts.par_iter().map(|start| (self.cost(start), start));
-        lowest(costs.collect(), kept)
-    }
+/// Those of many starts that cost least as they are, `kept` of them.
+fn near(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<Term> {
+    let costs = starts.par_iter().map(|start| (field.cost(start), start));
+    lowest(costs.collect(), kept)
+}
 
-    /// Where fits from some starts lead.
-    fn followed(&self, starts: &[Term]) -> Vec<Term> {
-        let fits = starts.par_iter().map(|s| self.fit(s, MANY_ITERATIONS));
-        fits.filter_map(|fit| fit.last_term()).collect()
-    }
+/// Where fits from some starts lead.
+fn followed(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
+    let fits = starts.par_iter().map(|s| field.fit(s, MANY_ITERATIONS));
+    fits.filter_map(|fit| fit.last_term()).collect()
+}
 
-    /// The best start around each of the lowest points of a scan, here and where the same data are restarted four times as often:
-    /// the deepest hollow may be none of a transmission that is there.
-    pub(super) fn scanned(&self, soon: Option<&Self>, starts: &[Term]) -> Vec<Term> {
-        let mut low = minima(starts, |start| self.cost(start));
-        // What swings out of step over the horizon is still in step over a quarter of it.
-        if let Some(soon) = soon {
-            let early = minima(starts, |start| soon.cost(start));
-            low.extend(soon.followed(&early));
-            low.extend(early);
-        }
-        let around = low.iter().flat_map(|start| self.near(&start.around(), 1));
-        self.near(&around.collect::<Vec<_>>(), SCANNED_FITTED)
+/// The best start around each of the lowest points of a scan, here and where the same data are restarted four times as often:
+/// the deepest hollow may be none of a transmission that is there.
+pub(super) fn scanned(
+    field: &ScreeningSet<'_>,
+    soon: Option<&ScreeningSet<'_>>,
+    starts: &[Term],
+) -> Vec<Term> {
+    let mut low = minima(starts, |start| field.cost(start));
+    // What swings out of step over the horizon is still in step over a quarter of it.
+    if let Some(soon) = soon {
+        let early = minima(starts, |start| soon.cost(start));
+        low.extend(followed(soon, &early));
+        low.extend(early);
     }
+    let around = low.iter().flat_map(|start| near(field, &start.around(), 1));
+    near(field, &around.collect::<Vec<_>>(), SCANNED_FITTED)
+}
 
-    /// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
-    pub(super) fn searched(&self, soon: Option<&Self>, starts: &[Term], best: &Fit) -> Vec<Term> {
-        let soon = soon.unwrap_or(self);
-        let mut low = minima(starts, |start| soon.cost(start));
-        low.truncate(SEARCHED);
-        let leads = |on: &Self, to: &[Term], share| {
-            let lowest = to.first().map(|start| on.cost(start));
-            lowest.is_some_and(|cost| cost <= on.worth(best, share))
-        };
-        if !leads(soon, &low, LEAST_SCAN_LEAD) {
-            return low;
-        }
-        let early = self.near(&soon.descended(&low), SCANNED_FITTED);
-        if !leads(self, &early, LEAST_SEARCH_LEAD) {
-            return early;
-        }
-        self.near(&self.descended(&early), SCANNED_FITTED)
+/// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
+pub(super) fn searched(
+    field: &ScreeningSet<'_>,
+    soon: Option<&ScreeningSet<'_>>,
+    starts: &[Term],
+    best: &Fit,
+) -> Vec<Term> {
+    let soon = soon.unwrap_or(field);
+    let mut low = minima(starts, |start| soon.cost(start));
+    low.truncate(SEARCHED);
+    let leads = |on: &ScreeningSet<'_>, to: &[Term], share| {
+        let lowest = to.first().map(|start| on.cost(start));
+        lowest.is_some_and(|cost| cost <= worth(on, best, share))
+    };
+    if !leads(soon, &low, LEAST_SCAN_LEAD) {
+        return low;
     }
+    let early = near(field, &descended(soon, &low), SCANNED_FITTED);
+    if !leads(field, &early, LEAST_SEARCH_LEAD) {
+        return early;
+    }
+    near(field, &descended(field, &early), SCANNED_FITTED)
+}
 
-    /// Where searches from some starts lead.
-    fn descended(&self, starts: &[Term]) -> Vec<Term> {
-        let found = starts.par_iter().map(|start| {
-            let x = vec![0.0; start.free.len()];
-            let (_, x) = evolved(x, WIDELY, |x| self.cost(&start.moved(x)));
-            start.moved(&x)
-        });
-        found.collect()
-    }
+/// Where searches from some starts lead.
+fn descended(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
+    let found = starts.par_iter().map(|start| {
+        let x = vec![0.0; start.free.len()];
+        let (_, x) = evolved(x, WIDELY, |x| field.cost(&start.moved(x)));
+        start.moved(&x)
+    });
+    found.collect()
 }
 
 /// The starts, in the order of a scan for either side of the sensor, at which a cost is lower than at their neighbours:
@@ -110,19 +116,19 @@ fn minima(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
 mod tests {
     use super::*;
     use crate::made;
-    use crate::select::round;
+    use crate::select::search;
 
     #[test]
     fn starts_of_a_scan_are_not_all_in_one_hollow() {
         let recording = made::recording(&["compliance:stiffness=0.5,damping=0.002"]);
-        let (scanned, low) = round::on(&recording, |search, null| {
+        let (scanned, low) = search::on(&recording, |search, null| {
             let chosen = vec![true; search.problem.window_count()];
-            let field = Field::new(search.problem, null, chosen);
+            let field = ScreeningSet::new(search.problem, null, chosen);
             let candidates = search.tried(null, &[]).into_iter();
             let mut twists = candidates.filter(|c| c.effect.name() == "compliance");
             let starts = twists.next().unwrap().starts;
             let low = minima(&starts, |start| field.cost(start));
-            (field.scanned(None, &starts), low)
+            (scanned(&field, None, &starts), low)
         });
         assert_eq!(scanned.len(), low.len());
         let places = |terms: &[Term]| {

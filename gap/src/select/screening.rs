@@ -1,18 +1,17 @@
 //! Every effect tried on a few windows, to see which are worth more.
 
-use super::field::{Field, sorted};
-use super::finals::join_all;
+use super::excess::{QUIET_EXCESS, level};
+use super::ranking::join_all;
 use super::rival::Rival;
-use super::round::Search;
-use super::{QUIET_EXCESS, level};
-use crate::effects::{Candidate, Landscape, candidates};
+use super::scan::{scanned, searched};
+use super::screening_set::{MANY_ITERATIONS, ScreeningSet, sorted};
+use super::search::{Search, window_costs};
+use crate::effects::{Candidate, Landscape};
 use crate::fit::Fit;
 use crate::fit::part::{Part, turn};
 use crate::fit::problem::Problem;
-use crate::guess::Evidence;
 use crate::stage::Stage;
 use crate::term::Term;
-use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
 use std::cell::LazyCell;
 
@@ -21,10 +20,9 @@ pub(super) const BEGUN: usize = 2;
 const VARIANT_BEGUN: usize = 3;
 /// Those that go on from there.
 const STARTS_KEPT: usize = 1;
-/// Starts that go on where there are many optima, and for how long.
+/// Starts that go on where there are many optima.
 const MANY_KEPT: usize = 3;
 const VARIANT_KEPT: usize = 2;
-pub(super) const MANY_ITERATIONS: usize = 6;
 /// Effects that are fitted on then; beside two masses, which take ten times as long, fewer.
 const PROMISING: usize = 14;
 const PROMISING_BESIDE_MASSES: usize = 6;
@@ -57,240 +55,192 @@ fn variants(starts: &[Term]) -> Vec<Vec<Term>> {
     all
 }
 
-impl Search<'_> {
-    /// Every effect on top of `known`, fitted to the chosen windows.
-    pub(super) fn screened(&self, known: &Fit, chosen: &[bool], hints: &[Rival]) -> Vec<Rival> {
-        (self.progress)(Stage::Screening);
-        let problem = self.problem;
-        let as_fitted = Field::new(problem, known, chosen);
-        // Where the model's own numbers have gone to make up for an effect is no place to look for it.
-        let have_gone = known.hypothesis.terms.is_empty() || known.is_strained();
-        let given = have_gone.then(|| known.as_stated());
-        let as_given = given
-            .as_ref()
-            .map(|given| Field::new(problem, given, chosen));
-        let field = as_given.as_ref().unwrap_or(&as_fitted);
-        // One start is a hint.
-        let is_scan = |c: &Candidate| match c.effect.landscape() {
-            Landscape::Rugged => true,
-            landscape => landscape.is_scanned() && c.starts.len() > 1,
-        };
-        let tried = self.tried(field.known, hints);
-        let (scans, few): (Vec<_>, Vec<_>) = tried.into_iter().partition(is_scan);
-        let (hinted, few): (Vec<_>, Vec<_>) = few
-            .into_iter()
-            .partition(|c| c.effect.landscape().is_scanned());
-        let has_two_masses = self.has_two_masses(known);
-        let fitted = self.fitted_on(known, chosen, &few, f64::INFINITY, |candidate| {
-            let effect = candidate.effect;
-            let (field, begun, kept) = if effect.is_local() {
-                // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
-                (&as_fitted, VARIANT_BEGUN, VARIANT_KEPT)
-            } else if effect.landscape() == Landscape::Hysteretic && !has_two_masses {
-                // A form that promises more from afar may still lead to less; beside two masses trying all takes too long.
-                (field, candidate.starts.len(), STARTS_KEPT)
-            } else {
-                (field, BEGUN, STARTS_KEPT)
-            };
-            let fits = variants(&candidate.starts).into_par_iter();
-            let fits = fits.flat_map(|v| field.begun(&field.promising(&v, begun), kept));
-            sorted(fits.collect())
-        });
-        let mut rivals = Vec::new();
-        join_all(&mut rivals, fitted);
-        let whole = LazyCell::new(|| Field::new(problem, field.known, blocks(problem)));
-        if !hinted.is_empty() {
-            let whole = &*whole;
-            let fitted =
-                self.fitted_on(known, &whole.chosen, &hinted, f64::INFINITY, |candidate| {
-                    whole.begun(&candidate.starts, STARTS_KEPT)
-                });
-            join_all(&mut rivals, self.weighed(fitted, chosen));
-        }
-        // What is scanned takes more numbers and most of the time.
-        if !scans.is_empty() && !self.suffices(&mut rivals, chosen) {
-            let soon = self.soon(field.known);
-            let whole = &*whole;
-            let fits = rivals.iter().map(|rival| &rival.fit);
-            let best = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
-            let best = best.unwrap_or(field.known);
-            let [before, after] = [field.known, best].map(|fit| whole.cost_of(fit));
-            let enough = before - LEAST_SCANNED_GAIN * (before - after);
-            let scanned = self.fitted_on(known, &whole.chosen, &scans, enough, |candidate| {
-                let starts = if candidate.effect.landscape() == Landscape::Rugged {
-                    whole.searched(soon.as_ref(), &candidate.starts, best)
-                } else {
-                    whole.scanned(soon.as_ref(), &candidate.starts)
-                };
-                whole.begun(&starts, MANY_KEPT)
-            });
-            join_all(&mut rivals, self.weighed(scanned, chosen));
-        }
-        rivals
-    }
-
-    /// True if the best of the rivals leaves no more than a perfect model does, once it is fitted to the end.
-    fn suffices(&self, rivals: &mut [Rival], chosen: &[bool]) -> bool {
-        let best = rivals
-            .iter_mut()
-            .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
-        let Some(Rival { fit, .. }) = best else {
-            return false;
-        };
-        let enough = self.quiet();
-        if level(fit) > enough {
-            let (hypothesis, x) = (&fit.hypothesis, fit.x.clone());
-            let part = Part::Chosen(chosen);
-            *fit = self.problem.fit(hypothesis, x, part, LAST_ITERATIONS);
-        }
-        level(fit) <= enough
-    }
-
-    /// Rivals weighed on the chosen windows, whatever they were fitted to: in blocks what is carried may be made to fit, and by
-    /// themselves windows are too few for it to settle.
-    pub(super) fn weighed(&self, rivals: Vec<Rival>, chosen: &[bool]) -> Vec<Rival> {
-        let weighed = rivals.into_par_iter().map(|mut rival| {
-            let Fit { hypothesis, x, .. } = &rival.fit;
-            let whole = self.problem.costs(hypothesis, x, Part::All);
-            rival.fit.costs = whole.within(Part::Chosen(chosen));
-            rival
-        });
-        weighed.collect()
-    }
-
-    /// Some of the same data, restarted four times as often.
-    pub(super) fn soon<'a>(&'a self, known: &'a Fit) -> Option<Field<'a>> {
-        let quarter = self.problem.quarter.as_deref()?;
-        Some(Field::new(quarter, known, blocks(quarter)))
-    }
-
-    pub(super) fn has_two_masses(&self, fit: &Fit) -> bool {
-        let predictor = self.problem.predictor(&fit.hypothesis, &fit.x);
-        predictor.device().mechanics.link.is_some()
-    }
-
-    /// The fits of some effects on top of `known` that are `begun`, the most promising ones fitted on if they leave no more than
-    /// `enough`.
-    fn fitted_on(
-        &self,
-        known: &Fit,
-        chosen: &[bool],
-        tried: &[Candidate],
-        enough: f64,
-        begun: impl Fn(&Candidate) -> Vec<Fit> + Sync,
-    ) -> Vec<Rival> {
-        let promising = if self.has_two_masses(known) {
-            PROMISING_BESIDE_MASSES
+/// Every effect on top of `known`, fitted to the chosen windows.
+pub(super) fn screened(
+    search: &Search<'_>,
+    known: &Fit,
+    chosen: &[bool],
+    hints: &[Rival],
+) -> Vec<Rival> {
+    (search.progress)(Stage::Screening);
+    let problem = search.problem;
+    let as_fitted = ScreeningSet::new(problem, known, chosen);
+    // Where the model's own numbers have gone to make up for an effect is no place to look for it.
+    let have_gone = known.hypothesis.terms.is_empty() || known.is_strained();
+    let given = have_gone.then(|| known.as_stated());
+    let as_given = given
+        .as_ref()
+        .map(|given| ScreeningSet::new(problem, given, chosen));
+    let field = as_given.as_ref().unwrap_or(&as_fitted);
+    // One start is a hint.
+    let is_scan = |c: &Candidate| match c.effect.landscape() {
+        Landscape::Rugged => true,
+        landscape => landscape.is_scanned() && c.starts.len() > 1,
+    };
+    let tried = search.tried(field.known, hints);
+    let (scans, few): (Vec<_>, Vec<_>) = tried.into_iter().partition(is_scan);
+    let (hinted, few): (Vec<_>, Vec<_>) = few
+        .into_iter()
+        .partition(|c| c.effect.landscape().is_scanned());
+    let has_two_masses = search.has_two_masses(known);
+    let fitted = fitted_on(search, known, chosen, &few, f64::INFINITY, |candidate| {
+        let effect = candidate.effect;
+        let (field, begun, kept) = if effect.is_local() {
+            // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
+            (&as_fitted, VARIANT_BEGUN, VARIANT_KEPT)
+        } else if effect.landscape() == Landscape::Hysteretic && !has_two_masses {
+            // A form that promises more from afar may still lead to less; beside two masses trying all takes too long.
+            (field, candidate.starts.len(), STARTS_KEPT)
         } else {
-            PROMISING
+            (field, BEGUN, STARTS_KEPT)
         };
-        let part = Part::Chosen(chosen);
-        let begun = tried.par_iter().map(|c| (begun(c), c.effect.name()));
-        let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
-        begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
-        let there = self
-            .problem
-            .costs(&known.hypothesis, &known.x, part)
-            .level();
-        let best = begun.first().map_or(there, |(fits, _)| level(&fits[0]));
-        let in_reach = (there - LEAST_PROMISE * (there - best)).max(best + QUIET_EXCESS);
-        begun
-            .into_par_iter()
-            .enumerate()
-            .flat_map(|(rank, (fits, name))| {
-                let first = level(&fits[0]);
-                let is_promising = rank < FEWEST_PROMISING || rank < promising && first <= in_reach;
-                let iterations = match fits.len() {
-                    _ if !is_promising || first > enough => 0,
-                    1 => SCREENING_ITERATIONS,
-                    _ => MANY_ITERATIONS,
-                };
-                // What the model's own numbers took of the effect, they give back now.
-                fits.into_par_iter().map(move |fit| {
-                    let fit = self.problem.fit(&fit.hypothesis, fit.x, part, iterations);
-                    Rival { name, fit }
-                })
-            })
-            .collect()
-    }
-
-    /// What `told` makes of what is seen beyond `known`.
-    pub(crate) fn evidence<T>(&self, known: &Fit, told: impl FnOnce(&Evidence<'_>) -> T) -> T {
-        let Problem {
-            recording, series, ..
-        } = self.problem;
-        let device = known
-            .hypothesis
-            .device(&recording.model, &self.problem.nudges, &known.x);
-        let cutoff_hz = recording.sensor("position").cutoff_hz;
-        let half_width_s = recording.restart_half_width;
-        let motions = series.par_iter();
-        let motions = motions.map(|s| Motion::of(s, &device, cutoff_hz, half_width_s));
-        let motions: Vec<Motion> = motions.collect();
-        told(&Evidence {
-            series,
-            motions: &motions,
-            scales: &Scales::of(series, &motions, &device, recording.horizon),
-            device: &device,
-            model: &recording.model,
-            cutoff_hz,
-            window_costs: &window_costs(self.problem, known),
-        })
-    }
-
-    /// The effects that `known` does not have, with their starts.
-    pub(crate) fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
-        let mut tried = self.evidence(known, candidates);
-        let terms = &known.hypothesis.terms;
-        tried.retain(|candidate| {
-            let name = candidate.effect.name();
-            !self.given.excluded.contains(&name) && terms.iter().all(|term| term.kind.name != name)
-        });
-        for candidate in &mut tried {
-            let name = candidate.effect.name();
-            let measured = self.given.measured.as_ref().filter(|t| t.kind.name == name);
-            let hint = hints.iter().find(|hint| hint.name == name);
-            let hint = hint.filter(|_| candidate.effect.landscape().is_scanned());
-            if let Some(start) = measured.cloned().or_else(|| hint?.fit.last_term()) {
-                candidate.starts = vec![start];
-            }
-        }
-        tried
-    }
-
-    /// The windows on which effects are screened: half of them those that miss most, half from everywhere; in blocks where what
-    /// is carried between two masses has to settle.
-    pub(super) fn screening_windows(&self, known: &Fit) -> Vec<bool> {
-        let problem = self.problem;
-        let costs = window_costs(problem, known);
-        let length = if self.has_two_masses(known) {
-            block_length(problem)
-        } else {
-            1
-        };
-        let share = screening_share(
-            problem,
-            SCREENING_WINDOWS.max(FEWEST_BLOCKS * length as f64),
+        let fits = variants(&candidate.starts).into_par_iter();
+        let fits = fits.flat_map(|v| field.begun(&field.promising(&v, begun), kept));
+        sorted(fits.collect())
+    });
+    let mut rivals = Vec::new();
+    join_all(&mut rivals, fitted);
+    let whole = LazyCell::new(|| ScreeningSet::new(problem, field.known, blocks(problem)));
+    if !hinted.is_empty() {
+        let whole = &*whole;
+        let fitted = fitted_on(
+            search,
+            known,
+            &whole.chosen,
+            &hinted,
+            f64::INFINITY,
+            |candidate| whole.begun(&candidate.starts, STARTS_KEPT),
         );
-        let missed: Vec<f64> = costs
-            .chunks(length)
-            .map(|block| block.iter().sum())
-            .collect();
-        let mut order: Vec<usize> = (0..missed.len()).collect();
-        order.sort_by(|&a, &b| missed[b].total_cmp(&missed[a]));
-        let worst = (0.5 * share * missed.len() as f64).ceil() as usize;
-        let mut chosen: Vec<bool> = (0..missed.len()).map(|b| turn(b) < 0.5 * share).collect();
-        for &block in order.iter().take(worst) {
-            chosen[block] = true;
-        }
-        (0..costs.len()).map(|w| chosen[w / length]).collect()
+        join_all(&mut rivals, weighed(search, fitted, chosen));
     }
+    // What is scanned takes more numbers and most of the time.
+    if !scans.is_empty() && !suffices(search, &mut rivals, chosen) {
+        let soon = soon(search, field.known);
+        let whole = &*whole;
+        let fits = rivals.iter().map(|rival| &rival.fit);
+        let best = fits.min_by(|a, b| level(a).total_cmp(&level(b)));
+        let best = best.unwrap_or(field.known);
+        let [before, after] = [field.known, best].map(|fit| whole.cost_of(fit));
+        let enough = before - LEAST_SCANNED_GAIN * (before - after);
+        let scanned = fitted_on(search, known, &whole.chosen, &scans, enough, |candidate| {
+            let starts = if candidate.effect.landscape() == Landscape::Rugged {
+                searched(whole, soon.as_ref(), &candidate.starts, best)
+            } else {
+                scanned(whole, soon.as_ref(), &candidate.starts)
+            };
+            whole.begun(&starts, MANY_KEPT)
+        });
+        join_all(&mut rivals, weighed(search, scanned, chosen));
+    }
+    rivals
 }
 
-fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
-    (0..problem.window_count())
-        .map(|w| fit.costs.log(w))
+/// True if the best of the rivals leaves no more than a perfect model does, once it is fitted to the end.
+fn suffices(search: &Search<'_>, rivals: &mut [Rival], chosen: &[bool]) -> bool {
+    let best = rivals
+        .iter_mut()
+        .min_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+    let Some(Rival { fit, .. }) = best else {
+        return false;
+    };
+    let enough = search.quiet();
+    if level(fit) > enough {
+        let (hypothesis, x) = (&fit.hypothesis, fit.x.clone());
+        let part = Part::Chosen(chosen);
+        *fit = search.problem.fit(hypothesis, x, part, LAST_ITERATIONS);
+    }
+    level(fit) <= enough
+}
+
+/// Rivals weighed on the chosen windows, whatever they were fitted to: in blocks what is carried may be made to fit, and by
+/// themselves windows are too few for it to settle.
+pub(super) fn weighed(search: &Search<'_>, rivals: Vec<Rival>, chosen: &[bool]) -> Vec<Rival> {
+    let weighed = rivals.into_par_iter().map(|mut rival| {
+        let Fit { hypothesis, x, .. } = &rival.fit;
+        let whole = search.problem.costs(hypothesis, x, Part::All);
+        rival.fit.costs = whole.within(Part::Chosen(chosen));
+        rival
+    });
+    weighed.collect()
+}
+
+/// Some of the same data, restarted four times as often.
+pub(super) fn soon<'a>(search: &'a Search<'_>, known: &'a Fit) -> Option<ScreeningSet<'a>> {
+    let quarter = search.problem.quarter.as_deref()?;
+    Some(ScreeningSet::new(quarter, known, blocks(quarter)))
+}
+
+/// The fits of some effects on top of `known` that are `begun`, the most promising ones fitted on if they leave no more than
+/// `enough`.
+fn fitted_on(
+    search: &Search<'_>,
+    known: &Fit,
+    chosen: &[bool],
+    tried: &[Candidate],
+    enough: f64,
+    begun: impl Fn(&Candidate) -> Vec<Fit> + Sync,
+) -> Vec<Rival> {
+    let promising = if search.has_two_masses(known) {
+        PROMISING_BESIDE_MASSES
+    } else {
+        PROMISING
+    };
+    let part = Part::Chosen(chosen);
+    let begun = tried.par_iter().map(|c| (begun(c), c.effect.name()));
+    let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
+    begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
+    let there = search
+        .problem
+        .costs(&known.hypothesis, &known.x, part)
+        .level();
+    let best = begun.first().map_or(there, |(fits, _)| level(&fits[0]));
+    let in_reach = (there - LEAST_PROMISE * (there - best)).max(best + QUIET_EXCESS);
+    begun
+        .into_par_iter()
+        .enumerate()
+        .flat_map(|(rank, (fits, name))| {
+            let first = level(&fits[0]);
+            let is_promising = rank < FEWEST_PROMISING || rank < promising && first <= in_reach;
+            let iterations = match fits.len() {
+                _ if !is_promising || first > enough => 0,
+                1 => SCREENING_ITERATIONS,
+                _ => MANY_ITERATIONS,
+            };
+            // What the model's own numbers took of the effect, they give back now.
+            fits.into_par_iter().map(move |fit| {
+                let fit = search.problem.fit(&fit.hypothesis, fit.x, part, iterations);
+                Rival { name, fit }
+            })
+        })
         .collect()
+}
+
+/// The windows on which effects are screened: half of them those that miss most, half from everywhere; in blocks where what
+/// is carried between two masses has to settle.
+pub(super) fn screening_windows(search: &Search<'_>, known: &Fit) -> Vec<bool> {
+    let problem = search.problem;
+    let costs = window_costs(problem, known);
+    let length = if search.has_two_masses(known) {
+        block_length(problem)
+    } else {
+        1
+    };
+    let share = screening_share(
+        problem,
+        SCREENING_WINDOWS.max(FEWEST_BLOCKS * length as f64),
+    );
+    let missed: Vec<f64> = costs
+        .chunks(length)
+        .map(|block| block.iter().sum())
+        .collect();
+    let mut order: Vec<usize> = (0..missed.len()).collect();
+    order.sort_by(|&a, &b| missed[b].total_cmp(&missed[a]));
+    let worst = (0.5 * share * missed.len() as f64).ceil() as usize;
+    let mut chosen: Vec<bool> = (0..missed.len()).map(|b| turn(b) < 0.5 * share).collect();
+    for &block in order.iter().take(worst) {
+        chosen[block] = true;
+    }
+    (0..costs.len()).map(|w| chosen[w / length]).collect()
 }
 
 /// Windows in blocks, with as many samples as screening takes: half of them from where runs begin, as nothing is carried
@@ -330,7 +280,8 @@ mod tests {
     use super::*;
     use crate::floor::WHITE;
     use crate::made;
-    use crate::select::round;
+    use crate::select::next_effect::given_effect;
+    use crate::select::search;
     use crate::term::{Coordinate, Scale};
     use recording::Recording;
 
@@ -372,17 +323,17 @@ mod tests {
             horizon: 0.1,
             ..made::recording(&[ringing])
         };
-        round::on(&recording, |search, null| {
+        search::on(&recording, |search, null| {
             let mut term = made::term("compliance", &[]);
             term.values[..2].copy_from_slice(&[0.4, 0.0004]);
-            let fit = search.given(null, &term).so_far;
+            let fit = given_effect(search, null, &term).so_far;
             let by_themselves: Vec<bool> = (0..fit.costs.per_sample.len())
                 .map(|w| w % 4 == 3)
                 .collect();
             let part = Part::Chosen(&by_themselves);
             let unsettled = search.problem.costs(&fit.hypothesis, &fit.x, part).level();
             let name = term.kind.name;
-            let weighed = search.weighed(vec![Rival { name, fit }], &by_themselves);
+            let weighed = weighed(search, vec![Rival { name, fit }], &by_themselves);
             let settled = level(&weighed[0].fit);
             assert!(
                 settled < 2.0 * WHITE && settled < 0.2 * unsettled,
@@ -397,11 +348,11 @@ mod tests {
             horizon: 0.1,
             ..made::recording(&["compliance:stiffness=0.4,damping=0.0004"])
         };
-        round::on(&recording, |search, null| {
+        search::on(&recording, |search, null| {
             let term = made::term("compliance", &[]);
-            let twisting = search.given(null, &term).so_far;
+            let twisting = given_effect(search, null, &term).so_far;
             let alone = |known: &Fit| {
-                let chosen = search.screening_windows(known);
+                let chosen = screening_windows(search, known);
                 let lonely = chosen.windows(3).filter(|w| **w == [false, true, false]);
                 lonely.count()
             };

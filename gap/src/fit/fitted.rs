@@ -1,13 +1,57 @@
-//! How far a fit moves the model's own numbers.
+//! A fitted hypothesis, and how far it moves the model's own numbers.
 
-use super::Fit;
+use super::costs::Costs;
+use super::hypothesis::Hypothesis;
+use crate::term::Term;
 
 /// Standard deviations of a chi-square within which the moves of the model's own numbers are likely.
 const LIKELY_ERRORS: f64 = 4.0;
 /// Standard deviations by which one of them moves once in 200 recordings, if it is one of five.
 const STRAINED: f64 = 3.3;
 
+/// A fitted hypothesis.
+#[derive(Clone, Debug)]
+pub(crate) struct Fit {
+    pub hypothesis: Hypothesis,
+    pub x: Vec<f64>,
+    /// Standard deviation of each coordinate.
+    pub std: Vec<f64>,
+    pub costs: Costs,
+}
+
 impl Fit {
+    /// Its last effect as it was fitted, as a place to start from.
+    pub(crate) fn last_term(&self) -> Option<Term> {
+        let (term, own) = self.hypothesis.parts(&self.x).last()?;
+        Some(term.moved(own))
+    }
+
+    /// Its effects with more of the last one free, and the coordinates with as many more.
+    pub(crate) fn loosened(
+        &self,
+        more: impl Fn(&Term) -> Option<Term>,
+    ) -> Option<(Hypothesis, Vec<f64>)> {
+        let mut hypothesis = self.hypothesis.clone();
+        let last = hypothesis.terms.last_mut()?;
+        *last = more(last)?;
+        let mut x = self.x.clone();
+        x.resize(
+            self.x.len() - self.hypothesis.free() + hypothesis.free(),
+            0.0,
+        );
+        Some((hypothesis, x))
+    }
+
+    /// Its effects without one of them, and the coordinates without its own.
+    pub(crate) fn without(&self, place: usize) -> (Hypothesis, Vec<f64>) {
+        let parts = self.hypothesis.parts(&self.x).enumerate();
+        let kept = parts.filter(|(i, _)| *i != place);
+        let (terms, own): (_, Vec<_>) = kept.map(|(_, (term, own))| (term.clone(), own)).unzip();
+        let mut x = self.x[..self.x.len() - self.hypothesis.free()].to_vec();
+        x.extend(own.concat());
+        (Hypothesis { terms }, x)
+    }
+
     /// How far the model's own numbers have moved, in standard deviations.
     pub(crate) fn moves(&self) -> &[f64] {
         &self.x[..self.x.len() - self.hypothesis.free()]

@@ -5,14 +5,14 @@ use crate::effects;
 use crate::term::Term;
 use recording::Model;
 
-fn is_akin(one: &str, other: &str) -> bool {
+fn is_near_equivalent(one: &str, other: &str) -> bool {
     let family = effects::of(one).family();
     one != other && family.is_some() && family == effects::of(other).family()
 }
 
-/// The special cases and the kin of a rival among `all`, from where it stands on top of `model`: what else is known of the
+/// The special cases and the near-equivalents of a rival among `all`, from where it stands on top of `model`: what else is known of the
 /// device took long to find, and what both have in common, too.
-pub(super) fn relatives(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
+pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
     let Some((held, (_, known))) = to.held().zip(to.fit.hypothesis.terms.split_last()) else {
         return Vec::new();
     };
@@ -20,9 +20,9 @@ pub(super) fn relatives(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> 
     let moved = all.iter().filter_map(|rival| {
         let is_special = effects::of(to.name).gives_way_to(rival.name);
         // Alone they find their own way.
-        let is_akin = is_akin(rival.name, to.name) && !known.is_empty();
+        let is_near_equivalent = is_near_equivalent(rival.name, to.name) && !known.is_empty();
         let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
-        let is_related = (is_special || is_akin) && beside(others) == beside(known);
+        let is_related = (is_special || is_near_equivalent) && beside(others) == beside(known);
         is_related.then(|| {
             let mut rival = rival.clone();
             rival.fit.x = [&to.fit.x[..held], &rival.fit.x[own..]].concat();
@@ -38,7 +38,7 @@ pub(super) fn relatives(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> 
     begun.flatten().collect()
 }
 
-/// A term begun where it makes of a small motion what one that is akin does, each in place of a number of `model`.
+/// A term begun where it makes of a small motion what a near-equivalent does, each in place of a number of `model`.
 fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
     let motion = effects::of(other.kind.name).on_small_motion(other, model)?;
     effects::of(own.kind.name).begun_from(own, motion, model)
@@ -88,7 +88,7 @@ mod tests {
     fn beside_gravity(known: &[Term]) -> Vec<&'static str> {
         let all = ["gravity", "spring", "inertia"];
         let all = all.map(|name| rival(known, term(name, &[0.1])));
-        let found = relatives(&all[0], &all, &Model::new(1.0));
+        let found = near_equivalents(&all[0], &all, &Model::new(1.0));
         found.iter().map(|rival| rival.name).collect()
     }
 

@@ -1,57 +1,60 @@
 //! How much of the last effect of a fit is free.
 
-use super::level;
+use super::excess::{is_at_floor, level};
 use super::ranking::enough;
-use super::round::{POLISHING_ITERATIONS, SHORT_ITERATIONS, Search};
+use super::search::{POLISHING_ITERATIONS, SHORT_ITERATIONS, Search};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::term::Term;
 
-impl Search<'_> {
-    /// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
-    /// is worth.
-    pub(super) fn loosened(&self, known: &Fit, given: &Fit) -> Option<Fit> {
-        if self.problem.is_at_floor(given) {
-            return None;
-        }
-        let fit = self.with_more_free(given)?;
-        (level(given) > enough(known, &fit))
-            .then(|| self.problem.polished(&fit, POLISHING_ITERATIONS))
+/// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
+/// is worth.
+pub(super) fn loosened(search: &Search<'_>, known: &Fit, given: &Fit) -> Option<Fit> {
+    if is_at_floor(search.problem, given) {
+        return None;
     }
+    let fit = with_more_free(search, given)?;
+    (level(given) > enough(known, &fit))
+        .then(|| search.problem.polished(&fit, POLISHING_ITERATIONS))
+}
 
-    /// A fit with what its last effect was given freed, if anything was.
-    pub(super) fn with_more_free(&self, given: &Fit) -> Option<Fit> {
-        let [low, high] = self.problem.extremes();
-        let half_span = 0.5 * (high - low);
-        let (hypothesis, x) = given.loosened(|term| loosened(term, half_span))?;
-        let part = Part::All;
-        Some(self.problem.fit(&hypothesis, x, part, POLISHING_ITERATIONS))
-    }
+/// A fit with what its last effect was given freed, if anything was.
+pub(super) fn with_more_free(search: &Search<'_>, given: &Fit) -> Option<Fit> {
+    let [low, high] = search.problem.extremes();
+    let half_span = 0.5 * (high - low);
+    let (hypothesis, x) = given.loosened(|term| with_shape_free(term, half_span))?;
+    let part = Part::All;
+    Some(
+        search
+            .problem
+            .fit(&hypothesis, x, part, POLISHING_ITERATIONS),
+    )
+}
 
-    /// A fit with its last effect in a form of fewer free parameters, where those it has more gain next to nothing.
-    pub(super) fn reduced(&self, known: &Fit, full: &Fit) -> Option<Fit> {
-        let (last, others) = full.hypothesis.terms.split_last()?;
-        let (before, own) = full.x.split_at(full.x.len() - last.free.len());
-        let model = &self.problem.recording.model;
-        let effect = effects::of(last.kind.name);
-        let forms = effect.reduced_forms(last, own, model, self.problem.extremes());
-        let fits = forms.into_iter().map(|(form, own)| {
-            let terms = [others, &[form]].concat();
-            let x = [before, &own].concat();
-            let hypothesis = Hypothesis { terms };
-            self.problem
-                .fit(&hypothesis, x, Part::All, SHORT_ITERATIONS)
-        });
-        let enough = enough(known, full);
-        let fits = fits.filter(|fit| level(fit) <= enough);
-        fits.min_by(|a, b| level(a).total_cmp(&level(b)))
-    }
+/// A fit with its last effect in a form of fewer free parameters, where those it has more gain next to nothing.
+pub(super) fn reduced(search: &Search<'_>, known: &Fit, full: &Fit) -> Option<Fit> {
+    let (last, others) = full.hypothesis.terms.split_last()?;
+    let (before, own) = full.x.split_at(full.x.len() - last.free.len());
+    let model = &search.problem.recording.model;
+    let effect = effects::of(last.kind.name);
+    let forms = effect.reduced_forms(last, own, model, search.problem.extremes());
+    let fits = forms.into_iter().map(|(form, own)| {
+        let terms = [others, &[form]].concat();
+        let x = [before, &own].concat();
+        let hypothesis = Hypothesis { terms };
+        search
+            .problem
+            .fit(&hypothesis, x, Part::All, SHORT_ITERATIONS)
+    });
+    let enough = enough(known, full);
+    let fits = fits.filter(|fit| level(fit) <= enough);
+    fits.min_by(|a, b| level(a).total_cmp(&level(b)))
 }
 
 /// An effect with more of its shape free, of a motion that goes `half_span` to either side; none if there is no more.
-fn loosened(given: &Term, half_span: f64) -> Option<Term> {
+fn with_shape_free(given: &Term, half_span: f64) -> Option<Term> {
     let shape = effects::of(given.kind.name).further_shape(given, half_span);
     let starts: Vec<(usize, f64)> = shape.iter().map(|c| (c.parameter, c.start)).collect();
     let mut loosened = given.begun(&starts);
@@ -61,7 +64,9 @@ fn loosened(given: &Term, half_span: f64) -> Option<Term> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::round::on;
+    use super::super::next_effect::given_effect;
+    use super::super::search::on;
+    use super::loosened;
     use crate::made;
     use crate::term::{Coordinate, Scale};
 
@@ -78,8 +83,8 @@ mod tests {
         let mut stribeck = made::term("stribeck", &free);
         stribeck.values[2] = 1.0;
         on(&made::recording(&[&hidden]), |search, null| {
-            let given = search.given(null, &stribeck).so_far;
-            let freed = search.loosened(null, &given)?;
+            let given = given_effect(search, null, &stribeck).so_far;
+            let freed = loosened(search, null, &given)?;
             let [_, _, exponent, tail] = freed.last_term()?.values[..] else {
                 return None;
             };
@@ -98,8 +103,8 @@ mod tests {
             };
             on(&made::recording(&[&spring]), |search, null| {
                 let term = made::term("spring", &[free]);
-                let given = search.given(null, &term).so_far;
-                Some(search.loosened(null, &given)?.last_term()?.values[2])
+                let given = given_effect(search, null, &term).so_far;
+                Some(loosened(search, null, &given)?.last_term()?.values[2])
             })
         };
         assert_eq!(hardening(0.0), None);
@@ -120,8 +125,8 @@ mod tests {
         });
         let found = on(&made::recording(&[BENT]), |search, null| {
             let around_zero = made::term("sensor_nonlinearity", &free);
-            let given = search.given(null, &around_zero).so_far;
-            let freed = search.loosened(null, &given)?.last_term()?;
+            let given = given_effect(search, null, &around_zero).so_far;
+            let freed = loosened(search, null, &given)?.last_term()?;
             Some(steeper([0, 1, 6].map(|place| freed.values[place])))
         });
         let hidden = steeper([0.3, 1.5, 0.08]);

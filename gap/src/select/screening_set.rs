@@ -1,6 +1,6 @@
 //! Starts compared on a few windows, on top of what is known.
 
-use super::level;
+use super::excess::level;
 use super::rival::extended;
 use crate::fit::Fit;
 use crate::fit::ground::Ground;
@@ -12,16 +12,18 @@ use std::borrow::Cow;
 
 /// Iterations of the first look at a start.
 pub(super) const FIRST_ITERATIONS: usize = 2;
+/// And of those that go on where there are many optima.
+pub(super) const MANY_ITERATIONS: usize = 6;
 
 /// The windows on which starts are compared, on top of what is known.
-pub(super) struct Field<'a> {
+pub(super) struct ScreeningSet<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) known: &'a Fit,
     pub(super) chosen: Cow<'a, [bool]>,
     pub(super) ground: Ground,
 }
 
-impl<'a> Field<'a> {
+impl<'a> ScreeningSet<'a> {
     pub(super) fn new(
         problem: &'a Problem<'a>,
         known: &'a Fit,

@@ -1,6 +1,6 @@
 //! When a hand comes and goes, and comes again, and to which side it pushes.
 
-use super::level;
+use super::excess::level;
 use super::place::stands_out;
 use crate::effects::contact;
 use crate::fit::Fit;

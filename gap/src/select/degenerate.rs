@@ -1,0 +1,125 @@
+//! Effects that do not act as their names say.
+
+use super::contact_search;
+use super::excess::level;
+use super::ranking::enough;
+use super::search::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
+use crate::effects::{self, Fitted};
+use crate::fit::Fit;
+use crate::fit::part::Part;
+use crate::fit::problem::Problem;
+
+/// True if the last effect of a fit does not act as its name says, or is a hand with which something is missing and that never
+/// goes, or of which no stiffness can be told.
+pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
+    let Some(last) = fit.last_term() else {
+        return false;
+    };
+    let effect = effects::of(last.kind.name);
+    if effect.comes_and_goes() && level(fit) > search.quiet() {
+        return !contact_search::is_stiff(fit)
+            || contact_search::is_lasting(search.problem, fit, FITTING_ITERATIONS);
+    }
+    effect.is_degenerate(&Fitted {
+        term: &last,
+        device: search.problem.predictor(&fit.hypothesis, &fit.x).device(),
+        series: &search.problem.series,
+        horizon_s: search.problem.recording.horizon,
+    })
+}
+
+/// True if the last effect of a fit does no more than a special case of it that is not to be named.
+pub(super) fn is_excluded(search: &Search<'_>, known: &Fit, fit: &Fit) -> bool {
+    let Some(last) = fit.last_term() else {
+        return false;
+    };
+    let excluded = search.given.excluded.iter();
+    let effect = effects::of(last.kind.name);
+    let special = excluded.filter(|special| effect.contains(special));
+    let mut special = special.filter_map(|special| last.reduced(effects::of(special).kind()));
+    special.any(|special| {
+        let (mut hypothesis, mut x) = fit.without(fit.hypothesis.terms.len() - 1);
+        x.resize(x.len() + special.free.len(), 0.0);
+        hypothesis.terms.push(special);
+        let reduced = search
+            .problem
+            .fit(&hypothesis, x, Part::All, POLISHING_ITERATIONS);
+        level(&reduced) <= enough(known, fit)
+    })
+}
+
+/// False if the last effect of a fit is a ripple of which less than a wave was travelled: a pull that bends does as much.
+pub(super) fn repeats(problem: &Problem<'_>, fit: &Fit) -> bool {
+    fit.last_term().is_none_or(|last| {
+        let effect = effects::of(last.kind.name);
+        effect.too_few_periods(&last, problem.extremes()).is_none()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Given;
+    use super::super::next_effect::given_effect;
+    use super::super::search::on;
+    use super::*;
+    use crate::made;
+    use crate::term::{Coordinate, Scale};
+
+    #[test]
+    fn a_spring_that_comes_back_later_than_a_prediction_ends_is_a_lag() {
+        let recording = made::recording(&[]);
+        let is_degenerate = |damping: f64| {
+            let mut soft = made::term("compliance", &[]);
+            soft.values[..2].copy_from_slice(&[0.5, damping]);
+            on(&recording, |search, null| {
+                is_degenerate(search, &given_effect(search, null, &soft).so_far)
+            })
+        };
+        let latest = 0.5 * recording.horizon;
+        assert!(!is_degenerate(0.5 * latest) && is_degenerate(2.0 * latest));
+    }
+
+    #[test]
+    fn a_spring_with_next_to_nothing_behind_it_is_no_transmission() {
+        let recording = made::recording(&[]);
+        let is_degenerate = |load_share: f64| {
+            let mut stiff = made::term("compliance", &[]);
+            stiff.values[2] = load_share;
+            on(&recording, |search, null| {
+                is_degenerate(search, &given_effect(search, null, &stiff).so_far)
+            })
+        };
+        assert_eq!([0.02, 0.2, 0.98].map(is_degenerate), [true, false, true]);
+    }
+
+    /// Whether play is taken for a twist that is not to be named.
+    fn is_twist(hidden: &str) -> bool {
+        let log = |parameter, start| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Log,
+        };
+        let backlash = made::term("backlash", &[log(0, 0.01), log(2, 2.0), log(3, 0.005)]);
+        let recording = made::recording(&[hidden]);
+        on(&recording, |search, null| {
+            let found = given_effect(search, null, &backlash).so_far;
+            let given = Given {
+                excluded: vec!["compliance"],
+                ..Given::A_GAP
+            };
+            let search = Search {
+                given: &given,
+                problem: search.problem,
+                progress: search.progress,
+                perfect: search.perfect,
+            };
+            is_excluded(&search, null, &found)
+        })
+    }
+
+    #[test]
+    fn play_that_is_no_more_than_a_twist_is_none() {
+        assert!(is_twist("compliance:stiffness=2.0,damping=0.005"));
+        assert!(!is_twist("backlash:play=0.02"));
+    }
+}

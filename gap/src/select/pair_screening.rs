@@ -1,0 +1,165 @@
+//! Two effects of which neither need show much alone: pairs that promise most together.
+
+use super::rival::{Rival, extended};
+use super::screening::{BEGUN, soon};
+use super::screening_set::{FIRST_ITERATIONS, MANY_ITERATIONS, ScreeningSet, sorted};
+use super::search::Search;
+use crate::effects;
+use crate::fit::Fit;
+use crate::fit::ground::Direction;
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::part::Part;
+use crate::term::Term;
+use rayon::prelude::*;
+
+/// Pairs that are fitted because they promise most together.
+const PROPOSED: usize = 12;
+/// Those that go on from there.
+const PROPOSED_KEPT: usize = 4;
+/// Pairs that an effect is taken into.
+const MOST_TIMES: usize = 3;
+
+/// Pairs of which neither effect need show much alone, fitted to the chosen windows: as they promise there, and over a quarter
+/// of the horizon, where less of what they do is out of proportion to their size.
+pub(super) fn screened_pairs(
+    search: &Search<'_>,
+    null: &Fit,
+    chosen: &[bool],
+    alone: &[Rival],
+) -> Vec<Rival> {
+    let field = ScreeningSet::new(search.problem, null, chosen);
+    // What is bound to moments makes up for anything then.
+    let alone = alone.iter().filter(|rival| !rival.is_event());
+    let alone = alone.filter_map(|rival| rival.fit.last_term());
+    let mut starts: Vec<Term> = alone.collect();
+    let others = search.tried(null, &[]).into_iter().filter(|candidate| {
+        let effect = candidate.effect;
+        !effect.is_local() && !effect.landscape().is_scanned()
+    });
+    starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, BEGUN)));
+    let mut proposed = pairs(&field, &starts);
+    let soon = soon(search, null).map_or(Vec::new(), |soon| pairs(&soon, &starts));
+    let soon = soon.into_par_iter();
+    proposed.par_extend(soon.map(|fit| fit_both(&field, &fit.hypothesis, fit.x, MANY_ITERATIONS)));
+    let rivals = proposed.into_iter().filter_map(|fit| {
+        let name = fit.last_term()?.kind.name;
+        Some(Rival { name, fit })
+    });
+    rivals.collect()
+}
+
+/// The best of the pairs that promise most together, fitted.
+fn pairs(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Fit> {
+    let pairs = promising_pairs(field, starts, PROPOSED).into_par_iter();
+    let begun = pairs.map(|pair| begun_both(field, pair));
+    let mut begun = sorted(begun.collect());
+    begun.truncate(PROPOSED_KEPT);
+    let fits = begun.into_par_iter();
+    fits.map(|fit| fit_both(field, &fit.hypothesis, fit.x, MANY_ITERATIONS))
+        .collect()
+}
+
+/// Two effects from where both start, fitted on.
+fn begun_both(field: &ScreeningSet<'_>, pair: [Term; 2]) -> Fit {
+    let (hypothesis, x) = extended(field.known, &pair);
+    fit_both(field, &hypothesis, x, FIRST_ITERATIONS)
+}
+
+/// Two effects fitted on.
+fn fit_both(
+    field: &ScreeningSet<'_>,
+    hypothesis: &Hypothesis,
+    x: Vec<f64>,
+    iterations: usize,
+) -> Fit {
+    let part = Part::Chosen(&field.chosen);
+    field.problem.fit(hypothesis, x, part, iterations)
+}
+
+/// The pairs of effects that promise most together, `kept` of them, each from the starts from which it promises most:
+/// linearly from where both stand. One that promises much with any other is not in all of them.
+fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {
+    let part = Part::Chosen(&field.chosen);
+    let direction = |start: &Term| {
+        let (hypothesis, x) = extended(field.known, [start]);
+        field.ground.direction(field.problem, &hypothesis, &x, part)
+    };
+    let directions: Vec<Direction> = starts.par_iter().map(direction).collect();
+    let pairs = (0..starts.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
+    // What contains another needs no other beside it.
+    let is_pair = |[i, j]: &[usize; 2]| {
+        let [a, b] = [i, j].map(|i: &usize| starts[*i].kind.name);
+        a != b && !effects::of(a).contains(b) && !effects::of(b).contains(a)
+    };
+    let pairs: Vec<[usize; 2]> = pairs.filter(is_pair).collect();
+    let nudges = field.problem.nudges.len();
+    let promise = |pair: [usize; 2]| {
+        let both = pair.map(|i| &directions[i]);
+        (field.ground.promise_of_both(nudges, both), pair)
+    };
+    let promised = pairs.into_par_iter().map(promise);
+    let mut promised: Vec<(f64, [usize; 2])> = promised.filter(|p| p.0.is_finite()).collect();
+    promised.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let names: Vec<&str> = starts.iter().map(|start| start.kind.name).collect();
+    let best = spread(promised.into_iter().map(|(_, pair)| pair), &names, kept).into_iter();
+    best.map(|pair| pair.map(|i| starts[i].clone())).collect()
+}
+
+/// The first `kept` of some pairs, each of two other names, no name in too many of them.
+fn spread(pairs: impl Iterator<Item = [usize; 2]>, names: &[&str], kept: usize) -> Vec<[usize; 2]> {
+    let mut taken: Vec<[usize; 2]> = Vec::new();
+    for pair in pairs {
+        let [a, b] = pair.map(|i| names[i]);
+        let of_taken = || taken.iter().map(|other| other.map(|i| names[i]));
+        let times = |name| of_taken().filter(|other| other.contains(&name)).count();
+        let is_new = of_taken().all(|other| other != [a, b] && other != [b, a]);
+        if is_new && times(a).max(times(b)) < MOST_TIMES {
+            taken.push(pair);
+        }
+        if taken.len() == kept {
+            break;
+        }
+    }
+    taken
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+    use crate::select::screening::{screened, screening_windows};
+    use crate::select::search;
+
+    #[test]
+    fn pairs_are_of_other_names_and_none_is_in_all_of_them() {
+        let names = ["cogging", "cogging", "lag", "spring", "viscous", "delay"];
+        let pairs = [[0, 2], [1, 2], [0, 3], [1, 4], [0, 5], [2, 3], [4, 5]];
+        let taken = spread(pairs.into_iter(), &names, 5);
+        assert_eq!(taken, [[0, 2], [0, 3], [1, 4], [2, 3], [4, 5]]);
+        assert_eq!(spread(pairs.into_iter(), &names, 2), [[0, 2], [0, 3]]);
+    }
+
+    #[test]
+    fn effects_that_hide_each_other_are_proposed_together() {
+        // A drag makes the motion smaller, and the gain shows it larger again.
+        let hidden = ["sensor_gain:gain=1.3", "viscous:coefficient=0.002"];
+        let recording = made::recording(&hidden);
+        search::on(&recording, |search, null| {
+            let chosen = screening_windows(search, null);
+            let alone = screened(search, null, &chosen, &[]);
+            let proposed = screened_pairs(search, null, &chosen, &alone).into_iter();
+            let best = &sorted(proposed.map(|rival| rival.fit).collect())[0];
+            let found = best.hypothesis.parts(&best.x);
+            let mut found: Vec<(&str, f64)> = found
+                .map(|(term, own)| (term.kind.name, term.at(own)[0]))
+                .collect();
+            found.sort_by(|a, b| a.0.cmp(b.0));
+            let [(gain, times), (drag, coefficient)] = found[..] else {
+                panic!("{found:?}");
+            };
+            assert_eq!([gain, drag], ["sensor_gain", "viscous"], "{found:?}");
+            assert!((times / 1.3 - 1.0).abs() < 0.02, "{found:?}");
+            assert!((coefficient / 0.002 - 1.0).abs() < 0.05, "{found:?}");
+        });
+    }
+}

@@ -1,0 +1,105 @@
+//! The most promising effects fitted to all windows.
+
+use super::degenerate::is_degenerate;
+use super::excess::level;
+use super::near_equivalents::near_equivalents;
+use super::ranking::{join, join_all};
+use super::rival::{Rival, best_of};
+use super::search::{FITTING_ITERATIONS, SHORT_ITERATIONS, Search};
+use crate::effects;
+use crate::fit::Fit;
+use crate::fit::part::Part;
+use crate::stage::Stage;
+use rayon::prelude::*;
+
+/// Effects that are fitted on all windows after screening; from some on only those whose gain over the worst one falls short of
+/// the best one's by this share of it at most: of 409 winners on blind and other sets all but one of some size were.
+const FINALISTS: usize = 7;
+const FEWEST_FINALISTS: usize = 3;
+const IN_REACH: f64 = 0.5;
+/// Those that show in few windows may be of a higher rank, so many at most.
+const MOST_LOCAL: usize = 3;
+/// Share of the best one's gain within which another is near it, and how many are in any case.
+const NEAR: f64 = 0.3;
+const ALWAYS_NEAR: usize = 2;
+/// Sizes of a special case over that as which it was found without what stands beside it now.
+const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
+
+/// The most promising ones, fitted to all windows, and what was `found` there otherwise, with what is related to the best.
+pub(super) fn refit_shortlist(
+    search: &Search<'_>,
+    mut screened: Vec<Rival>,
+    known: &Fit,
+    found: Option<Rival>,
+) -> Vec<Rival> {
+    (search.progress)(Stage::Finalists);
+    screened.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+    let fitted = |rivals: Vec<Rival>, iterations: usize| -> Vec<Rival> {
+        let fits = rivals.into_par_iter().map(|rival| Rival {
+            name: rival.name,
+            fit: search
+                .problem
+                .fit(&rival.fit.hypothesis, rival.fit.x, Part::All, iterations),
+        });
+        fits.collect()
+    };
+    let mut local = 0;
+    let all = screened.clone();
+    let short_of = |best: f64, share: f64, none: f64| best + share * (none - best).max(0.0);
+    // On the windows of screening an effect that explains nothing leaves what is known to leave there.
+    let [best, worst] = [screened.first(), screened.last()]
+        .map(|rival| rival.map_or(0.0, |rival| level(&rival.fit)));
+    let limit = short_of(best, IN_REACH, worst);
+    let finalists = screened.into_iter().enumerate().filter(|(rank, rival)| {
+        let is_local = effects::of(rival.name).is_local();
+        local += usize::from(is_local);
+        let taken = *rank < FINALISTS || (is_local && local <= MOST_LOCAL);
+        *rank < FEWEST_FINALISTS || (taken && level(&rival.fit) <= limit)
+    });
+    let mut rivals = fitted(
+        finalists.map(|(_, rival)| rival).collect(),
+        SHORT_ITERATIONS,
+    );
+    rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
+    let best = rivals.first().map_or(level(known), |r| level(&r.fit));
+    let limit = short_of(best, NEAR, level(known));
+    let near = rivals
+        .iter()
+        .take_while(|rival| level(&rival.fit) <= limit)
+        .count();
+    let far = rivals.split_off(near.max(ALWAYS_NEAR).min(rivals.len()));
+    let mut rivals = fitted(rivals, FITTING_ITERATIONS);
+    rivals.extend(far);
+    if let Some(found) = found {
+        join(&mut rivals, found);
+    }
+    if let Some(best) = best_of(&rivals) {
+        let related = related(search, best, &all);
+        join_all(&mut rivals, related);
+    }
+    rivals
+}
+
+/// The special cases and near-equivalents of a rival among those that were `screened`, fitted from where it stands in the size that suits
+/// best there.
+pub(super) fn related(search: &Search<'_>, to: &Rival, screened: &[Rival]) -> Vec<Rival> {
+    let fit = |rival: &Rival, iterations| {
+        let Fit { hypothesis, x, .. } = &rival.fit;
+        search
+            .problem
+            .fit(hypothesis, x.clone(), Part::All, iterations)
+    };
+    let related = near_equivalents(to, screened, &search.problem.recording.model)
+        .into_par_iter()
+        .map(|rival| {
+            let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
+            let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
+            let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
+            let rival = nearest.map_or(rival, |(_, nearest)| nearest);
+            Rival {
+                fit: fit(&rival, FITTING_ITERATIONS),
+                ..rival
+            }
+        });
+    related.filter(|r| !is_degenerate(search, &r.fit)).collect()
+}

@@ -1,0 +1,136 @@
+//! Which of the fitted rivals come before others that do a little more.
+
+use super::degenerate::repeats;
+use super::excess::{MOST_LEFT_EXPLAINED, is_quiet, level};
+use super::ranking::{is_as_likely, is_far_likelier, ranked};
+use super::rival::{Rival, best_of};
+use super::search::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
+use super::shape::with_more_free;
+use crate::effects;
+use crate::fit::Fit;
+use crate::fit::part::Part;
+use crate::floor::Perfect;
+
+/// The rivals, what the best of them contains carried on to the end where it leaves little enough for that: with fewer
+/// numbers it has fewer ways past a kink.
+pub(super) fn with_specials_polished(
+    search: &Search<'_>,
+    known: &Fit,
+    mut rivals: Vec<Rival>,
+) -> Vec<Rival> {
+    let Some(best) = best_of(&rivals).cloned() else {
+        return rivals;
+    };
+    let most = 0.5 * (level(known) + level(&best.fit));
+    for rival in &mut rivals {
+        let is_open = level(&rival.fit) > search.quiet() || is_far_likelier(&best, rival);
+        if effects::of(best.name).contains(rival.name) && is_open && level(&rival.fit) <= most {
+            rival.fit = search.problem.polished(&rival.fit, POLISHING_ITERATIONS);
+            // What it is to give way to may do no more than a shape that it was not free to take.
+            if is_far_likelier(&best, rival)
+                && let Some(fit) = with_more_free(search, &rival.fit)
+                && let freed = (Rival { fit, ..*rival })
+                && !is_far_likelier(&best, &freed)
+            {
+                *rival = freed;
+            }
+        }
+    }
+    rivals
+}
+
+/// The rivals, those with a parameter that the model states held there if they do as well.
+pub(super) fn held_as_stated(
+    search: &Search<'_>,
+    known: &Fit,
+    mut rivals: Vec<Rival>,
+) -> Vec<Rival> {
+    let model = &search.problem.recording.model;
+    for rival in &mut rivals {
+        let stated = effects::of(rival.name).stated_parameter(model);
+        let held = stated.and_then(|(place, value)| rival.with_held(place, value));
+        let Some(mut held) = held else {
+            continue;
+        };
+        let Fit { hypothesis, x, .. } = held.fit;
+        held.fit = search
+            .problem
+            .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
+        if let Some(mut both) = ranked(vec![rival.clone(), held], known, search.quiet()) {
+            *rival = both.swap_remove(0);
+        }
+    }
+    rivals
+}
+
+/// The rivals in their order.
+pub(super) fn ordered(search: &Search<'_>, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
+    let mut rivals = ranked(rivals, known, search.quiet())?;
+    let best = level(&rivals[0].fit);
+    let short_by = |share: f64| best + share * (level(known) - best);
+    let halfway = short_by(0.5);
+    // Of a ripple that was not seen to repeat a pull may be all; where it leaves nothing, that must leave next to nothing.
+    let pulls = (!repeats(search.problem, &rivals[0].fit)).then(|| {
+        if best > search.quiet() {
+            halfway
+        } else {
+            short_by(MOST_LEFT_EXPLAINED)
+        }
+    });
+    let special = rivals.iter().position(|rival| {
+        // What needs a moment of its own is none where the same thing at all times leaves nothing.
+        let leaves_nothing = || {
+            level(&rival.fit) <= halfway
+                && is_as_likely(rival, &rivals[0])
+                && is_quiet(
+                    &rival.fit,
+                    &Perfect::of(search.problem, &rival.fit).bounded(),
+                )
+        };
+        effects::of(rivals[0].name).contains(rival.name)
+            && (pulls.is_some_and(|most| level(&rival.fit) <= most) || leaves_nothing())
+    });
+    if let Some(special) = special {
+        let special = rivals.remove(special);
+        rivals.insert(0, special);
+    }
+    Some(rivals)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::next_effect::given_effect;
+    use super::super::search::on;
+    use super::ordered;
+    use crate::made;
+    use crate::term::{Coordinate, Scale, Term};
+    use core::f64::consts::PI;
+
+    #[test]
+    fn a_pull_that_bends_is_no_ripple_of_which_less_than_a_wave_was_travelled() {
+        let free = |parameter, start| Coordinate {
+            parameter,
+            start,
+            scale: Scale::Linear(0.2 * start),
+        };
+        let first = |amplitude: f64, wave_number: f64| {
+            let hidden =
+                format!("cogging:amplitude={amplitude},wave_number={wave_number},phase={PI}");
+            on(&made::recording(&[&hidden]), |search, null| {
+                let ripple = Term {
+                    values: vec![amplitude, wave_number, PI, 0.0, 0.0],
+                    ..made::term("cogging", &[free(0, amplitude), free(1, wave_number)])
+                };
+                let spring = made::term("spring", &[free(0, 0.05)]);
+                let rivals = [ripple, spring].into_iter();
+                let rivals = rivals.flat_map(|term| given_effect(search, null, &term).rivals);
+                let ordered = ordered(search, null, rivals.collect()).unwrap();
+                ordered[0].name
+            })
+        };
+        assert_eq!(first(0.25, 0.12), "spring");
+        // What bends so much is no pull, whatever else it may be.
+        assert_eq!(first(0.2, 0.15), "cogging");
+        assert_eq!(first(0.02, 20.0), "cogging");
+    }
+}

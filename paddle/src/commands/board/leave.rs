@@ -129,3 +129,11 @@ impl Session {
 
 /// Of a rate that was typed.
 const ROUNDING: f64 = 1e-6;
+
+/// A line of the log for people.
+pub fn log_line(entry: &Entry) -> String {
+    format!(
+        "log {:.4} s {} {}",
+        entry.time_s, entry.level, entry.message
+    )
+}

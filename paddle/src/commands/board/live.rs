@@ -1,7 +1,6 @@
 //! The board at the pace of the clock on the wall, with its serial port as a terminal device.
 
-use super::leave::Session;
-use super::line;
+use super::leave::{Session, log_line};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::progress;
@@ -103,7 +102,7 @@ pub fn run(
             Err(error) => return Err(Failure::Board(format!("the terminal is gone: {error}"))),
         }
         for entry in logged {
-            progress::say(&line(&entry));
+            progress::say(&log_line(&entry));
         }
         if next_s >= due_s {
             thread::sleep(PACE);

@@ -19,7 +19,7 @@ use haptic_paddle::settings::{Sensor, Settings};
 use host_sim::closed_loop::LoopSetup;
 use host_sim::effects::Effect;
 use host_sim::presets;
-use leave::Session;
+use leave::{Session, log_line};
 use recording::{Model, open_file, read_text};
 use serde_json::json;
 use std::fmt::Write;
@@ -28,7 +28,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use virtual_board::board::Board;
 use virtual_board::image::Image;
-use virtual_board::log::Entry;
 use virtual_board::script::Script;
 use virtual_board::wiring::Wires;
 
@@ -172,7 +171,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     if seconds.is_some() {
         text = format!("{header}\n{console}\n\n");
         for entry in &session.log {
-            let _ = writeln!(text, "{}", line(entry));
+            let _ = writeln!(text, "{}", log_line(entry));
         }
     }
     let _ = writeln!(
@@ -190,7 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     }
     let mut result = json!({
         "image": path, "sha256": image.hash(), "seconds": ran_s, "console": console,
-        "log": session.log.iter().map(line).collect::<Vec<_>>(), "resets": resets,
+        "log": session.log.iter().map(log_line).collect::<Vec<_>>(), "resets": resets,
         "instructions": instructions, "times_real_time": real_time, "instructions_per_s": rate,
     });
     if let Some(path) = &arguments.out {
@@ -314,12 +313,4 @@ impl Arguments {
             .map_err(|error| Failure::Board(format!("{}: {error}", path.display())))?;
         Ok(Some(script))
     }
-}
-
-/// A line of the log for people.
-fn line(entry: &Entry) -> String {
-    format!(
-        "log {:.4} s {} {}",
-        entry.time_s, entry.level, entry.message
-    )
 }

@@ -44,6 +44,7 @@ pub mod estimate;
 pub mod excitation;
 pub mod metrics;
 pub mod phase;
+pub mod procedures;
 pub mod safety;
 pub mod scalar;
 pub mod sensing;

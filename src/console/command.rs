@@ -8,6 +8,7 @@ use super::telemetry::{self, TelemetryCommand};
 use crate::controller::Mode;
 use crate::decimal;
 use crate::excitation::{Excitation, Shape};
+use crate::procedures::ProcedureKind;
 use crate::settings::{Field, FieldSet, SettingError};
 
 /// Longest line, bytes without its end.
@@ -38,9 +39,10 @@ impl fmt::Display for Usage {
 }
 
 /// All commands.
-pub static COMMANDS: [Usage; 25] = [
+pub static COMMANDS: [Usage; 29] = [
     HELP, GET, SET, DUMP, SAVE, LOAD, DEFAULTS, ARM, DISARM, ZERO, REF, STEP, START, STOP, STATUS,
-    FAULTS, CLEAR, BEAT, STREAM, CAPTURE, BAUD, TIMING, VERSION, HELLO, REBOOT,
+    FAULTS, CLEAR, BEAT, STREAM, CAPTURE, BAUD, FRICTION, HALL, MOTOR, ZN, TIMING, VERSION, HELLO,
+    REBOOT,
 ];
 
 const HELP: Usage = Usage {
@@ -170,6 +172,30 @@ const BAUD: Usage = Usage {
     example: "baud 1843200",
 };
 
+const FRICTION: Usage = Usage {
+    name: "friction",
+    arguments: "",
+    purpose: "measure the dry friction, both ways and at three angles; the paddle moves, half a minute",
+    example: "friction",
+};
+const HALL: Usage = Usage {
+    name: "hall",
+    arguments: "cal",
+    purpose: "calibrate the Hall sensor against the encoder; the paddle goes from end to end, 20 s",
+    example: "hall cal",
+};
+const MOTOR: Usage = Usage {
+    name: "motor",
+    arguments: "id",
+    purpose: "measure resistance, inductance and the current's offset; the motor hums for a second",
+    example: "motor id",
+};
+const ZN: Usage = Usage {
+    name: "zn",
+    arguments: "",
+    purpose: "ultimate gain and period by a relay, and gains by Ziegler and Nichols; the paddle swings, 5 s",
+    example: "zn",
+};
 const TIMING: Usage = Usage {
     name: "timing",
     arguments: "",
@@ -275,6 +301,8 @@ pub enum Command {
     Telemetry(TelemetryCommand),
     /// Another rate of the serial line, bits a second.
     Baud(u32),
+    /// The paddle measures itself.
+    Procedure(ProcedureKind),
     /// How long the control interrupt takes.
     Timing,
     /// Version of the firmware.
@@ -404,6 +432,10 @@ pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
             Some("off") => false,
             Some(_) => return Err(arguments.misused()),
         }),
+        "friction" => Command::Procedure(ProcedureKind::Friction),
+        "hall" => Command::Procedure(arguments.exactly("cal", ProcedureKind::Hall)?),
+        "motor" => Command::Procedure(arguments.exactly("id", ProcedureKind::Motor)?),
+        "zn" => Command::Procedure(ProcedureKind::ZieglerNichols),
         "timing" => Command::Timing,
         "version" => Command::Version,
         "hello" => Command::Hello,
@@ -425,6 +457,15 @@ pub(super) struct Arguments<'a> {
 }
 
 impl<'a> Arguments<'a> {
+    /// `meant`, if the next word is this one.
+    fn exactly<T>(&mut self, word: &str, meant: T) -> Result<T, ParseError> {
+        if self.word()? == word {
+            Ok(meant)
+        } else {
+            Err(self.misused())
+        }
+    }
+
     pub(super) fn misused(&self) -> ParseError {
         ParseError::Usage(self.usage)
     }

@@ -46,6 +46,8 @@ impl<'a> Completion<'a> {
                 Ok("get" | "set") => completion.settings = true,
                 Ok("start") => completion.words = &SHAPES,
                 Ok("arm") => completion.words = &["position", "torque"],
+                Ok("hall") => completion.words = &["cal"],
+                Ok("motor") => completion.words = &["id"],
                 Ok("zero") => completion.words = &["hall"],
                 _ => {}
             },

@@ -142,6 +142,8 @@ pub fn execute(
         }
         Command::Beat(_) => return Ok(Answer::Beat),
         Command::Timing => return Ok(Answer::Timing(device.timing())),
+        // A session has procedures.
+        Command::Procedure(_) => {}
         // Of the greeting this is what needs no session.
         Command::Version | Command::Hello => return Ok(Answer::Version),
         Command::Reboot => {

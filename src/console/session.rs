@@ -7,6 +7,7 @@ use super::complete::Completion;
 use super::line::{Edited, LineEditor, STOP_BYTE, Typed};
 use super::{Answer, Command, Device, ParseError, Terminal, execute, parse};
 use crate::controller::{ArmError, Controller, Mode, StopCause, TickRate, Tuning};
+use crate::procedures::{Procedure, ProcedureError, ProcedureKind};
 use crate::safety::Fault;
 use crate::settings::{Settings, StoreError};
 use crate::wiring::{Angles, Progress, WiringCheck};
@@ -28,6 +29,7 @@ pub struct Session {
     /// An answer of which not every line is said yet, and the number of the next one.
     answer: Option<(Answer, usize)>,
     arming: Option<Arming>,
+    running: Option<Running>,
     wired: bool,
     announced: Option<Fault>,
     bridge_ready: bool,
@@ -42,6 +44,15 @@ pub struct Session {
 struct Arming {
     mode: Mode,
     stage: Stage,
+    /// What begins then.
+    then: Option<ProcedureKind>,
+}
+
+/// A procedure, and for how long it has been at work, s.
+#[derive(Clone, Debug)]
+struct Running {
+    procedure: Procedure,
+    elapsed_s: f32,
 }
 
 /// How far that is.
@@ -66,6 +77,7 @@ impl Session {
             line: LineEditor::default(),
             answer: None,
             arming: None,
+            running: None,
             wired: false,
             announced: None,
             bridge_ready: true,
@@ -119,9 +131,9 @@ impl Session {
         }
     }
 
-    /// Whether [`Self::type_in`] takes more than Ctrl-C: not on the way to a mode, nor within an answer.
+    /// Whether [`Self::type_in`] takes more than Ctrl-C: not on the way to a mode, nor within a procedure or an answer.
     pub fn listens(&self) -> bool {
-        self.arming.is_none() && self.answer.is_none()
+        self.arming.is_none() && self.running.is_none() && self.answer.is_none()
     }
 
     /// Goes on with an answer, as far as the terminal has room.
@@ -243,7 +255,57 @@ impl Session {
         self.announce(&seen, out);
         if let Some(arming) = self.arming.take() {
             self.go_on(arming, elapsed_s, device, out);
+        } else if let Some(running) = self.running.take() {
+            self.proceed(running, seen.off, elapsed_s, device, out);
         }
+    }
+
+    /// Goes a look further with a procedure.
+    #[inline(never)]
+    fn proceed(
+        &mut self,
+        mut running: Running,
+        off: bool,
+        elapsed_s: f32,
+        device: &mut impl Device,
+        out: &mut impl Terminal,
+    ) {
+        running.elapsed_s += elapsed_s;
+        let name = running.procedure.kind().name();
+        let outcome = if off {
+            say(
+                out,
+                format_args!("{name} has not ended, nothing is changed"),
+            );
+            None
+        } else if running.elapsed_s > ProcedureKind::LONGEST_S {
+            Some(Err(ProcedureError::TooLong))
+        } else {
+            match running.procedure.advance(elapsed_s, device) {
+                Some(outcome) => Some(outcome),
+                None => {
+                    self.running = Some(running);
+                    return;
+                }
+            }
+        };
+        device.with(Controller::disarm);
+        match outcome {
+            Some(Ok(finding)) => {
+                finding.take_over(&mut self.settings);
+                say(out, format_args!("{finding}"));
+            }
+            Some(Err(error)) => say(out, format_args!("{name}: {error}")),
+            None => {}
+        }
+        self.retune(device);
+        self.prompt(out);
+    }
+
+    /// Puts the settings in force.
+    fn retune(&self, device: &mut impl Device) {
+        let tuning = Tuning::new(&self.settings, self.rate);
+        device.with(|c| c.retune(tuning));
     }
 
     /// Whether the program that steers has just been silent for too long.
@@ -309,7 +371,7 @@ impl Session {
         device: &mut impl Device,
         out: &mut impl Terminal,
     ) {
-        let Arming { mode, stage } = arming;
+        let Arming { mode, stage, then } = arming;
         let next = match stage {
             Stage::Settling(left_s) if left_s > 0.0 => {
                 Ok(Some(Stage::Settling(left_s - elapsed_s)))
@@ -341,10 +403,13 @@ impl Session {
             }
         };
         match next {
-            Ok(Some(stage)) => self.arming = Some(Arming { mode, stage }),
+            Ok(Some(stage)) => self.arming = Some(Arming { mode, stage, then }),
             Ok(None) => {
                 self.wired = true;
-                self.execute(&Command::Arm(mode), device, out);
+                match then {
+                    None => self.execute(&Command::Arm(mode), device, out),
+                    Some(kind) => self.begin(kind, device, out),
+                }
                 self.prompt(out);
                 self.go_on_saying(out);
             }
@@ -371,31 +436,66 @@ impl Session {
             });
         }
         self.settings.motor.resistance_ohm = measured_ohm;
-        let tuning = Tuning::new(&self.settings, self.rate);
-        device.with(|c| c.retune(tuning));
+        self.retune(device);
         Ok(())
+    }
+
+    /// Begins a procedure on a paddle that is all but armed.
+    fn begin(&mut self, kind: ProcedureKind, device: &mut impl Device, out: &mut impl Terminal) {
+        let tuning = Tuning::new(&kind.settings(&self.settings), self.rate);
+        let armed = device.with(|c| {
+            c.retune(tuning);
+            c.arm(kind.mode())
+        });
+        match armed {
+            Ok(()) => {
+                self.running = Some(Running {
+                    procedure: kind.begin(&self.settings),
+                    elapsed_s: 0.0,
+                });
+            }
+            Err(error) => {
+                device.with(Controller::disarm);
+                self.retune(device);
+                say(out, format_args!("{error}"));
+            }
+        }
+    }
+
+    /// Turns the bridge on at no voltage, on the way to a mode and to what begins then.
+    fn prepare(
+        &mut self,
+        mode: Mode,
+        then: Option<ProcedureKind>,
+        device: &mut impl Device,
+        out: &mut impl Terminal,
+    ) {
+        let prepared = self.ready.and_then(|()| device.with(|c| c.prepare(mode)));
+        if let Err(error) = prepared {
+            say(out, format_args!("{error}"));
+            return;
+        }
+        if !self.wired {
+            say(
+                out,
+                format_args!("checking the wiring: the paddle moves a little"),
+            );
+        }
+        if let Some(kind) = then {
+            say(
+                out,
+                format_args!("{}: let the paddle go; Ctrl-C stops it", kind.name()),
+            );
+        }
+        let stage = Stage::Settling(SETTLE_S);
+        self.arming = Some(Arming { mode, stage, then });
     }
 
     #[inline(never)]
     fn obey(&mut self, command: &Command, device: &mut impl Device, out: &mut impl Terminal) {
         match *command {
-            Command::Arm(mode) if mode != Mode::Off => {
-                match self.ready.and_then(|()| device.with(|c| c.prepare(mode))) {
-                    Ok(()) => {
-                        if !self.wired {
-                            say(
-                                out,
-                                format_args!("checking the wiring: the paddle moves a little"),
-                            );
-                        }
-                        self.arming = Some(Arming {
-                            mode,
-                            stage: Stage::Settling(SETTLE_S),
-                        });
-                    }
-                    Err(error) => say(out, format_args!("{error}")),
-                }
-            }
+            Command::Arm(mode) if mode != Mode::Off => self.prepare(mode, None, device, out),
+            Command::Procedure(kind) => self.prepare(kind.mode(), Some(kind), device, out),
             Command::Hello => {
                 let armed = device.with(|c| c.mode()) != Mode::Off;
                 self.introduce(armed, out);

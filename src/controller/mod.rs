@@ -702,6 +702,9 @@ impl Controller {
         }
         self.encoder.retune(tuning.rad_per_count);
         self.hall = tuning.hall;
+        if let Some(seen) = self.seen {
+            self.hall_rad = self.hall.position_rad(seen.hall_adc);
+        }
         self.filter.retune(tuning.filter, self.position_rad);
         self.velocity.retune(tuning.velocity);
         self.acceleration_per_nm = tuning.acceleration_per_nm;
@@ -794,6 +797,21 @@ impl Controller {
     /// Velocity of the paddle, rad/s.
     pub fn velocity_rad_s(&self) -> f32 {
         self.velocity.velocity_rad_s()
+    }
+
+    /// What the Hall sensor's converter read last; 0 before anything was measured.
+    pub fn hall_adc(&self) -> u16 {
+        self.seen.map_or(0, |seen| seen.hall_adc)
+    }
+
+    /// Reading of the current's amplifier at no current, A, against half scale.
+    pub fn current_offset_a(&self) -> f32 {
+        self.current_sensor.offset_a()
+    }
+
+    /// A control period, s.
+    pub fn tick_s(&self) -> f32 {
+        self.rate.tick_s()
     }
 
     /// Motor current, A, positive where the torque is.

@@ -92,6 +92,11 @@ impl CurrentSensor {
         }
     }
 
+    /// The offset as a current, A, against half scale, with the sign of the measured current.
+    pub fn offset_a(&self) -> f32 {
+        (NOMINAL_OFFSET_COUNTS - self.offset_counts) * AMPERES_PER_COUNT
+    }
+
     /// Current, A, from the mean reading of a period in counts.
     ///
     /// On the board torque = -Kt i_measured. The sign is turned here, so that everywhere else torque = +Kt i.

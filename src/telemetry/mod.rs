@@ -14,6 +14,8 @@ pub use capture::{Capture, CaptureError, CapturePlan, CaptureState, Held, Part, 
 pub use link::{Channel, Channels, Sample, ShortSample, Trigger};
 pub use stream::{Row, Stream, StreamError, StreamPlan};
 
+use crate::procedures::Winding;
+
 /// Share of the serial line that a stream may take; the rest is the console's.
 pub const MOST_OF_THE_LINE: f32 = 0.85;
 /// Bits of a byte on the serial line.
@@ -26,6 +28,8 @@ pub struct Telemetry {
     pub stream: Stream,
     /// An oscilloscope.
     pub capture: Capture,
+    /// What the winding does under a periodic excitation, for its procedure.
+    pub winding: Winding,
     /// Bits a second on the serial line, as they are now.
     pub baud: u32,
     /// Control periods a second.
@@ -38,6 +42,7 @@ impl Telemetry {
         Self {
             stream: Stream::default(),
             capture: Capture::new(memory),
+            winding: Winding::default(),
             baud,
             tick_hz,
         }
@@ -51,6 +56,7 @@ impl Telemetry {
     /// Takes the sample of control period `period`; a row that is complete is given back.
     #[inline]
     pub fn add(&mut self, period: u32, sample: &Sample) -> Option<Row> {
+        self.winding.add(sample);
         self.capture.add(period, sample);
         self.stream.add(period, sample)
     }

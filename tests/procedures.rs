@@ -258,6 +258,16 @@ fn the_relay_finds_a_period_and_stays_within_its_limits() {
         );
         assert!(bench.widest_rad.to_degrees() < 25.0, "{seed}");
         assert!(took_s < 60.0);
+        // What a mass alone would need to swing so fast; friction, the pendulum and the filter are the rest.
+        let period_s = 1e-3 * bench.number("ultimate period");
+        let rate_rad_s = std::f64::consts::TAU / period_s;
+        let inertia = setup.paddle.device.mechanics.inertia;
+        let alone = (inertia * rate_rad_s * rate_rad_s).to_radians();
+        let ratio = bench.number("ultimate gain") / alone;
+        assert!(
+            (0.8..1.4).contains(&ratio),
+            "{seed}: {ratio} times the mass alone"
+        );
         assert_eq!(bench.paddle.controller().mode(), Mode::Off);
     }
 }

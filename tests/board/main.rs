@@ -13,6 +13,7 @@ mod emergencies;
 mod lends;
 mod load;
 mod power;
+mod procedures;
 mod replay;
 mod safety;
 mod serial_line;

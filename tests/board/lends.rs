@@ -43,11 +43,13 @@ impl Watch {
             required(&["console", "session", "Session", "obey"]),
             required(&["console", "session", "Session", "execute"]),
         ];
-        // The compiler may have made one of the two.
+        // What else is only called by these, where the compiler has not put it into them.
         commands.extend(function(&["console7execute"]));
+        commands.extend(function(&["console", "session", "Session", "prepare"]));
         let mut looks = vec![required(&["firmware", "app", "idle"])];
         looks.extend(function(&["console", "session", "Session", "look"]));
-        looks.extend(function(&["console", "session", "Session", "go_on"]));
+        looks.extend(function(&["console", "session", "Session", "5go_on"]));
+        looks.extend(function(&["console", "session", "Session", "6retune"]));
         let ticks = bench.address_of(&["firmware", "5TICKS"]);
         let all = looks.into_iter().chain(commands.clone());
         for address in all.flat_map(|function| function.step_by(2)) {

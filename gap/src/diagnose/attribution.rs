@@ -1,5 +1,6 @@
 //! How far each part of a corrected model closes the gap: its effects, and the numbers of the model that had to move.
 
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::hypothesis::INPUT_TIME;
 use crate::fit::part::Part;
@@ -10,6 +11,8 @@ use crate::shrink::shrink;
 const ITERATIONS: usize = 6;
 /// Standard deviations of its own estimate by which a number must have moved.
 const SURE: f64 = 2.0;
+/// Standard deviations of what is stated below which a number is where it was.
+const LEAST_MOVE: f64 = 0.01;
 
 /// A part of a corrected model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,8 +81,15 @@ pub(super) fn attributed(
 
 /// The effects of a fit, and the numbers that surely moved.
 fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
+    let is_said_anew = |number: &str| {
+        let mut terms = fit.hypothesis.terms.iter();
+        terms.any(|term| effects::of(term.kind.name).replaces() == Some(number))
+    };
     let has_moved = |place: &usize| {
-        problem.nudges[*place].name != INPUT_TIME && fit.x[*place].abs() > SURE * fit.std[*place]
+        let name = &problem.nudges[*place].name;
+        let moved = fit.x[*place].abs();
+        let is_sure = moved > LEAST_MOVE && moved > SURE * fit.std[*place];
+        is_sure && name != INPUT_TIME && !is_said_anew(name)
     };
     let numbers = (0..problem.nudges.len()).filter(has_moved);
     let effects = 0..fit.hypothesis.terms.len();

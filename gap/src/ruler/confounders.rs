@@ -1,7 +1,7 @@
 //! Effects that may be what another one was taken for.
 
-use super::Start;
 use super::pool::SHORT_ITERATIONS;
+use super::start::Start;
 use crate::effects::{self, Candidate, Identification};
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;

@@ -14,6 +14,7 @@ mod proposed;
 mod scale;
 mod scored;
 mod selection;
+mod start;
 
 use crate::effects::Identification;
 use crate::fit::Fit;
@@ -135,11 +136,4 @@ fn begun_anew(
         scale::annealed(search.problem, &hypothesis, x)
     });
     fits.min_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// A place to fit from.
-#[derive(Clone, Debug)]
-struct Start {
-    hypothesis: Hypothesis,
-    x: Vec<f64>,
 }

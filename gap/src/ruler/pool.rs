@@ -1,7 +1,7 @@
 //! The sets of effects that are compared.
 
-use super::Start;
 use super::scored::{Scored, simplest};
+use super::start::Start;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;

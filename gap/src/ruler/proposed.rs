@@ -1,6 +1,6 @@
 //! Sets of effects that the missing torque proposes.
 
-use super::Start;
+use super::start::Start;
 use crate::effects::{self, Candidate};
 use crate::fit::Fit;
 use crate::missing_torque::MissingTorque;

@@ -38,9 +38,9 @@ use virtual_board::wiring::Wires;
   paddle board --script session.txt --out my-session --recording my-recording
 
 A script has a line for everything that is typed, after the time in seconds since power-on:
-  0.1  zero hall
-  0.2  arm
-  0.6  step 10
+  1.0  zero hall
+  1.1  arm
+  1.6  step 10
 and, after an exclamation mark, for what else happens to the board: !bridge-fault on, !bridge-fault off,
 !supply-off SECONDS, !reset, !crystal-stop, !wire NAME.
 

@@ -13,6 +13,7 @@ mod progress;
 mod provenance;
 mod report;
 mod rig;
+mod settings_file;
 mod spectrum;
 mod targets;
 mod tuning;

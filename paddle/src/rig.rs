@@ -3,8 +3,9 @@
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::progress;
+use crate::settings_file;
 use chrono::{SecondsFormat, Utc};
-use haptic_paddle::settings::{FIELDS, Settings};
+use haptic_paddle::settings::Settings;
 use remote::{Device, DeviceError, Plan, Progress, SerialWire, Taken, take};
 use std::fmt::Write;
 
@@ -108,13 +109,7 @@ impl Rig {
         for line in &self.log {
             let _ = writeln!(text, "    {},", quoted(line));
         }
-        let _ = writeln!(text, "]\n\n[settings]");
-        for field in FIELDS {
-            let value = field.shown(&self.settings).value().to_string();
-            let number = value.parse::<f64>().is_ok();
-            let value = if number { value } else { quoted(&value) };
-            let _ = writeln!(text, "{} = {value}", field.name);
-        }
+        let _ = write!(text, "]\n\n{}", settings_file::text(&self.settings));
         text
     }
 }

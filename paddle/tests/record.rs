@@ -114,6 +114,34 @@ fn experiments_become_a_recording_and_the_board_is_left_to_a_person() {
 }
 
 #[test]
+fn settings_are_pulled_changed_and_pushed_with_what_differs() {
+    let Some(image) = image("settings_are_pulled") else {
+        return;
+    };
+    let board = Board::start(&image);
+    let file = folder("settings").with_extension("toml");
+    let _ = std::fs::remove_file(&file);
+    let settings = |arguments: &[&str]| {
+        let mut command = Command::new(PADDLE);
+        command.arg("settings").args(arguments);
+        let output = command.args(["--port", &board.port]).arg(&file).output();
+        let output = output.unwrap();
+        assert!(output.status.success(), "{}", said(&output));
+        said(&output)
+    };
+    settings(&["pull"]);
+    let pulled = std::fs::read_to_string(&file).unwrap();
+    let changed = pulled.replace("pid.kp = 0.05 ", "pid.kp = 0.06 ");
+    assert_ne!(pulled, changed);
+    std::fs::write(&file, changed).unwrap();
+    let planned = settings(&["push", "--dry-run"]);
+    assert!(planned.contains("0.05 -> 0.06"), "{planned}");
+    assert!(settings(&["push"]).contains("0.05 -> 0.06"));
+    assert!(settings(&["push"]).contains("already"));
+    assert!(!settings(&["pull"]).contains("->"));
+}
+
+#[test]
 fn ctrl_c_disarms_and_keeps_the_runs_that_are_complete() {
     let Some(image) = image("ctrl_c_disarms_and_keeps") else {
         return;

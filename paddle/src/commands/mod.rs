@@ -7,6 +7,7 @@ pub mod experiment;
 pub mod gap;
 pub mod record;
 pub mod reproduce;
+pub mod settings;
 pub mod sim;
 
 use crate::answer::Answer;
@@ -28,6 +29,9 @@ pub enum Command {
     Record(record::Arguments),
     /// Record and diagnose, by turns, until the answer is unique.
     Experiment(experiment::Arguments),
+    /// A board's settings as a file, and back.
+    #[command(subcommand)]
+    Settings(settings::Command),
     /// Measure the gap between a simulation and a recording.
     #[command(subcommand)]
     Gap(gap::Command),
@@ -46,6 +50,7 @@ impl Command {
             Self::Board(arguments) => arguments.targets(),
             Self::Record(arguments) => arguments.targets(),
             Self::Experiment(arguments) => arguments.targets(),
+            Self::Settings(command) => command.targets(),
             Self::Gap(command) => command.targets(),
             Self::Reproduce(arguments) => arguments.targets(),
             Self::Effects(_) => Vec::new(),
@@ -63,6 +68,7 @@ impl Command {
             Self::Board(arguments) => board::run(arguments),
             Self::Record(arguments) => record::run(arguments),
             Self::Experiment(arguments) => experiment::run(arguments),
+            Self::Settings(command) => command.run(),
             // Its JSON is the recording format's.
             Self::Gap(command) => return command.run(),
             Self::Reproduce(arguments) => reproduce::run(arguments),

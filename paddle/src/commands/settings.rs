@@ -1,0 +1,150 @@
+//! `paddle settings`: a board's settings as a file, and back.
+
+use crate::answer::Answer;
+use crate::device_file::DeviceFile;
+use crate::failure::Failure;
+use crate::settings_file::{Difference, differences, text, told};
+use crate::targets::{Target, Use};
+use clap::{Args, Subcommand};
+use haptic_paddle::settings::Settings;
+use remote::{Device, SerialWire, Wire};
+use serde_json::json;
+use std::path::PathBuf;
+
+/// Which way.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Write the board's settings to a file.
+    #[command(
+        after_help = "Example: paddle settings pull --port /dev/ttyUSB0 my-paddle.toml
+
+The file can be given to `paddle sim` as --plant, too. It says what it would replace."
+    )]
+    Pull(Way),
+    /// Give the board the settings of a file, and say what changes.
+    #[command(after_help = "Examples:
+  paddle settings push --port /dev/ttyUSB0 my-paddle.toml --dry-run
+  paddle settings push --port /dev/ttyUSB0 my-paddle.toml --save
+
+Settings that the file does not name stay as they are. What the board refuses ends it, with nothing stored.")]
+    Push(Push),
+}
+
+/// Which board, which file.
+#[derive(Args)]
+pub struct Way {
+    /// The serial port, or what `paddle board` says.
+    #[arg(long)]
+    port: String,
+    /// TOML with a table [settings].
+    file: PathBuf,
+}
+
+/// What to do with the board.
+#[derive(Args)]
+pub struct Push {
+    #[command(flatten)]
+    way: Way,
+    /// Say what would change, and change nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Store them on the board, which must be disarmed.
+    #[arg(long, conflicts_with = "dry_run")]
+    save: bool,
+}
+
+impl Command {
+    /// Where it will write, and what it reads.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let target = match self {
+            Self::Pull(way) => Target::of("FILE", Use::File, &way.file),
+            Self::Push(push) => Target::of("FILE", Use::Read, &push.way.file),
+        };
+        target.into_iter().collect()
+    }
+
+    /// Does it.
+    ///
+    /// # Errors
+    /// [`Failure`] for a board that does not answer, and a file that cannot be used.
+    pub fn run(&self) -> Result<Answer, Failure> {
+        match self {
+            Self::Pull(way) => pull(way),
+            Self::Push(push) => push.run(),
+        }
+    }
+}
+
+fn pull(way: &Way) -> Result<Answer, Failure> {
+    let settings = Device::find(SerialWire::open(&way.port)?)?.settings()?;
+    // A file that is no settings file is replaced without a word on what was in it.
+    let before = std::fs::metadata(&way.file)
+        .ok()
+        .filter(|there| there.len() > 0)
+        .and_then(|_| applied(&way.file, &Settings::default()).ok());
+    std::fs::write(&way.file, text(&settings)).map_err(Failure::write(&way.file))?;
+    let changed = before.map_or_else(Vec::new, |before| differences(&before, &settings));
+    Ok(answer(
+        format!("settings in {}\n{}", way.file.display(), told(&changed)),
+        &changed,
+    ))
+}
+
+impl Push {
+    fn run(&self) -> Result<Answer, Failure> {
+        let mut device = Device::find(SerialWire::open(&self.way.port)?)?;
+        let before = device.settings()?;
+        let wanted = applied(&self.way.file, &before)?;
+        let changes = differences(&before, &wanted);
+        let mut text = match changes.len() {
+            0 => "the board has these settings already\n".to_owned(),
+            _ => told(&changes),
+        };
+        if self.dry_run {
+            return Ok(answer(text, &changes));
+        }
+        push(&mut device, &changes)?;
+        if self.save {
+            let said = device.expect("save", "saved")?;
+            text.push_str(&format!("{said}\n"));
+        }
+        Ok(answer(text, &changes))
+    }
+}
+
+/// Gives a board settings, one after the other, and makes sure that it has them.
+///
+/// # Errors
+/// [`remote::DeviceError::Refused`] for the first that it does not take.
+pub fn push<W: Wire>(
+    device: &mut Device<W>,
+    changes: &[Difference],
+) -> Result<(), remote::DeviceError> {
+    for change in changes {
+        let value = &change.values[1];
+        device.expect(
+            &format!("set {} {value}", change.name),
+            &format!("{} = {value}", change.name),
+        )?;
+    }
+    Ok(())
+}
+
+/// The settings of a file on top of `base`.
+fn applied(path: &std::path::Path, base: &Settings) -> Result<Settings, Failure> {
+    let mut settings = *base;
+    DeviceFile::read(path)?.apply(&mut settings)?;
+    Ok(settings)
+}
+
+fn answer(text: String, changes: &[Difference]) -> Answer {
+    let changes = changes.iter().map(|change| {
+        let [before, after] = &change.values;
+        json!({ "name": change.name, "unit": change.unit, "before": before, "after": after })
+    });
+    Answer {
+        text,
+        json: json!({ "changes": changes.collect::<Vec<_>>() }),
+        ..Answer::default()
+    }
+}

@@ -142,6 +142,31 @@ fn settings_are_pulled_changed_and_pushed_with_what_differs() {
 }
 
 #[test]
+fn experiments_on_a_paddle_as_it_is_modelled_find_no_gap() {
+    let Some(image) = image("experiments_on_a_paddle_as_it_is_modelled") else {
+        return;
+    };
+    let board = Board::start(&image);
+    let out = folder("experiment");
+    let output = Command::new(PADDLE)
+        .args(["experiment", "--port", &board.port, "--run", "step:10,0.5"])
+        .args(["--run", "multisine:0.0036,2,3", "--seconds", "5", "--out"])
+        .arg(&out)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", said(&output));
+    assert!(said(&output).contains("No gap"), "{}", said(&output));
+    for file in [
+        "diagnosis.json",
+        "report.html",
+        "corrected.toml",
+        "recording/recording.toml",
+    ] {
+        assert!(out.join(file).exists(), "{file}");
+    }
+}
+
+#[test]
 fn ctrl_c_disarms_and_keeps_the_runs_that_are_complete() {
     let Some(image) = image("ctrl_c_disarms_and_keeps") else {
         return;

@@ -55,6 +55,7 @@ pub struct Device<W: Wire> {
     steering: bool,
     sent_s: f64,
     other_version: Option<u8>,
+    travel_rad: f32,
 }
 
 impl<W: Wire> Device<W> {
@@ -74,6 +75,7 @@ impl<W: Wire> Device<W> {
             steering: false,
             sent_s: 0.0,
             other_version: None,
+            travel_rad: Settings::default().limit.travel_deg.to_radians(),
         };
         // A board that was left at another rate comes back to its own after some bytes that it does not understand.
         // One that has just got its power may still be at its boot.
@@ -189,7 +191,13 @@ impl<W: Wire> Device<W> {
                 });
             }
         }
+        self.travel_rad = settings.limit.travel_deg.to_radians();
         Ok(settings)
+    }
+
+    /// How far the paddle may go to either side, by the settings that were read last, rad.
+    pub fn travel_rad(&self) -> f32 {
+        self.travel_rad
     }
 
     /// Stops everything at once.

@@ -1,5 +1,6 @@
 //! Carries an experiment out.
 
+use haptic_paddle::controller::Mode;
 use link::{Channel, Channels};
 
 use crate::wire::Wire;
@@ -36,6 +37,12 @@ pub trait Progress {
     fn ends(&self) -> bool;
 }
 
+/// Share of its travel at which a paddle that is driven by torque is let go: it coasts on, and beyond its travel it could
+/// not be armed again.
+const GUARD: f32 = 0.7;
+/// Why a run ended there.
+const TOO_FAR: &str = "the paddle came near the end of its travel";
+
 /// Carries `plan` out, with so many rows a second: brings the paddle to the middle, arms it, starts the signal, and
 /// disarms it. Whatever happens, the paddle is disarmed afterwards.
 ///
@@ -67,13 +74,14 @@ fn carry_out<W: Wire>(
     device.expect("arm position", "mode position")?;
     device.expect("ref 0", "mode position")?;
     rest(device, CENTRE_S, progress)?;
-    if plan.mode_name() != "position" {
+    if plan.mode == Mode::Torque {
         device.command("disarm")?;
         device.expect(
             &format!("arm {}", plan.mode_name()),
             &format!("mode {}", plan.mode_name()),
         )?;
     }
+    let farthest_rad = GUARD * device.travel_rad();
     device.stream(Channels::ALL, rate_hz)?;
     rest(device, plan.before_s(), progress)?;
     device.expect(&plan.start_line(), &format!("mode {}", plan.mode_name()))?;
@@ -82,6 +90,7 @@ fn carry_out<W: Wire>(
     let periods = ((plan.signal_s() + plan.after_s()) * TICK_HZ) as u32;
     let mut heard_s = device.time_s();
     let mut fault = None;
+    let mut too_far = false;
     loop {
         if progress.ends() {
             return Err(DeviceError::Ended);
@@ -99,20 +108,25 @@ fn carry_out<W: Wire>(
             if row.value(Channel::Fault) != 0.0 {
                 fault.get_or_insert(row.period);
             }
-            if fault.is_none() {
+            too_far |=
+                plan.mode == Mode::Torque && row.value(Channel::Encoder).abs() > farthest_rad;
+            if fault.is_none() && !too_far {
                 rows.push(row);
             }
         }
+        if too_far {
+            device.stop()?;
+        }
         let gone = rows.last().map_or(0, |row| row.period.wrapping_sub(begun));
         progress.done(f64::from(gone) / f64::from(periods));
-        if gone >= periods || fault.is_some() {
+        if gone >= periods || fault.is_some() || too_far {
             break;
         }
     }
     let lost = device.lost();
     let fault = match fault {
         Some(_) => Some(what_went_wrong(device)?),
-        None => None,
+        None => too_far.then(|| TOO_FAR.to_owned()),
     };
     device.end_stream()?;
     device.command("disarm")?;

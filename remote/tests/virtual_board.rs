@@ -217,3 +217,21 @@ fn a_capture_is_fetched() {
     let captured = device.fetch_capture().unwrap();
     assert_eq!(captured.samples.len(), 3072);
 }
+
+#[test]
+fn a_paddle_that_is_driven_too_far_is_let_go_and_can_be_armed_again() {
+    let Some(image) = image("a_paddle_that_is_driven_too_far") else {
+        return;
+    };
+    let mut device = ready(&image);
+    device.settings().unwrap();
+    let plan = plan("torque:sine:0.006,0.5,4");
+    let taken = take(&mut device, &plan, 1000.0, &mut Quiet(false));
+    let told = match &taken {
+        Ok(taken) => taken.fault.clone().unwrap(),
+        Err(DeviceError::Fault(fault)) => fault.clone(),
+        other => panic!("{other:?}"),
+    };
+    assert!(told.contains("end of its travel"), "{told}");
+    device.expect("arm position", "mode position").unwrap();
+}

@@ -92,6 +92,18 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 }
 
 impl Arguments {
+    /// With what else there is by default.
+    pub fn on(port: String, out: PathBuf, seconds: f64) -> Self {
+        Self {
+            port,
+            runs: Vec::new(),
+            seconds,
+            out,
+            nominal: Nominal::default(),
+            rate: ROWS_HZ,
+        }
+    }
+
     /// Where it will write, and what it reads.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let out = Target::of("--out", Use::Folder, &self.out);
@@ -121,19 +133,21 @@ impl Course<'_> {
             self.arguments.runs.clone()
         };
         let mut told = String::new();
+        let mut amiss = Vec::new();
+        let mut last = None;
         loop {
-            let mut ended = false;
             for plan in &plans {
-                match self.record(plan) {
-                    Err(Failure::Device(DeviceError::Ended)) => {
-                        ended = true;
-                        break;
-                    }
-                    other => other?,
+                if let Err(failure) = self.record(plan) {
+                    amiss.push(failure);
+                    break;
                 }
             }
+            // What was diagnosed before stands.
+            if let (false, Some((recording, outcome))) = (amiss.is_empty(), &last) {
+                return self.conclude(recording, outcome, told, amiss);
+            }
             if self.recorder.recording().runs.is_empty() {
-                return Err(DeviceError::Ended.into());
+                return Err(amiss.pop().unwrap_or(Failure::Fault));
             }
             let folder = self.arguments.recording();
             record::leave(&self.recorder, self.rig, &folder)?;
@@ -148,15 +162,16 @@ impl Course<'_> {
             progress::note(&line);
             told.push_str(&line);
             told.push('\n');
-            let next = if ended || is_unique(&outcome.diagnosis) {
+            let next = if is_unique(&outcome.diagnosis) || !amiss.is_empty() {
                 None
             } else {
                 self.next(&outcome.diagnosis)
             };
             match next {
                 Some(plan) => plans = vec![plan],
-                None => return self.conclude(&recording, &outcome, told),
+                None => return self.conclude(&recording, &outcome, told, amiss),
             }
+            last = Some((recording, outcome));
         }
     }
 
@@ -207,6 +222,7 @@ impl Course<'_> {
         recording: &Recording,
         outcome: &Outcome,
         told: String,
+        mut amiss: Vec<Failure>,
     ) -> Result<Answer, Failure> {
         let folder = self.arguments.recording();
         let out = &self.arguments.out;
@@ -216,7 +232,6 @@ impl Course<'_> {
             "{told}\n{}",
             report::text(&outcome.diagnosis, &Labels::of(recording))
         );
-        let mut amiss = Vec::new();
         let mut say = |what: &str, path: PathBuf, saved: Result<(), Failure>| match saved {
             Ok(()) => text.push_str(&format!("{what} in {}\n", path.display())),
             Err(failure) => amiss.push(failure),

@@ -44,6 +44,9 @@ pub struct Arguments {
     rate: f64,
 }
 
+const HORIZON_S: f64 = 0.3;
+const TITLE: &str = "A paddle";
+
 /// What a recording states beside its runs.
 #[derive(Args)]
 pub struct Nominal {
@@ -51,11 +54,21 @@ pub struct Nominal {
     #[arg(long, default_value = "nominal", value_name = "nominal|FILE.toml")]
     model: PlantChoice,
     /// Prediction window that the recording states.
-    #[arg(long, default_value_t = 0.3, value_name = "s", value_parser = numbers::positive)]
+    #[arg(long, default_value_t = HORIZON_S, value_name = "s", value_parser = numbers::positive)]
     horizon: f64,
     /// A line for people.
-    #[arg(long, default_value = "A paddle", value_name = "TEXT")]
+    #[arg(long, default_value = TITLE, value_name = "TEXT")]
     title: String,
+}
+
+impl Default for Nominal {
+    fn default() -> Self {
+        Self {
+            model: PlantChoice::Nominal,
+            horizon: HORIZON_S,
+            title: TITLE.into(),
+        }
+    }
 }
 
 /// How well the nominal model's numbers are known, as the lab states them of its paddle.

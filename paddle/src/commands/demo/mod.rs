@@ -1,8 +1,10 @@
-//! `paddle demo`: a step response, and a gap with its diagnosis.
+//! `paddle demo`: a step response, and a gap with its diagnosis; or the whole way on the virtual board.
 
-use super::gap::{measure, results};
-use super::sim;
+mod board;
+
 use crate::answer::Answer;
+use crate::commands::gap::{measure, results};
+use crate::commands::sim;
 use crate::failure::Failure;
 use crate::files::Folder;
 use crate::provenance::Provenance;
@@ -17,20 +19,41 @@ use std::path::PathBuf;
 
 /// Where to.
 #[derive(Args)]
-#[command(after_help = "Example: paddle demo
+#[command(after_help = "Examples:
+  paddle demo
+  paddle demo --board
+  paddle demo --board --with torque_gain:gain=0.6
 
 A step of the simulated paddle, and a recording that was made by `paddle sim` with something hidden in it that its nominal
-model does not have: how large the gap is, what causes it, and the model that closes it.")]
+model does not have: how large the gap is, what causes it, and the model that closes it.
+
+With --board the loop is closed, without hardware: a virtual board whose paddle has something hidden in it, experiments over
+its serial port until the diagnosis names it, gains for the corrected model, and a step with the old and the new gains. That
+takes some minutes.")]
 pub struct Arguments {
     /// Leave plots, CSVs, the recording and its report in this folder.
     #[arg(long, default_value = "paddle-out/demo", value_name = "DIR")]
     out: PathBuf,
+    /// Close the loop on the virtual board.
+    #[arg(long)]
+    board: bool,
+    /// Hide this in its paddle.
+    #[arg(
+        long,
+        requires = "board",
+        default_value = "torque_gain:gain=0.6",
+        value_name = "EFFECT:PARAMETER=VALUE,..."
+    )]
+    with: String,
 }
 
 /// The recording, as files of its folder.
 const RECORDING: [(&str, &str); 2] = [
-    ("recording.toml", include_str!("../../demo/recording.toml")),
-    ("multisine.csv", include_str!("../../demo/multisine.csv")),
+    (
+        "recording.toml",
+        include_str!("../../../demo/recording.toml"),
+    ),
+    ("multisine.csv", include_str!("../../../demo/multisine.csv")),
 ];
 
 /// Demonstrates.
@@ -39,6 +62,9 @@ const RECORDING: [(&str, &str); 2] = [
 /// [`Failure`] for files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let out = &arguments.out;
+    if arguments.board {
+        return board::run(&board::folder(out), &arguments.with);
+    }
     let step = sim::step_of_refit(out)?;
     let mut folder = Folder::new(&out.join("recording"));
     for (name, text) in RECORDING {

@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, Lines};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use recording::{Drive, Recording};
@@ -20,8 +21,12 @@ fn image(test: &str) -> Option<PathBuf> {
     Some(path)
 }
 
+/// Boards keep pace with the clock on the wall, which several at once would not.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
 /// A live virtual board, ended with the test.
 struct Board {
+    _alone: MutexGuard<'static, ()>,
     child: Child,
     _lines: Lines<BufReader<ChildStdout>>,
     port: String,
@@ -29,6 +34,7 @@ struct Board {
 
 impl Board {
     fn start(image: &Path) -> Self {
+        let alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let mut child = Command::new(PADDLE)
             .args(["board", "--plant", "nominal", "--elf"])
             .arg(image)
@@ -43,6 +49,7 @@ impl Board {
             .find_map(|line| line.strip_prefix("serial port: ").map(str::to_owned))
             .expect("no port");
         Self {
+            _alone: alone,
             child,
             _lines: lines,
             port,

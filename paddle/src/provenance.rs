@@ -5,6 +5,7 @@ use chrono::{SecondsFormat, Utc};
 use recording::Recording;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+use std::io::Read;
 use std::path::Path;
 
 const MANIFEST: &str = "recording.toml";
@@ -62,10 +63,23 @@ impl Provenance {
     }
 }
 
+/// Bytes of a file that are held at once.
+const PART_BYTES: usize = 1 << 16;
+
 impl InputFile {
     fn read(file: &str, path: &Path) -> Result<Self, Failure> {
-        let bytes = std::fs::read(path).map_err(Failure::read(path))?;
-        let digits = Sha256::digest(bytes)
+        let mut source = recording::open_file(path, "give a file that can be read")?;
+        let mut hash = Sha256::new();
+        let mut part = vec![0; PART_BYTES];
+        loop {
+            let read = source.read(&mut part).map_err(Failure::read(path))?;
+            if read == 0 {
+                break;
+            }
+            hash.update(&part[..read]);
+        }
+        let digits = hash
+            .finalize()
             .iter()
             .map(|byte| format!("{byte:02x}"))
             .collect();

@@ -132,7 +132,7 @@ fn collect(path: &Path, lines: &mut Vec<Value>) -> Result<(), Failure> {
         }
         return Ok(());
     }
-    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+    let text = recording::read_text(path, "give a file that can be read")?;
     let values = serde_json::Deserializer::from_str(&text).into_iter::<Value>();
     // A line that was cut off in its middle is diagnosed again by the batch.
     lines.extend(

@@ -67,6 +67,15 @@ impl Bench {
         }
     }
 
+    /// As [`Self::armed`], pushing the paddle; `None`, with a line that says so, if the image was not built.
+    pub fn pushing(test: &str) -> Option<Self> {
+        let mut bench = Self::armed(image(test)?);
+        bench.command("ref 30");
+        bench.run(0.004);
+        assert!(bench.drives());
+        Some(bench)
+    }
+
     /// As [`Self::new`], booted, zeroed and armed.
     pub fn armed(image: Image) -> Self {
         let mut bench = Self::new(image);

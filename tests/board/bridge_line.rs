@@ -6,18 +6,9 @@ use virtual_board::board::Bridge;
 /// Exception number of EXTI lines 10 to 15.
 const FAULT_LINE: u16 = 16 + 40;
 
-/// An armed bench that pushes the paddle.
-fn pushing(test: &str) -> Option<Bench> {
-    let mut bench = Bench::armed(image(test)?);
-    bench.command("ref 30");
-    bench.run(0.004);
-    assert!(bench.drives());
-    Some(bench)
-}
-
 #[test]
 fn a_glitch_of_nfault_turns_the_outputs_off_for_a_control_period_at_most() {
-    let Some(mut bench) = pushing("a_glitch_of_nfault") else {
+    let Some(mut bench) = Bench::pushing("a_glitch_of_nfault") else {
         return;
     };
     bench.board.set_bridge_fault(true);
@@ -33,7 +24,7 @@ fn a_glitch_of_nfault_turns_the_outputs_off_for_a_control_period_at_most() {
 
 #[test]
 fn nfault_that_stays_low_is_latched_with_one_interrupt() {
-    let Some(mut bench) = pushing("nfault_that_stays_low") else {
+    let Some(mut bench) = Bench::pushing("nfault_that_stays_low") else {
         return;
     };
     let before = bench.board.cpu.totals(FAULT_LINE).count;

@@ -1,23 +1,14 @@
 //! A debugger that halts the core, and lets it go on.
 
-use crate::bench::{Bench, image};
+use crate::bench::Bench;
 use virtual_board::board::{Bridge, Pause};
 
 /// Two control periods.
 const TWO_PERIODS_S: f64 = 1e-4;
 
-/// An armed bench that pushes the paddle.
-fn pushing(test: &str) -> Option<Bench> {
-    let mut bench = Bench::armed(image(test)?);
-    bench.command("ref 30");
-    bench.run(0.004);
-    assert!(bench.drives());
-    Some(bench)
-}
-
 #[test]
 fn a_halt_leaves_no_input_of_the_bridge_to_float() {
-    let Some(mut bench) = pushing("a_halt_leaves_no_input_of_the_bridge_to_float") else {
+    let Some(mut bench) = Bench::pushing("a_halt_leaves_no_input_of_the_bridge_to_float") else {
         return;
     };
     bench.board.begin_halt();
@@ -35,7 +26,7 @@ fn a_halt_leaves_no_input_of_the_bridge_to_float() {
 
 #[test]
 fn after_a_halt_the_bridge_is_off_until_somebody_clears_the_fault() {
-    let Some(mut bench) = pushing("after_a_halt_the_bridge_is_off") else {
+    let Some(mut bench) = Bench::pushing("after_a_halt_the_bridge_is_off") else {
         return;
     };
     bench.board.halt_core(0.1).unwrap();
@@ -67,7 +58,7 @@ fn runner() -> String {
 
 #[test]
 fn the_flash_command_lets_a_fault_reach_its_handler() {
-    let Some(mut bench) = pushing("the_flash_command_lets_a_fault_reach_its_handler") else {
+    let Some(mut bench) = Bench::pushing("the_flash_command_lets_a_fault_reach_its_handler") else {
         return;
     };
     // probe-rs halts the core at a hard fault, before the first instruction of its handler, unless it is told not to.

@@ -7,15 +7,6 @@ use virtual_board::cpu::Memories;
 use virtual_board::peripherals::rcc::ResetCause;
 use virtual_board::wiring::Wires;
 
-/// An armed bench that pushes the paddle.
-fn pushing(test: &str) -> Option<Bench> {
-    let mut bench = Bench::armed(image(test)?);
-    bench.command("ref 30");
-    bench.run(0.004);
-    assert!(bench.drives());
-    Some(bench)
-}
-
 #[test]
 fn the_enables_are_low_within_microseconds_of_the_reset() {
     /// Some dozen instructions at 16 MHz.
@@ -70,7 +61,7 @@ fn a_crystal_that_never_starts_is_reported_and_nothing_can_be_armed() {
 
 #[test]
 fn a_dip_of_the_supply_turns_the_outputs_off() {
-    let Some(mut bench) = pushing("a_dip_of_the_supply") else {
+    let Some(mut bench) = Bench::pushing("a_dip_of_the_supply") else {
         return;
     };
     bench.board.set_supply(2.9);
@@ -92,7 +83,7 @@ fn a_dip_of_the_supply_turns_the_outputs_off() {
 
 #[test]
 fn while_the_supply_is_low_nothing_can_be_armed() {
-    let Some(mut bench) = pushing("while_the_supply_is_low") else {
+    let Some(mut bench) = Bench::pushing("while_the_supply_is_low") else {
         return;
     };
     bench.board.set_supply(2.9);
@@ -131,7 +122,7 @@ fn the_brown_out_level_is_set_at_the_first_boot_and_holds_the_chip_in_reset() {
 
 #[test]
 fn a_crystal_that_stops_breaks_the_outputs_without_a_line_of_code() {
-    let Some(mut bench) = pushing("a_crystal_that_stops_breaks_the_outputs") else {
+    let Some(mut bench) = Bench::pushing("a_crystal_that_stops_breaks_the_outputs") else {
         return;
     };
     // Whatever the core would do from here on, it hangs.

@@ -7,15 +7,6 @@ use host_sim::presets;
 use virtual_board::board::Bridge;
 use virtual_board::wiring::Wires;
 
-/// An armed bench that pushes the paddle.
-fn pushing(test: &str) -> Option<Bench> {
-    let mut bench = Bench::armed(image(test)?);
-    bench.command("ref 30");
-    bench.run(0.004);
-    assert!(bench.drives());
-    Some(bench)
-}
-
 /// The refitted paddle with a stop at 0.2 rad.
 fn stopped() -> Device {
     let mut device = presets::refit();
@@ -50,7 +41,7 @@ fn until_off(bench: &mut Bench, patience_s: f64) -> f64 {
 
 #[test]
 fn a_program_that_has_spoken_and_falls_silent_disarms() {
-    let Some(mut bench) = pushing("a_program_that_has_spoken") else {
+    let Some(mut bench) = Bench::pushing("a_program_that_has_spoken") else {
         return;
     };
     // A person at a terminal may be silent.
@@ -261,7 +252,7 @@ fn a_stall_at_a_stop_trips() {
 
 #[test]
 fn no_missed_control_tick_goes_uncounted() {
-    let Some(mut bench) = pushing("no_missed_control_tick") else {
+    let Some(mut bench) = Bench::pushing("no_missed_control_tick") else {
         return;
     };
     let ticks = bench.address_of(&["firmware", "5TICKS"]);
@@ -290,7 +281,7 @@ fn no_missed_control_tick_goes_uncounted() {
 
 #[test]
 fn faults_are_kept_with_their_values_first_cause_first_over_a_reset() {
-    let Some(mut bench) = pushing("faults_are_kept") else {
+    let Some(mut bench) = Bench::pushing("faults_are_kept") else {
         return;
     };
     bench.board.set_supply(2.9);

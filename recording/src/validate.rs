@@ -64,16 +64,19 @@ pub(crate) fn manifest(
     positive("horizon", manifest.horizon)?;
     positive("restart_half_width", manifest.restart_half_width)?;
 
-    manifest.model.check().map_err(|wrong| {
-        let key = format!("model.{}", wrong.name);
-        let line = lines.get(&key);
-        let fault = Fault::OutOfRange {
-            key,
-            value: wrong.value,
-            wanted: wrong.wanted,
-        };
-        Error::new(fault).at(line)
-    })?;
+    let check_model = |table: &str, model: &Model| {
+        model.check().map_err(|wrong| {
+            let key = format!("{table}.{}", wrong.name);
+            let line = lines.get(&key);
+            let fault = Fault::OutOfRange {
+                key,
+                value: wrong.value,
+                wanted: wrong.wanted,
+            };
+            Error::new(fault).at(line)
+        })
+    };
+    check_model("model", &manifest.model)?;
     for (name, relative) in tolerance.iter() {
         not_negative(&format!("model.tolerance.{name}"), relative)?;
     }
@@ -111,16 +114,7 @@ pub(crate) fn manifest(
                 name => _ = own.set(name, *value),
             }
         }
-        own.check().map_err(|wrong| {
-            let key = format!("runs.{k}.model.{}", wrong.name);
-            let line = lines.get(&key);
-            let fault = Fault::OutOfRange {
-                key,
-                value: wrong.value,
-                wanted: wrong.wanted,
-            };
-            Error::new(fault).at(line)
-        })?;
+        check_model(&format!("runs.{k}.model"), &own)?;
         if let Some(Controller::Pid(pid)) = &run.controller {
             let key = |name: &str| format!("runs.{k}.controller.{name}");
             for (name, gain) in [("kp", pid.kp), ("ki", pid.ki), ("kd", pid.kd)] {

@@ -24,7 +24,7 @@ pub use part::{Part, parts};
 
 use host_sim::device::Device;
 
-/// What is exported.
+/// A device to be written for a simulator.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Of the device, for names and comments.

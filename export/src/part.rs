@@ -66,6 +66,15 @@ pub enum Part {
 }
 
 impl Part {
+    /// How a format approximates the part whose joints have limits and one level of dry friction; none if it does not.
+    pub(crate) fn by_joint_attributes(self) -> Option<&'static str> {
+        match self {
+            Self::EndStop => Some("limits of the joint, whose stiffness is the simulator's"),
+            Self::AsymmetricCoulomb => Some("its mean"),
+            _ => None,
+        }
+    }
+
     /// The effect of the vocabulary that it belongs to.
     pub fn name(self) -> &'static str {
         match self {

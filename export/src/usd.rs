@@ -17,11 +17,7 @@ impl Writer for Usd {
     }
 
     fn approximates(&self, part: Part) -> Option<&'static str> {
-        match part {
-            Part::EndStop => Some("limits of the joint, whose stiffness is the simulator's"),
-            Part::AsymmetricCoulomb => Some("its mean"),
-            _ => None,
-        }
+        part.by_joint_attributes()
     }
 
     fn text(&self, model: &Model, notes: &[String]) -> String {

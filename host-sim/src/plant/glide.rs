@@ -58,11 +58,19 @@ impl Plant {
         true
     }
 
-    /// True if what carries the barriers has come into one, or out of one.
+    /// True if what carries the barriers has come into one, or out of one, since it was in a state; or if it has turned round, so that it
+    /// was farther in between and may have touched one.
     #[inline]
     pub(super) fn meets_barrier(&self, state: &State, position: f64, velocity: f64) -> bool {
+        let before = if self.parts.has_link {
+            state.load_velocity
+        } else {
+            state.velocity
+        };
+        let has_turned = before * velocity < 0.0;
         let meets = |(barrier, touch): (&Barrier, &Touch)| {
-            barrier.is_there(state.time_s) && barrier.guard(*touch, position, velocity) < 0.0
+            let is_left = has_turned || barrier.guard(*touch, position, velocity) < 0.0;
+            barrier.is_there(state.time_s) && is_left
         };
         self.parts.barriers.iter().zip(&state.touch).any(meets)
     }

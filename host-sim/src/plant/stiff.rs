@@ -231,15 +231,20 @@ impl Plant {
                 let natural_s = (bristles * mobility).sqrt().recip();
                 longest = longest.min(BRISTLE_ANGLE * natural_s.max(damping / bristles));
             }
-            let turns = if self.parts.has_link {
-                let link = self.parts.link.natural_rate(m.inertia);
-                (stiffness * mobility).sqrt() + link
-            } else {
-                let half = 0.5 * damping * mobility;
-                (stiffness * mobility - half * half).max(0.0).sqrt()
-            };
-            longest = longest.min(TURN / turns);
+            longest = longest.min(TURN / self.turning_rate(stiffness, damping));
         }
         longest
+    }
+
+    /// Rate at which the masses turn on a ground of some stiffness, N m/rad, and damping, N m s/rad, and on their link, rad/s: a velocity
+    /// changes its sign once in a part of a turn at most.
+    pub(super) fn turning_rate(&self, stiffness: f64, damping: f64) -> f64 {
+        let mobility = self.highest_mobility();
+        if self.parts.has_link {
+            let link = self.parts.link.natural_rate(self.mechanics.inertia);
+            return (stiffness * mobility).sqrt() + link;
+        }
+        let half = 0.5 * damping * mobility;
+        (stiffness * mobility - half * half).max(0.0).sqrt()
     }
 }

@@ -36,6 +36,9 @@ impl Follower<'_> {
             return;
         };
         let step_s = self.step_s;
+        if plant.may_turn_twice(&ground, step_s) {
+            return;
+        }
         let link = &plant.parts.link;
         let flank = link.flank(x[0] - x[2], x[1] - x[3]);
         let held = sides.map(|side| side == Side::Held);

@@ -224,13 +224,12 @@ fn late_s(push: &Push, step_s: f64) -> f64 {
 }
 
 impl Plant {
-    /// True if one mass on the ground may turn round twice within a step.
+    /// True if a mass may turn round twice within a step and something depends on that: dry friction or what it meets.
     #[inline]
     fn may_turn_twice(&self, ground: &Ground, step_s: f64) -> bool {
-        let inverse = self.inverse_inertia[0];
-        let half = 0.5 * (self.mechanics.viscous + ground.damping) * inverse;
-        let turns = ground.stiffness * inverse - half * half;
-        turns * step_s * step_s > TURN * TURN
+        let watches = self.dry || !self.parts.barriers.is_empty();
+        let damping = self.mechanics.viscous + ground.damping;
+        watches && self.turning_rate(ground.stiffness.max(0.0), damping) * step_s > TURN
     }
 
     /// True if static friction that falls with speed is too steep for a step.

@@ -25,8 +25,7 @@ impl Follower<'_> {
         };
         let direction = side.direction();
         let step_s = self.step_s;
-        let watches = plant.dry || !plant.parts.barriers.is_empty();
-        if watches && plant.may_turn_twice(&ground, step_s) {
+        if plant.may_turn_twice(&ground, step_s) {
             return;
         }
         let rate = plant.spring_rate + ground.rate(plant.inverse_inertia[0]);

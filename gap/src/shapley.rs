@@ -1,7 +1,5 @@
 //! What each of several causes accounts for that close a gap together.
 
-use rayon::prelude::*;
-
 /// Causes of which every subset is looked at; of more, each is taken alone and left out.
 const MOST_SUBSETS: usize = 4;
 /// Share of what all close that a cause closes alone at least, where it closes less: two that cancel close nothing alone, and one of
@@ -11,7 +9,7 @@ const LEAST_ALONE: f64 = 0.05;
 /// What a cause accounts for of what all close together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Share {
-    /// Its Shapley share (Shapley, Contributions to the Theory of Games 2, 1953); all add up to 1.
+    /// Its Shapley share (Shapley, Contributions to the Theory of Games 2, 1953), over the subsets that are looked at.
     pub of_all: f64,
     /// What it closes alone, over what all do.
     pub alone: f64,
@@ -24,16 +22,19 @@ impl Share {
     }
 }
 
-/// The shares of `count` causes, where `left` says what is left of a gap with a subset of them, one bit a cause.
-pub(crate) fn shares(count: usize, left: impl Fn(u32) -> f64 + Sync) -> Vec<Share> {
+/// The subsets of `count` causes that their shares are made from, one bit a cause.
+pub(crate) fn subsets(count: usize) -> Vec<u32> {
     let all = (1u32 << count) - 1;
-    let subsets: Vec<u32> = (0..=all)
-        .filter(|subset| {
-            let size = subset.count_ones() as usize;
-            count <= MOST_SUBSETS || size <= 1 || size >= count - 1
-        })
-        .collect();
-    let left: Vec<(u32, f64)> = subsets.into_par_iter().map(|s| (s, left(s))).collect();
+    let is_needed = |subset: &u32| {
+        let size = subset.count_ones() as usize;
+        count <= MOST_SUBSETS || size <= 1 || size >= count - 1
+    };
+    (0..=all).filter(is_needed).collect()
+}
+
+/// The shares of `count` causes, where so much is `left` of a gap with each of their [`subsets`].
+pub(crate) fn shares(count: usize, left: &[(u32, f64)]) -> Vec<Share> {
+    let all = (1u32 << count) - 1;
     let closed = |subset: u32| {
         let of = |wanted| {
             left.iter()
@@ -82,7 +83,8 @@ mod tests {
                 let taken = (0..count).filter(|cause| subset >> cause & 1 == 1);
                 1.0 - taken.map(|cause| closes[cause]).sum::<f64>()
             };
-            for (share, closes) in shares(count, left).iter().zip(closes) {
+            let left: Vec<(u32, f64)> = subsets(count).into_iter().map(|s| (s, left(s))).collect();
+            for (share, closes) in shares(count, &left).iter().zip(closes) {
                 let expected = closes / whole;
                 assert!(
                     (share.of_all - expected).abs() < 1e-12,
@@ -98,7 +100,7 @@ mod tests {
 
     #[test]
     fn of_two_that_do_the_same_each_accounts_for_half() {
-        let shares = shares(2, |subset| if subset == 0 { 1.0 } else { 0.2 });
+        let shares = shares(2, &[(0b00, 1.0), (0b01, 0.2), (0b10, 0.2), (0b11, 0.2)]);
         assert!(
             shares
                 .iter()

@@ -16,8 +16,8 @@ pub(crate) fn shrink(before: &[f64], after: &[f64], floor: &[f64], reference: &[
     })
 }
 
-/// Stretches of a recording that are taken as recordings of their own, and how many of them make up another recording: the shrink
-/// on one varies as it does between these.
+/// Stretches into which a recording is cut, and how many of them, drawn at random, stand for another recording. `docs/diagnosis.md` has
+/// the trial.
 const STRETCHES: usize = 8;
 const STRETCHES_OF_ANOTHER: usize = 2;
 /// Standard deviation of the logarithm of a floor: the noise is known to some 15 %.

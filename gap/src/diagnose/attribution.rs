@@ -7,6 +7,7 @@ use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::shapley;
 use crate::shrink::shrink;
+use rayon::prelude::*;
 
 const ITERATIONS: usize = 6;
 /// Standard deviations of its own estimate by which a number must have moved.
@@ -27,14 +28,13 @@ pub(super) enum Cause {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attributed {
     pub cause: Cause,
-    /// By which parts are ordered.
-    pub rank: f64,
     /// Its part of the shrink of the whole model, with its 95 % interval.
     pub shrink: [f64; 3],
 }
 
-/// What the parts of a fit account for of a `total` shrink with its 95 % interval, those that close most first: each refitted without
-/// others, so that what several can close is shared among them. `nominal` and `floor` are squares by window.
+/// Divides the `total` shrink of a fit, given with its 95 % interval, among its effects and the numbers that moved. The one that closes
+/// most comes first. Each part gets its Shapley share: subsets of the parts are refitted, and what several parts can close is divided
+/// among them. `nominal` and `floor` are squared residuals by window, in units of position squared.
 pub(super) fn attributed(
     problem: &Problem<'_>,
     fit: &Fit,
@@ -46,27 +46,36 @@ pub(super) fn attributed(
     if let [cause] = causes[..] {
         return vec![Attributed {
             cause,
-            rank: 1.0,
             shrink: total,
         }];
     }
-    let all = (1u32 << causes.len()) - 1;
     let is_taken = |subset: u32, cause: Cause| {
         let place = causes.iter().position(|other| *other == cause);
         place.is_some_and(|place| subset >> place & 1 == 1)
     };
-    let left = |subset: u32| left_with(problem, fit, |cause| is_taken(subset, cause));
-    let shares = shapley::shares(causes.len(), |subset| problem.rms(&left(subset)));
+    let subsets = shapley::subsets(causes.len()).into_par_iter();
+    let left = subsets.map(|subset| {
+        let squares = left_with(problem, fit, |cause| is_taken(subset, cause));
+        (subset, squares)
+    });
+    let left: Vec<(u32, Vec<f64>)> = left.collect();
+    let rms = left
+        .iter()
+        .map(|(subset, squares)| (*subset, problem.rms(squares)));
+    let shares = shapley::shares(causes.len(), &rms.collect::<Vec<_>>());
     let positive = shares.iter().map(|share| share.of_all.max(0.0));
     let sum = positive.sum::<f64>().max(f64::MIN_POSITIVE);
     let with = problem.window_squares(fit, Part::All);
-    let places = causes.iter().zip(&shares).enumerate();
-    let parts = places.map(|(place, (&cause, share))| {
+    let parts = causes.iter().zip(&shares).map(|(&cause, share)| {
         let own = total[0] * share.of_all.max(0.0) / sum;
-        let [beside, low, high] = shrink(&left(all & !(1 << place)), &with, floor, nominal);
+        let others = left.iter().find(|(subset, _)| {
+            let mut causes = causes.iter();
+            causes.all(|&other| is_taken(*subset, other) != (other == cause))
+        });
+        let beside = others.map(|(_, others)| shrink(others, &with, floor, nominal));
+        let [beside, low, high] = beside.unwrap_or_default();
         Attributed {
             cause,
-            rank: share.rank(),
             shrink: [
                 own,
                 own + (low - beside).min(0.0),
@@ -75,7 +84,7 @@ pub(super) fn attributed(
         }
     });
     let mut parts: Vec<Attributed> = parts.collect();
-    parts.sort_by(|a, b| b.rank.total_cmp(&a.rank));
+    parts.sort_by(|a, b| b.shrink[0].total_cmp(&a.shrink[0]));
     parts
 }
 
@@ -125,11 +134,12 @@ mod tests {
     use crate::guess::start::linear;
     use crate::made;
 
-    /// What the number `viscous` and an offset account for of a shrink of 0.9, where both are off by so much.
-    fn accounted(viscous: f64, offset: f64) -> [f64; 2] {
+    /// Shrink that is attributed to the number `viscous` and to a constant torque, out of 0.9 in all. The device has so much of either
+    /// beyond its model, in N m s/rad and N m.
+    fn accounted(viscous: f64, offset_nm: f64) -> [f64; 2] {
         let hidden = [
             format!("viscous:coefficient={viscous}"),
-            format!("torque_offset:torque={offset}"),
+            format!("torque_offset:torque={offset_nm}"),
         ];
         let hidden: Vec<&str> = hidden.iter().map(String::as_str).collect();
         let mut recording = made::recording(&hidden);

@@ -35,12 +35,14 @@ pub(super) fn most_sure(verdict: Verdict, timing: Option<&TimingDoubt>) -> f64 {
     }
 }
 
-/// The effects of a selection, those that close most first: each `closes` its part of the gap, with its 95 % interval.
+/// The effects of a selection, each of which `closes` so much of the gap with its 95 % interval, and those that are moved `numbers` of
+/// the model; the one that closes most comes first.
 pub(super) fn findings(
     problem: &Problem<'_>,
     selection: &Selection,
     steps: &[Step],
     closes: &[[f64; 3]],
+    numbers: Vec<Finding>,
     comparison: Option<&Comparison>,
     most_sure: f64,
 ) -> Vec<Finding> {
@@ -86,6 +88,7 @@ pub(super) fn findings(
             shrink_interval: [closes[1], closes[2]],
         });
     }
+    all.extend(numbers);
     all.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
     let like = comparison.and_then(Comparison::like);
     for finding in &mut all {

@@ -122,20 +122,17 @@ pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     }
     let timing = timing::doubt(&problem, selection.fit());
     let most_sure = most_sure(verdict, timing.as_ref());
-    let mut effects = findings(
+    let named = selection.rounds.iter().map(|round| round.rivals[0].name);
+    let named: Vec<&str> = named.collect();
+    let effects = findings(
         &problem,
         &selection,
         &correction.steps,
         &correction.closes,
+        numbers::beyond_tolerance(&correction.numbers, &named, most_sure),
         comparison.as_ref(),
         most_sure,
     );
-    effects.extend(numbers::beyond_tolerance(
-        &correction.numbers,
-        &effects,
-        most_sure,
-    ));
-    effects.sort_by(|a, b| b.shrink.total_cmp(&a.shrink));
     let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
 
     progress(Stage::Where);

@@ -83,14 +83,15 @@ fn estimated(
 
 /// Stated standard deviations beyond which a number that moved is an effect.
 const BEYOND_TOLERANCE: f64 = 3.0;
-/// Probability that such an effect is what the number moved for: without it another one might have moved.
+/// Probability that such an effect is the right name. Another number or effect may have been missing in its place: of 13 such names on a
+/// blind set with mess 6 were right.
 const SURE_BEYOND_TOLERANCE: f64 = 0.45;
 
 /// The numbers that moved beyond what is stated of them, or that were stated as exact, as effects, but for those that are `named`
 /// already.
 pub(super) fn beyond_tolerance(
     numbers: &[NumberFinding],
-    named: &[Finding],
+    named: &[&str],
     most_sure: f64,
 ) -> Vec<Finding> {
     let far = numbers.iter().filter(|number| {
@@ -102,7 +103,7 @@ pub(super) fn beyond_tolerance(
     let findings = far.filter_map(|number| {
         let effect = effects::replacing(&number.name)?;
         let kind = effect.kind();
-        let is_named = named.iter().any(|finding| finding.name == kind.name);
+        let is_named = named.contains(&kind.name);
         // A number that only scales the others is said as a multiple of what is stated.
         let is_scale = effect
             .main_number()

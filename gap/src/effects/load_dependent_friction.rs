@@ -15,12 +15,13 @@ use host_sim::effects::load_dependent_friction::KIND;
 
 /// Part of the pull of gravity and springs that it may grow with, beside that of the drive.
 const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
-/// The same as screened for the missing torque.
+/// Such parts for which a torque is compared with the missing torque.
 const PASSIVE_SCREENED: [f64; 3] = [0.0, 1.0, -1.0];
-/// Place of the parameter that says by how much more it rubs where the load drives, and from where that is looked for.
+/// Place of the parameter that says how many times as much friction grows where the load drives the motor, and values from which its
+/// fit begins.
 const BACKDRIVEN: usize = 2;
 const BACKDRIVES: [f64; 2] = [0.3, 4.0];
-/// The same as screened for the missing torque.
+/// Such values for which a torque is compared with the missing torque.
 const BACKDRIVEN_SCREENED: [f64; 2] = [1.0, 5.0];
 
 #[derive(Debug)]

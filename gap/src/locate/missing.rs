@@ -7,11 +7,12 @@ use crate::missing_torque::{self, Axis, MissingTorque};
 use host_sim::device::Device;
 use recording::{Model, Recording};
 
-/// Share of the missing torque, squared, on held-out time that a function of an axis explains at least to be where it lies.
+/// Least share of the squared missing torque that a function of one axis must explain on held-out time for that axis to come first: most
+/// of it.
 const LEAST_SHARE: f64 = 0.5;
 
-/// The axis, if a function of it explains most of the missing torque, and the stretch of it that carries more of that than of the
-/// samples.
+/// The axis of which a function explains most of the missing torque, if there is one, with the stretch of it whose share of the squared
+/// torque exceeds its share of the samples most.
 pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
     let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
     let summary = missing.summary();

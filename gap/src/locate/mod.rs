@@ -113,7 +113,7 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let is_new = |(third, _): &(Evidence, Told)| axes.iter().all(|(e, _)| e.axis != third.axis);
     let third = third.filter(is_new);
     axes.extend(third);
-    // What the missing torque is a function of is where it acts.
+    // The axis that best predicts the missing torque comes first.
     if let Some(first) = missing(recording).and_then(told_of) {
         let known = axes.iter().position(|(e, _)| e.axis == first.0.axis);
         let first = known.map_or(first, |place| axes.remove(place));

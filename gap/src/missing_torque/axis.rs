@@ -34,7 +34,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// What it is called in results.
+    /// Its name in JSON, text and pictures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Constant => "constant",

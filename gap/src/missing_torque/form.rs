@@ -11,7 +11,7 @@ use host_sim::effects::Kind;
 pub(crate) struct Form {
     /// Torque over each step, for a unit of each coefficient.
     pub torque: Vec<Vec<f64>>,
-    /// What the sensor shows too much in each row, likewise; empty if it shows what is there.
+    /// Error of the sensor in each row, in units of position, for a unit of each coefficient; empty if the effect is not in the sensor.
     pub reading: Vec<Vec<f64>>,
     /// The effect's numbers, in the order of its kind, for some coefficients.
     pub values: Values,

@@ -5,6 +5,7 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::shapley;
+use rayon::prelude::*;
 
 const ITERATIONS: usize = 5;
 
@@ -15,10 +16,14 @@ pub(super) fn order(problem: &Problem<'_>, set: &Scored, kept: usize) -> Vec<usi
     if count < 2 {
         return places;
     }
-    let shares = shapley::shares(count, |subset| {
+    let left = shapley::subsets(count).into_par_iter().map(|subset| {
         let fit = subset_fit(problem, &set.fit, kept, |place| subset >> place & 1 == 1);
-        problem.rms(&problem.window_squares(&fit, Part::All))
+        (
+            subset,
+            problem.rms(&problem.window_squares(&fit, Part::All)),
+        )
     });
+    let shares = shapley::shares(count, &left.collect::<Vec<_>>());
     places.sort_by(|&a, &b| shares[b].rank().total_cmp(&shares[a].rank()));
     places
 }

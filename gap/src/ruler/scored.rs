@@ -8,6 +8,8 @@ use crate::floor::mean_and_error;
 use crate::plausible::Implausible;
 
 const ITERATIONS: usize = 5;
+/// Usual errors of a number beyond which it counts as an effect where it is stated as exact.
+const USUAL: f64 = 1.0;
 
 /// A set of effects, fitted jointly.
 #[derive(Clone, Debug)]
@@ -37,7 +39,7 @@ impl Scored {
         });
         let squares = Problem::unseen_by(&halves, |fit, half| problem.window_squares(fit, half));
         let moves = problem.nudges.iter().zip(fit.moves());
-        let moved = moves.filter(|(number, z)| !number.is_stated && z.abs() > 1.0);
+        let moved = moves.filter(|(number, z)| !number.is_stated && z.abs() > USUAL);
         Self {
             moved: moved.count(),
             is_plausible: Implausible::has_none(problem, &fit),

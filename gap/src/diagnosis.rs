@@ -47,7 +47,7 @@ pub struct Closing {
     pub coasting: f64,
     /// `(before − after) / (before − floor)`.
     pub shrink: f64,
-    /// 95 %.
+    /// 95 % interval of it on another recording of the device.
     pub shrink_interval: [f64; 2],
     /// Of position.
     pub unit: String,
@@ -72,7 +72,7 @@ pub struct Estimate {
     /// Standard deviation, in `unit`; `None` where it is not known: for a number that was not fitted, and for one whose fit
     /// ended where it may have stalled.
     pub std: Option<f64>,
-    /// As a text.
+    /// Unit of `stated`, `found` and `std`.
     pub unit: String,
     /// True if the data moved it.
     #[serde(skip)]
@@ -92,11 +92,11 @@ pub struct NumberFinding {
     pub std: Option<f64>,
     /// Distance from what is stated, in stated standard deviations; `None` where nothing is stated.
     pub sigmas: Option<f64>,
-    /// Share of the gap that its move closes: the mean of what it closes alone and beside the moves of all others.
+    /// Share of the gap that its move closes: its Shapley share beside the effects and the other numbers.
     pub shrink: f64,
-    /// 95 % of what it closes beside the moves of all others.
+    /// 95 % interval of it on another recording of the device.
     pub shrink_interval: [f64; 2],
-    /// As a text.
+    /// Unit of `stated`, `found` and `std`.
     pub unit: String,
 }
 
@@ -121,7 +121,7 @@ pub struct Finding {
     pub parameters: BTreeMap<String, Estimate>,
     /// Of this effect alone, on top of those before it.
     pub shrink: f64,
-    /// 95 %.
+    /// 95 % interval of it on another recording of the device.
     pub shrink_interval: [f64; 2],
 }
 

@@ -24,7 +24,7 @@ use crate::measure::{Gap, exceeds, measure};
 use crate::model_free::ModelFree;
 use crate::plausible::Implausible;
 use crate::select::{self, Given, Selection};
-use crate::shrink::{on_another, shrink};
+use crate::shrink::{on_another, part_on_another, shrink};
 use crate::stage::Stage;
 use crate::windows::run_order::canonical;
 use crate::windows::series;
@@ -355,8 +355,11 @@ impl Correction {
         }
         let total = steps.last().map_or([0.0; 3], |step| step.total);
         let floors = problem.floor_squares(selection.fit());
-        let parts = attributed(problem, selection.fit(), total, &baseline.squares, &floors);
         let interval = on_another(&baseline.squares, &after, &floors);
+        let mut parts = attributed(problem, selection.fit(), total, &baseline.squares, &floors);
+        for part in &mut parts {
+            part.shrink = part_on_another(part.shrink, total[0], interval);
+        }
         Self {
             gap: baseline.closing(problem, (floor, floor_of), total[0], interval),
             numbers: numbers::moved(problem, selection.fit(), &parts),
@@ -375,7 +378,11 @@ impl Correction {
         let floors = problem.floor_squares(fit);
         let after = problem.unseen(fit, |fit, half| problem.window_squares(fit, half));
         let total = shrink(&none.after, &after, &floors, &none.after);
-        let parts = attributed(problem, fit, total, &none.after, &floors);
+        let interval = on_another(&baseline.squares, &after, &floors);
+        let mut parts = attributed(problem, fit, total, &none.after, &floors);
+        for part in &mut parts {
+            part.shrink = part_on_another(part.shrink, total[0], interval);
+        }
         let numbers = numbers::moved(problem, fit, &parts);
         if numbers.is_empty() || total[1] <= 0.0 {
             return none;
@@ -386,7 +393,6 @@ impl Correction {
             measured.floor.min(baseline.nominal.before),
             FloorOf::CorrectedModel,
         );
-        let interval = on_another(&baseline.squares, &after, &floors);
         Self {
             gap: baseline.closing(problem, floor, total[0], interval),
             model,

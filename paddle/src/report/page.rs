@@ -186,7 +186,7 @@ fn shrinks(diagnosis: &Diagnosis) -> String {
         )
     });
     let body = table(
-        "Share of the way from the gap down to the floor, with its 95 % interval. What is below zero has no bar.",
+        "Share of the way from the gap down to the floor, with its 95 % interval on another recording of the device. What is below zero has no bar.",
         &["effect", "share of the way", ""],
         rows,
     );

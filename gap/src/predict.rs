@@ -8,6 +8,7 @@ use host_sim::device::Device;
 use host_sim::plant::{Follower, Plant, State};
 use host_sim::sensing::Reading;
 use recording::{Recording, Sensor, low_pass_gain};
+use std::collections::BTreeMap;
 
 /// A device and the low-pass already in the logged column.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub struct Predictor {
     reads_as_is: bool,
     /// How much later the input of each run acts than is stated, s; as stated in runs beyond.
     input_shifts_s: Vec<f64>,
+    /// The device of each run that states numbers of its own, by the run's place in the recording.
+    loaded: BTreeMap<usize, Device>,
 }
 
 /// Displacement of every restart state, in standard deviations of the fit of value and slope.
@@ -70,7 +73,16 @@ impl Predictor {
         if let Some(drift) = &mut mechanics.friction.drift {
             drift.start_s = session_start(recording);
         }
-        Self::of(device, recording.sensor("position"))
+        let own = recording.runs.iter().enumerate();
+        let own = own.filter(|(_, run)| !run.numbers.is_empty());
+        let loaded = own.map(|(place, run)| {
+            let own = recording.model_of(run);
+            (place, device.with_load(&recording.model, &own))
+        });
+        Self {
+            loaded: loaded.collect(),
+            ..Self::of(device, recording.sensor("position"))
+        }
     }
 
     fn of(device: Device, sensor: Sensor) -> Self {
@@ -80,6 +92,7 @@ impl Predictor {
             device,
             sensor,
             input_shifts_s: Vec::new(),
+            loaded: BTreeMap::new(),
         }
     }
 
@@ -91,7 +104,7 @@ impl Predictor {
         }
     }
 
-    /// The device.
+    /// The device with the load of the recording's `[model]`.
     pub fn device(&self) -> &Device {
         &self.device
     }
@@ -109,19 +122,24 @@ impl Predictor {
         shift: Shift,
         wanted: impl Fn(usize) -> bool,
     ) -> Vec<f64> {
-        match self.begun_anew(series) {
+        match self.in_run(series) {
             Some(own) => own.through(series, shift, wanted),
             None => self.through(series, shift, wanted),
         }
     }
 
-    /// The same with what starts anew with this run's clock, if that and anything does.
-    fn begun_anew(&self, series: &Series) -> Option<Self> {
-        let drift = self.device.mechanics.friction.drift;
-        let mut drift = drift.filter(|drift| drift.anew && series.session_offset_s != 0.0)?;
-        drift.start_s = series.started_s + series.session_offset_s;
-        let mut device = self.device.clone();
-        device.mechanics.friction.drift = Some(drift);
+    /// The same with the load of a run, and with what starts anew with its clock; none where neither is another.
+    fn in_run(&self, series: &Series) -> Option<Self> {
+        let loaded = self.loaded.get(&series.run);
+        let mut device = loaded.unwrap_or(&self.device).clone();
+        let drift = device.mechanics.friction.drift.as_mut();
+        let anew = drift.filter(|drift| drift.anew && series.session_offset_s != 0.0);
+        if loaded.is_none() && anew.is_none() {
+            return None;
+        }
+        if let Some(drift) = anew {
+            drift.start_s = series.started_s + series.session_offset_s;
+        }
         Some(Self::of(device, self.sensor).shifted(self.input_shifts_s.clone()))
     }
 

@@ -10,6 +10,9 @@ const UPPER_STOP: usize = 1;
 /// Place among the barriers of what is outside the device.
 pub(crate) const CONTACT: usize = 2;
 
+/// Share of a stated inertia that a device has at least.
+const LEAST_INERTIA: f64 = 0.01;
+
 /// From input to position reading, noise and quantising apart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
@@ -54,6 +57,37 @@ impl Device {
         device
     }
 
+    /// The same device in a run with the load of `own`, where a recording's model is `stated`: each of its numbers, as they are here, changes
+    /// by as much as the stated one does; the ratio changes by as large a factor.
+    pub fn with_load(&self, stated: &Model, own: &Model) -> Self {
+        let mut device = self.clone();
+        let drive = &mut device.drive;
+        drive.ratio *= own.ratio / stated.ratio;
+        drive.delay_s = (drive.delay_s + own.delay - stated.delay).max(0.0);
+        drive.lag_s = (drive.lag_s + own.lag - stated.lag).max(0.0);
+        if own.input_limit != stated.input_limit {
+            drive.limit = own.input_limit.unwrap_or(f64::INFINITY);
+        }
+        let mechanics = &mut device.mechanics;
+        let inertia = mechanics.inertia + own.inertia - stated.inertia;
+        mechanics.inertia = inertia.max(LEAST_INERTIA * own.inertia);
+        mechanics.viscous = (mechanics.viscous + own.viscous - stated.viscous).max(0.0);
+        mechanics.gravity += own.gravity - stated.gravity;
+        mechanics.gravity_zero += own.gravity_zero - stated.gravity_zero;
+        mechanics.stiffness += own.stiffness - stated.stiffness;
+        mechanics.stiffness_zero += own.stiffness_zero - stated.stiffness_zero;
+        mechanics.offset_nm += own.offset - stated.offset;
+        let friction = &mut mechanics.friction;
+        friction.level_nm = friction
+            .level_nm
+            .map(|level| (level + own.coulomb - stated.coulomb).max(0.0));
+        for stop in mechanics.barriers[..CONTACT].iter_mut().flatten() {
+            stop.stiffness += own.stop_stiffness - stated.stop_stiffness;
+            stop.damping += own.stop_damping - stated.stop_damping;
+        }
+        device
+    }
+
     /// Puts hard stops at the ends of `travel`, in place of any before but one that is there already.
     pub fn set_stops(&mut self, travel: [f64; 2], stiffness: f64, damping: f64) {
         for (place, at, side) in [(LOWER_STOP, travel[0], -1.0), (UPPER_STOP, travel[1], 1.0)] {
@@ -68,5 +102,48 @@ impl Device {
                 during_s: None,
             });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paddle() -> Model {
+        Model {
+            coulomb: 0.01,
+            ratio: 2.0,
+            ..Model::new(2e-4)
+        }
+    }
+
+    #[test]
+    fn a_load_on_the_nominal_device_is_the_nominal_device_of_that_load() {
+        let loaded = Model {
+            inertia: 5e-4,
+            gravity: 0.1,
+            gravity_zero: 0.2,
+            coulomb: 0.004,
+            delay: 1e-3,
+            input_limit: Some(3.0),
+            ..paddle()
+        };
+        let device = Device::nominal(&paddle()).with_load(&paddle(), &loaded);
+        assert_eq!(device, Device::nominal(&loaded));
+    }
+
+    #[test]
+    fn what_a_device_has_beyond_its_model_stays_with_any_load() {
+        let mut device = Device::nominal(&paddle());
+        device.mechanics.inertia = 3e-4;
+        device.mechanics.viscous = 1e-3;
+        let loaded = Model {
+            inertia: 6e-4,
+            ..paddle()
+        };
+        let device = device.with_load(&paddle(), &loaded);
+        let inertia = device.mechanics.inertia;
+        assert!((inertia - 7e-4).abs() < 1e-12, "{inertia}");
+        assert_eq!(device.mechanics.viscous, 1e-3);
     }
 }

@@ -193,16 +193,6 @@ pub enum Oddity {
         /// What the manifest says, quantising included.
         stated: f64,
     },
-    /// A run of another load, which the diagnosis does not tell apart yet.
-    #[error(
-        "{file}: [runs.model] states other numbers ({names}): `gap measure` predicts the run with them, but the diagnosis takes those of [model] for every run; diagnose runs of one load at a time"
-    )]
-    OwnNumbers {
-        /// The run.
-        file: String,
-        /// Which.
-        names: String,
-    },
     /// The supply is read so coarsely that its steps are not events.
     #[error("{file}: `supply` is read in steps of {step}, {} % of it; a change of one step is no event", short(*percent), step = short(*step))]
     CoarseSupply {
@@ -232,7 +222,6 @@ impl Oddity {
             | Self::Controlled { file, .. }
             | Self::Resolution { file, .. }
             | Self::Noisy { file, .. }
-            | Self::OwnNumbers { file, .. }
             | Self::CoarseSupply { file, .. } => Some(file),
             Self::UnknownKey { .. }
             | Self::UnknownUnit { .. }

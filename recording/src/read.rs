@@ -70,12 +70,6 @@ impl Recording {
             before += size;
             validate::run(&run, &recording)
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
-            if !run.numbers.is_empty() {
-                recording.oddities.push(Oddity::OwnNumbers {
-                    file: run.file.clone(),
-                    names: run.numbers.keys().cloned().collect::<Vec<_>>().join(", "),
-                });
-            }
             if let Some(stale) = inspect::stale_start(&run) {
                 recording.oddities.push(stale);
                 run = run.part(1..run.len());

@@ -100,6 +100,7 @@ pub(crate) fn exchanged(recording: &Recording, column: &str) -> [Recording; 2] {
             Run {
                 input_time_std: run.input_time_std,
                 input_sampling: run.input_sampling,
+                numbers: run.numbers.clone(),
                 ..Run::new("", run.drive, time, input, position)
             }
         });

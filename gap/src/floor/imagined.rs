@@ -220,6 +220,7 @@ fn part(run: &Run, share: f64, skipped_s: f64) -> Run {
     Run {
         input_time_std: run.input_time_std,
         input_sampling: run.input_sampling,
+        numbers: run.numbers.clone(),
         ..Run::new(
             run.file.clone(),
             run.drive,

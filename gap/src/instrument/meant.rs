@@ -38,10 +38,13 @@ fn size(factor: f64) -> String {
     }
 }
 
+/// What the other sign of a column makes of a model.
+pub(super) type Turn = fn(Model) -> Model;
+
 /// How else the columns may be meant.
 pub(super) enum Meant {
-    /// With the other sign of one of them.
-    Turned(Model, Oddity),
+    /// With the other sign of one of them: what that makes of a model.
+    Turned(Turn, Oddity),
     /// In another unit.
     Scaled(UnitMistake),
 }
@@ -71,9 +74,12 @@ pub(super) fn meant(recording: &Recording) -> Option<Meant> {
     if told.rms <= MOST_OF_MUTE * mute.rms {
         return None;
     }
-    let turned = [("input", model.turned()), ("position", model.mirrored())];
-    let turned = turned.map(|(column, model)| {
-        let Left { rms, squares, .. } = left(&model);
+    let turned = [
+        ("input", Model::turned as Turn),
+        ("position", Model::mirrored),
+    ];
+    let turned = turned.map(|(column, turn)| {
+        let Left { rms, squares, .. } = left(&turn(model));
         let oddity = Oddity::Turned {
             column,
             told: told.rms,
@@ -81,7 +87,7 @@ pub(super) fn meant(recording: &Recording) -> Option<Meant> {
             turned: rms,
             unit: recording.units.position.clone(),
         };
-        let meant = Meant::Turned(model, oddity);
+        let meant = Meant::Turned(turn, oddity);
         Read {
             meant,
             rms,

@@ -8,8 +8,8 @@ pub(crate) mod timing;
 pub(crate) use frozen::frozen_input;
 pub use meant::UnitMistake;
 
-use meant::{Meant, meant};
-use recording::{Drive, Oddity, Recording};
+use meant::{Meant, Turn, meant};
+use recording::{Drive, Model, Oddity, Recording};
 
 /// Share of what is quick in an input that the noise of the position explains from which on it is a controller's. Of 1106 open
 /// loops none comes above 0.7; of as many closed ones half do.
@@ -36,11 +36,26 @@ pub fn inspected(mut recording: Recording) -> Result<Recording, UnitMistake> {
     }
     match meant(&recording) {
         None => {}
-        Some(Meant::Turned(model, oddity)) => {
-            recording.model = model;
+        Some(Meant::Turned(turn, oddity)) => {
+            turn_models(&mut recording, turn);
             recording.oddities.push(oddity);
         }
         Some(Meant::Scaled(mistake)) => return Err(mistake),
     }
     Ok(recording)
+}
+
+/// Turns the model, and the numbers that runs state of their own.
+fn turn_models(recording: &mut Recording, turn: Turn) {
+    let turned = recording
+        .runs
+        .iter()
+        .map(|run| turn(recording.model_of(run)));
+    let turned: Vec<Model> = turned.collect();
+    recording.model = turn(recording.model);
+    for (run, model) in recording.runs.iter_mut().zip(turned) {
+        for (name, value) in &mut run.numbers {
+            *value = model.get(name).unwrap_or(*value);
+        }
+    }
 }

@@ -9,6 +9,7 @@ pub(crate) mod axis;
 mod estimate;
 pub(crate) mod form;
 pub(crate) mod lateness;
+mod load;
 mod look;
 pub(crate) mod misreading;
 mod numbers;
@@ -26,6 +27,7 @@ pub(crate) mod target;
 use crate::windows::excerpt::excerpt;
 use estimate::{Estimate, estimate};
 use host_sim::device::Device;
+use load::of_one_load;
 use path::Path;
 use recording::Recording;
 use regression::{FOLDS, Rows};
@@ -75,9 +77,12 @@ pub struct MissingRun {
 }
 
 impl MissingTorque {
-    /// What `device` lacks along `recording`, or along stretches spread evenly over a long one.
+    /// What `device` lacks along `recording`, or along stretches spread evenly over a long one. Where runs differ in their load, along
+    /// those of the load with the most rows.
     pub fn of(recording: &Recording, device: &Device) -> Self {
-        let recording = excerpt(recording, MOST_ROWS).into_owned();
+        let one = of_one_load(recording);
+        let device = &device.with_load(&recording.model, &one.model);
+        let recording = excerpt(&one, MOST_ROWS).into_owned();
         let samples = Samples::of(&recording);
         let drive = nominal_drive(&samples, device);
         let estimate = estimate(&samples, device, &drive, recording.horizon);

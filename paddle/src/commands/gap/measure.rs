@@ -13,8 +13,6 @@ use gap::{Gap, PredictedRun};
 use host_sim::device::Device;
 use recording::Recording;
 use serde_json::json;
-use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Of which model, on which recording.
@@ -57,24 +55,15 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         }
         None => "nominal_model",
     };
-    let mut measured = Vec::new();
-    for group in groups(&recording) {
-        let device = match &arguments.model {
-            Some(path) => {
-                let (device, left_out) = device(path, &group)?;
-                let left_out = left_out.iter().map(ToString::to_string);
-                warnings.extend(
-                    left_out
-                        .filter(|line| !warnings.contains(line))
-                        .collect::<Vec<_>>(),
-                );
-                device
-            }
-            None => Device::nominal(&group.model),
-        };
-        measured.push(gap::measure(&group, &device));
-    }
-    let (gap, runs) = together(measured, &recording);
+    let device = match &arguments.model {
+        Some(path) => {
+            let (device, left_out) = device(path, &recording)?;
+            warnings.extend(left_out.iter().map(ToString::to_string));
+            device
+        }
+        None => Device::nominal(&recording.model),
+    };
+    let (gap, runs) = gap::measure(&recording, &device);
     let mut text: String = warnings
         .iter()
         .map(|warning| format!("warning: {warning}\n"))
@@ -119,57 +108,6 @@ impl Arguments {
         let predictions = Target::of("--predictions", Use::NewFolder, self.predictions.as_ref());
         [model, predictions].into_iter().flatten().collect()
     }
-}
-
-/// The recording as parts whose runs have one model each, with the numbers that runs state of their own in it.
-fn groups(recording: &Recording) -> Vec<Cow<'_, Recording>> {
-    if recording.runs.iter().all(|run| run.numbers.is_empty()) {
-        return vec![Cow::Borrowed(recording)];
-    }
-    let mut numbers: Vec<_> = recording.runs.iter().map(|run| &run.numbers).collect();
-    numbers.sort_by_key(|numbers| format!("{numbers:?}"));
-    numbers.dedup();
-    let part = |numbers: &BTreeMap<String, f64>| {
-        let runs = recording.runs.iter().filter(|run| run.numbers == *numbers);
-        let runs: Vec<_> = runs.cloned().collect();
-        let model = runs.first().map(|run| recording.model_of(run));
-        let mut part = recording.with_runs(runs);
-        part.model = model.unwrap_or(recording.model);
-        part
-    };
-    numbers
-        .into_iter()
-        .map(|numbers| Cow::Owned(part(numbers)))
-        .collect()
-}
-
-/// The gap of all parts over all samples, and their runs in the recording's order.
-fn together(
-    mut parts: Vec<(Gap, Vec<PredictedRun>)>,
-    recording: &Recording,
-) -> (Gap, Vec<PredictedRun>) {
-    if parts.len() == 1 {
-        return parts.swap_remove(0);
-    }
-    let mut samples = 0.0;
-    let (mut before, mut floor) = (0.0, 0.0);
-    let mut runs = Vec::new();
-    for (gap, own) in parts {
-        let count = own.iter().map(|run| run.time.len()).sum::<usize>() as f64;
-        samples += count;
-        before += count * gap.before.powi(2);
-        floor += count * gap.floor.powi(2);
-        runs.extend(own);
-    }
-    let place = |file: &str| recording.runs.iter().position(|run| run.file == file);
-    runs.sort_by_key(|run| place(&run.file));
-    let rms = |squares: f64| (squares / f64::max(samples, 1.0)).sqrt();
-    let gap = Gap {
-        before: rms(before),
-        floor: rms(floor),
-        unit: recording.units.position.clone(),
-    };
-    (gap, runs)
 }
 
 /// The device of a file, and what of it belongs to a moment of another recording. A file with `format` is what

@@ -11,6 +11,10 @@ pub enum Part {
     Saturation,
     /// Inputs up to which nothing happens.
     Deadband,
+    /// An input that acts as a curve.
+    InputNonlinearity,
+    /// A limited rate of the input.
+    RateLimit,
     /// Pure delay of the input.
     Delay,
     /// First-order lag of the input.
@@ -81,6 +85,8 @@ impl Part {
             Self::Limit => "input limit",
             Self::Saturation => "saturation",
             Self::Deadband => "deadband",
+            Self::InputNonlinearity => "input_nonlinearity",
+            Self::RateLimit => "rate_limit",
             Self::Delay => "delay",
             Self::Lag => "lag",
             Self::FurtherLag => "second lag",
@@ -125,6 +131,8 @@ pub fn parts(device: &Device) -> Vec<Part> {
         drive.saturation.limit.is_finite() && bends,
     );
     part(Part::Deadband, drive.deadband > 0.0);
+    part(Part::InputNonlinearity, drive.curve.is_some());
+    part(Part::RateLimit, drive.rate_limit.is_finite());
     part(Part::Delay, drive.delay_s > 0.0);
     part(Part::Lag, drive.lag_s > 0.0);
     part(Part::FurtherLag, drive.further_lag_s > 0.0);

@@ -1,4 +1,4 @@
-//! What pulls is no ripple of which less than a wave was travelled.
+//! What pulls or pushes is no ripple of which less than a wave was travelled.
 
 mod made;
 
@@ -44,4 +44,36 @@ fn one_is_named_alone() {
         named(&recording(&heavier, paddle(), 5e-5, 0.0, 11)),
         ["gravity"]
     );
+}
+
+#[test]
+fn a_push_from_outside_is_named_with_its_torque_and_its_time() {
+    let push = "push:torque=0.03,from=2.4,to=2.55";
+    let mut device = Device::nominal(&paddle());
+    push.parse::<Effect>().unwrap().install(&mut device);
+    let recording = recorded(&device, paddle(), 5e-5, 0.0, 11);
+    let found = diagnose(&recording, &Options::default()).diagnosis;
+    let effect = &found.effects[0];
+    assert_eq!(effect.name, "push");
+    for (name, expected, within) in [
+        ("torque", 0.03, 0.003),
+        ("from", 2.4, 0.01),
+        ("to", 2.55, 0.01),
+    ] {
+        let value = effect.parameters[name].value;
+        assert!((value - expected).abs() < within, "{name} {value}");
+    }
+}
+
+#[test]
+fn an_input_of_limited_rate_is_named_with_its_rate() {
+    let mut device = Device::nominal(&paddle());
+    let limit = "rate_limit:rate=0.012";
+    limit.parse::<Effect>().unwrap().install(&mut device);
+    let recording = recorded(&device, paddle(), 5e-5, 0.0, 11);
+    let found = diagnose(&recording, &Options::default()).diagnosis;
+    let effect = &found.effects[0];
+    assert_eq!(effect.name, "rate_limit");
+    let rate = effect.parameters["rate"].value;
+    assert!((rate / 0.012 - 1.0).abs() < 0.03, "{rate}");
 }

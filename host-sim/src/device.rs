@@ -7,8 +7,9 @@ use recording::Model;
 
 const LOWER_STOP: usize = 0;
 const UPPER_STOP: usize = 1;
-/// Place among the barriers of what is outside the device.
+/// Places among the barriers of what is outside the device and pushes back, and of what pushes.
 pub(crate) const CONTACT: usize = 2;
+pub(crate) const PUSH: usize = 6;
 
 /// Share of a stated inertia that a device has at least.
 const LEAST_INERTIA: f64 = 0.01;
@@ -99,6 +100,7 @@ impl Device {
                 side,
                 stiffness,
                 damping,
+                torque_nm: 0.0,
                 during_s: None,
             });
         }

@@ -81,7 +81,8 @@ impl InputCurve {
     }
 }
 
-/// Limit, saturation, dead band, curve, delay, first-order lags and gain, in this order; or the dead band before the limit.
+/// Limit, saturation, dead band, curve, rate limit, delay, first-order lags and gain, in this order; or the dead band before the
+/// limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Joint torque per unit of input.
@@ -101,6 +102,8 @@ pub struct Drive {
     pub deadband_first: bool,
     /// The curve by which the rest acts; none if it acts in proportion.
     pub curve: Option<InputCurve>,
+    /// Fastest change of what acts, in units of input a second; infinite for none.
+    pub rate_limit: f64,
     /// Pure delay, s.
     pub delay_s: f64,
     /// Time constant of the lag, s.
@@ -121,6 +124,7 @@ impl Drive {
             deadband_skew: 0.0,
             deadband_first: false,
             curve: None,
+            rate_limit: f64::INFINITY,
             delay_s: 0.0,
             lag_s: 0.0,
             further_lag_s: 0.0,
@@ -138,10 +142,19 @@ impl Drive {
         self.deadband == 0.0 && self.curve.is_none() && largest <= acts
     }
 
-    /// Time after which an input that another has followed makes less than 1e-8 of a difference, s.
+    /// Time after which an input that another has followed makes less than 1e-8 of a difference, s; infinite with a rate limit.
     pub fn memory_s(&self) -> f64 {
         const LAGS: f64 = 20.0;
+        if self.rate_limit.is_finite() {
+            return f64::INFINITY;
+        }
         self.delay_s + LAGS * (self.lag_s + self.further_lag_s)
+    }
+
+    /// Fastest change of the torque, N m/s; infinite for none.
+    #[inline]
+    pub fn rate_limit_nm_s(&self) -> f64 {
+        self.rate_limit * self.ratio.abs()
     }
 
     /// Magnitude of what it takes of an input at rest.
@@ -210,6 +223,7 @@ const STRAIGHT: f64 = 0.5;
 /// The drive at work: what is still under way, and the lags' states.
 #[derive(Clone, Debug)]
 pub struct DriveLine {
+    slew: Option<Slew>,
     delay_s: f64,
     lag_s: f64,
     further_lag_s: f64,
@@ -225,6 +239,7 @@ impl DriveLine {
     /// At rest, with zero input for ever before.
     pub fn at_rest(drive: &Drive) -> Self {
         Self {
+            slew: Slew::at_rest(drive),
             delay_s: drive.delay_s,
             lag_s: drive.lag_s,
             further_lag_s: drive.further_lag_s,
@@ -260,10 +275,29 @@ impl DriveLine {
 
     #[inline]
     fn receive(&mut self, now_s: f64, settled: Torque) {
+        let Some(slew) = &mut self.slew else {
+            return self.pass(now_s, settled);
+        };
+        let (ramp, until_s) = slew.towards(settled.target_nm, now_s);
+        // What was to end the ramp before is overtaken.
+        let comes_s = now_s + self.delay_s;
+        while self.under_way.back().is_some_and(|(at, _)| *at >= comes_s) {
+            self.under_way.pop_back();
+        }
+        self.pass(now_s, ramp);
+        if !ramp.is_held() {
+            let reached = Torque::held(settled.target_nm);
+            self.under_way.push_back((until_s + self.delay_s, reached));
+        }
+    }
+
+    /// Lets a torque through the delay.
+    #[inline]
+    fn pass(&mut self, now_s: f64, torque: Torque) {
         if self.delay_s > 0.0 {
-            self.under_way.push_back((now_s + self.delay_s, settled));
+            self.under_way.push_back((now_s + self.delay_s, torque));
         } else {
-            self.take(settled);
+            self.take(torque);
         }
     }
 
@@ -336,9 +370,110 @@ impl DriveLine {
     }
 }
 
+/// A torque that changes at a limited rate.
+#[derive(Clone, Copy, Debug)]
+pub struct Slew {
+    rate_nm_s: f64,
+    /// From when on it has gone to its target, s, and from where, N m.
+    since_s: f64,
+    from_nm: f64,
+    target_nm: f64,
+}
+
+impl Slew {
+    /// At zero torque; none if the drive has no rate limit.
+    pub fn at_rest(drive: &Drive) -> Option<Self> {
+        let rate_nm_s = drive.rate_limit_nm_s();
+        rate_nm_s.is_finite().then_some(Self {
+            rate_nm_s,
+            since_s: 0.0,
+            from_nm: 0.0,
+            target_nm: 0.0,
+        })
+    }
+
+    /// Puts it at a torque.
+    pub fn stand_at(&mut self, torque_nm: f64) {
+        (self.from_nm, self.target_nm) = (torque_nm, torque_nm);
+    }
+
+    /// Where it stands at a later time, N m.
+    fn at(&self, time_s: f64) -> f64 {
+        let most_nm = self.rate_nm_s * (time_s - self.since_s).max(0.0);
+        self.from_nm + (self.target_nm - self.from_nm).clamp(-most_nm, most_nm)
+    }
+
+    /// Sends it to another target: the ramp to there, and when it is there, s.
+    fn towards(&mut self, target_nm: f64, now_s: f64) -> (Torque, f64) {
+        self.from_nm = self.at(now_s);
+        self.since_s = now_s;
+        self.target_nm = target_nm;
+        let way_nm = target_nm - self.from_nm;
+        if way_nm == 0.0 || self.rate_nm_s == 0.0 {
+            return (Torque::held(self.from_nm), now_s);
+        }
+        let ramp = Torque {
+            target_rate_nm_s: self.rate_nm_s.copysign(way_nm),
+            ..Torque::held(self.from_nm)
+        };
+        (ramp, now_s + way_nm.abs() / self.rate_nm_s)
+    }
+
+    /// Its mean over the time from `now_s` to `end_s` on its way to another target, N m.
+    pub fn mean_towards(&mut self, target_nm: f64, now_s: f64, end_s: f64) -> f64 {
+        let (ramp, there_s) = self.towards(target_nm, now_s);
+        let lasts_s = end_s - now_s;
+        let moves_s = (there_s.min(end_s) - now_s).max(0.0);
+        if lasts_s <= 0.0 || !lasts_s.is_finite() {
+            return self.from_nm;
+        }
+        let moved_nm = ramp.target_rate_nm_s * moves_s;
+        self.from_nm + moved_nm * (1.0 - 0.5 * moves_s / lasts_s)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_limited_rate_ramps_to_each_input_and_turns_on_the_way() {
+        let drive = Drive {
+            rate_limit: 10.0,
+            ..Drive::ideal(2.0)
+        };
+        let mut line = DriveLine::at_rest(&drive);
+        let mut now_s = 0.0;
+        let mut seen = Vec::new();
+        for (input, lasts_s) in [(1.0, 0.2), (-1.0, 0.05), (1.0, 0.02)] {
+            line.command(&drive, now_s, input, 0.0);
+            let end_s = now_s + lasts_s;
+            while end_s - now_s > 1e-12 {
+                let (torque, piece_s) = line.piece(now_s, end_s - now_s);
+                now_s += piece_s;
+                seen.push(torque.at(piece_s));
+            }
+        }
+        let expected = [2.0, 2.0, 1.0, 1.4];
+        let pairs = seen.iter().zip(expected);
+        assert!(
+            seen.len() == 4 && pairs.clone().all(|(s, e)| (s - e).abs() < 1e-9),
+            "{seen:?}"
+        );
+    }
+
+    #[test]
+    fn the_mean_of_a_ramp_counts_what_comes_after_it() {
+        let drive = Drive {
+            rate_limit: 10.0,
+            ..Drive::ideal(1.0)
+        };
+        let mut slew = Slew::at_rest(&drive).expect("a limit");
+        let mean = slew.mean_towards(1.0, 0.0, 0.2);
+        assert!((mean - 0.75).abs() < 1e-12, "{mean}");
+        let mean = slew.mean_towards(-9.0, 0.2, 0.3);
+        assert!((mean - 0.5).abs() < 1e-12, "{mean}");
+    }
 
     fn line(drive: &Drive, inputs: &[f64], tick_s: f64) -> Vec<(f64, Torque)> {
         let mut line = DriveLine::at_rest(drive);

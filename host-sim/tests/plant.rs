@@ -69,6 +69,7 @@ fn a_hand_that_holds_swings_about_its_place_and_lets_go() {
         side: 0.0,
         stiffness,
         damping: 0.0,
+        torque_nm: 0.0,
         during_s: Some([0.0, held_s]),
     });
     let positions = run(
@@ -190,6 +191,7 @@ fn converges_at_fourth_order_through_stick_slip_and_stops() {
         side: 1.0,
         stiffness: 0.5,
         damping: 1e-3,
+        torque_nm: 0.0,
         during_s: None,
     });
     mechanics.barriers[1] = Some(Barrier {
@@ -197,6 +199,7 @@ fn converges_at_fourth_order_through_stick_slip_and_stops() {
         side: -1.0,
         stiffness: 0.5,
         damping: 1e-3,
+        torque_nm: 0.0,
         during_s: None,
     });
     let torque = |t: f64| {
@@ -248,8 +251,8 @@ proptest! {
         mechanics.friction.level_nm = [level, 0.7 * level];
         mechanics.friction.stribeck.ratio = ratio;
         mechanics.friction.stribeck.velocity = 0.2;
-        mechanics.barriers[0] = Some(Barrier { at: stop, side: 1.0, stiffness, damping, during_s: None });
-        mechanics.barriers[1] = Some(Barrier { at: -stop, side: -1.0, stiffness, damping, during_s: None });
+        mechanics.barriers[0] = Some(Barrier { at: stop, side: 1.0, stiffness, damping, torque_nm: 0.0, during_s: None });
+        mechanics.barriers[1] = Some(Barrier { at: -stop, side: -1.0, stiffness, damping, torque_nm: 0.0, during_s: None });
         let energy = |x: f64, v: f64| {
             let depth = (x.abs() - stop).max(0.0);
             0.5 * mechanics.inertia * v * v + mechanics.gravity * (1.0 - x.cos()) + 0.5 * stiffness * depth * depth
@@ -269,7 +272,7 @@ proptest! {
     #[test]
     fn a_stop_never_pulls(velocity in 0.0..30.0f64, damping in 0.0..1.0f64) {
         let mut mechanics = Mechanics::inertia(5.755e-4);
-        mechanics.barriers[0] = Some(Barrier { at: 0.1, side: 1.0, stiffness: 20.0, damping, during_s: None });
+        mechanics.barriers[0] = Some(Barrier { at: 0.1, side: 1.0, stiffness: 20.0, damping, torque_nm: 0.0, during_s: None });
         let plant = Plant::new(mechanics);
         let mut state = plant.state(0.0, 0.0999, velocity);
         let mut last = velocity;
@@ -599,6 +602,7 @@ proptest! {
             side,
             stiffness: 2.0,
             damping: 0.01,
+            torque_nm: 0.0,
             during_s: Some([from_s, from_s + 0.05]),
         });
         let error = error_of_quick_behind(&paddle, lag_s);
@@ -621,6 +625,7 @@ proptest! {
             side,
             stiffness,
             damping: 2.0 * damping_ratio * natural_rate * paddle.inertia,
+            torque_nm: 0.0,
             during_s: passing,
         });
         paddle.link = linked.then_some(Link {

@@ -219,6 +219,7 @@ proptest! {
                 side: 1.0,
                 stiffness: 10.0 * mechanics.stiffness,
                 damping: 0.1 * mechanics.viscous,
+                torque_nm: 0.0,
                 during_s: None,
             }),
             1 => mechanics.drag = much * mechanics.viscous / (step_s / inertia),

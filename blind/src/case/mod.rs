@@ -190,7 +190,7 @@ const SENSING: [&str; 5] = [
     "lost_counts",
 ];
 /// Effects that are over when the recording is.
-const BOUND_TO_A_MOMENT: [&str; 2] = ["contact", "lost_counts"];
+const BOUND_TO_A_MOMENT: [&str; 3] = ["contact", "push", "lost_counts"];
 
 /// Whether motor and load are not at one place.
 fn two_sided(names: &[&str]) -> bool {

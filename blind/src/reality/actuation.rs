@@ -120,7 +120,7 @@ pub(crate) struct Actuator {
     /// Constant torque, N m.
     pub offset: f64,
     pub cogging: Option<Cogging>,
-    /// Fastest change of the input, per second; infinite for none. Outside the vocabulary.
+    /// Fastest change of what acts of the input, per second; infinite for none.
     pub slew: f64,
 }
 

@@ -16,7 +16,7 @@ pub(crate) use foreign::{Creep, Disturbance, Foreign, Window};
 pub(crate) use friction::{Bristle, Friction, Profile, WarmUp};
 pub(crate) use mechanics::{Coupling, Mechanics, Side, Stop};
 pub(crate) use sensing::{Curve, Jump, Play, Sensing, Slip};
-pub(crate) use surroundings::Contact;
+pub(crate) use surroundings::{Contact, Push};
 
 use recording::Model;
 
@@ -31,6 +31,7 @@ pub(crate) struct Reality {
     pub mechanics: Mechanics,
     pub sensing: Sensing,
     pub contact: Option<Contact>,
+    pub pushes: Vec<Push>,
     pub foreign: Foreign,
 }
 
@@ -72,6 +73,7 @@ impl Reality {
             mechanics: Mechanics::plain(model),
             sensing: Sensing::default(),
             contact: None,
+            pushes: Vec::new(),
             foreign: Foreign::default(),
         }
     }
@@ -172,6 +174,8 @@ impl Reality {
         if let Some(contact) = &self.contact {
             on_load += contact.torque(load, run, time_s);
         }
+        let pushes = self.pushes.iter().map(|push| push.torque(run, time_s));
+        on_load += pushes.sum::<f64>();
         let level = self.friction.level(load, carried, time_s);
         let inertia = self.mechanics.inertia * self.foreign.inertia_factor(time_s);
 

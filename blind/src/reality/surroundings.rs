@@ -31,3 +31,21 @@ impl Contact {
         }
     }
 }
+
+/// A torque from outside for a moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push {
+    pub run: usize,
+    pub from_s: f64,
+    pub to_s: f64,
+    /// N m.
+    pub torque: f64,
+}
+
+impl Push {
+    /// Torque on the device in `run` at the session's `time_s`.
+    pub fn torque(&self, run: usize, time_s: f64) -> f64 {
+        let is_there = run == self.run && (self.from_s..self.to_s).contains(&time_s);
+        if is_there { self.torque } else { 0.0 }
+    }
+}

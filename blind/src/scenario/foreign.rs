@@ -8,8 +8,7 @@ use crate::reality::{Creep, Disturbance, Reality, Window};
 use crate::truth::Place;
 
 /// Names of the causes, for the truth's file only.
-const NAMES: [&str; 10] = [
-    "input_rate_limit",
+const NAMES: [&str; 9] = [
     "torque_noise",
     "torque_bursts",
     "torque_tone",
@@ -43,7 +42,6 @@ impl Cause {
             name => name,
         };
         let range = match name {
-            "input_rate_limit" => [0.05, 1.0],
             "power_dropouts" => [0.02, 0.3],
             "sensor_hum" => [0.002, 0.1],
             _ => [0.03, 0.9],
@@ -101,8 +99,6 @@ impl Cause {
             })
         };
         match self.name {
-            // The slowest limit that the full swing of a sine would not meet is 2 pi hz times the input.
-            "input_rate_limit" => reality.actuator.slew = scale.input * TAU * scale.hz * 0.35 / s,
             "torque_noise" => {
                 foreign.disturbance = noise(vec![Window {
                     from_s: 0.0,

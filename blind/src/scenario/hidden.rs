@@ -5,17 +5,18 @@ use std::f64::consts::TAU;
 use crate::draw::Draw;
 use crate::reality::{
     Bristle, Cogging, Contact, Coupling, Curve, Deadband, InputCurve, InputShape, Jump, Play,
-    Profile, Reality, Side, Slip, Stop, WarmUp,
+    Profile, Push, Reality, Side, Slip, Stop, WarmUp,
 };
 use crate::truth::Place;
 
 /// Every name of the contract.
-pub const VOCABULARY: [&str; 29] = [
+pub const VOCABULARY: [&str; 31] = [
     "torque_gain",
     "torque_offset",
     "deadband",
     "saturation",
     "input_nonlinearity",
+    "rate_limit",
     "lag",
     "delay",
     "cogging",
@@ -40,6 +41,7 @@ pub const VOCABULARY: [&str; 29] = [
     "sensor_lag",
     "lost_counts",
     "contact",
+    "push",
 ];
 
 /// Limits that are stated lower than the device has them, over the largest input.
@@ -201,6 +203,8 @@ impl Hidden {
                     },
                 });
             }
+            // A sine of full swing just meets the limit at a strength of 0.35.
+            "rate_limit" => actuator.slew = scale.input * TAU * hz * 0.35 / s,
             "lag" if self.is_overstated() => {
                 actuator.lag_s = (actuator.lag_s - s / (TAU * hz)).max(0.0);
             }
@@ -444,6 +448,16 @@ impl Hidden {
                     grips: self.variant < 2,
                 });
             }
+            "push" => {
+                let times = self.push_times(scale).into_iter().zip([1.0, -0.8]);
+                let pushes = times.map(|((run, from_s, to_s), part)| Push {
+                    run,
+                    from_s,
+                    to_s,
+                    torque: part * signed * torque,
+                });
+                reality.pushes = pushes.collect();
+            }
             _ => {}
         }
     }
@@ -461,6 +475,21 @@ impl Hidden {
             .min(0.5 * (to - from));
         let from_s = from + self.between(1, 0.05, 0.95) * (to - from - length_s);
         (run, from_s, from_s + length_s)
+    }
+
+    /// Run, start and end of each push: one, or two.
+    fn push_times(&self, scale: &Scale) -> Vec<(usize, f64, f64)> {
+        let count = if self.variant < 4 { 1 } else { 2 };
+        let time = |k: usize| {
+            let runs = scale.runs_s.len();
+            let run = ((self.form[k] * runs as f64) as usize).min(runs - 1);
+            let [from, to] = scale.runs_s[run];
+            let length_s = self.between(2 + k, 0.08, 0.4).min(0.2 * (to - from));
+            let room_s = to - from - length_s;
+            let from_s = from + self.between(4 + k, 0.05, 0.95) * room_s;
+            (run, from_s, from_s + length_s)
+        };
+        (0..count).map(time).collect()
     }
 
     fn coupling(&self, inertia: f64, half_gap: f64, resonance_hz: f64) -> Coupling {
@@ -558,7 +587,9 @@ impl Hidden {
             "input_nonlinearity" => {
                 vec![Place::on("input", -100.0 * u, 100.0 * u), axis("actuation")]
             }
-            "lag" | "delay" => [&driven[..], &accelerating, &[phase, axis("actuation")]].concat(),
+            "rate_limit" | "lag" | "delay" => {
+                [&driven[..], &accelerating, &[phase, axis("actuation")]].concat()
+            }
             "cogging" => vec![everywhere, axis("actuation")],
             "coulomb" => [&fast[..], &[near_rest, axis("friction")]].concat(),
             "asymmetric_coulomb" => {
@@ -629,6 +660,12 @@ impl Hidden {
                 let (run, from_s, to_s) = self.contact_time(scale);
                 vec![Place::in_run(run, from_s, to_s)]
             }
+            "push" => {
+                let times = self.push_times(scale).into_iter();
+                times
+                    .map(|(run, from_s, to_s)| Place::in_run(run, from_s, to_s + 0.3))
+                    .collect()
+            }
             _ => Vec::new(),
         }
     }
@@ -642,6 +679,8 @@ fn range(name: &str) -> [f64; 2] {
         "deadband" => [0.03, 0.5],
         "saturation" => [0.1, 0.7],
         "input_nonlinearity" => [0.1, 0.7],
+        "rate_limit" => [0.05, 1.0],
+        "push" => [0.1, 2.0],
         "lag" | "delay" | "sensor_lag" => [0.02, 0.6],
         "cogging" => [0.03, 0.6],
         "coulomb" | "asymmetric_coulomb" => [0.15, 2.0],

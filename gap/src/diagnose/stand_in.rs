@@ -1,7 +1,7 @@
 //! Effects that bend to what has no name: they close the gap, and would close that of another cause as well.
 
 use super::findings::confidence;
-use crate::effects::{self, Family, Identification, contact};
+use crate::effects::{self, Family, Identification, episode};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::select::{Round, Selection};
@@ -11,10 +11,10 @@ use std::fmt;
 
 /// Effects that are many.
 const MANY: usize = 3;
-/// Share of a run from which on a hand that stays has hardly come and gone in it.
+/// Share of a run from which on an episode that stays has hardly come and gone in it.
 const MOST_OF_RUN: f64 = 2.0 / 3.0;
-/// Confidence from which a hand is one that comes more than once.
-const SURE_HAND: f64 = 0.9;
+/// Confidence from which an episode is one that comes more than once.
+const SURE_EPISODE: f64 = 0.9;
 
 /// Why what was found may stand in for something else.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,9 +34,9 @@ pub(super) enum StandIn {
     /// So many effects that together they bend to any cause: of seven times that three were named on nine blind and outside sets
     /// four had another cause, and three had two.
     Many { effects: usize },
-    /// A hand that comes more than once and is not for sure: so does any torque that comes and goes.
-    Hand { stays: usize },
-    /// A hand that stays for most of a run: so does whatever is another in that run.
+    /// An episode that comes more than once and is not for sure: so does any torque that comes and goes.
+    Episode { stays: usize },
+    /// An episode that stays for most of a run: so does whatever is another in that run.
     Run { index: usize },
 }
 
@@ -45,16 +45,16 @@ impl StandIn {
     pub(super) fn of(problem: &Problem<'_>, selection: &Selection) -> Option<Self> {
         let certain = selection.base() + selection.kept();
         let of_effects = Self::of_effects(problem, selection.fit(), certain);
-        let of_hand = |round: &Round| {
-            let hand = hand(round)?;
-            if let Some(index) = most_of_run(problem, &hand) {
+        let of_episode = |round: &Round| {
+            let episode = episode(round)?;
+            if let Some(index) = most_of_run(problem, &episode) {
                 return Some(Self::Run { index });
             }
-            let stays = contact::stays(&hand);
-            let is_sure = confidence(round, selection.perfect.level) >= SURE_HAND;
-            (stays > 1 && !is_sure).then_some(Self::Hand { stays })
+            let stays = episode::stays(&episode);
+            let is_sure = confidence(round, selection.perfect.level) >= SURE_EPISODE;
+            (stays > 1 && !is_sure).then_some(Self::Episode { stays })
         };
-        of_effects.or_else(|| selection.rounds.iter().find_map(of_hand))
+        of_effects.or_else(|| selection.rounds.iter().find_map(of_episode))
     }
 
     /// The reason that lies in the effects beyond the first ones that are `certain`.
@@ -88,15 +88,18 @@ impl StandIn {
     }
 }
 
-/// The hand that a round is about, if it is about one.
-fn hand(round: &Round) -> Option<Term> {
+/// The episode that a round is about, if it is about one.
+fn episode(round: &Round) -> Option<Term> {
     let last = round.rivals[0].fit.last_term()?;
-    effects::of(last.kind.name).comes_and_goes().then_some(last)
+    effects::of(last.kind.name)
+        .episode()
+        .is_some()
+        .then_some(last)
 }
 
-/// The run of which a stay of a hand is most.
-fn most_of_run(problem: &Problem<'_>, hand: &Term) -> Option<usize> {
-    let stays = hand.kind.meanwhile(&hand.values).unwrap_or_default();
+/// The run of which a stay of an episode is most.
+fn most_of_run(problem: &Problem<'_>, episode: &Term) -> Option<usize> {
+    let stays = episode.kind.meanwhile(&episode.values).unwrap_or_default();
     let fills = |run: &usize| {
         let parts = problem.series.iter().filter(|s| s.run == *run);
         let spans = parts.filter_map(Series::session_span_s);
@@ -127,14 +130,14 @@ impl fmt::Display for StandIn {
                 f,
                 "{effects} effects together may stand in for one that has no name: look at the first of them first"
             ),
-            Self::Hand { stays } => write!(
+            Self::Episode { stays } => write!(
                 f,
-                "what pushes back {stays} times may be any torque that comes and goes, such as a drive that loses its power: \
+                "what comes {stays} times may be any torque that comes and goes, such as a drive that loses its power: \
                  record once with nothing near it to tell"
             ),
             Self::Run { index } => write!(
                 f,
-                "what pushes back for most of run {} may be whatever else is another in that run: \
+                "what is there for most of run {} may be whatever else is another in that run: \
                  record it again to tell",
                 index + 1
             ),
@@ -204,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_comes_again_may_be_what_comes_and_goes() {
+    fn a_episode_that_comes_again_may_be_what_comes_and_goes() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let taken = |effect: &str| {
@@ -213,7 +216,7 @@ mod tests {
             };
             let fit = problem.fit(&hypothesis, Vec::new(), Part::All, 0);
             let name = hypothesis.terms[0].kind.name;
-            let hand = hand(&Round {
+            let episode = episode(&Round {
                 known: fit.clone(),
                 so_far: fit.clone(),
                 rivals: vec![Rival { name, fit }],
@@ -221,7 +224,7 @@ mod tests {
                 place: Place::given(true),
                 measured: None,
             });
-            hand.map(|hand| contact::stays(&hand))
+            episode.map(|episode| episode::stays(&episode))
         };
         assert_eq!(taken("contact:from=1,to=2"), Some(1));
         let twice = taken("contact:from_1=1,to_1=2,from_2=4,to_2=5");
@@ -230,10 +233,10 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_stays_for_most_of_a_run_may_be_whatever_is_another_there() {
+    fn a_episode_that_stays_for_most_of_a_run_may_be_whatever_is_another_there() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
-        let run = |hand: &str| most_of_run(&problem, &made::written(hand));
+        let run = |episode: &str| most_of_run(&problem, &made::written(episode));
         assert_eq!(run("contact:from=5.9,to=12.1"), Some(1));
         assert_eq!(run("contact:from=7,to=14"), Some(1));
         assert_eq!(run("contact:from=8.5,to=14"), None);

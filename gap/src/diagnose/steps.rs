@@ -18,10 +18,10 @@ const FORMULATION: f64 = 0.02;
 /// in which a hidden state is wrong may be most of the gap.
 const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 
-/// Share of the gap that a hand must close, unless it leaves nothing of it: it is found in few windows, which cannot be held out,
-/// and bends to whatever they miss. Of 31 hands on five blind and outside sets none of the eight that closed less was there, and
+/// Share of the gap that an episode must close, unless it leaves nothing of it: it is found in few windows, which cannot be held out,
+/// and bends to whatever they miss. Of 31 contacts on five blind and outside sets none of the eight that closed less was there, and
 /// those that were closed a third at least.
-const LEAST_HAND_SHRINK: f64 = 0.25;
+const LEAST_EPISODE_SHRINK: f64 = 0.25;
 
 /// Share of the robust excess that an effect closes that bristles must close as well for it to be one of their forms.
 const NEARLY_ALL: f64 = 0.8;
@@ -235,7 +235,7 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
 }
 
 /// True if the effect `i` does not close the gap by itself, however well it suits the robust cost; the first need not, unless it
-/// is a hand.
+/// is an episode.
 fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) -> bool {
     let winner = &selection.rounds[i].rivals[0];
     // What contains another effect that is there only gives that another form.
@@ -243,10 +243,10 @@ fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) 
     if step.is_small() && others.any(|other| effects::of(winner.name).contains(other)) {
         return true;
     }
-    let comes_and_goes = effects::of(winner.name).comes_and_goes();
-    if comes_and_goes && step.own[0] < LEAST_HAND_SHRINK && !step.is_at_floor {
-        // What comes after a hand may be most of what it leaves.
-        return closed_beside(problem, selection, i) < LEAST_HAND_SHRINK;
+    let comes_and_goes = effects::of(winner.name).episode().is_some();
+    if comes_and_goes && step.own[0] < LEAST_EPISODE_SHRINK && !step.is_at_floor {
+        // What comes after an episode may be most of what it leaves.
+        return closed_beside(problem, selection, i) < LEAST_EPISODE_SHRINK;
     }
     if i == 0 || !step.is_small() {
         return false;

@@ -6,8 +6,8 @@ use super::phrase::{Found, Part, Phrase};
 use super::spring::Spring;
 use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
-use crate::guess::push::pushes;
 use crate::guess::start::{linear, log, term};
+use crate::guess::stay::stays;
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::Path;
@@ -187,7 +187,7 @@ fn farther(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
 
 /// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.
 fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
-    let mut pushes = pushes(e, &[1.0, -1.0]);
+    let mut pushes = stays(e, &[1.0, -1.0]);
     // How long it was takes no part.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
     let stops = pushes.into_iter().map(|push| {

@@ -1,5 +1,6 @@
 //! What may be known of an effect beside its equation: how it is identified, mistaken and described.
 
+use super::episode::Episode;
 use crate::columns::Disagreement;
 use crate::guess::Evidence;
 use crate::guess::balance::Balance;
@@ -93,9 +94,9 @@ pub(crate) trait Identification: Debug + Sync {
         false
     }
 
-    /// True if it acts between instants of the session that are searched for, once or more often.
-    fn comes_and_goes(&self) -> bool {
-        false
+    /// How it comes and goes, if it acts between instants of the session that are searched for, once or more often.
+    fn episode(&self) -> Option<&dyn Episode> {
+        None
     }
 
     /// True if no device such as the recorded one can have it.

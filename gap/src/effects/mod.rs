@@ -4,11 +4,12 @@ mod asymmetric_coulomb;
 mod backlash;
 mod cogging;
 mod compliance;
-pub(crate) mod contact;
+mod contact;
 mod coulomb;
 mod deadband;
 mod delay;
 mod end_stop;
+pub(crate) mod episode;
 mod friction_drift;
 mod gravity;
 mod identification;
@@ -20,7 +21,9 @@ mod lost_counts;
 mod phrase;
 mod position_dependent_coulomb;
 mod presliding;
+mod push;
 mod quadratic_drag;
+mod rate_limit;
 mod restoring;
 mod saturation;
 mod sensor_gain;
@@ -33,6 +36,7 @@ mod torque_gain;
 mod torque_offset;
 mod viscous;
 
+pub(crate) use episode::Episode;
 pub(crate) use identification::{Family, Fitted, Identification, Landscape};
 pub use phrase::{Nominal, Part, Phrase};
 
@@ -50,6 +54,7 @@ static ALL: [&dyn Identification; KINDS.len()] = [
     &deadband::Deadband,
     &saturation::Saturation,
     &input_nonlinearity::InputNonlinearity,
+    &rate_limit::RateLimit,
     &lag::Lag,
     &delay::Delay,
     &cogging::Cogging,
@@ -74,6 +79,7 @@ static ALL: [&dyn Identification; KINDS.len()] = [
     &sensor_lag::SensorLag,
     &lost_counts::LostCounts,
     &contact::Contact,
+    &push::Push,
 ];
 
 /// An effect with the points from which it may be fitted.

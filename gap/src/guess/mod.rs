@@ -4,10 +4,10 @@
 
 pub(crate) mod balance;
 pub(crate) mod late;
-pub(crate) mod push;
 pub(crate) mod regression;
 pub(crate) mod sliding;
 pub(crate) mod start;
+pub(crate) mod stay;
 pub(crate) mod two_masses;
 pub(crate) mod waves;
 

@@ -1,6 +1,7 @@
 //! The estimated missing torque as the target of a fit.
 
 use super::form::Form;
+use super::path::Path;
 use super::ripple::Waves;
 use nalgebra::{DMatrix, DVector};
 
@@ -63,5 +64,29 @@ impl Target<'_> {
             product += weight * torque[row] * self.torque[row];
         }
         if square > 0.0 { product / square } else { 0.0 }
+    }
+
+    /// First and last row of the stretch of time in which most more is missing than on the average.
+    pub fn most_missing(&self, path: &Path<'_>) -> Option<(usize, usize)> {
+        let missing = |i: usize| (self.weight[i] * self.torque[i].powi(2)).sqrt();
+        let rows = 0..path.samples.len();
+        let weighed: f64 = self.weight.iter().map(|w| w.sqrt()).sum();
+        let mean = rows.map(missing).sum::<f64>() / weighed.max(f64::MIN_POSITIVE);
+        let mut best: Option<(f64, usize, usize)> = None;
+        for stretch in &path.samples.stretches {
+            let (mut sum, mut from) = (0.0, stretch.rows.start);
+            for row in stretch.rows.clone() {
+                if sum <= 0.0 {
+                    (sum, from) = (0.0, row);
+                }
+                // Twice the mean, so that what is usual does not add up.
+                sum += missing(row) - 2.0 * mean * self.weight[row].sqrt();
+                if best.is_none_or(|(most, ..)| sum > most) {
+                    best = Some((sum, from, row));
+                }
+            }
+        }
+        best.filter(|(sum, from, to)| *sum > 0.0 && to > from)
+            .map(|(_, from, to)| (from, to))
     }
 }

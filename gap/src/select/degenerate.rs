@@ -1,6 +1,6 @@
 //! Effects that do not act as their names say.
 
-use super::contact_search;
+use super::episode_search;
 use super::excess::level;
 use super::ranking::enough;
 use super::search::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
@@ -9,16 +9,16 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 
-/// True if the last effect of a fit does not act as its name says, or is a hand with which something is missing and that never
-/// goes, or of which no stiffness can be told.
+/// True if the last effect of a fit does not act as its name says, or is an episode with which something is missing and that
+/// never goes, or of which no strength can be told.
 pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
     let Some(last) = fit.last_term() else {
         return false;
     };
     let effect = effects::of(last.kind.name);
-    if effect.comes_and_goes() && level(fit) > search.quiet() {
-        return !contact_search::is_stiff(fit)
-            || contact_search::is_lasting(search.problem, fit, FITTING_ITERATIONS);
+    if effect.episode().is_some() && level(fit) > search.quiet() {
+        return !episode_search::is_there(fit)
+            || episode_search::is_lasting(search.problem, fit, FITTING_ITERATIONS);
     }
     effect.is_degenerate(&Fitted {
         term: &last,

@@ -1,7 +1,7 @@
 //! Which effects earn their place.
 
-mod contact_search;
 mod degenerate;
+mod episode_search;
 mod evolution;
 mod excess;
 mod extension;

@@ -1,7 +1,7 @@
 //! The next effect on top of what is known.
 
-use super::contact_search;
 use super::degenerate::{is_degenerate, is_excluded};
+use super::episode_search;
 use super::evolution::evolved;
 use super::excess::{QUIET_EXCESS, level};
 use super::place::{Place, earns_its_place};
@@ -131,8 +131,8 @@ pub(super) fn judged(
         let costs = |x: &[f64]| search.problem.costs(&winner.hypothesis, x, Part::All);
         (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
     }
-    if effects::of(name).comes_and_goes() {
-        *winner = contact_search::found(
+    if effects::of(name).episode().is_some() {
+        *winner = episode_search::found(
             search.problem,
             &search.perfect,
             known,

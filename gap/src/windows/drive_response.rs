@@ -4,7 +4,7 @@ use super::series::{MOST_SAMPLES, Series};
 use super::torque_profiles::{Stretch, Stretches, WindowTorque};
 use super::window::Window;
 use host_sim::decay::Decay;
-use host_sim::drive::Drive;
+use host_sim::drive::{Drive, Slew};
 use host_sim::plant::{Cascade, Course, Torque};
 use std::cell::RefCell;
 
@@ -90,6 +90,7 @@ struct Listener<'a> {
     times: &'a [f64],
     /// From when on the first input has been told for ever, s.
     start_s: f64,
+    slew: Option<Slew>,
     line: Line,
     now_s: f64,
     next: usize,
@@ -131,6 +132,7 @@ impl<'a> Listener<'a> {
             series,
             times: told.map_or(&series.input_time, |told| &told.time),
             start_s,
+            slew: Slew::at_rest(drive),
             line: Line::Instant(0.0),
             now_s: start_s,
             next: 0,
@@ -140,6 +142,9 @@ impl<'a> Listener<'a> {
         } else {
             0.0
         };
+        if let Some(slew) = &mut listener.slew {
+            slew.stand_at(before_nm);
+        }
         listener.line = if drive.further_lag_s > 0.0 {
             let lags_s = [drive.lag_s, drive.further_lag_s];
             Line::Cascading {
@@ -171,7 +176,13 @@ impl<'a> Listener<'a> {
     /// Takes the next input, which has come through the delay by now.
     #[inline(always)]
     fn take(&mut self) {
-        let settled_nm = self.settled_nm();
+        let mut settled_nm = self.settled_nm();
+        if let Some(slew) = &mut self.slew {
+            let told_s = |place: usize| self.times.get(place).copied();
+            let now_s = told_s(self.next).unwrap_or(self.start_s);
+            let end_s = told_s(self.next + 1).unwrap_or(now_s + self.series.period_s);
+            settled_nm = slew.mean_towards(settled_nm, now_s, end_s);
+        }
         match &mut self.line {
             Line::Instant(acting_nm) => *acting_nm = settled_nm,
             Line::Lagging { target_nm, .. } => *target_nm = settled_nm,
@@ -328,6 +339,8 @@ mod tests {
             &["delay:time=0.0037", "lag:time=0.004"],
             &["delay:time=0.0037", "lag:time=0.004,twice=1"],
             &["lag:time=2e-6,twice=1"],
+            &["rate_limit:rate=0.02"],
+            &["rate_limit:rate=0.02", "lag:time=0.004"],
         ] {
             assert!(left(late) < 1.1 * at_once, "{late:?}");
         }

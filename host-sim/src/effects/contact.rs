@@ -1,8 +1,8 @@
 //! Something outside pushes back for a while, or holds.
 
 use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, Parameter, Quantity};
-use crate::device::CONTACT;
-use crate::plant::{BARRIERS, Barrier};
+use crate::device::{CONTACT, PUSH};
+use crate::plant::Barrier;
 use core::ops::Range;
 
 /// Places of what is said of each time that it comes: from which side, where, from when and until when.
@@ -70,13 +70,13 @@ pub const KIND: Kind = Kind {
     ],
     events: Some(Events {
         places: STAY,
-        most: BARRIERS - CONTACT,
+        most: PUSH - CONTACT,
         alone: |_| true,
-        meanwhile: Some(|p| stays(p).map(|stay| [stay[2], stay[3]]).collect()),
+        instants: Some([2, 3]),
     }),
     install: |device, p| {
         let [stiffness, damping] = [p[0], p[1]];
-        let barriers = device.mechanics.barriers[CONTACT..].iter_mut();
+        let barriers = device.mechanics.barriers[CONTACT..PUSH].iter_mut();
         for (barrier, stay) in barriers.zip(stays(p)) {
             *barrier = Some(Barrier {
                 at: stay[1],
@@ -87,6 +87,7 @@ pub const KIND: Kind = Kind {
                 },
                 stiffness,
                 damping,
+                torque_nm: 0.0,
                 during_s: Some([stay[2], stay[3]]),
             });
         }

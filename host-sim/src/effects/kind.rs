@@ -62,11 +62,9 @@ pub(super) struct Events {
     pub most: usize,
     /// True if with these values it acts at these moments alone.
     pub alone: fn(&[f64]) -> bool,
-    /// From when to when it acts, s of the session, if it does not stay for ever.
-    pub meanwhile: Option<Meanwhile>,
+    /// Places of the instants from when to when it acts, s of the session, among what is said of each time; none if it stays for ever.
+    pub instants: Option<[usize; 2]>,
 }
-
-type Meanwhile = fn(&[f64]) -> Vec<[f64; 2]>;
 
 impl Kind {
     /// Puts it into a device. Numbers beyond their range are taken at its end.
@@ -155,8 +153,25 @@ impl Kind {
 
     /// When it acts with these values, s of the session; none if at all times.
     pub fn meanwhile(&self, values: &[f64]) -> Option<Vec<[f64; 2]>> {
-        let meanwhile = self.events.as_ref()?.meanwhile?;
-        Some(meanwhile(values))
+        let instants = self.instants()?;
+        let places = (0..self.event_count(values)).map(|event| self.event_place(event));
+        Some(
+            places
+                .map(|place| instants.map(|i| values[place + i]))
+                .collect(),
+        )
+    }
+
+    /// Places of the instants from when to when it acts among what is said of each time; none if it acts at all times or stays for
+    /// ever.
+    pub fn instants(&self) -> Option<[usize; 2]> {
+        self.events.as_ref()?.instants
+    }
+
+    /// How often it happens with these values.
+    pub fn event_count(&self, values: &[f64]) -> usize {
+        let counted = (0..).take_while(|event| self.event_place(*event) < values.len());
+        counted.count()
     }
 
     /// Place of the first value of the event `index`.

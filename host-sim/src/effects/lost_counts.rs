@@ -54,7 +54,7 @@ pub const KIND: Kind = Kind {
         places: JUMP,
         most: usize::MAX,
         alone: |p| p[SHARE_LOST] == 0.0,
-        meanwhile: None,
+        instants: None,
     }),
     install: |device, p| {
         let (once, again) = p.split_at(KIND.parameters.len());

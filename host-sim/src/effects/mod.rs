@@ -20,8 +20,10 @@ pub mod load_dependent_friction;
 pub mod lost_counts;
 pub mod position_dependent_coulomb;
 pub mod presliding;
+pub mod push;
 pub mod quadratic_drag;
 mod quantity;
+pub mod rate_limit;
 pub mod saturation;
 pub mod sensor_gain;
 pub mod sensor_hysteresis;
@@ -92,6 +94,7 @@ pub const KINDS: &[&Kind] = &[
     &deadband::KIND,
     &saturation::KIND,
     &input_nonlinearity::KIND,
+    &rate_limit::KIND,
     &lag::KIND,
     &delay::KIND,
     &cogging::KIND,
@@ -116,6 +119,7 @@ pub const KINDS: &[&Kind] = &[
     &sensor_lag::KIND,
     &lost_counts::KIND,
     &contact::KIND,
+    &push::KIND,
 ];
 
 /// The kind called `name`.

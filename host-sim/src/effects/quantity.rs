@@ -13,6 +13,8 @@ pub enum Quantity {
     Frequency,
     /// Unit of the input.
     Input,
+    /// Input/s.
+    InputRate,
     /// Unit of position.
     Position,
     /// 1/position.
@@ -61,6 +63,7 @@ impl Quantity {
             Self::Time => "s".into(),
             Self::Frequency => "1/s".into(),
             Self::Input => input.into(),
+            Self::InputRate => format!("{input}/s"),
             Self::Position => position.into(),
             Self::PerPosition => format!("1/{position}"),
             Self::PerPositionSquared => format!("1/{position}²"),

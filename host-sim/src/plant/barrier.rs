@@ -1,4 +1,4 @@
-//! A spring and damper in the way: a hard stop, or something outside that pushes back or holds.
+//! A spring and damper in the way: a hard stop, or something outside that pushes back, holds or pushes.
 
 /// Pushes back once the joint is past `at`; never pulls, and damps only while in contact. Without a side it holds the joint
 /// there: it pulls as well.
@@ -12,6 +12,8 @@ pub struct Barrier {
     pub stiffness: f64,
     /// N m s/rad.
     pub damping: f64,
+    /// Torque that it has beside these, wherever the joint is, N m.
+    pub torque_nm: f64,
     /// Interval of the session during which it is there, s; `None` = always.
     pub during_s: Option<[f64; 2]>,
 }
@@ -85,7 +87,9 @@ impl Barrier {
     #[inline]
     pub fn torque(&self, touch: Touch, position: f64, velocity: f64) -> f64 {
         match touch {
-            Touch::Pushing => -self.stiffness * (position - self.at) - self.damping * velocity,
+            Touch::Pushing => {
+                self.torque_nm - self.stiffness * (position - self.at) - self.damping * velocity
+            }
             Touch::Free | Touch::Released => 0.0,
         }
     }

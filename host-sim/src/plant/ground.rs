@@ -31,7 +31,7 @@ impl Ground {
 
     fn and(self, barrier: &Barrier) -> Self {
         Self {
-            constant_nm: self.constant_nm + barrier.stiffness * barrier.at,
+            constant_nm: self.constant_nm + barrier.torque_nm + barrier.stiffness * barrier.at,
             stiffness: self.stiffness + barrier.stiffness,
             damping: self.damping + barrier.damping,
             pushes: true,

@@ -57,8 +57,9 @@ pub use stribeck::Stribeck;
 use torque::Push;
 pub use torque::Torque;
 
-/// Most barriers that a plant can have: two stops, and something outside four times.
-pub const BARRIERS: usize = 6;
+/// Most barriers that a plant can have: two stops, something outside that pushes back four times, and something that pushes three
+/// times.
+pub const BARRIERS: usize = 9;
 
 /// Everything that acts on the joint. Angles in rad (or the recording's unit of position).
 #[derive(Clone, Debug, PartialEq)]

@@ -1,18 +1,18 @@
-//! When a hand comes and goes, and comes again, and to which side it pushes.
+//! When an effect comes and goes, and comes again, and in which form.
 
 use super::excess::level;
 use super::place::stands_out;
-use crate::effects::contact;
+use crate::effects::{self, Episode, episode};
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::Perfect;
-use crate::guess::push::LONGEST_SHARE;
+use crate::guess::stay::LONGEST_SHARE;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Moves of an instant that are tried, as shares of how long the hand is there, and how many are made at most.
+/// Moves of an instant that are tried, as shares of how long the episode is there, and how many are made at most.
 const MOVES: [f64; 10] = [3.0, 1.6, 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
 const MOST_MOVES: usize = 12;
 /// Times that it is fitted and timed again at most.
@@ -22,7 +22,7 @@ const CARRIED_ON: usize = 2;
 /// Standard deviations by which a stiffness is above none where it is sure.
 const SURE_ERRORS: f64 = 2.0;
 
-/// The best of the hands that push to either side or hold, from the last effect of a fit on, as often as it comes: where it gains
+/// The best of the terms that push to either side or hold, from the last effect of a fit on, as often as it comes: where it gains
 /// on what was `known` what no luck does, once more as long as that does so.
 pub(super) fn found(
     problem: &Problem<'_>,
@@ -35,9 +35,9 @@ pub(super) fn found(
     let mut best = once(problem, fit, iterations);
     if !stands_out(&best, known) {
         // One long stay that reaches from a first to a second is neither.
-        let halves = best.last_term().map(|hand| contact::halves(&hand));
+        let halves = best.last_term().map(|term| episode::halves(&term));
         let halves = halves.into_iter().flatten().map(|half| {
-            let (hypothesis, x) = with_hand(&best, half);
+            let (hypothesis, x) = with_last(&best, half);
             let placed = problem.fit(&hypothesis, x, Part::All, iterations);
             once(problem, &placed, iterations)
         });
@@ -56,39 +56,51 @@ pub(super) fn found(
     best
 }
 
-/// The hand that is the last effect of a fit as it comes once more, where it then explains most.
+/// The episode that is the last effect of a fit as it comes once more, where it then explains most.
 fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let windows = 0..problem.window_count();
     let costs: Vec<f64> = windows.map(|w| fit.costs.log(w)).collect();
-    let mut returns = contact::returns(&fit.last_term()?, &problem.series, &costs);
-    returns.retain(|hand| contact::there_s(hand) <= longest_s(problem));
-    best_hand(problem, fit, returns, iterations)
+    let last = fit.last_term()?;
+    let mut returns = episode::returns(kind(&last)?, &last, &problem.series, &costs);
+    returns.retain(|term| episode::there_s(term) <= longest_s(problem));
+    best_of(problem, fit, returns, iterations)
 }
 
-/// The effects of a fit with another hand in the place of the last, and coordinates to fit them from.
-fn with_hand(fit: &Fit, hand: Term) -> (Hypothesis, Vec<f64>) {
+/// How a term comes and goes.
+fn kind(term: &Term) -> Option<&'static dyn Episode> {
+    effects::of(term.kind.name).episode()
+}
+
+/// A term with each other form of its last stay.
+fn otherwise(term: &Term) -> Vec<Term> {
+    let kind = kind(term);
+    kind.map_or_else(Vec::new, |kind| kind.otherwise(term))
+}
+
+/// The effects of a fit with another episode in the place of the last, and coordinates to fit them from.
+fn with_last(fit: &Fit, term: Term) -> (Hypothesis, Vec<f64>) {
     let (mut hypothesis, mut x) = fit.hypothesis.moved(&fit.x);
-    let before = hypothesis.terms.pop().map_or(0, |hand| hand.free.len());
-    x.resize(x.len() + hand.free.len() - before, 0.0);
-    hypothesis.terms.push(hand);
+    let before = hypothesis.terms.pop().map_or(0, |term| term.free.len());
+    x.resize(x.len() + term.free.len() - before, 0.0);
+    hypothesis.terms.push(term);
     (hypothesis, x)
 }
 
-/// The best of the hands that push to either side or hold, from the last effect of a fit on.
+/// The best of the terms that push to either side or hold, from the last effect of a fit on.
 fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
-    let hand = fit.last_term().into_iter().collect();
-    let best = best_hand(problem, fit, hand, iterations);
+    let term = fit.last_term().into_iter().collect();
+    let best = best_of(problem, fit, term, iterations);
     let best = best.filter(|best| level(best) < level(fit));
     best.unwrap_or_else(|| fit.clone())
 }
 
-/// The best of some hands and of those that push otherwise, each in the place of the last effect of a fit.
-fn best_hand(problem: &Problem<'_>, fit: &Fit, hands: Vec<Term>, iterations: usize) -> Option<Fit> {
+/// The best of some terms and of those that push otherwise, each in the place of the last effect of a fit.
+fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize) -> Option<Fit> {
     let lowest = |a: &Fit, b: &Fit| level(a).total_cmp(&level(b));
-    let otherwise = hands.iter().flat_map(contact::otherwise);
-    let all: Vec<Term> = hands.iter().cloned().chain(otherwise).collect();
+    let otherwise = terms.iter().flat_map(otherwise);
+    let all: Vec<Term> = terms.iter().cloned().chain(otherwise).collect();
     let begun = all.into_par_iter();
-    let begun = begun.map(|hand| timed_and_fitted(problem, fit, hand, iterations));
+    let begun = begun.map(|term| timed_and_fitted(problem, fit, term, iterations));
     let mut begun: Vec<Fit> = begun.collect();
     begun.sort_by(lowest);
     begun.truncate(CARRIED_ON);
@@ -97,11 +109,11 @@ fn best_hand(problem: &Problem<'_>, fit: &Fit, hands: Vec<Term>, iterations: usi
     fits.min_by(lowest)
 }
 
-/// The same hand timed and fitted again while that leads on: the longer it is found to be, the farther it is looked for.
+/// The same episode timed and fitted again while that leads on: the longer it is found to be, the farther it is looked for.
 fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     for _ in 0..MOST_ROUNDS {
-        let hand = best.last_term();
-        let next = hand.map(|hand| timed_and_fitted(problem, &best, hand, iterations));
+        let term = best.last_term();
+        let next = term.map(|term| timed_and_fitted(problem, &best, term, iterations));
         let Some(better) = next.filter(|next| level(next) < level(&best)) else {
             break;
         };
@@ -110,74 +122,77 @@ fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     best
 }
 
-/// A fit with another hand in the place of its last effect, there the last time as long as suits it best.
-fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, hand: Term, iterations: usize) -> Fit {
-    let (begun, x) = with_hand(fit, hand.clone());
-    let with = |hand: &Term| {
+/// A fit with another episode in the place of its last effect, there the last time as long as suits it best.
+fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: usize) -> Fit {
+    let (begun, x) = with_last(fit, term.clone());
+    let with = |term: &Term| {
         let mut hypothesis = begun.clone();
         hypothesis.terms.pop();
-        hypothesis.terms.push(hand.clone());
+        hypothesis.terms.push(term.clone());
         hypothesis
     };
     // Moving an instant changes what lies between.
-    let gain = |hand: &Term, moved: &Term| {
-        let between = contact::moves(hand, moved);
+    let gain = |term: &Term, moved: &Term| {
+        let between = episode::moves(term, moved);
         let windows = problem.during(&between);
-        let [here, there] = [hand, moved].map(|hand| -> f64 {
-            let predictor = problem.predictor(&with(hand), &x);
+        let [here, there] = [term, moved].map(|term| -> f64 {
+            let predictor = problem.predictor(&with(term), &x);
             let squares = problem.squares(&predictor, Part::Chosen(&windows));
             squares.iter().filter(|sum| !sum.is_nan()).sum()
         });
         here - there
     };
-    let hypothesis = with(&timed(hand, longest_s(problem), gain));
+    let hypothesis = with(&timed(term, longest_s(problem), gain));
     problem.fit(&hypothesis, x, Part::All, iterations)
 }
 
-/// The longest that a hand may be there in all, s.
+/// The longest that an episode may be there in all, s.
 fn longest_s(problem: &Problem<'_>) -> f64 {
     LONGEST_SHARE * problem.duration_s()
 }
 
-/// True if the hand that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
+/// True if the episode that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
 /// what the others leave.
-pub(super) fn is_stiff(fit: &Fit) -> bool {
+pub(super) fn is_there(fit: &Fit) -> bool {
     let [at, within] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
-    let (Some((hand, x)), Some((_, std))) = (at, within) else {
+    let (Some((term, x)), Some((_, std))) = (at, within) else {
         return false;
     };
-    let stiffness = hand.at(x)[contact::STIFFNESS];
-    stiffness > SURE_ERRORS * hand.spread(contact::STIFFNESS, x, std)
+    kind(term).is_some_and(|episode| {
+        let place = episode.strength();
+        let strength = term.at(x)[place].abs();
+        strength > SURE_ERRORS * term.spread(place, x, std)
+    })
 }
 
-/// True if the hand that is the last effect of a fit explains more where it never goes: then none came.
+/// True if the episode that is the last effect of a fit explains more where it never goes: then none came.
 pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> bool {
-    let Some(hand) = fit.last_term() else {
+    let Some(term) = fit.last_term() else {
         return false;
     };
-    let (hypothesis, x) = with_hand(fit, contact::lasting(&hand));
+    let (hypothesis, x) = with_last(fit, episode::lasting(&term));
     let lasting = problem.fit(&hypothesis, x, Part::All, iterations);
     level(&lasting) < level(fit)
 }
 
-/// A hand, there for `longest_s` in all at most, with both its last instants where moving either gains nothing, by the sum of
-/// squares: the robust cost of a window is flat until that end of the hand is nearly right.
-fn timed(mut hand: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
-    let [from_s, to_s] = contact::instants(&hand);
+/// An episode, there for `longest_s` in all at most, with both its last instants where moving either gains nothing, by the sum of
+/// squares: the robust cost of a window is flat until that end of the episode is nearly right.
+fn timed(mut term: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
+    let [from_s, to_s] = episode::instants(&term);
     for _ in 0..MOST_MOVES {
         let moves = MOVES.into_iter().flat_map(|by| [by, -by]);
         let moves: Vec<(usize, f64)> = moves.flat_map(|by| [(0, by), (1, by)]).collect();
         let moved = moves.into_par_iter().map(|(which, by)| {
-            let moved = contact::moved(&hand, which, by * (to_s - from_s).abs());
-            let passes = contact::there_s(&moved) <= longest_s;
-            passes.then(|| (gain(&hand, &moved), moved))
+            let moved = episode::moved(&term, which, by * (to_s - from_s).abs());
+            let passes = episode::there_s(&moved) <= longest_s;
+            passes.then(|| (gain(&term, &moved), moved))
         });
         match moved.flatten().max_by(|a, b| a.0.total_cmp(&b.0)) {
-            Some((gain, better)) if gain > 0.0 => hand = better,
+            Some((gain, better)) if gain > 0.0 => term = better,
             _ => break,
         }
     }
-    hand
+    term
 }
 
 #[cfg(test)]
@@ -280,7 +295,7 @@ mod tests {
             let null = problem.fit(&bare, Vec::new(), Part::All, 0);
             let perfect = Perfect::of(problem, &null).bounded();
             let found = found(problem, &perfect, &null, fit, 8);
-            contact::stays(&found.last_term().unwrap())
+            episode::stays(&found.last_term().unwrap())
         });
         assert_eq!(stays, 2);
     }
@@ -311,7 +326,7 @@ mod tests {
     fn what_drags_for_a_while_is_no_hand_with_a_stiffness() {
         let stiff = |hidden| {
             let begun = "contact:position=0,side=0,stiffness=0.01,damping=0.003,from=8,to=8.9";
-            fitted(hidden, begun, |_, fit| is_stiff(fit))
+            fitted(hidden, begun, |_, fit| is_there(fit))
         };
         assert!(stiff(
             "contact:position=0,side=0,stiffness=0.1,damping=0.003,from=8,to=8.9"

@@ -19,7 +19,7 @@ const LEAST_DAMPING: f64 = 0.1;
 
 /// Something that pushes back, and when.
 #[derive(Clone, Copy)]
-pub(crate) struct Push {
+pub(crate) struct Stay {
     pub position: f64,
     /// +1 if it pushes back what comes from below, 0 if it holds.
     pub side: f64,
@@ -32,11 +32,11 @@ pub(crate) struct Push {
 }
 
 /// What could push back to some `sides` in the stretch that is worst.
-pub(crate) fn pushes(e: &Evidence<'_>, sides: &[f64]) -> Vec<Push> {
+pub(crate) fn stays(e: &Evidence<'_>, sides: &[f64]) -> Vec<Stay> {
     let counts: Vec<usize> = e.series.iter().map(|s| s.windows.len()).collect();
     stretches(&counts, e.window_costs)
         .into_iter()
-        .flat_map(|(series, windows)| pushes_during(e, sides, series, windows))
+        .flat_map(|(series, windows)| stays_during(e, sides, series, windows))
         .collect()
 }
 
@@ -45,45 +45,74 @@ fn strongly(rms_nm: f64) -> f64 {
     1.5 * rms_nm
 }
 
-fn pushes_during(
+/// The stretches of time in which something may have come and gone: those that are worst, each from the first to the last sample
+/// that misses much, and whole; s of the session.
+pub(crate) fn worst_times(e: &Evidence<'_>) -> Vec<[f64; 2]> {
+    let counts: Vec<usize> = e.series.iter().map(|s| s.windows.len()).collect();
+    let worst = stretches(&counts, e.window_costs).into_iter();
+    worst
+        .flat_map(|(series, windows)| Worst::of(e, series, &windows).edges)
+        .collect()
+}
+
+/// A stretch of time in which much torque is missing.
+struct Worst {
+    rows: Range<usize>,
+    /// From the first to the last sample that misses much, and all of it, s of the session.
+    edges: [[f64; 2]; 2],
+    /// Rms of the torque that is missing in it, and in the whole series, N m.
+    missing_nm: f64,
+    usual_nm: f64,
+}
+
+impl Worst {
+    fn of(e: &Evidence<'_>, series: usize, windows: &Range<usize>) -> Self {
+        let data = &e.series[series];
+        let [first, last] = [windows.start, windows.end - 1].map(|w| &data.windows[w].samples);
+        let rows = first.start..last.end;
+        let all = &e.motions[series].missing_nm;
+        let missing = &all[rows.clone()];
+        let rms_of = |values: &[f64]| {
+            let known = values.iter().copied().filter(|m| m.is_finite());
+            rms(&known.collect::<Vec<_>>())
+        };
+        let usual_nm = rms_of(all);
+        let strong = |m: &f64| m.abs() > strongly(usual_nm);
+        let from = missing.iter().position(strong).unwrap_or(0);
+        let to = missing.iter().rposition(strong);
+        let to = to.unwrap_or(missing.len() - 1);
+        let ends = [rows.start + from, (rows.start + to + 1).min(rows.end - 1)];
+        let edges = [ends, [rows.start, rows.end - 1]];
+        Self {
+            edges: edges.map(|ends| ends.map(|row| data.session(row))),
+            missing_nm: rms_of(missing),
+            usual_nm,
+            rows,
+        }
+    }
+}
+
+fn stays_during(
     e: &Evidence<'_>,
     sides: &[f64],
     series: usize,
     windows: Range<usize>,
-) -> Vec<Push> {
-    let data = &e.series[series];
-    let rows = data.windows[windows.start].samples.start..data.windows[windows.end - 1].samples.end;
+) -> Vec<Stay> {
+    let Worst {
+        rows,
+        edges,
+        missing_nm,
+        usual_nm: quiet,
+    } = Worst::of(e, series, &windows);
     let motion = &e.motions[series];
-    let missing: Vec<f64> = rows.clone().map(|i| motion.missing_nm[i]).collect();
-    let known: Vec<f64> = missing.iter().copied().filter(|m| m.is_finite()).collect();
-    let quiet = rms(&motion
-        .missing_nm
-        .iter()
-        .copied()
-        .filter(|m| m.is_finite())
-        .collect::<Vec<_>>());
-    // The torque is missing while it is there: from the first to the last sample that shows it.
-    let strong = |m: f64| m.abs() > strongly(quiet);
-    let from = missing.iter().position(|m| strong(*m)).unwrap_or(0);
-    let to = missing
-        .iter()
-        .rposition(|m| strong(*m))
-        .unwrap_or(missing.len() - 1);
-    let edges = [
-        [
-            data.session(rows.start + from),
-            data.session((rows.start + to + 1).min(rows.end - 1)),
-        ],
-        [data.session(rows.start), data.session(rows.end - 1)],
-    ];
     let positions: Vec<f64> = rows.clone().map(|i| motion.position[i]).collect();
-    let strength = rms(&known).max(0.2 * e.scales.torque);
+    let strength = missing_nm.max(0.2 * e.scales.torque);
     let span =
         (quantile(&positions, 1.0) - quantile(&positions, 0.0)).max(LEAST_SPAN * e.scales.span());
     let stiffness = 3.0 * strength / span;
     let mut all = Vec::new();
     for &side in sides {
-        let during = edges.map(|[from_s, to_s]| Push {
+        let during = edges.map(|[from_s, to_s]| Stay {
             position: 0.0,
             side,
             stiffness,
@@ -93,16 +122,16 @@ fn pushes_during(
             span,
         });
         let least_nm = if side == 0.0 { 0.0 } else { strongly(quiet) };
-        all.extend(during.iter().filter_map(|push| push.regressed(e, least_nm)));
+        all.extend(during.iter().filter_map(|stay| stay.regressed(e, least_nm)));
         for share in [0.15, 0.5, 0.85] {
             let position = quantile(&positions, share);
-            all.extend(during.map(|push| Push { position, ..push }));
+            all.extend(during.map(|stay| Stay { position, ..stay }));
         }
     }
     all
 }
 
-impl Push {
+impl Stay {
     /// The same where the torque that is missing meanwhile, `least_nm` to its side, says that it is.
     fn regressed(self, e: &Evidence<'_>, least_nm: f64) -> Option<Self> {
         let pushed = moments(e).filter(|m| {

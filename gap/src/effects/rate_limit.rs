@@ -1,0 +1,62 @@
+//! What acts of the input changes no faster than a rate.
+
+use super::identification::{Family, Identification};
+use super::phrase::Found;
+use crate::guess::Evidence;
+use crate::guess::start::{geometric, log, term};
+use crate::missing_torque::axis::Axis;
+use crate::missing_torque::form::Form;
+use crate::missing_torque::path::Path;
+use crate::missing_torque::target::Target;
+use crate::term::Term;
+use host_sim::effects::Kind;
+use host_sim::effects::rate_limit::KIND;
+
+/// Times in which the limited input goes through the largest one, over the time of a radian of the motion: from where the limit is
+/// hardly met to where it is met all the time.
+const SWING: [f64; 2] = [0.1, 10.0];
+const STARTS: usize = 6;
+
+#[derive(Debug)]
+pub(super) struct RateLimit;
+
+impl Identification for RateLimit {
+    fn kind(&self) -> &'static Kind {
+        &KIND
+    }
+
+    fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
+        let input = e.largest_input();
+        let rate = 2.0 * e.scales.velocity / e.scales.span();
+        rates(input, rate)
+            .map(|rate| term(&KIND, vec![log(0, rate)], &[]))
+            .collect()
+    }
+
+    fn family(&self) -> Option<Family> {
+        Some(Family::Lateness)
+    }
+
+    fn axis(&self) -> Axis {
+        Axis::Acceleration
+    }
+
+    fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
+        let limits = rates(path.scale.input, path.scale.rate());
+        let forms = limits.map(|limit| Form::whole(path, &KIND, vec![limit], None).positive());
+        target.screened(forms.collect(), 1)
+    }
+
+    fn noun(&self) -> &'static str {
+        "a limited rate of the input"
+    }
+
+    fn template(&self, _found: &Found<'_>) -> &'static str {
+        "an input that acts no faster than {rate}"
+    }
+}
+
+/// Rates at which a motion of so many rad/s may meet a limit, in units of input a second.
+fn rates(input: f64, rate: f64) -> impl Iterator<Item = f64> {
+    geometric(SWING, STARTS).map(move |swing| (input * rate / swing).max(f64::MIN_POSITIVE))
+}

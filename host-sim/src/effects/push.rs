@@ -1,0 +1,62 @@
+//! A torque from outside for a moment.
+
+use super::{ANY, Channel, Events, Kind, Parameter, Quantity};
+use crate::device::PUSH;
+use crate::plant::{BARRIERS, Barrier};
+use core::ops::Range;
+
+/// Places of what is said of each push: its torque, from when and until when.
+const PUSHES: Range<usize> = 0..3;
+
+/// `T = T₀ from one instant to another`.
+pub const KIND: Kind = Kind {
+    name: "push",
+    channel: Channel::Surroundings,
+    about: "Something outside pushes for a moment",
+    equation: "T = T0 from one instant to another",
+    parameters: &[
+        Parameter {
+            name: "torque",
+            quantity: Quantity::Torque,
+            range: ANY,
+            default: 0.05,
+            typical: [-1.0, 1.0],
+            about: "of the push",
+        },
+        Parameter {
+            name: "from",
+            quantity: Quantity::Time,
+            range: ANY,
+            default: 0.2,
+            typical: [0.0, 1000.0],
+            about: "of the session",
+        },
+        Parameter {
+            name: "to",
+            quantity: Quantity::Time,
+            range: ANY,
+            default: 0.4,
+            typical: [0.0, 1000.0],
+            about: "of the session",
+        },
+    ],
+    events: Some(Events {
+        places: PUSHES,
+        most: BARRIERS - PUSH,
+        alone: |_| true,
+        instants: Some([1, 2]),
+    }),
+    install: |device, p| {
+        let places = device.mechanics.barriers[PUSH..].iter_mut();
+        for (place, push) in places.zip(p.chunks_exact(PUSHES.len())) {
+            *place = Some(Barrier {
+                at: 0.0,
+                side: 0.0,
+                stiffness: 0.0,
+                damping: 0.0,
+                torque_nm: push[0],
+                during_s: Some([push[1], push[2]]),
+            });
+        }
+    },
+};

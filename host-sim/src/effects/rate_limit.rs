@@ -1,0 +1,23 @@
+//! What acts of the input changes no faster than a rate, as a servo that turns no faster.
+
+use super::{Channel, Kind, POSITIVE, Parameter, Quantity};
+
+/// `|dw/dt| ≤ rate, T = ratio · w`.
+pub const KIND: Kind = Kind {
+    name: "rate_limit",
+    channel: Channel::Actuation,
+    about: "What acts of the input changes no faster than a rate",
+    equation: "T = ratio · w, where w follows u with |w'| ≤ rate",
+    parameters: &[Parameter {
+        name: "rate",
+        quantity: Quantity::InputRate,
+        range: POSITIVE,
+        default: 0.05,
+        typical: [0.01, 10.0],
+        about: "fastest change of what acts of the input",
+    }],
+    events: None,
+    install: |device, p| {
+        device.drive.rate_limit = p[0];
+    },
+};

@@ -1,6 +1,7 @@
 //! What a device is made of, by the names of the effects that make it so.
 
 use host_sim::device::Device;
+use host_sim::plant::{Cogging, Wave};
 
 /// A part of a device beside its inertia and its ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -25,6 +26,8 @@ pub enum Part {
     Offset,
     /// Torque ripple.
     Cogging,
+    /// Ripples of other orders.
+    FurtherWaves,
     /// Dry friction.
     Coulomb,
     /// Dry friction of two levels.
@@ -92,6 +95,7 @@ impl Part {
             Self::FurtherLag => "second lag",
             Self::Offset => "torque_offset",
             Self::Cogging => "cogging",
+            Self::FurtherWaves => "further waves of the cogging",
             Self::Coulomb => "coulomb",
             Self::AsymmetricCoulomb => "asymmetric_coulomb",
             Self::PositionDependentCoulomb => "position_dependent_coulomb",
@@ -138,6 +142,11 @@ pub fn parts(device: &Device) -> Vec<Part> {
     part(Part::FurtherLag, drive.further_lag_s > 0.0);
     part(Part::Offset, mechanics.offset_nm != 0.0);
     part(Part::Cogging, mechanics.cogging.is_some());
+    let several = |cogging: &Cogging| cogging.further[0] != Wave::NONE;
+    part(
+        Part::FurtherWaves,
+        mechanics.cogging.as_ref().is_some_and(several),
+    );
     part(Part::Coulomb, forward > 0.0 || backward > 0.0);
     part(Part::AsymmetricCoulomb, forward != backward);
     let varies = friction.position_slope != 0.0

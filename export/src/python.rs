@@ -60,15 +60,15 @@ pub(crate) fn numbers(model: &Model) -> Vec<(&'static str, f64)> {
         ("hardening", mechanics.hardening),
         (
             "cogging",
-            cogging.map_or(0.0, |cogging| cogging.amplitude_nm),
+            cogging.map_or(0.0, |cogging| cogging.first.amplitude_nm),
         ),
         (
             "cogging_wave_number",
-            cogging.map_or(0.0, |cogging| cogging.wave_number),
+            cogging.map_or(0.0, |cogging| cogging.first.wave_number),
         ),
         (
             "cogging_phase",
-            cogging.map_or(0.0, |cogging| cogging.phase),
+            cogging.map_or(0.0, |cogging| cogging.first.phase),
         ),
         (
             "cogging_second_sine",

@@ -50,6 +50,34 @@ fn what_comes_loose_at_once_is_another_friction_from_then_on() {
 }
 
 #[test]
+fn a_ripple_of_three_orders_is_found_with_all_of_them() {
+    let waves = "amplitude_1=0.004,wave_number_1=21,phase_1=0.4,amplitude_2=0.0025,wave_number_2=37,phase_2=1.9,\
+                 amplitude_3=0.002,wave_number_3=62,phase_3=-1.1";
+    let mut device = Device::nominal(&paddle());
+    let ripple = format!("cogging:{waves}");
+    ripple.parse::<Effect>().unwrap().install(&mut device);
+    let recording = recorded(&device, paddle(), 5e-5, 0.0, 11);
+    let found = diagnose(&recording, &Options::default()).diagnosis;
+    let effect = &found.effects[0];
+    assert_eq!((effect.name, found.effects.len()), ("cogging", 1));
+    let value = |name: &str| effect.parameters.get(name).map_or(f64::NAN, |e| e.value);
+    let mut orders = [1, 2, 3].map(|k| {
+        [
+            value(&format!("wave_number_{k}")),
+            value(&format!("amplitude_{k}")),
+        ]
+    });
+    orders.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    for (order, expected) in orders
+        .iter()
+        .zip([[21.0, 0.004], [37.0, 0.0025], [62.0, 0.002]])
+    {
+        let off = [0, 1].map(|i| (order[i] / expected[i] - 1.0).abs());
+        assert!(off[0] < 0.02 && off[1] < 0.1, "{orders:?}");
+    }
+}
+
+#[test]
 fn a_spring_that_hardens_at_once_is_no_stop() {
     assert_found(
         "spring:stiffness=0.005,zero=0.02,hardening=20",

@@ -91,7 +91,7 @@ impl InputCurve {
     }
 }
 
-/// Torque over position: `first sin(k x + phase) + second sin(2 k x + 2 phase)`, N m.
+/// Torque over position: `first sin(k x + phase) + second sin(2 k x + 2 phase)` and waves of further orders, N m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cogging {
     pub first: f64,
@@ -99,6 +99,8 @@ pub(crate) struct Cogging {
     /// rad per unit of position.
     pub wave_number: f64,
     pub phase_rad: f64,
+    /// Waves of other orders: torque, N m, and wave number over the first one's.
+    pub further: [(f64, f64); 2],
 }
 
 #[derive(Clone, Debug)]
@@ -179,7 +181,8 @@ impl Actuator {
         let u = behind(&mut memory.further, u, self.further_lag_s, dt);
         let ripple = self.cogging.map_or(0.0, |c| {
             let angle = c.wave_number * motion.x + c.phase_rad;
-            c.first * angle.sin() + c.second * (2.0 * angle).sin()
+            let further = c.further.map(|(nm, order)| nm * (order * angle).sin());
+            c.first * angle.sin() + c.second * (2.0 * angle).sin() + further.iter().sum::<f64>()
         });
         self.ratio * u + self.offset + ripple
     }

@@ -229,6 +229,12 @@ impl Hidden {
                     },
                     wave_number: TAU * periods / (2.0 * half_span),
                     phase_rad: self.between(2, 0.0, TAU),
+                    further: if matches!(self.variant, 2 | 3) {
+                        let part = |k, order| (s * torque * self.between(k, 0.3, 0.8), order);
+                        [part(3, 1.7), part(4, 3.1)]
+                    } else {
+                        [(0.0, 0.0); 2]
+                    },
                 });
             }
             "coulomb" => {

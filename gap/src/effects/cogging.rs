@@ -2,7 +2,7 @@
 
 use super::gravity::Gravity;
 use super::identification::Identification;
-use super::phrase::Found;
+use super::phrase::{Found, Phrase};
 use super::spring::Spring;
 use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
@@ -13,7 +13,7 @@ use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::Path;
 use crate::missing_torque::target::Target;
-use crate::term::Term;
+use crate::term::{Coordinate, Term};
 use crate::windows::statistics::quantile;
 use core::f64::consts::{FRAC_PI_2, TAU};
 use host_sim::effects::Kind;
@@ -39,38 +39,39 @@ impl Identification for Cogging {
     /// The strongest wave numbers in the missing torque, by the share of its variance that a sine and a cosine over position
     /// explain.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        let s = e.scales;
-        let known: Vec<Moment> = moments(e).collect();
-        let speeds: Vec<f64> = known.iter().map(|m| m.velocity.abs()).collect();
-        let slow = quantile(&speeds, SLOW_SHARE);
-        let strongest = |fastest: f64, range: [f64; 2]| {
-            let some = known.iter().filter(|m| m.velocity.abs() <= fastest);
-            let some = some.map(|m| (m.position, m.velocity > 0.0, m.missing_nm));
-            waves::strongest(some.collect(), range, s.span())
-        };
-        let all = strongest(f64::INFINITY, s.wave_numbers());
-        // What passes too fast most of the time shows where the motion is slow.
-        let finest = s.finest_wave_number();
-        let told_apart = waves::last_told_apart(finest, s.span());
-        let finer = s.finest_wave_number_at(slow).min(told_apart);
-        let fine = strongest(slow, [finest, finer]);
-        let peaks = all.into_iter().take(PEAKS);
-        let peaks = peaks.chain(fine.into_iter().take(PEAKS));
-        peaks
-            .map(|(n, [a, b])| {
-                let amplitude = a.hypot(b).max(1e-3 * s.torque);
-                // A missing torque is what the motion needed: that of the ripple itself.
-                let phase = b.atan2(a);
-                let free = vec![
-                    log(0, amplitude),
-                    linear(1, n, 0.2 * TAU / s.span()),
-                    linear(2, phase, 0.5),
-                    linear(3, 0.0, 0.3 * amplitude),
-                    linear(4, 0.0, 0.3 * amplitude),
-                ];
+        peaks(e)
+            .into_iter()
+            .map(|wave| {
+                let harmonic = 0.3 * wave.amplitude;
+                let mut free = wave.coordinates(e, 0).to_vec();
+                free.extend([linear(3, 0.0, harmonic), linear(4, 0.0, harmonic)]);
                 term(&KIND, free, &[])
             })
             .collect()
+    }
+
+    fn with_another_part(&self, fitted: &Term, e: &Evidence<'_>) -> Vec<Term> {
+        let place = fitted.values.len();
+        if KIND.event_count(&fitted.values) >= KIND.most_events() {
+            return Vec::new();
+        }
+        let known = KIND.event_count(&fitted.values);
+        let known = (0..known).map(|k| fitted.values[KIND.event_place(k) + WAVE_NUMBER]);
+        let known: Vec<f64> = known.collect();
+        let resolved = TAU / e.scales.span();
+        let mut all = peaks(e);
+        all.retain(|wave| {
+            let apart = known.iter().map(|n| (n - wave.wave_number).abs());
+            apart.fold(f64::INFINITY, f64::min) > resolved
+        });
+        let more = all.into_iter().map(|wave| {
+            let mut term = fitted.clone();
+            term.values
+                .extend([wave.amplitude, wave.wave_number, wave.phase]);
+            term.free.extend(wave.coordinates(e, place));
+            term
+        });
+        more.collect()
     }
 
     fn special_cases(&self) -> &'static [&'static dyn Identification] {
@@ -78,7 +79,9 @@ impl Identification for Cogging {
     }
 
     fn too_few_periods(&self, fitted: &Term, extremes: [f64; 2]) -> Option<f64> {
-        waves_short(fitted.values[WAVE_NUMBER], extremes)
+        let waves = 0..KIND.event_count(&fitted.values);
+        let numbers = waves.map(|k| fitted.values[KIND.event_place(k) + WAVE_NUMBER]);
+        waves_short(numbers.fold(f64::INFINITY, f64::min), extremes)
     }
 
     fn axis(&self) -> Axis {
@@ -109,6 +112,64 @@ impl Identification for Cogging {
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "cogging of {amplitude}"
     }
+
+    fn phrase(&self, found: &Found<'_>) -> Phrase {
+        match found.count("wave_number") {
+            0 | 1 => self.filled_template(found),
+            orders => Phrase::of(format!("cogging of {orders} orders")),
+        }
+    }
+}
+
+/// A wave of the torque that is missing.
+#[derive(Clone, Copy, Debug)]
+struct Peak {
+    amplitude: f64,
+    wave_number: f64,
+    phase: f64,
+}
+
+impl Peak {
+    /// What is free of it where its numbers begin at some place.
+    fn coordinates(&self, e: &Evidence<'_>, place: usize) -> [Coordinate; 3] {
+        [
+            log(place, self.amplitude),
+            linear(
+                place + WAVE_NUMBER,
+                self.wave_number,
+                0.2 * TAU / e.scales.span(),
+            ),
+            linear(place + 2, self.phase, 0.5),
+        ]
+    }
+}
+
+/// The strongest waves of the torque that is missing, those that most of the motion follows first.
+fn peaks(e: &Evidence<'_>) -> Vec<Peak> {
+    let s = e.scales;
+    let known: Vec<Moment> = moments(e).collect();
+    let speeds: Vec<f64> = known.iter().map(|m| m.velocity.abs()).collect();
+    let slow = quantile(&speeds, SLOW_SHARE);
+    let strongest = |fastest: f64, range: [f64; 2]| {
+        let some = known.iter().filter(|m| m.velocity.abs() <= fastest);
+        let some = some.map(|m| (m.position, m.velocity > 0.0, m.missing_nm));
+        waves::strongest(some.collect(), range, s.span())
+    };
+    let all = strongest(f64::INFINITY, s.wave_numbers());
+    // What passes too fast most of the time shows where the motion is slow.
+    let finest = s.finest_wave_number();
+    let told_apart = waves::last_told_apart(finest, s.span());
+    let finer = s.finest_wave_number_at(slow).min(told_apart);
+    let fine = strongest(slow, [finest, finer]);
+    let peaks = all.into_iter().take(PEAKS);
+    let peaks = peaks.chain(fine.into_iter().take(PEAKS));
+    let peaks = peaks.map(|(wave_number, [a, b])| Peak {
+        amplitude: a.hypot(b).max(1e-3 * s.torque),
+        wave_number,
+        // A missing torque is what the motion needed: that of the ripple itself.
+        phase: b.atan2(a),
+    });
+    peaks.collect()
 }
 
 /// Waves of a ripple between the lowest and the highest of some positions, if they are too few to see it repeat.

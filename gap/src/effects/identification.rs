@@ -41,6 +41,11 @@ pub(crate) trait Identification: Debug + Sync {
         Vec::new()
     }
 
+    /// The same effect with one more of the parts that it may consist of, as the evidence beyond it, where it is `fitted`, suggests.
+    fn with_another_part(&self, _fitted: &Term, _beyond: &Evidence<'_>) -> Vec<Term> {
+        Vec::new()
+    }
+
     /// The same effect with fewer free parameters, each with its coordinates, from where it is `fitted` at `x` on positions
     /// between two `extremes`.
     fn reduced_forms(

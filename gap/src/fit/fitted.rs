@@ -42,6 +42,15 @@ impl Fit {
         Some((hypothesis, x))
     }
 
+    /// Its effects with another term in the place of the last, and coordinates to fit them from.
+    pub(crate) fn with_last(&self, term: Term) -> (Hypothesis, Vec<f64>) {
+        let (mut hypothesis, mut x) = self.hypothesis.moved(&self.x);
+        let before = hypothesis.terms.pop().map_or(0, |term| term.free.len());
+        x.resize(x.len() + term.free.len() - before, 0.0);
+        hypothesis.terms.push(term);
+        (hypothesis, x)
+    }
+
     /// Its effects without one of them, and the coordinates without its own.
     pub(crate) fn without(&self, place: usize) -> (Hypothesis, Vec<f64>) {
         let parts = self.hypothesis.parts(&self.x).enumerate();

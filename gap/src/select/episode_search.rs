@@ -4,7 +4,6 @@ use super::excess::level;
 use super::place::stands_out;
 use crate::effects::{self, Episode, episode};
 use crate::fit::Fit;
-use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::Perfect;
@@ -37,7 +36,7 @@ pub(super) fn found(
         // One long stay that reaches from a first to a second is neither.
         let halves = best.last_term().map(|term| episode::halves(&term));
         let halves = halves.into_iter().flatten().map(|half| {
-            let (hypothesis, x) = with_last(&best, half);
+            let (hypothesis, x) = best.with_last(half);
             let placed = problem.fit(&hypothesis, x, Part::All, iterations);
             once(problem, &placed, iterations)
         });
@@ -75,15 +74,6 @@ fn kind(term: &Term) -> Option<&'static dyn Episode> {
 fn otherwise(term: &Term) -> Vec<Term> {
     let kind = kind(term);
     kind.map_or_else(Vec::new, |kind| kind.otherwise(term))
-}
-
-/// The effects of a fit with another episode in the place of the last, and coordinates to fit them from.
-fn with_last(fit: &Fit, term: Term) -> (Hypothesis, Vec<f64>) {
-    let (mut hypothesis, mut x) = fit.hypothesis.moved(&fit.x);
-    let before = hypothesis.terms.pop().map_or(0, |term| term.free.len());
-    x.resize(x.len() + term.free.len() - before, 0.0);
-    hypothesis.terms.push(term);
-    (hypothesis, x)
 }
 
 /// The best of the terms that push to either side or hold, from the last effect of a fit on.
@@ -124,7 +114,7 @@ fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
 
 /// A fit with another episode in the place of its last effect, there the last time as long as suits it best.
 fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: usize) -> Fit {
-    let (begun, x) = with_last(fit, term.clone());
+    let (begun, x) = fit.with_last(term.clone());
     let with = |term: &Term| {
         let mut hypothesis = begun.clone();
         hypothesis.terms.pop();
@@ -170,7 +160,7 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     let Some(term) = fit.last_term() else {
         return false;
     };
-    let (hypothesis, x) = with_last(fit, episode::lasting(&term));
+    let (hypothesis, x) = fit.with_last(episode::lasting(&term));
     let lasting = problem.fit(&hypothesis, x, Part::All, iterations);
     level(&lasting) < level(fit)
 }
@@ -198,6 +188,7 @@ fn timed(mut term: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sy
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::hypothesis::Hypothesis;
     use crate::made;
     use crate::term::{Coordinate, Scale};
     use host_sim::effects::Effect;

@@ -9,6 +9,7 @@ mod near_equivalents;
 mod next_effect;
 mod pair;
 mod pair_screening;
+mod parts;
 mod place;
 mod ranking;
 mod refined;

@@ -4,6 +4,7 @@ use super::degenerate::{is_degenerate, is_excluded};
 use super::episode_search;
 use super::evolution::evolved;
 use super::excess::{QUIET_EXCESS, level};
+use super::parts::with_parts;
 use super::place::{Place, earns_its_place};
 use super::ranking::join_all;
 use super::rival::{Rival, best_of, extended};
@@ -140,6 +141,7 @@ pub(super) fn judged(
             FITTING_ITERATIONS,
         );
     }
+    *winner = with_parts(search, winner.clone());
     if is_degenerate(search, winner) || is_excluded(search, known, winner) {
         rivals.remove(0);
         return judged(search, known, screened, rivals);

@@ -75,6 +75,7 @@ impl Motion {
                 + m.gravity * m.from_hanging_rad(x).sin()
                 - m.spring(x)
                 - m.offset_nm
+                - m.cogging.map_or(0.0, |cogging| cogging.torque(x))
                 - motion.drive_nm[i];
             let [missing_nm, held_nm] = if known {
                 [

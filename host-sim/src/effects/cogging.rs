@@ -1,14 +1,28 @@
 //! The torque ripples with position.
 
-use super::{ANY, Channel, Kind, POSITIVE, Parameter, Quantity};
-use crate::plant::Cogging;
+use super::{ANY, Channel, Events, Kind, POSITIVE, Parameter, Quantity};
+use crate::plant::{Cogging, FURTHER, Wave};
+use core::ops::Range;
 
-/// `T = A sin θ + a sin 2θ + b cos 2θ` with `θ = n x + φ`.
+/// Places of what is said of each wave: its amplitude, wave number and phase.
+const WAVES: Range<usize> = 0..3;
+/// Number of values of one with a single wave.
+const SINGLE: usize = 5;
+
+fn wave(values: &[f64]) -> Wave {
+    Wave {
+        amplitude_nm: values[0],
+        wave_number: values[1],
+        phase: values[2],
+    }
+}
+
+/// `T = A sin θ + a sin 2θ + b cos 2θ` with `θ = n x + φ`, and further waves.
 pub const KIND: Kind = Kind {
     name: "cogging",
     channel: Channel::Actuation,
     about: "The torque ripples with position",
-    equation: "T = A sin θ + a sin 2θ + b cos 2θ, θ = n x + φ",
+    equation: "T = A sin θ + a sin 2θ + b cos 2θ + A2 sin(n2 x + φ2) + …, θ = n x + φ",
     parameters: &[
         Parameter {
             name: "amplitude",
@@ -40,7 +54,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.002, 0.002],
-            about: "of the second harmonic",
+            about: "of the second harmonic of the first wave",
         },
         Parameter {
             name: "second_cosine",
@@ -48,16 +62,25 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.002, 0.002],
-            about: "of the second harmonic",
+            about: "of the second harmonic of the first wave",
         },
     ],
-    events: None,
+    events: Some(Events {
+        places: WAVES,
+        most: 1 + FURTHER,
+        alone: |_| false,
+        instants: None,
+    }),
     install: |device, p| {
+        let mut further = [Wave::NONE; FURTHER];
+        let more = p.get(SINGLE..).unwrap_or_default();
+        for (place, values) in further.iter_mut().zip(more.chunks_exact(WAVES.len())) {
+            *place = wave(values);
+        }
         device.mechanics.cogging = Some(Cogging {
-            amplitude_nm: p[0],
-            wave_number: p[1],
-            phase: p[2],
+            first: wave(p),
             second_nm: [p[3], p[4]],
+            further,
         });
     },
 };

@@ -53,7 +53,7 @@ pub struct Kind {
     pub(super) events: Option<Events>,
 }
 
-/// How an effect happens at moments of a session, once or more often.
+/// What an effect consists of, once or more often: most of them happen at moments of a session.
 #[derive(Debug)]
 pub(super) struct Events {
     /// Places of what is said of each time.

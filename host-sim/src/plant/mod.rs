@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! J x'' = T(t) + offset − B x' − Q x'|x'| − G sin(x − x_G) − K (x − x_K)
-//!         + A sin(n x + φ) + barriers − dry friction
+//!         + A sin(n x + φ) + … + barriers − dry friction
 //! ```
 //!
 //! A transmission that is not rigid splits it into motor side and load side.
@@ -44,7 +44,7 @@ use two_mass::Modes;
 
 pub use barrier::{Barrier, Touch};
 pub use cascade::Cascade;
-pub use cogging::Cogging;
+pub use cogging::{Cogging, FURTHER, Wave};
 pub use course::Course;
 pub use drift::Drift;
 pub use follower::Follower;

@@ -70,6 +70,8 @@ pub enum Part {
     SensorLag,
     /// A counter that loses counts.
     LostCounts,
+    /// A torque that a user wrote down.
+    Law,
 }
 
 impl Part {
@@ -117,6 +119,7 @@ impl Part {
             Self::SensorHysteresis => "sensor_hysteresis",
             Self::SensorLag => "sensor_lag",
             Self::LostCounts => "lost_counts",
+            Self::Law => "a torque that a user wrote down",
         }
     }
 }
@@ -190,6 +193,7 @@ pub fn parts(device: &Device) -> Vec<Part> {
         Part::LostCounts,
         !sensing.jumps.is_empty() || !sensing.overspeed.is_none(),
     );
+    part(Part::Law, !mechanics.laws.is_empty());
     found
 }
 

@@ -28,6 +28,14 @@ pub enum Failure {
     /// An effect cannot be understood.
     #[error(transparent)]
     Effect(#[from] host_sim::effects::EffectError),
+    /// A file that is to define an effect.
+    #[error("{}: {cause}", .path.display())]
+    OwnEffect {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and the mend.
+        cause: gap::effects::OwnEffectError,
+    },
     /// A chart cannot be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),

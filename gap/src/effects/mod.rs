@@ -18,6 +18,7 @@ mod input_nonlinearity;
 mod lag;
 mod load_dependent_friction;
 mod lost_counts;
+mod own;
 mod phrase;
 mod position_dependent_coulomb;
 mod presliding;
@@ -38,6 +39,7 @@ mod viscous;
 
 pub(crate) use episode::Episode;
 pub(crate) use identification::{Family, Fitted, Identification, Landscape};
+pub use own::{OwnEffectError, add_own};
 pub use phrase::{Nominal, Part, Phrase};
 
 use crate::diagnosis::Finding;
@@ -91,7 +93,8 @@ pub(crate) struct Candidate {
 
 /// Every effect that the recording could show, in the order of the vocabulary.
 pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
-    let all = ALL.par_iter().map(|&effect| Candidate {
+    let all: Vec<&dyn Identification> = all().collect();
+    let all = all.into_par_iter().map(|effect| Candidate {
         effect,
         starts: effect.starts(evidence),
     });
@@ -101,20 +104,20 @@ pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
 
 /// The effect called `name`, if there is one.
 pub(crate) fn find(name: &str) -> Option<&'static dyn Identification> {
-    ALL.iter().copied().find(|effect| effect.name() == name)
+    all().find(|effect| effect.name() == name)
 }
 
 /// The effect called `name`.
 ///
 /// # Panics
-/// If no effect is called so. Names within this crate are those of [`KINDS`], all of which are here.
+/// If no effect is called so. Names within this crate are those of [`KINDS`] and of effects that were added, all of which are here.
 pub(crate) fn of(name: &str) -> &'static dyn Identification {
     find(name).expect("a name of the vocabulary")
 }
 
-/// All effects.
+/// All effects, those that a user added last.
 pub(crate) fn all() -> impl Iterator<Item = &'static dyn Identification> {
-    ALL.iter().copied()
+    ALL.iter().copied().chain(own::all())
 }
 
 /// The effect that replaces a number of the model, if there is one.

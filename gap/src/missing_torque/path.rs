@@ -236,6 +236,9 @@ pub(crate) fn torque(m: &Mechanics, drive: f64, at: &Moment) -> f64 {
     if let Some(cogging) = &m.cogging {
         without_friction += cogging.torque(x);
     }
+    for law in &m.laws {
+        without_friction += law.torque_nm(x, v, drive, at.time_s);
+    }
     for barrier in m.barriers.iter().flatten() {
         if barrier.is_there(at.time_s) {
             without_friction += barrier.torque(barrier.touch(x, v), x, v);

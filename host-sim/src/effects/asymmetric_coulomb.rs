@@ -1,6 +1,6 @@
 //! Dry friction that depends on the direction.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 
 /// `F = F₊ for v > 0, −F₋ for v < 0`.
 pub const KIND: Kind = Kind {
@@ -26,8 +26,8 @@ pub const KIND: Kind = Kind {
             about: "level against negative motion",
         },
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.friction.level_nm = [p[0], p[1]];
     },
+    ..PLAIN
 };

@@ -1,6 +1,8 @@
 //! Play between motor and load.
 
-use super::{Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, Parameter, Quantity};
+use super::{
+    Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, PLAIN, Parameter, Quantity,
+};
 use crate::plant::Link;
 
 /// `T = 0 within the play, K d beyond`.
@@ -44,7 +46,6 @@ pub const KIND: Kind = Kind {
         },
         LOAD_FRICTION,
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.link = Some(Link {
             load_share: p[1],
@@ -55,4 +56,5 @@ pub const KIND: Kind = Kind {
             sensor_on_load: device.sensor_on_load,
         });
     },
+    ..PLAIN
 };

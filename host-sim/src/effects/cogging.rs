@@ -1,6 +1,6 @@
 //! The torque ripples with position.
 
-use super::{ANY, Channel, Events, Kind, POSITIVE, Parameter, Quantity};
+use super::{ANY, Channel, Events, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 use crate::plant::{Cogging, FURTHER, Wave};
 use core::ops::Range;
 
@@ -83,4 +83,5 @@ pub const KIND: Kind = Kind {
             further,
         });
     },
+    ..PLAIN
 };

@@ -1,6 +1,8 @@
 //! A transmission that twists between motor and load.
 
-use super::{Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, Parameter, Quantity};
+use super::{
+    Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, PLAIN, Parameter, Quantity,
+};
 use crate::plant::Link;
 
 /// `T = K d + D d'`.
@@ -36,7 +38,6 @@ pub const KIND: Kind = Kind {
         },
         LOAD_FRICTION,
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.link = Some(Link {
             load_share: p[2],
@@ -47,4 +48,5 @@ pub const KIND: Kind = Kind {
             sensor_on_load: device.sensor_on_load,
         });
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! Something outside pushes back for a while, or holds.
 
-use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 use crate::device::{CONTACT, PUSH};
 use crate::plant::Barrier;
 use core::ops::Range;
@@ -92,4 +92,5 @@ pub const KIND: Kind = Kind {
             });
         }
     },
+    ..PLAIN
 };

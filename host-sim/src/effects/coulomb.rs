@@ -1,6 +1,6 @@
 //! Dry friction at another level.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 
 /// `F = F_c sign(v)`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [0.0, 0.05],
         about: "sliding and static, both directions",
     }],
-    events: None,
     install: |device, p| {
         device.mechanics.friction.level_nm = [p[0]; 2];
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! Small inputs do nothing.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 
 /// `T = ratio · (u − (1 − j) (s ± 1) w)` beyond the edges `(s ± 1) w`, between them 0.
 pub const KIND: Kind = Kind {
@@ -34,11 +34,11 @@ pub const KIND: Kind = Kind {
             about: "share of the width by which its middle lies off zero",
         },
     ],
-    events: None,
     install: |device, p| {
         device.drive.deadband = p[0];
         device.drive.deadband_jump = p[1];
         device.drive.deadband_first = p[2] > 0.5;
         device.drive.deadband_skew = p[3];
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The torque follows the input later, or sooner, than the model knows.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 
 /// `T(t) = ratio · u(t − d)`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [0.0005, 0.02],
         about: "delay on top of the model's; below 0, what that has too much, down to none",
     }],
-    events: None,
     install: |device, p| {
         device.drive.delay_s = (device.drive.delay_s + p[0]).max(0.0);
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! A hard stop within the travel.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 
 /// `T = −max(0, K d + D d') beyond the stop`.
 pub const KIND: Kind = Kind {
@@ -42,8 +42,8 @@ pub const KIND: Kind = Kind {
             about: "of both, in contact",
         },
     ],
-    events: None,
     install: |device, p| {
         device.set_stops([p[0], p[1]], p[2], p[3]);
     },
+    ..PLAIN
 };

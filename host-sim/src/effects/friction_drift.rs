@@ -1,6 +1,6 @@
 //! Dry friction that changes over the session.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 use crate::plant::Drift;
 
 /// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)), or −τ e^(−t/τ), in the place of t; a step adds to that from its instant on.
@@ -51,7 +51,6 @@ pub const KIND: Kind = Kind {
             about: "when that comes, after the start",
         },
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.friction.drift = Some(Drift {
             rate_per_s: p[0],
@@ -63,4 +62,5 @@ pub const KIND: Kind = Kind {
             settled: p[3] > 0.5,
         });
     },
+    ..PLAIN
 };

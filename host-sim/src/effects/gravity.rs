@@ -1,6 +1,6 @@
 //! Another weight, or another angle at which it hangs.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity, zero};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, zero};
 
 /// `T = −G sin(x − x_G)`.
 pub const KIND: Kind = Kind {
@@ -19,9 +19,9 @@ pub const KIND: Kind = Kind {
         },
         zero("where it hangs at rest"),
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.gravity = p[0];
         device.mechanics.gravity_zero = p[1];
     },
+    ..PLAIN
 };

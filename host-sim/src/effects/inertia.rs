@@ -1,6 +1,6 @@
 //! Another inertia.
 
-use super::{Channel, Kind, POSITIVE, Parameter, Quantity};
+use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 
 /// `J x'' = T`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [3e-4, 1.2e-3],
         about: "in place of the model's",
     }],
-    events: None,
     install: |device, p| {
         device.mechanics.inertia = p[0];
     },
+    ..PLAIN
 };

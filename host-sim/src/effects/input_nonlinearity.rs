@@ -1,6 +1,6 @@
 //! The torque is no straight line of the input.
 
-use super::{Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, POSITIVE, Parameter, Quantity};
 use crate::drive::InputCurve;
 
 /// `T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p`: a dead zone, then a power of what is beyond it. At the input `U` the
@@ -44,7 +44,6 @@ pub const KIND: Kind = Kind {
             about: "input at which the gain is told",
         },
     ],
-    events: None,
     install: |device, p| {
         device.drive.curve = Some(InputCurve {
             gain: p[0],
@@ -53,4 +52,5 @@ pub const KIND: Kind = Kind {
             reference: p[3],
         });
     },
+    ..PLAIN
 };

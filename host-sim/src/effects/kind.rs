@@ -3,6 +3,7 @@
 use super::EffectError;
 use super::quantity::Parameter;
 use crate::device::Device;
+use crate::plant::{Law, TorqueLaw};
 use core::ops::Range;
 
 /// Part of a device that an effect sits in.
@@ -51,7 +52,21 @@ pub struct Kind {
     pub(super) install: fn(&mut Device, &[f64]),
     /// Of what happens at moments of a session.
     pub(super) events: Option<Events>,
+    /// Its torque, of one that is written down as a law.
+    pub(super) law: Option<&'static dyn TorqueLaw>,
 }
+
+/// What is known of no kind in particular.
+pub(super) const PLAIN: Kind = Kind {
+    name: "",
+    channel: Channel::Mechanics,
+    about: "",
+    equation: "",
+    parameters: &[],
+    install: |_, _| {},
+    events: None,
+    law: None,
+};
 
 /// What an effect consists of, once or more often: most of them happen at moments of a session.
 #[derive(Debug)]
@@ -69,7 +84,12 @@ pub(super) struct Events {
 impl Kind {
     /// Puts it into a device. Numbers beyond their range are taken at its end.
     pub fn install(&self, device: &mut Device, values: &[f64]) {
-        (self.install)(device, &self.held(values));
+        let values = self.held(values);
+        (self.install)(device, &values);
+        if let Some(law) = self.law {
+            let law = Law::new(law, values, device.drive.ratio);
+            device.mechanics.laws.push(law);
+        }
     }
 
     /// The numbers, those beyond their range at its end.

@@ -1,6 +1,6 @@
 //! The torque follows the input through a first-order lag, or two.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity, share};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, share};
 
 /// `τ T' + T = ratio · u`, or this of what comes of it.
 pub const KIND: Kind = Kind {
@@ -23,7 +23,6 @@ pub const KIND: Kind = Kind {
         ),
         share("twice", "1 if it is both"),
     ],
-    events: None,
     install: |device, p| {
         let [is_apart, is_twice] = [p[1] > 0.5, p[2] > 0.5];
         if is_apart || is_twice {
@@ -33,4 +32,5 @@ pub const KIND: Kind = Kind {
             device.drive.lag_s = (device.drive.lag_s + p[0]).max(0.0);
         }
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! Dry friction that grows with the torque that is transmitted.
 
-use super::{ANY, Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
+use super::{ANY, Channel, Kind, NOT_NEGATIVE, PLAIN, POSITIVE, Parameter, Quantity};
 
 /// `F = (F_c + µ |T + p P(x)|) sign(v)`, where P pulls whatever the drive does; `b µ` in place of µ where the transmitted torque acts
 /// against the motion: the friction of a gear differs when the load drives it.
@@ -35,11 +35,11 @@ pub const KIND: Kind = Kind {
             about: "the share where the load drives the motor, over that where the motor drives",
         },
     ],
-    events: None,
     install: |device, p| {
         let friction = &mut device.mechanics.friction;
         friction.load_share = p[0];
         friction.load_passive = p[1];
         friction.load_backdriven = p[2];
     },
+    ..PLAIN
 };

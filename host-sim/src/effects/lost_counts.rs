@@ -1,6 +1,6 @@
 //! The sensor loses counts: all at once, or more the faster it turns.
 
-use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, Parameter, Quantity, SHARE};
+use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, SHARE};
 use crate::sensing::{Jump, Overspeed};
 use core::ops::Range;
 
@@ -71,4 +71,5 @@ pub const KIND: Kind = Kind {
             };
         }
     },
+    ..PLAIN
 };

@@ -18,6 +18,7 @@ mod kind;
 pub mod lag;
 pub mod load_dependent_friction;
 pub mod lost_counts;
+pub mod own;
 pub mod position_dependent_coulomb;
 pub mod presliding;
 pub mod push;
@@ -36,7 +37,7 @@ pub mod torque_offset;
 pub mod viscous;
 
 use crate::device::Device;
-use kind::Events;
+use kind::{Events, PLAIN};
 
 pub use kind::{Channel, Kind};
 pub use quantity::{Parameter, Quantity};
@@ -124,7 +125,8 @@ pub const KINDS: &[&Kind] = &[
 
 /// The kind called `name`.
 pub fn kind(name: &str) -> Option<&'static Kind> {
-    KINDS.iter().copied().find(|kind| kind.name == name)
+    let built_in = KINDS.iter().copied().find(|kind| kind.name == name);
+    built_in.or_else(|| own::find(name))
 }
 
 /// An effect as a user asks for it.

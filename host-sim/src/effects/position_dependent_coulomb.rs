@@ -1,6 +1,6 @@
 //! Dry friction that depends on the position.
 
-use super::{ANY, Channel, Kind, LEVEL, POSITIVE, Parameter, Quantity, WAVE_NUMBER};
+use super::{ANY, Channel, Kind, LEVEL, PLAIN, POSITIVE, Parameter, Quantity, WAVE_NUMBER};
 use crate::plant::Spot;
 use crate::ripple::Ripple;
 
@@ -88,7 +88,6 @@ pub const KIND: Kind = Kind {
             about: "m, how steep its flanks are: 2 a bell, more a band",
         },
     ],
-    events: None,
     install: |device, p| {
         let level = p[2];
         let friction = &mut device.mechanics.friction;
@@ -107,4 +106,5 @@ pub const KIND: Kind = Kind {
             exponent: p[9],
         };
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! Dry friction that bends before it slides.
 
-use super::{Channel, Kind, NOT_NEGATIVE, POSITIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, POSITIVE, Parameter, Quantity};
 use crate::plant::Presliding;
 
 /// Below, a solver would see a corner; above, bristles would hardly slide.
@@ -50,7 +50,6 @@ pub const KIND: Kind = Kind {
             about: "e, share of the distance below which nothing slides",
         },
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.presliding = Some(Presliding {
             distance: p[0],
@@ -59,4 +58,5 @@ pub const KIND: Kind = Kind {
             elastic: p[3],
         });
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! A torque from outside for a moment.
 
-use super::{ANY, Channel, Events, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Events, Kind, PLAIN, Parameter, Quantity};
 use crate::device::PUSH;
 use crate::plant::{BARRIERS, Barrier};
 use core::ops::Range;
@@ -59,4 +59,5 @@ pub const KIND: Kind = Kind {
             });
         }
     },
+    ..PLAIN
 };

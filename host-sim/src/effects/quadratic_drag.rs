@@ -1,6 +1,6 @@
 //! Friction that grows with the square of the speed.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 
 /// `F = Q v |v|`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [1e-5, 1e-2],
         about: "at the joint",
     }],
-    events: None,
     install: |device, p| {
         device.mechanics.drag = p[0];
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! What acts of the input changes no faster than a rate, as a servo that turns no faster.
 
-use super::{Channel, Kind, POSITIVE, Parameter, Quantity};
+use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 
 /// `|dw/dt| ≤ rate, T = ratio · w`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [0.01, 10.0],
         about: "fastest change of what acts of the input",
     }],
-    events: None,
     install: |device, p| {
         device.drive.rate_limit = p[0];
     },
+    ..PLAIN
 };

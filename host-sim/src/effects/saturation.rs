@@ -1,6 +1,6 @@
 //! Large inputs are clipped elsewhere than the model knows, at once or little by little.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 use crate::drive::Saturation;
 
 /// `T = ratio · sign(u) s(|u|)`: with the limit L and the knee k, `s = v` up to `(1 − k) L`, `L` from `(1 + k) L` on, and
@@ -33,7 +33,6 @@ pub const KIND: Kind = Kind {
             about: "speed at which nothing acts, as under a limited voltage; 0 if the limit is the same at any speed",
         },
     ],
-    events: None,
     install: |device, p| {
         let falls = p[2] > 0.0;
         if !falls {
@@ -45,4 +44,5 @@ pub const KIND: Kind = Kind {
             no_load_velocity: if falls { p[2] } else { f64::INFINITY },
         };
     },
+    ..PLAIN
 };

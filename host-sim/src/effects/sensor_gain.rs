@@ -1,6 +1,6 @@
 //! The sensor shows more or less than the way gone.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity, zero};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, zero};
 
 /// `y = z + g (x − z)`.
 pub const KIND: Kind = Kind {
@@ -19,9 +19,9 @@ pub const KIND: Kind = Kind {
         },
         zero("z, where it reads right all the same"),
     ],
-    events: None,
     install: |device, p| {
         device.sensing.gain *= p[0];
         device.sensing.offset += (1.0 - p[0]) * p[1];
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The sensor stays behind where the motion turns.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 use crate::hysteresis::Hysteresis;
 
 /// `y = x − h`, `h` held within ± w/2 where r is 0, otherwise `h' = |x'| (sgn(x') w/2 − h) / r`.
@@ -27,11 +27,11 @@ pub const KIND: Kind = Kind {
             about: "r, way after a turn over which it comes to stay behind; 0 for play",
         },
     ],
-    events: None,
     install: |device, p| {
         device.sensing.hysteresis = Hysteresis {
             half_width: 0.5 * p[0],
             reach: p[1],
         };
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The sensor follows through a first-order lag, or two.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, share};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 
 /// `τ y' + y = x`, or this of what comes of it.
 pub const KIND: Kind = Kind {
@@ -19,11 +19,11 @@ pub const KIND: Kind = Kind {
         },
         share("twice", "1 if another such lag follows on it"),
     ],
-    events: None,
     install: |device, p| {
         device.sensing.lag_s = p[0];
         if p[1] > 0.5 {
             device.sensing.further_lag_s = p[0];
         }
     },
+    ..PLAIN
 };

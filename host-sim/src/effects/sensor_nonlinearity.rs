@@ -1,7 +1,7 @@
 //! The sensor's curve is bent.
 
 use super::WAVE_NUMBER;
-use super::{ANY, Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 use crate::ripple::Ripple;
 
 /// `y = x + a (x − m)² + b (x − m)³ + r sin(n x) + s (cos(n x) − 1) + o`.
@@ -61,7 +61,6 @@ pub const KIND: Kind = Kind {
             about: "m, around which the curve is bent",
         },
     ],
-    events: None,
     install: |device, p| {
         let [a, b, m] = [p[0], p[1], p[6]];
         device.sensing.gain += m * (3.0 * b * m - 2.0 * a);
@@ -74,6 +73,7 @@ pub const KIND: Kind = Kind {
         };
         device.sensing.offset += p[5] + m * m * (a - b * m);
     },
+    ..PLAIN
 };
 
 #[cfg(test)]

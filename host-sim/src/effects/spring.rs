@@ -1,6 +1,6 @@
 //! A spring towards some position.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity, zero};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, zero};
 
 /// `T = −K (1 + h (x − x_K)²) (x − x_K)`.
 pub const KIND: Kind = Kind {
@@ -27,10 +27,10 @@ pub const KIND: Kind = Kind {
             about: "by how much it gets stiffer away from there",
         },
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.stiffness = p[0];
         device.mechanics.stiffness_zero = p[1];
         device.mechanics.hardening = p[2];
     },
+    ..PLAIN
 };

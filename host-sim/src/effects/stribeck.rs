@@ -1,6 +1,6 @@
 //! Static friction above the sliding level.
 
-use super::{Channel, Kind, POSITIVE, Parameter, Quantity, share};
+use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity, share};
 use crate::plant::Stribeck;
 
 /// Below, the level would fall infinitely fast at rest; above, all at once.
@@ -45,7 +45,6 @@ pub const KIND: Kind = Kind {
             "t, how slowly the last of it goes: 0 as an exponential, 1 as a hyperbola",
         ),
     ],
-    events: None,
     install: |device, p| {
         device.mechanics.friction.stribeck = Stribeck {
             ratio: p[0],
@@ -54,4 +53,5 @@ pub const KIND: Kind = Kind {
             tail: p[3],
         };
     },
+    ..PLAIN
 };

@@ -1,6 +1,6 @@
 //! The actuator gives more or less than it was told.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 
 /// `T = g · ratio · u`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [0.6, 1.4],
         about: "torque that comes, as a share of what was told",
     }],
-    events: None,
     install: |device, p| {
         device.drive.ratio *= p[0];
     },
+    ..PLAIN
 };

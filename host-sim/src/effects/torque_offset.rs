@@ -1,6 +1,6 @@
 //! A constant torque that nobody asked for.
 
-use super::{ANY, Channel, Kind, Parameter, Quantity};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 
 /// `T = ratio · u + T₀`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [-0.02, 0.02],
         about: "at the joint",
     }],
-    events: None,
     install: |device, p| {
         device.mechanics.offset_nm += p[0];
     },
+    ..PLAIN
 };

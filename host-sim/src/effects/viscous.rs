@@ -1,6 +1,6 @@
 //! Friction that grows with speed.
 
-use super::{Channel, Kind, NOT_NEGATIVE, Parameter, Quantity};
+use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 
 /// `F = B v`.
 pub const KIND: Kind = Kind {
@@ -16,8 +16,8 @@ pub const KIND: Kind = Kind {
         typical: [0.0, 2e-2],
         about: "in place of the model's",
     }],
-    events: None,
     install: |device, p| {
         device.mechanics.viscous = p[0];
     },
+    ..PLAIN
 };

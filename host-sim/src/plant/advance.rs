@@ -9,10 +9,38 @@ use super::{Phase, Plant, State, Torque, Touch};
 /// Share of a step that rest takes at least: a plant that breaks away at once would hold it for ever.
 const LEAST_HOLD: f64 = 1e-6;
 
+/// Longest step over which a law is held, s: as the samples that predictions are compared with.
+const LAW_STEP_S: f64 = 1e-3;
+
 impl Plant {
     /// Carries `state` over `dt_s` under `torque`.
     #[inline]
     pub fn advance(&self, state: &mut State, torque: Torque, dt_s: f64) {
+        if self.mechanics.laws.is_empty() {
+            self.advance_by_parts(state, torque, dt_s);
+        } else {
+            self.advance_under_laws(state, torque, dt_s);
+        }
+    }
+
+    /// The same with laws, each held over steps that are short.
+    fn advance_under_laws(&self, state: &mut State, mut torque: Torque, dt_s: f64) {
+        let steps = (dt_s / LAW_STEP_S).ceil().max(1.0);
+        let step_s = dt_s / steps;
+        for _ in 0..steps as usize {
+            let motion = [state.position, state.velocity];
+            let drive_nm = torque.at(0.5 * step_s);
+            let by_laws = self
+                .mechanics
+                .by_laws(motion, drive_nm, state.time_s, step_s);
+            self.advance_by_parts(state, torque.beside(by_laws), step_s);
+            torque = torque.after(step_s);
+        }
+    }
+
+    /// The same with all that the plant has parts for.
+    #[inline]
+    fn advance_by_parts(&self, state: &mut State, torque: Torque, dt_s: f64) {
         let rests = !self.is_timed && self.stays_at_rest(state, torque.bounds(dt_s), dt_s);
         if rests || self.glides(state, &torque, dt_s) {
             state.time_s += dt_s;

@@ -21,6 +21,7 @@ mod follower;
 mod friction;
 mod glide;
 mod ground;
+mod law;
 mod link;
 mod pace;
 mod parts;
@@ -49,6 +50,7 @@ pub use course::Course;
 pub use drift::Drift;
 pub use follower::Follower;
 pub use friction::Friction;
+pub use law::{Law, Moment, TorqueLaw};
 pub use link::Link;
 pub use presliding::Presliding;
 pub use spot::Spot;
@@ -94,6 +96,8 @@ pub struct Mechanics {
     pub cogging: Option<Cogging>,
     /// Hard stops and contacts.
     pub barriers: [Option<Barrier>; BARRIERS],
+    /// Torques that are written down as laws.
+    pub laws: Vec<Law>,
 }
 
 impl Mechanics {
@@ -115,6 +119,7 @@ impl Mechanics {
             link: None,
             cogging: None,
             barriers: [None; BARRIERS],
+            laws: Vec::new(),
         }
     }
 
@@ -129,6 +134,27 @@ impl Mechanics {
         let damped =
             |side: usize| friction_share[side] * self.viscous.abs() * inverse_inertia[side];
         (self.stiffness.abs() * inverse_inertia[1]).sqrt() + damped(0).max(damped(1))
+    }
+
+    /// Torque of the laws halfway through the next `dt_s` of a motion under a drive, N m.
+    pub(crate) fn by_laws(
+        &self,
+        [position, velocity]: [f64; 2],
+        drive_nm: f64,
+        time_s: f64,
+        dt_s: f64,
+    ) -> f64 {
+        let half_s = 0.5 * dt_s;
+        let laws = self.laws.iter();
+        laws.map(|law| {
+            law.torque_nm(
+                position + half_s * velocity,
+                velocity,
+                drive_nm,
+                time_s + half_s,
+            )
+        })
+        .sum()
     }
 
     /// True if gravity or a spring pulls.

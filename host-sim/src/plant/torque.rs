@@ -37,6 +37,16 @@ impl Torque {
         }
     }
 
+    /// With a constant torque beside it, N m.
+    #[inline]
+    pub fn beside(&self, torque_nm: f64) -> Self {
+        Self {
+            start_nm: self.start_nm + torque_nm,
+            target_nm: self.target_nm + torque_nm,
+            ..*self
+        }
+    }
+
     /// `gain` times as much.
     #[inline]
     pub fn scaled(&self, gain: f64) -> Self {
@@ -180,6 +190,15 @@ pub(super) struct Push {
 }
 
 impl Push {
+    /// With a constant torque beside it, N m.
+    pub(super) fn beside(&self, torque_nm: f64) -> Self {
+        Self {
+            lasts_s: self.lasts_s,
+            means_nm: self.means_nm.map(|nm| nm + torque_nm),
+            bounds_nm: self.bounds_nm.map(|nm| nm + torque_nm),
+        }
+    }
+
     /// `gain` times as much, which is not negative.
     #[inline(always)]
     pub(super) fn scaled(&self, gain: f64) -> Self {

@@ -87,7 +87,7 @@ impl<'a> Follower<'a> {
     /// Carries `state` through the steps of a course, whose torque is multiplied by a `gain` that is not negative; where the
     /// position sensor is after each of them goes into `seen`.
     pub fn follow(&mut self, state: &mut State, course: &Course, gain: f64, seen: &mut [f64]) {
-        let mut ride = Ride::new(state, course, gain, seen);
+        let mut ride = Ride::new(self.plant, state, course, gain, seen);
         while !ride.is_over() {
             let from = ride.next();
             self.coast(&mut ride);

@@ -1,9 +1,10 @@
 //! A state on its way through a course.
 
-use super::super::{Course, Plant, Push, State};
+use super::super::{Course, Mechanics, Plant, Push, State};
 
 /// A state that is carried through the steps of a course, and what is seen of it after each of them.
 pub(super) struct Ride<'a> {
+    mechanics: &'a Mechanics,
     pub(super) state: &'a mut State,
     course: &'a Course,
     /// What the torque of the course is multiplied by.
@@ -14,12 +15,14 @@ pub(super) struct Ride<'a> {
 
 impl<'a> Ride<'a> {
     pub(super) fn new(
+        plant: &'a Plant,
         state: &'a mut State,
         course: &'a Course,
         gain: f64,
         seen: &'a mut [f64],
     ) -> Self {
         Self {
+            mechanics: plant.mechanics(),
             state,
             course,
             gain,
@@ -42,8 +45,21 @@ impl<'a> Ride<'a> {
     /// What the next step comes to, if there is one.
     #[inline(always)]
     pub(super) fn push(&self) -> Option<Push> {
-        let push = self.course.push(self.next)?;
-        Some(push.scaled(self.gain))
+        let push = self.course.push(self.next)?.scaled(self.gain);
+        if self.mechanics.laws.is_empty() {
+            return Some(push);
+        }
+        let State {
+            position,
+            velocity,
+            time_s,
+            ..
+        } = *self.state;
+        let motion = [position, velocity];
+        let by_laws = self
+            .mechanics
+            .by_laws(motion, push.means_nm[0], time_s, push.lasts_s);
+        Some(push.beside(by_laws))
     }
 
     /// Takes the next step, at whose end the sensor is at a position.

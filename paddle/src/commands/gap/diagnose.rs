@@ -1,6 +1,7 @@
 //! `paddle gap diagnose`: where a gap lies, which effect causes it, how far it shrinks.
 
 use super::batch::{self, Shard};
+use super::own_effects::OwnEffects;
 use super::results::{json, save_model, save_report};
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -20,6 +21,7 @@ use std::path::{Path, PathBuf};
   paddle gap diagnose my-recording
   paddle gap diagnose my-recording --report report.html --save-model corrected.toml --json diagnosis.json
   paddle gap diagnose my-recording --without presliding
+  paddle gap diagnose my-recording --effect eddy-brake.toml               # see docs/own-effects.md
   paddle gap diagnose --batch monday tuesday --json all.jsonl
   paddle gap diagnose --batch fleet --shard 2/8 --json shard-2.jsonl     # see docs/many-recordings.md
 
@@ -42,6 +44,8 @@ pub struct Arguments {
     /// model that was found with one load, on a recording with another.
     #[arg(long, requires = "save_model")]
     effects_only: bool,
+    #[command(flatten)]
+    own_effects: OwnEffects,
     /// Do not try this effect; may be repeated.
     #[arg(long, value_name = "NAME")]
     without: Vec<String>,
@@ -66,6 +70,7 @@ pub struct Arguments {
 /// # Errors
 /// [`Failure`] for a recording that cannot be used, and for files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    arguments.own_effects.add()?;
     let options = options(&arguments.without)?;
     let Some(folder) = &arguments.recording else {
         return batch::run(&arguments.batch, &arguments.out, arguments.shard, &options);

@@ -1,5 +1,6 @@
 //! `paddle gap export`: a saved model for the simulators that people use.
 
+use super::own_effects::OwnEffects;
 use crate::answer::Answer;
 use crate::device_file;
 use crate::failure::Failure;
@@ -25,6 +26,8 @@ pub struct Arguments {
     /// For which simulator.
     #[arg(value_enum)]
     format: For,
+    #[command(flatten)]
+    own_effects: OwnEffects,
     /// Leave it here; without, it goes to standard output.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -55,6 +58,7 @@ enum For {
 /// # Errors
 /// [`Failure`] for a model that cannot be used and a file that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    arguments.own_effects.add()?;
     let path = &arguments.model;
     let apart = device_file::saved_model(path, None)?.apart();
     let (corrected, of_moments) = apart.map_err(|cause| Failure::ModelFile {

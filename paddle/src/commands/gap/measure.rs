@@ -1,5 +1,6 @@
 //! `paddle gap measure`: the gap of one model on one recording.
 
+use super::own_effects::OwnEffects;
 use crate::answer::Answer;
 use crate::device_file::{self, DeviceFile};
 use crate::failure::Failure;
@@ -30,6 +31,8 @@ pub struct Arguments {
     /// with what differs from the recording's.
     #[arg(long, value_name = "FILE.toml")]
     model: Option<PathBuf>,
+    #[command(flatten)]
+    own_effects: OwnEffects,
     /// Leave one CSV of time, measured and predicted for each run in this folder, with its plot.
     #[arg(long, value_name = "DIR")]
     predictions: Option<PathBuf>,
@@ -45,6 +48,7 @@ const FLOOR_OF_NOMINAL: &str = "the floor is what noise, quantising and restarts
 /// # Errors
 /// [`Failure`] for a recording or a model that cannot be used.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    arguments.own_effects.add()?;
     let recording = super::read(&arguments.recording)?;
     let mut provenance = Provenance::of(&arguments.recording, &recording)?;
     let mut warnings = recording.warnings();

@@ -10,6 +10,7 @@ pub mod init;
 pub mod known;
 pub mod look;
 pub mod measure;
+mod own_effects;
 pub mod results;
 
 use crate::answer::Answer;

@@ -1,0 +1,168 @@
+//! A user's effect as it is written in TOML.
+
+use super::error::OwnEffectError;
+use super::expression::VARIABLES;
+use crate::missing_torque::axis::Axis;
+use host_sim::effects::{Parameter, Quantity};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// Most parameters of an effect.
+pub(super) const MOST_PARAMETERS: usize = 4;
+
+/// The table of an effect.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Definition {
+    /// Its name, as it stands in results.
+    pub name: String,
+    /// What it is, in a sentence.
+    pub about: String,
+    /// Its torque at the joint, N m, as an expression of `x`, `v`, `u`, `t` and the parameters.
+    pub torque: String,
+    /// What its torque mainly goes with.
+    #[serde(default)]
+    pub axis: OwnAxis,
+    /// By name.
+    pub parameters: BTreeMap<String, OwnParameter>,
+}
+
+/// A number of it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OwnParameter {
+    /// Lowest and highest value that is usual: a fit starts between them. Where both are positive the number stays positive.
+    pub typical: [f64; 2],
+    /// For its unit.
+    #[serde(default)]
+    pub quantity: OwnQuantity,
+    /// What it means.
+    #[serde(default)]
+    pub about: String,
+}
+
+/// What a torque may mainly go with.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum OwnAxis {
+    #[default]
+    Velocity,
+    Position,
+    Input,
+    Time,
+}
+
+impl From<OwnAxis> for Axis {
+    fn from(axis: OwnAxis) -> Self {
+        match axis {
+            OwnAxis::Velocity => Self::Velocity,
+            OwnAxis::Position => Self::Position,
+            OwnAxis::Input => Self::Input,
+            OwnAxis::Time => Self::Time,
+        }
+    }
+}
+
+/// What a number may measure.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum OwnQuantity {
+    #[default]
+    Ratio,
+    Angle,
+    Time,
+    Frequency,
+    Input,
+    Position,
+    Velocity,
+    Torque,
+    Stiffness,
+    Damping,
+    Inertia,
+}
+
+impl From<OwnQuantity> for Quantity {
+    fn from(quantity: OwnQuantity) -> Self {
+        match quantity {
+            OwnQuantity::Ratio => Self::Ratio,
+            OwnQuantity::Angle => Self::Angle,
+            OwnQuantity::Time => Self::Time,
+            OwnQuantity::Frequency => Self::Frequency,
+            OwnQuantity::Input => Self::Input,
+            OwnQuantity::Position => Self::Position,
+            OwnQuantity::Velocity => Self::Velocity,
+            OwnQuantity::Torque => Self::Torque,
+            OwnQuantity::Stiffness => Self::Stiffness,
+            OwnQuantity::Damping => Self::Damping,
+            OwnQuantity::Inertia => Self::Inertia,
+        }
+    }
+}
+
+impl Definition {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// [`OwnEffectError`] of what is not as it must be; the expression is not looked at.
+    pub(super) fn read(text: &str) -> Result<Self, OwnEffectError> {
+        let own: Self = toml::from_str(text).map_err(|error| {
+            let line = error.span().map_or(1, |span| {
+                1 + text[..span.start.min(text.len())].matches('\n').count()
+            });
+            OwnEffectError::Toml(format!("line {line}: {}", error.message()))
+        })?;
+        let count = own.parameters.len();
+        if count == 0 || count > MOST_PARAMETERS {
+            return Err(OwnEffectError::Count(count));
+        }
+        for (name, parameter) in &own.parameters {
+            let [low, high] = parameter.typical;
+            if !(low.is_finite() && high.is_finite() && low < high) {
+                return Err(OwnEffectError::Typical(name.clone()));
+            }
+            if VARIABLES.contains(&name.as_str()) {
+                return Err(OwnEffectError::IsVariable(name.clone()));
+            }
+        }
+        Ok(own)
+    }
+
+    /// Its parameters in the order of their names.
+    pub(super) fn parameters(&self) -> Vec<Parameter> {
+        let all = self.parameters.iter();
+        all.map(|(name, own)| Parameter {
+            name: name.clone().leak(),
+            quantity: own.quantity.into(),
+            range: own.range(),
+            default: own.middle(),
+            typical: own.typical,
+            about: own.about.clone().leak(),
+        })
+        .collect()
+    }
+}
+
+impl OwnParameter {
+    /// True if it stays positive and is searched by ratios.
+    fn is_positive(&self) -> bool {
+        self.typical[0] > 0.0
+    }
+
+    fn range(&self) -> [f64; 2] {
+        let least = if self.is_positive() {
+            f64::MIN_POSITIVE
+        } else {
+            f64::NEG_INFINITY
+        };
+        [least, f64::INFINITY]
+    }
+
+    fn middle(&self) -> f64 {
+        let [low, high] = self.typical;
+        if self.is_positive() {
+            (low * high).sqrt()
+        } else {
+            0.5 * (low + high)
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! A torque that is written down as a law of the motion and the input, not built into the plant.
+
+use std::fmt::Debug;
+
+/// What a law may depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Position, rad or the recording's unit.
+    pub position: f64,
+    /// Velocity, that unit a second.
+    pub velocity: f64,
+    /// The input as it acts: the torque of the drive over its ratio.
+    pub input: f64,
+    /// Time of the session, s.
+    pub time_s: f64,
+}
+
+/// A torque as a function of a moment and of parameters.
+pub trait TorqueLaw: Debug + Send + Sync {
+    /// N m; what is not finite counts as none.
+    fn torque_nm(&self, at: &Moment, parameters: &[f64]) -> f64;
+}
+
+/// A law with its parameters. The plant evaluates it in the middle of each step and holds it over that.
+#[derive(Clone, Debug)]
+pub struct Law {
+    law: &'static dyn TorqueLaw,
+    parameters: Vec<f64>,
+    /// Torque of the drive per unit of input.
+    ratio: f64,
+}
+
+impl Law {
+    /// A law on a device whose drive has a ratio.
+    pub fn new(law: &'static dyn TorqueLaw, parameters: Vec<f64>, ratio: f64) -> Self {
+        Self {
+            law,
+            parameters,
+            ratio,
+        }
+    }
+
+    /// N m, of a device that moves like this under a drive.
+    pub fn torque_nm(&self, position: f64, velocity: f64, drive_nm: f64, time_s: f64) -> f64 {
+        let at = Moment {
+            position,
+            velocity,
+            input: if self.ratio == 0.0 {
+                0.0
+            } else {
+                drive_nm / self.ratio
+            },
+            time_s,
+        };
+        let torque_nm = self.law.torque_nm(&at, &self.parameters);
+        if torque_nm.is_finite() {
+            torque_nm
+        } else {
+            0.0
+        }
+    }
+}
+
+impl PartialEq for Law {
+    fn eq(&self, other: &Self) -> bool {
+        core::ptr::addr_eq(self.law, other.law)
+            && self.parameters == other.parameters
+            && self.ratio == other.ratio
+    }
+}

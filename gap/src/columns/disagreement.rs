@@ -78,27 +78,30 @@ impl<'a> Disagreement<'a> {
     }
 }
 
-/// What `kind` leaves, sample by sample over all tracks, less the mean: the columns' zeros may differ.
-pub(crate) fn residuals(tracks: &[Track], kind: &Kind, values: &[f64]) -> Vec<f64> {
+/// What an effect of this `kind` shows of where the device was, sample by sample of a track.
+pub(crate) fn read(track: &Track, kind: &Kind, values: &[f64]) -> Vec<f64> {
     let mut device = Device::nominal(&Model::new(1.0));
     kind.install(&mut device, values);
     let sensing = &device.sensing;
-    let mut all = Vec::new();
-    for track in tracks {
-        let mut reading = Reading::at_rest(sensing, track.reference[0]);
-        let mut before_s = track.session_s[0];
-        for ((&now_s, &x), shown) in track
-            .session_s
-            .iter()
-            .zip(&track.reference)
-            .zip(&track.shown)
-        {
+    let mut reading = Reading::at_rest(sensing, track.reference[0]);
+    let mut before_s = track.session_s[0];
+    let moments = track.session_s.iter().zip(&track.reference);
+    moments
+        .map(|(&now_s, &x)| {
             let y = reading.follow(sensing, x, now_s - before_s) + sensing.jumped(now_s);
             before_s = now_s;
-            all.push(shown - y);
-        }
-    }
-    less_mean(all)
+            y
+        })
+        .collect()
+}
+
+/// What `kind` leaves, sample by sample over all tracks, less the mean: the columns' zeros may differ.
+pub(crate) fn residuals(tracks: &[Track], kind: &Kind, values: &[f64]) -> Vec<f64> {
+    let residuals = tracks.iter().flat_map(|track| {
+        let pairs = track.shown.iter().zip(read(track, kind, values));
+        pairs.map(|(shown, y)| shown - y)
+    });
+    less_mean(residuals.collect())
 }
 
 /// The disagreement, less its mean.

@@ -4,6 +4,6 @@ mod disagreement;
 mod pair;
 
 pub(crate) use disagreement::{
-    Disagreement, disagreement, less_mean, lowest, mean_square, residuals,
+    Disagreement, disagreement, less_mean, lowest, mean_square, read, residuals,
 };
 pub(crate) use pair::{Columns, Track, exchanged, is_live};

@@ -5,7 +5,7 @@ use crate::effects::{self, Identification};
 use host_sim::effects::Kind;
 
 /// Within this share of what the best one closes, fewer parameters win.
-const PARSIMONY: f64 = 0.01;
+pub(super) const PARSIMONY: f64 = 0.01;
 
 /// What a sensing effect leaves of the disagreement.
 #[derive(Clone, Debug)]

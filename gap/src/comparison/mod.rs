@@ -5,12 +5,13 @@
 //! be a sensor of its own.
 
 mod likeness;
+mod two;
 
 use crate::columns::{self, Columns, disagreement, mean_square, residuals};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::part::Part;
+use crate::fit::part;
 use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
 use crate::shrink::{resampled, shrink};
@@ -19,6 +20,7 @@ use crate::windows::series::Series;
 use host_sim::effects::Kind;
 use likeness::{Likeness, likenesses};
 use recording::Recording;
+use two::{Part, two};
 
 /// Columns whose disagreement goes with no effect by more than this share of the noise, in squares, agree.
 const AGREEMENT: f64 = 0.1;
@@ -64,6 +66,8 @@ pub(crate) enum Outcome {
     Undecided(Match),
     /// The dynamics believe `position`.
     OtherWrong,
+    /// Like two effects together, of the column of that name.
+    LikeTwo(String, [Part; 2]),
     /// Like no effect.
     Unlike,
 }
@@ -118,7 +122,7 @@ impl Comparison {
     pub(crate) fn like(&self) -> Option<&Match> {
         match &self.outcome {
             Outcome::PositionWrong(like) | Outcome::Undecided(like) => Some(like),
-            Outcome::Agree | Outcome::OtherWrong | Outcome::Unlike => None,
+            Outcome::Agree | Outcome::OtherWrong | Outcome::LikeTwo(..) | Outcome::Unlike => None,
         }
     }
 
@@ -133,7 +137,7 @@ impl Comparison {
         let all = effects::sensing().map(|effect| effect.name());
         match &self.outcome {
             // More than one of them may be there.
-            Outcome::Unlike => Vec::new(),
+            Outcome::LikeTwo(..) | Outcome::Unlike => Vec::new(),
             _ if self.like().is_some_and(|like| !like.is_all) => Vec::new(),
             _ => all.filter(|name| Some(*name) != like).collect(),
         }
@@ -160,7 +164,10 @@ impl Comparison {
                 like.kind.name
             ),
             Outcome::OtherWrong => format!("and the motion fits position: mend {column}"),
-            Outcome::Unlike => "like no single sensing effect".to_owned(),
+            Outcome::LikeTwo(wrong, [first, second]) => {
+                format!("like {first} and {second} of {wrong} together")
+            }
+            Outcome::Unlike => "like no sensing effect and no two of them".to_owned(),
         };
         Some(format!(
             "position and {column} disagree by {before:.3e} {unit} rms, where noise makes {floor:.1e}, {how}"
@@ -189,7 +196,8 @@ pub(crate) fn compare(
         Outcome::PositionWrong(_) => 1,
         Outcome::Undecided(_) => 2,
         Outcome::OtherWrong => 3,
-        Outcome::Unlike => 4,
+        Outcome::LikeTwo(..) => 4,
+        Outcome::Unlike => 5,
     })
 }
 
@@ -234,7 +242,7 @@ fn compared(
             let turned = of(&own, &other);
             match likely(&turned, &disagreement(&turned.tracks)) {
                 Some(_) if share[0] <= DECISIVE => Outcome::OtherWrong,
-                _ => Outcome::Unlike,
+                _ => like_two([("position", &columns), (column, &turned)], before),
             }
         }
     };
@@ -245,6 +253,16 @@ fn compared(
         outcome,
         share: whole,
     })
+}
+
+/// Two effects that turn one column into the other, of the first column of which they leave little beyond noise.
+fn like_two(of: [(&str, &Columns); 2], disagreement: f64) -> Outcome {
+    let found = of.into_iter().find_map(|(wrong, columns)| {
+        let (parts, left) = two(columns)?;
+        let [before, after] = [disagreement, left].map(|square| square - columns.variance);
+        (after <= MOST_LEFT * before).then(|| Outcome::LikeTwo(wrong.to_owned(), parts))
+    });
+    found.unwrap_or(Outcome::Unlike)
 }
 
 /// The effect that turns the reference into what is shown, if one does.
@@ -317,12 +335,12 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
         };
         let x = vec![0.0; bare.dimensions(&problem.nudges)];
         let fit = Fit {
-            costs: problem.costs(&bare, &x, Part::All),
+            costs: problem.costs(&bare, &x, part::Part::All),
             std: vec![0.0; x.len()],
             hypothesis: bare.clone(),
             x,
         };
-        let squares = problem.window_squares(&fit, Part::All);
+        let squares = problem.window_squares(&fit, part::Part::All);
         let floor = problem.floor_squares(&fit);
         let beyond = squares.iter().zip(floor).map(|(s, f)| s - f);
         let beyond: Vec<f64> = beyond.collect();
@@ -476,6 +494,19 @@ mod tests {
             assert!(error < tolerance, "{effect}: {found:?}");
             assert!(found.shrink[0] > 0.9, "{effect}: {found:?}");
         }
+    }
+
+    #[test]
+    fn a_scale_and_play_of_one_column_are_told_together() {
+        let comparison = compared("", "sensor_gain:gain=1.03", "sensor_hysteresis:width=0.02");
+        let Outcome::LikeTwo(_, parts) = &comparison.outcome else {
+            panic!("{:?}", comparison.outcome);
+        };
+        let mut names = parts.each_ref().map(|part| part.kind.name);
+        names.sort_unstable();
+        assert_eq!(names, ["sensor_gain", "sensor_hysteresis"]);
+        let line = comparison.line("rad").expect("a line");
+        assert!(line.contains("together"), "{line}");
     }
 
     #[test]

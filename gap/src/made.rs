@@ -23,7 +23,7 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
     Problem {
         recording,
         series: series::coarse(recording, recording.horizon),
-        nudges: Vec::new(),
+        priors: Vec::new(),
         modelling: 0.0,
         quarter: None,
     }

@@ -55,7 +55,7 @@ pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun
     });
     let gap = Gap {
         before: left.rms,
-        // A device that leaves less than an imagined one did was luckier with its restarts.
+        // A device that leaves less than an replicate one did was luckier with its restarts.
         floor: left.floor(unbroken, LOOKED_AT).min(left.rms),
         unit: recording.units.position.clone(),
     };

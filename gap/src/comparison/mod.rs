@@ -329,11 +329,11 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
         let problem = Problem {
             recording,
             series,
-            nudges: problem.nudges.clone(),
+            priors: problem.priors.clone(),
             modelling: 0.0,
             quarter: None,
         };
-        let x = vec![0.0; bare.dimensions(&problem.nudges)];
+        let x = vec![0.0; bare.dimensions(&problem.priors)];
         let fit = Fit {
             costs: problem.costs(&bare, &x, part::Part::All),
             std: vec![0.0; x.len()],

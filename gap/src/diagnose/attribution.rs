@@ -95,12 +95,12 @@ fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
         terms.any(|term| effects::of(term.kind.name).replaces() == Some(number))
     };
     let has_moved = |place: &usize| {
-        let name = &problem.nudges[*place].name;
+        let name = &problem.priors[*place].name;
         let moved = fit.x[*place].abs();
         let is_sure = moved > LEAST_MOVE && moved > SURE * fit.std[*place];
         is_sure && name != INPUT_TIME && !is_said_anew(name)
     };
-    let numbers = (0..problem.nudges.len()).filter(has_moved);
+    let numbers = (0..problem.priors.len()).filter(has_moved);
     let effects = 0..fit.hypothesis.terms.len();
     numbers
         .map(Cause::Number)
@@ -111,16 +111,16 @@ fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
 /// Squares of each window that are left with those causes that are `taken`, refitted; other numbers are as stated.
 fn left_with(problem: &Problem<'_>, fit: &Fit, taken: impl Fn(Cause) -> bool) -> Vec<f64> {
     let is_free =
-        |place: &usize| problem.nudges[*place].name == INPUT_TIME || taken(Cause::Number(*place));
-    let kept: Vec<usize> = (0..problem.nudges.len()).filter(is_free).collect();
-    let numbers: Vec<_> = kept.iter().map(|&k| problem.nudges[k].clone()).collect();
+        |place: &usize| problem.priors[*place].name == INPUT_TIME || taken(Cause::Number(*place));
+    let kept: Vec<usize> = (0..problem.priors.len()).filter(is_free).collect();
+    let numbers: Vec<_> = kept.iter().map(|&k| problem.priors[k].clone()).collect();
     let mut some = fit.clone();
     for place in (0..fit.hypothesis.terms.len()).rev() {
         if !taken(Cause::Effect(place)) {
             (some.hypothesis, some.x) = some.without(place);
         }
     }
-    let own = some.x[problem.nudges.len()..].iter().copied();
+    let own = some.x[problem.priors.len()..].iter().copied();
     let x = kept.iter().map(|&place| fit.x[place]).chain(own).collect();
     let held = problem.off_by(problem.modelling).with_numbers(&numbers);
     let held_fit = held.fit(&some.hypothesis, x, Part::All, ITERATIONS);
@@ -130,7 +130,7 @@ fn left_with(problem: &Problem<'_>, fit: &Fit, taken: impl Fn(Cause) -> bool) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::hypothesis::{Hypothesis, nudges};
+    use crate::fit::hypothesis::{Hypothesis, priors};
     use crate::guess::start::linear;
     use crate::made;
 
@@ -145,7 +145,7 @@ mod tests {
         let mut recording = made::recording(&hidden);
         recording.tolerance.set("viscous", 1.0);
         let problem = Problem {
-            nudges: nudges(&recording),
+            priors: priors(&recording),
             ..made::problem(&recording)
         };
         let term = made::term("torque_offset", &[linear(0, 0.0, 1e-3)]);

@@ -51,7 +51,7 @@ pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
     CorrectedModel {
         model: fit
             .hypothesis
-            .nudged(&problem.recording.model, &problem.nudges, &fit.x),
+            .at_priors(&problem.recording.model, &problem.priors, &fit.x),
         effects,
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn findings(
 ) -> Vec<Finding> {
     let fit = selection.fit();
     let units = &problem.recording.units;
-    let stalls = fit.stalls(&problem.nudges);
+    let stalls = fit.stalls(&problem.priors);
     let fitted = fit.hypothesis.parts(&fit.x);
     let fitted = fitted.zip(fit.hypothesis.parts(&fit.std));
     let fitted = fitted.skip(selection.base());
@@ -79,10 +79,10 @@ pub(super) fn findings(
         all.push(Finding {
             name: term.kind.name,
             channel: term.kind.channel.name(),
-            confidence: confidence(round, selection.perfect.level).min(most_sure),
+            confidence: confidence(round, selection.expected.level).min(most_sure),
             not_separable_from: select::inseparable(round),
             basis: PREDICTION,
-            held_out: !round.place.by_few,
+            held_out: !round.acceptance.by_few,
             parameters,
             shrink: closes[0],
             shrink_interval: [closes[1], closes[2]],
@@ -117,7 +117,7 @@ fn compared(finding: &mut Finding, like: &Match, given: bool) {
 
 /// Probability that the winner of a round is right: from how much better it is than the next that is not more of the
 /// same, and how little it leaves.
-pub(super) fn confidence(round: &Round, perfect: f64) -> f64 {
+pub(super) fn confidence(round: &Round, expected: f64) -> f64 {
     if let Some(measured) = &round.measured {
         return measured.confidence;
     }
@@ -128,10 +128,10 @@ pub(super) fn confidence(round: &Round, perfect: f64) -> f64 {
     let next = next.map_or(known.costs.level(), |r| r.fit.costs.level());
     let ahead = next - winner.fit.costs.level() - select::luck(&winner.fit);
     let margin = (ahead / gain.max(1e-9)).clamp(0.0, 1.0);
-    let left = ((winner.fit.costs.level() - perfect)
-        / (known.costs.level() - perfect).max(f64::MIN_POSITIVE))
+    let left = ((winner.fit.costs.level() - expected)
+        / (known.costs.level() - expected).max(f64::MIN_POSITIVE))
     .clamp(0.0, 1.0);
-    let sure = (round.place.significance / SURE).min(1.0);
+    let sure = (round.acceptance.significance / SURE).min(1.0);
     (0.55 + 0.8 * sure * margin.sqrt() * (1.0 - 0.6 * left)).clamp(0.3, 0.99)
 }
 

@@ -15,7 +15,7 @@ mod warnings;
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Closing, Diagnosis, FloorOf, NumberFinding, Region, Verdict};
 use crate::effects;
-use crate::fit::hypothesis::nudges;
+use crate::fit::hypothesis::priors;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::instrument::frozen_input;
@@ -179,7 +179,7 @@ fn problem(recording: &Recording, before: f64) -> Problem<'_> {
     let of = |horizon_s, quarter| Problem {
         recording,
         series: few(recording, horizon_s),
-        nudges: nudges(recording),
+        priors: priors(recording),
         modelling: MODELLING_SHARE * before,
         quarter,
     };

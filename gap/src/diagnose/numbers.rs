@@ -30,7 +30,7 @@ pub(super) fn moved(
 
 /// A number that is stated, as it was found.
 fn stated(problem: &Problem<'_>, fit: &Fit, place: usize, shrink: [f64; 3]) -> NumberFinding {
-    let number = &problem.nudges[place];
+    let number = &problem.priors[place];
     let moved_by = fit.x[place];
     let found = number.at(moved_by);
     let spread = number.at(moved_by + fit.std[place]) - found;

@@ -1,6 +1,6 @@
 //! What is found because the model's own numbers would have to move too far without it.
 
-use crate::fit::hypothesis::Nudge;
+use crate::fit::hypothesis::PriorParameter;
 use crate::select::Round;
 use std::fmt;
 
@@ -20,8 +20,8 @@ pub(super) fn is_relieved(round: &Round) -> bool {
 
 impl Relief {
     /// What the effect of a round relieves, if it does.
-    pub(super) fn of(round: &Round, nudges: &[Nudge]) -> Option<Self> {
-        let moves = nudges.iter().zip(round.known.moves());
+    pub(super) fn of(round: &Round, priors: &[PriorParameter]) -> Option<Self> {
+        let moves = priors.iter().zip(round.known.moves());
         let (number, z) = moves.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
         is_relieved(round).then(|| Self {
             effect: round.rivals[0].name,

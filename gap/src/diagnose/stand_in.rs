@@ -51,7 +51,7 @@ impl StandIn {
                 return Some(Self::Run { index });
             }
             let stays = episode::stays(&episode);
-            let is_sure = confidence(round, selection.perfect.level) >= SURE_EPISODE;
+            let is_sure = confidence(round, selection.expected.level) >= SURE_EPISODE;
             (stays > 1 && !is_sure).then_some(Self::Episode { stays })
         };
         of_effects.or_else(|| selection.rounds.iter().find_map(of_episode))
@@ -154,7 +154,7 @@ mod tests {
     use crate::fit::hypothesis::Hypothesis;
     use crate::fit::part::Part;
     use crate::made;
-    use crate::select::{Place, Rival};
+    use crate::select::{Acceptance, Rival};
     use core::f64::consts::TAU;
 
     /// Whether these terms, the first ones `certain`, may stand in for something else.
@@ -221,7 +221,7 @@ mod tests {
                 so_far: fit.clone(),
                 rivals: vec![Rival { name, fit }],
                 screened: Vec::new(),
-                place: Place::given(true),
+                acceptance: Acceptance::given(true),
                 measured: None,
             });
             episode.map(|episode| episode::stays(&episode))

@@ -137,14 +137,15 @@ fn surviving_steps(problem: &Problem<'_>, selection: &mut Selection) -> (Vec<Ste
     let hidden = |floors| selection.null_leaves_at_most(floors, problem);
     let closes_none = |step: &Step| step.was_at_floor || are_spared(problem, selection, &left);
     // What shows in every window, and in the gap not at all, may be no more than how finely another simulation was computed.
-    let is_faint = || !selection.plain || !surely_close(&steps) && hidden(select::QUIET_GAP);
+    let is_faint =
+        || !selection.is_unambiguous || !surely_close(&steps) && hidden(select::QUIET_GAP);
     let is_none = !selection.is_measured()
         && hidden(select::LOUD_GAP)
         && (is_formulation(selection) || is_faint() && steps.first().is_some_and(closes_none));
     if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
         selection.withdraw(0);
-        selection.quiet |= is_none;
+        selection.has_no_gap |= is_none;
     }
     (steps, left)
 }
@@ -196,7 +197,7 @@ fn hardly_closes(floor: &[f64], nominal: &[f64], before: &[f64], after: &[f64]) 
 fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
     let nominal = problem.nominal_squares();
     let left = selection.rounds.iter().map(|round| {
-        if round.place.by_few {
+        if round.acceptance.by_few {
             problem.window_squares(&round.so_far, Part::All)
         } else {
             problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))
@@ -284,7 +285,7 @@ mod tests {
     use crate::fit::Fit;
     use crate::fit::costs::Costs;
     use crate::fit::hypothesis::Hypothesis;
-    use crate::select::{Place, Rival, Round};
+    use crate::select::{Acceptance, Rival, Round};
 
     const FLOOR: [f64; 20] = [1.0; 20];
 
@@ -367,7 +368,7 @@ mod tests {
                 so_far: fit(1.0),
                 rivals: rivals.collect(),
                 screened: Vec::new(),
-                place: Place::given(false),
+                acceptance: Acceptance::given(false),
                 measured: None,
             })
         };

@@ -19,7 +19,7 @@ pub(super) fn verdict(
 ) -> Verdict {
     if selection.rounds.is_empty() {
         let is_hidden = || selection.null_leaves_at_most(select::QUIET_GAP, problem);
-        return if selection.quiet || (!selection.plain && is_hidden()) {
+        return if selection.has_no_gap || (!selection.is_unambiguous && is_hidden()) {
             Verdict::NoGap
         } else {
             Verdict::Unexplained

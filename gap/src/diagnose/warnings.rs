@@ -36,12 +36,12 @@ pub(super) fn all(
     lines.extend(compared.filter_map(|c| c.line(&recording.units.position)));
     lines.extend(doubts.rejection.iter().map(ToString::to_string));
     lines.extend(doubts.timing.iter().map(ToString::to_string));
-    let stalls = selection.fit().stalls(&problem.nudges);
+    let stalls = selection.fit().stalls(&problem.priors);
     lines.extend(stalls.iter().map(ToString::to_string));
     lines.extend(doubts.stand_in.iter().map(ToString::to_string));
     let small = selection.rounds.iter().zip(doubts.steps);
     let small = small.filter(|(_, step)| step.is_small());
-    let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.nudges));
+    let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.priors));
     lines.extend(reliefs.map(|relief| relief.to_string()));
     let seen = doubts.effects.iter().filter(|effect| !effect.held_out);
     lines.extend(seen.map(|effect| {

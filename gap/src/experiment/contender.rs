@@ -28,8 +28,8 @@ pub(super) struct Shown {
 impl Contender {
     pub(super) fn new(problem: &Problem<'_>, fit: &Fit) -> Self {
         let model = &problem.recording.model;
-        let at = |x: &[f64]| fit.hypothesis.device(model, &problem.nudges, x);
-        let reaches = fit.hypothesis.reaches(&problem.nudges);
+        let at = |x: &[f64]| fit.hypothesis.device(model, &problem.priors, x);
+        let reaches = fit.hypothesis.reaches(&problem.priors);
         let moved = fit
             .x
             .iter()
@@ -41,11 +41,11 @@ impl Contender {
                 there[i] += by;
                 (by, at(&there))
             });
-        let ground = problem.ground(fit, Part::All);
+        let linearization = problem.linearization(fit, Part::All);
         Self {
             device: at(&fit.x),
             moved: moved.collect(),
-            information: ground.information(problem.nudges.len()),
+            information: linearization.information(problem.priors.len()),
         }
     }
 

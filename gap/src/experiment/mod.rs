@@ -128,7 +128,7 @@ fn open(selection: &Selection) -> Option<Vec<&Rival>> {
     if let Some(all) = tied.next() {
         return Some(all);
     }
-    let unexplained = selection.rounds.is_empty() && !selection.quiet;
+    let unexplained = selection.rounds.is_empty() && !selection.has_no_gap;
     let best = selection.last.as_ref()?.rivals.get(..2)?;
     unexplained.then(|| best.iter().collect())
 }
@@ -200,9 +200,9 @@ mod tests {
     use crate::fit::costs::Costs;
     use crate::fit::hypothesis::Hypothesis;
     use crate::fit::part::Part;
-    use crate::floor::{Perfect, WHITE};
+    use crate::floor::{ExpectedLoss, WHITE};
     use crate::made;
-    use crate::select::{Place, Round};
+    use crate::select::{Acceptance, Round};
     use crate::term::{Coordinate, Scale, Term};
     use host_sim::effects::Effect;
     use recording::{Drive, Model, Recording, Run};
@@ -263,7 +263,7 @@ mod tests {
             so_far: rivals[0].fit.clone(),
             rivals,
             screened: Vec::new(),
-            place: Place::given(false),
+            acceptance: Acceptance::given(false),
             measured: None,
         }
     }
@@ -277,17 +277,17 @@ mod tests {
 
     fn selection(rounds: Vec<Round>, last: Option<Round>, quiet: bool) -> Selection {
         let null = fit(None, 9.0);
-        let perfect = Perfect {
+        let expected = ExpectedLoss {
             level: WHITE,
             error: 0.0,
             worst: 0.0,
         };
         Selection {
-            quiet,
-            plain: false,
+            has_no_gap: quiet,
+            is_unambiguous: false,
             given: false,
             null,
-            perfect,
+            expected,
             rounds,
             last,
         }

@@ -6,13 +6,13 @@ use host_sim::device::Device;
 use recording::{Model, Recording};
 
 /// Standard deviations by which a number of the model may move.
-const NUDGE_REACH: f64 = 5.0;
+const PRIOR_REACH: f64 = 5.0;
 
 /// A number of the nominal model that is known only within a tolerance, or by how much later the input of some runs acts than the
 /// rows say.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Nudge {
-    /// Of the model's, or [`INPUT_TIME`].
+pub(crate) struct PriorParameter {
+    /// A name of the model's table, or [`INPUT_TIME`].
     pub name: String,
     /// As it is stated; of the input's time its standard deviation, s, as it is stated as right.
     pub value: f64,
@@ -25,7 +25,7 @@ pub(crate) struct Nudge {
 /// What the time between input and position is called among the model's numbers.
 pub(crate) const INPUT_TIME: &str = "input_time";
 
-impl Nudge {
+impl PriorParameter {
     /// The number so many deviations from what is stated. Those are by factors above and by shares below, as it is not stated
     /// whether they are relative to the nominal number or to the true one; none turns a sign.
     pub(crate) fn at(&self, deviations: f64) -> f64 {
@@ -38,11 +38,11 @@ impl Nudge {
 
 /// The stated tolerances that leave room: of numbers that are there and not zero; and one time between input and position for all
 /// runs of which the same standard deviation is stated.
-pub(crate) fn nudges(recording: &Recording) -> Vec<Nudge> {
+pub(crate) fn priors(recording: &Recording) -> Vec<PriorParameter> {
     let stated = recording.tolerance.iter();
     let numbers = stated.filter_map(|(name, relative)| {
         let value = recording.model.get(name)?;
-        (relative * value.abs() > 0.0).then(|| Nudge {
+        (relative * value.abs() > 0.0).then(|| PriorParameter {
             name: name.to_owned(),
             value,
             relative,
@@ -52,7 +52,7 @@ pub(crate) fn nudges(recording: &Recording) -> Vec<Nudge> {
     numbers.chain(input_times(recording)).collect()
 }
 
-fn input_times(recording: &Recording) -> Vec<Nudge> {
+fn input_times(recording: &Recording) -> Vec<PriorParameter> {
     let mut stds_s: Vec<f64> = recording
         .runs
         .iter()
@@ -61,7 +61,7 @@ fn input_times(recording: &Recording) -> Vec<Nudge> {
     stds_s.retain(|std_s| *std_s > 0.0);
     stds_s.sort_by(f64::total_cmp);
     stds_s.dedup();
-    let times = stds_s.into_iter().map(|value| Nudge {
+    let times = stds_s.into_iter().map(|value| PriorParameter {
         name: INPUT_TIME.to_owned(),
         value,
         relative: 1.0,
@@ -71,8 +71,12 @@ fn input_times(recording: &Recording) -> Vec<Nudge> {
 }
 
 /// By how much later than stated the input of each run acts at the coordinates `x`, s.
-pub(crate) fn input_shifts_s(recording: &Recording, nudges: &[Nudge], x: &[f64]) -> Vec<f64> {
-    let times = nudges.iter().zip(x).filter(|(n, _)| n.name == INPUT_TIME);
+pub(crate) fn input_shifts_s(
+    recording: &Recording,
+    priors: &[PriorParameter],
+    x: &[f64],
+) -> Vec<f64> {
+    let times = priors.iter().zip(x).filter(|(n, _)| n.name == INPUT_TIME);
     let times: Vec<(f64, f64)> = times.map(|(n, z)| (n.value, n.value * z)).collect();
     let of_run = |std_s: f64| times.iter().find(|(stated_s, _)| *stated_s == std_s);
     let runs = recording.runs.iter();
@@ -81,20 +85,20 @@ pub(crate) fn input_shifts_s(recording: &Recording, nudges: &[Nudge], x: &[f64])
 }
 
 /// Terms on top of a nominal model whose numbers may move within their tolerances. Its coordinates are
-/// those of the nudges, in standard deviations, then those of the terms.
+/// those of the prior parameters, in standard deviations, then those of the terms.
 #[derive(Clone, Debug)]
 pub(crate) struct Hypothesis {
     pub terms: Vec<Term>,
 }
 
 impl Hypothesis {
-    pub(crate) fn dimensions(&self, nudges: &[Nudge]) -> usize {
-        nudges.len() + self.free()
+    pub(crate) fn dimensions(&self, priors: &[PriorParameter]) -> usize {
+        priors.len() + self.free()
     }
 
     /// Lowest and highest value of each coordinate.
-    pub(crate) fn reaches(&self, nudges: &[Nudge]) -> Vec<[f64; 2]> {
-        let numbers = nudges.iter().map(|_| [-NUDGE_REACH, NUDGE_REACH]);
+    pub(crate) fn reaches(&self, priors: &[PriorParameter]) -> Vec<[f64; 2]> {
+        let numbers = priors.iter().map(|_| [-PRIOR_REACH, PRIOR_REACH]);
         let terms = self.terms.iter().flat_map(|term| {
             let free = term.free.iter();
             free.map(|c| c.reach(term.kind.parameter(c.parameter)))
@@ -120,11 +124,11 @@ impl Hypothesis {
         self.terms.iter().map(|t| t.free.len()).sum()
     }
 
-    /// The model's numbers with the nudges of `x`.
-    pub(crate) fn nudged(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Model {
+    /// The model with its prior parameters at the coordinates `x`.
+    pub(crate) fn at_priors(&self, model: &Model, priors: &[PriorParameter], x: &[f64]) -> Model {
         let mut model = *model;
-        for (nudge, z) in nudges.iter().zip(x).filter(|(n, _)| !self.sets(&n.name)) {
-            let _ = model.set(&nudge.name, nudge.at(*z));
+        for (prior, z) in priors.iter().zip(x).filter(|(n, _)| !self.sets(&n.name)) {
+            let _ = model.set(&prior.name, prior.at(*z));
         }
         model
     }
@@ -161,8 +165,8 @@ impl Hypothesis {
         term.kind.meanwhile(&term.at(own))
     }
 
-    pub(crate) fn device(&self, model: &Model, nudges: &[Nudge], x: &[f64]) -> Device {
-        let mut device = Device::nominal(&self.nudged(model, nudges, x));
+    pub(crate) fn device(&self, model: &Model, priors: &[PriorParameter], x: &[f64]) -> Device {
+        let mut device = Device::nominal(&self.at_priors(model, priors, x));
         for (term, own) in self.parts(x) {
             device.sensor_on_load = term.sensor_on_load;
             term.kind.install(&mut device, &term.at(own));

@@ -2,8 +2,8 @@
 
 use super::costs::Costs;
 use super::fitted::Fit;
-use super::ground::Ground;
 use super::hypothesis::Hypothesis;
+use super::linearization::Linearization;
 use super::part::Part;
 use super::problem::{PRIOR_WEIGHT, Problem};
 use super::slopes::{DIFFERENCES, Slope, aside, within};
@@ -79,7 +79,7 @@ impl Problem<'_> {
     /// The same on top of a fit, at a fraction of the time.
     pub(crate) fn fit_on(
         &self,
-        ground: Option<&Ground>,
+        linearization: Option<&Linearization>,
         hypothesis: &Hypothesis,
         mut x: Vec<f64>,
         part: Part<'_>,
@@ -87,15 +87,15 @@ impl Problem<'_> {
     ) -> Fit {
         let n = x.len();
         let held = n - hypothesis.terms.last().map_or(0, |term| term.free.len());
-        let reaches = hypothesis.reaches(&self.nudges);
+        let reaches = hypothesis.reaches(&self.priors);
         for (x, reach) in x.iter_mut().zip(&reaches) {
             *x = within(*x, *reach);
         }
         let predictor = self.predictor(hypothesis, &x);
         let residuals = self.residuals(&predictor, part);
-        let known = ground.map_or(&[][..], Ground::slopes);
-        let mut whitenings = match ground {
-            Some(ground) => Cow::Borrowed(ground.whitenings()),
+        let known = linearization.map_or(&[][..], Linearization::slopes);
+        let mut whitenings = match linearization {
+            Some(linearization) => Cow::Borrowed(linearization.whitenings()),
             None => Cow::Owned(self.whitenings(&predictor, &residuals, part)),
         };
         let weighed_anew = |here: Point| {
@@ -113,14 +113,14 @@ impl Problem<'_> {
             if n == 0 {
                 break;
             }
-            if iteration > 0 && iteration % ANEW_EVERY == 0 && ground.is_none() {
+            if iteration > 0 && iteration % ANEW_EVERY == 0 && linearization.is_none() {
                 (here, whitenings) = weighed_anew(here);
                 here.keep_if_better(&mut best);
             }
             let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
             slopes.par_iter_mut().enumerate().for_each(|(at, slope)| {
                 let i = at + known.len();
-                let every = if i < self.nudges.len() {
+                let every = if i < self.priors.len() {
                     ANEW_EVERY
                 } else if i < held {
                     HELD_EVERY
@@ -177,7 +177,7 @@ impl Problem<'_> {
                 break;
             }
         }
-        if ground.is_none() && here.x != best.0 {
+        if linearization.is_none() && here.x != best.0 {
             (here, _) = weighed_anew(here);
         }
         here.keep_if_better(&mut best);
@@ -232,7 +232,7 @@ impl Problem<'_> {
             gradient += pull;
         }
         normal.fill_upper_triangle_with_lower_triangle();
-        for i in 0..self.nudges.len() {
+        for i in 0..self.priors.len() {
             normal[(i, i)] += PRIOR_WEIGHT;
             gradient[i] += PRIOR_WEIGHT * here.x[i];
         }

@@ -2,9 +2,9 @@
 
 pub(crate) mod costs;
 mod fitted;
-pub(crate) mod ground;
 pub(crate) mod hypothesis;
 mod least_squares;
+pub(crate) mod linearization;
 pub(crate) mod part;
 mod polish;
 pub(crate) mod problem;

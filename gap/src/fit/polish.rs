@@ -68,7 +68,7 @@ impl Problem<'_> {
     /// The nominal model fitted from where one of its own numbers lies far from what is stated, if that leaves less: friction that
     /// holds where the stated one slides is not found by slopes.
     pub(crate) fn nominal_afar(&self, fit: &Fit, iterations: usize) -> Option<Fit> {
-        let moves = (0..self.nudges.len()).flat_map(|i| NUDGED.map(|z| (i, z)));
+        let moves = (0..self.priors.len()).flat_map(|i| NUDGED.map(|z| (i, z)));
         let starts = moves.map(|(i, z)| {
             let mut x = vec![0.0; fit.x.len()];
             x[i] = z;
@@ -100,8 +100,8 @@ impl Problem<'_> {
 
     /// The points to which moves of one coordinate of its effects lead from a fit, each within its reach.
     fn beside(&self, fit: &Fit, moves: &[f64]) -> Vec<Vec<f64>> {
-        let reaches = fit.hypothesis.reaches(&self.nudges);
-        let moved = (self.nudges.len()..fit.x.len()).flat_map(|i| {
+        let reaches = fit.hypothesis.reaches(&self.priors);
+        let moved = (self.priors.len()..fit.x.len()).flat_map(|i| {
             let ends = moves.iter().map(move |by| (i, by));
             ends.map(|(i, by)| {
                 let mut x = fit.x.clone();

@@ -2,7 +2,7 @@
 
 use super::costs::Costs;
 use super::fitted::Fit;
-use super::hypothesis::{self, Hypothesis, Nudge};
+use super::hypothesis::{self, Hypothesis, PriorParameter};
 use super::part::Part;
 use super::whitening::{Whitening, dot, whitenings};
 use crate::predict::Predictor;
@@ -15,7 +15,7 @@ use recording::{Recording, Run};
 pub(crate) struct Problem<'a> {
     pub recording: &'a Recording,
     pub series: Vec<Series>,
-    pub nudges: Vec<Nudge>,
+    pub priors: Vec<PriorParameter>,
     /// By how much a model that is right may be off, rms in units of position.
     pub modelling: f64,
     /// The same data restarted four times as often.
@@ -36,7 +36,7 @@ impl Problem<'_> {
         Self {
             recording: self.recording,
             series: self.series.clone(),
-            nudges: self.nudges.clone(),
+            priors: self.priors.clone(),
             modelling,
             quarter: self
                 .quarter
@@ -46,8 +46,8 @@ impl Problem<'_> {
     }
 
     /// The same with other numbers of the model free.
-    pub(crate) fn with_numbers(mut self, numbers: &[Nudge]) -> Self {
-        self.nudges = numbers.to_vec();
+    pub(crate) fn with_numbers(mut self, numbers: &[PriorParameter]) -> Self {
+        self.priors = numbers.to_vec();
         self.quarter = self
             .quarter
             .map(|quarter| Box::new(quarter.with_numbers(numbers)));
@@ -83,8 +83,8 @@ impl Problem<'_> {
     }
 
     pub(crate) fn predictor(&self, hypothesis: &Hypothesis, x: &[f64]) -> Predictor {
-        let device = hypothesis.device(&self.recording.model, &self.nudges, x);
-        let shifts_s = hypothesis::input_shifts_s(self.recording, &self.nudges, x);
+        let device = hypothesis.device(&self.recording.model, &self.priors, x);
+        let shifts_s = hypothesis::input_shifts_s(self.recording, &self.priors, x);
         Predictor::new(device, self.recording).shifted(shifts_s)
     }
 
@@ -223,7 +223,7 @@ impl Problem<'_> {
     }
 
     pub(crate) fn prior(&self, x: &[f64]) -> f64 {
-        let z = &x[..self.nudges.len()];
+        let z = &x[..self.priors.len()];
         PRIOR_WEIGHT * z.iter().map(|z| z * z).sum::<f64>()
     }
 

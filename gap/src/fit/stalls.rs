@@ -2,7 +2,7 @@
 //! have stalled there, and their uncertainty counts for nothing.
 
 use super::fitted::Fit;
-use super::hypothesis::Nudge;
+use super::hypothesis::PriorParameter;
 use std::fmt;
 
 /// Share of its reach within which a coordinate is at the end of it.
@@ -25,23 +25,23 @@ pub(crate) enum Stall {
 
 impl Fit {
     /// The numbers of model and effects that stand at the end of their reach, and those of effects that do nothing where they are.
-    pub(crate) fn stalls(&self, nudges: &[Nudge]) -> Vec<Stall> {
-        let reaches = self.hypothesis.reaches(nudges);
+    pub(crate) fn stalls(&self, priors: &[PriorParameter]) -> Vec<Stall> {
+        let reaches = self.hypothesis.reaches(priors);
         let mut ends = self
             .x
             .iter()
             .zip(&reaches)
             .map(|(x, reach)| end(*x, *reach));
-        let of_model = nudges.iter().zip(&mut ends);
+        let of_model = priors.iter().zip(&mut ends);
         let of_model = of_model.filter(|(_, end)| end.is_some());
         let mut all: Vec<Stall> = of_model
-            .map(|(nudge, _)| Stall::Model {
-                name: nudge.name.clone(),
+            .map(|(prior, _)| Stall::Model {
+                name: prior.name.clone(),
             })
             .collect();
         let terms = self.hypothesis.terms.iter();
         let free = terms.flat_map(|term| term.free.iter().map(move |c| (term, c.parameter)));
-        let spreads = self.std.iter().skip(nudges.len());
+        let spreads = self.std.iter().skip(priors.len());
         let of_effects = free.zip(ends).zip(spreads);
         all.extend(of_effects.filter_map(|(((term, place), end), std)| {
             let effect = term.kind.name;
@@ -131,13 +131,13 @@ mod tests {
             free: free.to_vec(),
             sensor_on_load: false,
         };
-        let nudge = |name: &str| Nudge {
+        let prior = |name: &str| PriorParameter {
             name: name.to_owned(),
             value: 1.0,
             relative: 0.02,
             is_stated: true,
         };
-        let nudges = [nudge("inertia"), nudge("viscous")];
+        let priors = [prior("inertia"), prior("viscous")];
         let at = |x: [f64; 4], std: [f64; 4]| {
             let fit = Fit {
                 hypothesis: Hypothesis {
@@ -150,7 +150,7 @@ mod tests {
                     prior: 0.0,
                 },
             };
-            let stalls = fit.stalls(&nudges);
+            let stalls = fit.stalls(&priors);
             stalls.iter().map(Stall::to_string).collect::<Vec<_>>()
         };
         const KNOWN: [f64; 4] = [0.1; 4];

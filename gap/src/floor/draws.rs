@@ -1,6 +1,6 @@
 //! What noise, quantising and restarts alone leave of a model that is right.
 
-use super::imagined::Imagined;
+use super::replicate::Replicate;
 use crate::predict::Predictor;
 use crate::windows::series::{Series, Window};
 use rayon::prelude::*;
@@ -23,8 +23,8 @@ pub(crate) fn floor_squares<'a>(
     cut: fn(&Recording, f64) -> Vec<Series>,
     looked_at: usize,
 ) -> Vec<f64> {
-    let both = Imagined::both(recording, predictor);
-    let there: usize = both.iter().map(Imagined::telling).sum();
+    let both = Replicate::both(recording, predictor);
+    let there: usize = both.iter().map(Replicate::telling).sum();
     let draws = looked_at.div_ceil(there.max(1)).next_multiple_of(2) as u64;
     let draws = both
         .iter()
@@ -32,7 +32,7 @@ pub(crate) fn floor_squares<'a>(
     let draws: Vec<_> = draws.collect();
     let left = draws
         .into_par_iter()
-        .map(|(imagined, draw)| left(imagined, draw, predictor, cut));
+        .map(|(replicate, draw)| left(replicate, draw, predictor, cut));
     let left: Vec<Vec<(Place, Left)>> = left.collect();
     let mut by_window: HashMap<Place, Left> = HashMap::new();
     let mut all = Left::default();
@@ -68,25 +68,25 @@ impl Left {
 
 /// Of each window that tells, in one draw.
 fn left(
-    imagined: &Imagined<'_>,
+    replicate: &Replicate<'_>,
     draw: u64,
     predictor: &Predictor,
     cut: fn(&Recording, f64) -> Vec<Series>,
 ) -> Vec<(Place, Left)> {
-    let (_, shown) = imagined.shown(draw, cut);
+    let (_, shown) = replicate.shown(draw, cut);
     let mut all = Vec::new();
     for series in shown {
         let predicted = predictor.predict(&series);
         let windows = series.windows.iter().enumerate();
         all.extend(
             windows
-                .filter(|(w, _)| imagined.tells(*w))
+                .filter(|(w, _)| replicate.tells(*w))
                 .map(|(w, window)| {
                     let left = Left {
                         squares: series.squares(window, &predicted),
                         samples: window.samples.len(),
                     };
-                    ([series.run, w + imagined.skipped(series.run)], left)
+                    ([series.run, w + replicate.skipped(series.run)], left)
                 }),
         );
     }

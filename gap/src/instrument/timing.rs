@@ -2,7 +2,7 @@
 
 use crate::effects::{self, Family, Identification};
 use crate::fit::Fit;
-use crate::fit::hypothesis::{Hypothesis, INPUT_TIME, nudges};
+use crate::fit::hypothesis::{Hypothesis, INPUT_TIME, priors};
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::{WHITE, mean_and_error};
@@ -157,21 +157,21 @@ fn trial(
     let problem = Problem {
         recording,
         series: series::some_coarse(recording, recording.horizon, MOST_SAMPLES),
-        nudges: nudges(recording),
+        priors: priors(recording),
         modelling: problem.modelling,
         quarter: None,
     };
-    let mut x = vec![0.0; problem.nudges.len()];
+    let mut x = vec![0.0; problem.priors.len()];
     x.extend(own);
     let fit = problem.fit(hypothesis, x, Part::All, ITERATIONS);
     let costs = problem.unseen(&fit, |fit, part| {
         let costs = problem.costs(&fit.hypothesis, &fit.x, part);
         (0..costs.per_sample.len()).map(|w| costs.log(w)).collect()
     });
-    let shift = problem.nudges.iter().position(|n| n.name == INPUT_TIME);
+    let shift = problem.priors.iter().position(|n| n.name == INPUT_TIME);
     let timing = match (timing, shift) {
         (Timing::Later(..), Some(i)) => {
-            let std_s = problem.nudges[i].value;
+            let std_s = problem.priors[i].value;
             Timing::Later(std_s * fit.x[i], std_s * fit.std[i])
         }
         _ => timing,

@@ -134,7 +134,7 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
 mod tests {
     use super::*;
     use crate::diagnosis::AFTER_REST;
-    use crate::fit::hypothesis::{Hypothesis, nudges};
+    use crate::fit::hypothesis::{Hypothesis, priors};
     use crate::fit::part::Part;
     use crate::made;
 
@@ -162,7 +162,7 @@ mod tests {
         let mut recording = made::recording(&["spring:stiffness=0.032,zero=0"]);
         recording.tolerance.set("stiffness", 0.02);
         let problem = Problem {
-            nudges: nudges(&recording),
+            priors: priors(&recording),
             ..made::problem(&recording)
         };
         let null = problem.fit(&Hypothesis { terms: Vec::new() }, vec![0.0], Part::All, 9);

@@ -33,7 +33,7 @@ pub(super) fn of(search: &Search<'_>, set: &Fit, kept: usize) -> Vec<Start> {
             let mut hypothesis = known.hypothesis.clone();
             hypothesis.terms.push(start.clone());
             let mut x = known.x.clone();
-            x.resize(hypothesis.dimensions(&search.problem.nudges), 0.0);
+            x.resize(hypothesis.dimensions(&search.problem.priors), 0.0);
             let level = search.problem.costs(&hypothesis, &x, Part::All).level();
             (level, hypothesis, x)
         });

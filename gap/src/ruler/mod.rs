@@ -21,7 +21,7 @@ use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
-use crate::floor::Perfect;
+use crate::floor::ExpectedLoss;
 use crate::select::{self, Given, Search, Selection};
 use crate::stage::Stage;
 use pool::Pool;
@@ -35,13 +35,13 @@ pub(crate) fn measured<'a>(
     progress: fn(Stage),
 ) -> Option<(Problem<'a>, Selection)> {
     let is_explained = !found.rounds.is_empty() && found.suffices(problem, found.fit());
-    if found.quiet || found.given || is_explained {
+    if found.has_no_gap || found.given || is_explained {
         return None;
     }
     progress(Stage::Finalists);
     let freed = numbers::freed(problem);
     let free = problem.off_by(problem.modelling).with_numbers(&freed);
-    let mut pool = Pool::of_search(found, problem.nudges.len(), freed.len());
+    let mut pool = Pool::of_search(found, problem.priors.len(), freed.len());
     let scale = on_all_numbers(problem, &free, &mut pool, found, given, progress);
     let (free, pool) = pool.scored_at_own_scale(free.off_by(scale));
     let kept = found.null.hypothesis.terms.len();
@@ -50,7 +50,7 @@ pub(crate) fn measured<'a>(
         problem: &free,
         given,
         progress,
-        perfect: found.perfect,
+        expected: found.expected,
     };
     let confounders = confounders::of(&search, &set.fit, kept);
     let (set, pool) = pool.with(&free, confounders).without_needless(&free, kept);
@@ -69,17 +69,18 @@ fn on_all_numbers(
 ) -> f64 {
     let start = pool.null();
     let null = free.fit(&start.hypothesis, start.x, Part::All, 0);
-    let search = |problem, perfect| Search {
+    let search = |problem, expected| Search {
         problem,
         given,
         progress,
-        perfect,
+        expected,
     };
-    pool.extend(proposed::proposed(&search(free, found.perfect), &null));
+    pool.extend(proposed::proposed(&search(free, found.expected), &null));
     let mut restating = numbers::restating(free.recording);
     let terms = &null.hypothesis.terms;
     restating.retain(|effect| terms.iter().all(|term| term.kind.name != effect.name()));
-    let Some((numbers, scale)) = begun_anew(&search(free, found.perfect), &null, &restating) else {
+    let Some((numbers, scale)) = begun_anew(&search(free, found.expected), &null, &restating)
+    else {
         return free.modelling;
     };
     pool.add(&numbers);
@@ -89,8 +90,8 @@ fn on_all_numbers(
         return scale;
     }
     let scaled = free.off_by(scale);
-    let perfect = Perfect::of(&scaled, &numbers).bounded();
-    if let Some(round) = select::next_effect(&search(&scaled, perfect), &numbers, &[], 0.0) {
+    let expected = ExpectedLoss::of(&scaled, &numbers).bounded();
+    if let Some(round) = select::next_effect(&search(&scaled, expected), &numbers, &[], 0.0) {
         for rival in &round.rivals {
             pool.add(&rival.fit);
         }
@@ -109,13 +110,13 @@ pub(crate) fn with_unstated(
         return None;
     }
     let bare = Hypothesis { terms: Vec::new() };
-    let x = vec![0.0; bare.dimensions(&problem.nudges)];
+    let x = vec![0.0; bare.dimensions(&problem.priors)];
     let null = problem.fit(&bare, x, Part::All, 0);
     let search = Search {
         problem,
         given,
         progress,
-        perfect: Perfect::of(problem, &null).bounded(),
+        expected: ExpectedLoss::of(problem, &null).bounded(),
     };
     let (fit, _) = begun_anew(&search, &null, &unstated)?;
     Some(problem.fit(&fit.hypothesis, fit.x, Part::All, scale::ITERATIONS))
@@ -132,7 +133,7 @@ fn begun_anew(
         let mut hypothesis = null.hypothesis.clone();
         hypothesis.terms.extend(terms);
         let mut x = null.x.clone();
-        x.resize(hypothesis.dimensions(&search.problem.nudges), 0.0);
+        x.resize(hypothesis.dimensions(&search.problem.priors), 0.0);
         scale::annealed(search.problem, &hypothesis, x)
     });
     fits.min_by(|a, b| a.1.total_cmp(&b.1))

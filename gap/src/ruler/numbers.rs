@@ -2,7 +2,7 @@
 
 use crate::effects::{self, Identification};
 use crate::fit::Fit;
-use crate::fit::hypothesis::Nudge;
+use crate::fit::hypothesis::PriorParameter;
 use crate::fit::problem::Problem;
 use crate::guess::balance::Balance;
 use crate::select::Search;
@@ -12,8 +12,8 @@ use recording::Recording;
 
 /// The numbers that may move within their stated tolerances, and main numbers without one that may move as far as such numbers are
 /// usually off.
-pub(super) fn freed(problem: &Problem<'_>) -> Vec<Nudge> {
-    let mut all = problem.nudges.clone();
+pub(super) fn freed(problem: &Problem<'_>) -> Vec<PriorParameter> {
+    let mut all = problem.priors.clone();
     for number in effects::all().filter_map(Identification::main_number) {
         let is_there = all.iter().any(|other| other.name == number.name);
         let value = problem.recording.model.get(number.name).unwrap_or(0.0);
@@ -21,7 +21,7 @@ pub(super) fn freed(problem: &Problem<'_>) -> Vec<Nudge> {
             && !is_there
             && value != 0.0
         {
-            all.push(Nudge {
+            all.push(PriorParameter {
                 name: number.name.to_owned(),
                 value,
                 relative,

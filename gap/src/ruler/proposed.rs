@@ -20,8 +20,8 @@ pub(super) fn proposed(search: &Search<'_>, null: &Fit) -> Vec<Start> {
     let tried = search.tried(null, &[]);
     let is_free = |name: &str| {
         let number = effects::of(name).replaces();
-        let mut free = search.problem.nudges.iter();
-        number.is_some_and(|number| free.any(|nudge| nudge.name == number))
+        let mut free = search.problem.priors.iter();
+        number.is_some_and(|number| free.any(|prior| prior.name == number))
     };
     let mut all: Vec<Start> = Vec::new();
     for proposal in missing.shortlist(ASKED) {
@@ -42,7 +42,7 @@ pub(super) fn proposed(search: &Search<'_>, null: &Fit) -> Vec<Start> {
             .all(|start| start.hypothesis.names() != hypothesis.names());
         if is_new && all.len() < MEASURED {
             let mut x = null.x.clone();
-            x.resize(hypothesis.dimensions(&search.problem.nudges), 0.0);
+            x.resize(hypothesis.dimensions(&search.problem.priors), 0.0);
             all.push(Start { hypothesis, x });
         }
     }

@@ -38,7 +38,7 @@ impl Scored {
             problem.costs(&fit.hypothesis, &fit.x, half).per_sample
         });
         let squares = Problem::unseen_by(&halves, |fit, half| problem.window_squares(fit, half));
-        let moves = problem.nudges.iter().zip(fit.moves());
+        let moves = problem.priors.iter().zip(fit.moves());
         let moved = moves.filter(|(number, z)| !number.is_stated && z.abs() > USUAL);
         Self {
             moved: moved.count(),

@@ -7,8 +7,8 @@ use super::scored::{Scored, is_within_error};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::floor::{Perfect, mean_and_error};
-use crate::select::{Measured, Place, Rival, Round, Selection};
+use crate::floor::{ExpectedLoss, mean_and_error};
+use crate::select::{Acceptance, Measured, Rival, Round, Selection};
 
 /// The selection with the effects of `set` in the order of what each closes, each beside all others of the set, with the sets of
 /// `pool` that have another effect in its place as its rivals.
@@ -32,10 +32,10 @@ pub(super) fn of(
     let rounds: Vec<Round> = rounds.collect();
     let last = beyond(set, pool);
     Selection {
-        perfect: Perfect::of(problem, &null).bounded(),
+        expected: ExpectedLoss::of(problem, &null).bounded(),
         null,
-        quiet: false,
-        plain: true,
+        has_no_gap: false,
+        is_unambiguous: true,
         given: false,
         rounds,
         last,
@@ -136,7 +136,7 @@ fn round(
         known: without.fit,
         rivals,
         screened: Vec::new(),
-        place: Place {
+        acceptance: Acceptance {
             significance: excess / error.max(f64::MIN_POSITIVE),
             earned: true,
             by_few: is_event,
@@ -194,7 +194,7 @@ fn beyond(set: &Scored, pool: &ScoredPool) -> Option<Round> {
         known: set.fit.clone(),
         so_far: first.fit.clone(),
         screened: Vec::new(),
-        place: Place {
+        acceptance: Acceptance {
             significance: mean / error.max(f64::MIN_POSITIVE),
             earned: false,
             by_few: false,

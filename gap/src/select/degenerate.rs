@@ -111,7 +111,7 @@ mod tests {
                 given: &given,
                 problem: search.problem,
                 progress: search.progress,
-                perfect: search.perfect,
+                expected: search.expected,
             };
             is_excluded(&search, null, &found)
         })

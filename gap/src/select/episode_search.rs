@@ -1,12 +1,12 @@
 //! When an effect comes and goes, and comes again, and in which form.
 
+use super::acceptance::stands_out;
 use super::excess::level;
-use super::place::stands_out;
 use crate::effects::{self, Episode, episode};
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
-use crate::floor::Perfect;
+use crate::floor::ExpectedLoss;
 use crate::guess::stay::LONGEST_SHARE;
 use crate::term::Term;
 use rayon::prelude::*;
@@ -25,12 +25,12 @@ const SURE_ERRORS: f64 = 2.0;
 /// on what was `known` what no luck does, once more as long as that does so.
 pub(super) fn found(
     problem: &Problem<'_>,
-    perfect: &Perfect,
+    expected: &ExpectedLoss,
     known: &Fit,
     fit: &Fit,
     iterations: usize,
 ) -> Fit {
-    let stands_out = |fit: &Fit, on: &Fit| stands_out(&fit.costs.gains(&on.costs), perfect);
+    let stands_out = |fit: &Fit, on: &Fit| stands_out(&fit.costs.gains(&on.costs), expected);
     let mut best = once(problem, fit, iterations);
     if !stands_out(&best, known) {
         // One long stay that reaches from a first to a second is neither.
@@ -256,10 +256,10 @@ mod tests {
         };
         let x = vec![0.0; hypothesis.free()];
         let first = problem.fit(&hypothesis, x, Part::All, 8);
-        let perfect = Perfect::of(&problem, &first);
+        let expected = ExpectedLoss::of(&problem, &first);
         let bare = Hypothesis { terms: Vec::new() };
         let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-        let found = found(&problem, &perfect, &null, &first, 8);
+        let found = found(&problem, &expected, &null, &first, 8);
         let found = found.last_term().unwrap();
         let mut again: Vec<&[f64]> = found.values[2..].chunks(4).collect();
         again.sort_by(|a, b| b[2].total_cmp(&a[2]));
@@ -284,8 +284,8 @@ mod tests {
         let stays = fitted(held, begun, |problem, fit| {
             let bare = Hypothesis { terms: Vec::new() };
             let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-            let perfect = Perfect::of(problem, &null).bounded();
-            let found = found(problem, &perfect, &null, fit, 8);
+            let expected = ExpectedLoss::of(problem, &null).bounded();
+            let found = found(problem, &expected, &null, fit, 8);
             episode::stays(&found.last_term().unwrap())
         });
         assert_eq!(stays, 2);

@@ -2,7 +2,7 @@
 
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::floor::{FLOOR_DOUBT, Perfect};
+use crate::floor::{ExpectedLoss, FLOOR_DOUBT};
 
 /// Robust excess per window up to which nothing is missing: the noise is known to some 15 %.
 pub(super) const QUIET_EXCESS: f64 = 0.12;
@@ -28,12 +28,12 @@ pub(super) fn level(fit: &Fit) -> f64 {
 
 /// True if a fit leaves no more than a perfect model may, in the mean and in the worst window, and the model's own
 /// numbers need not move farther for it than their tolerances let one expect.
-pub(super) fn is_quiet(fit: &Fit, perfect: &Perfect) -> bool {
+pub(super) fn is_quiet(fit: &Fit, expected: &ExpectedLoss) -> bool {
     let windows = 0..fit.costs.per_sample.len();
     let worst = windows.fold(0.0f64, |worst, w| worst.max(fit.costs.log(w)));
     fit.is_likely()
-        && fit.costs.mean() - perfect.level <= QUIET_EXCESS + QUIET_ERRORS * perfect.error
-        && worst - perfect.level <= perfect.worst + QUIET_WINDOW
+        && fit.costs.mean() - expected.level <= QUIET_EXCESS + QUIET_ERRORS * expected.error
+        && worst - expected.level <= expected.worst + QUIET_WINDOW
 }
 
 /// True if a fit leaves no more of the gap than noise and restarts do, and need not bend the model's own numbers for it.

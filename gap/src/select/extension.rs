@@ -26,7 +26,7 @@ pub(super) fn extended(
             break;
         };
         // Two that were found together have each been looked at without the other.
-        let is_second = round.place.earned && selection.rounds.len() == 1;
+        let is_second = round.acceptance.earned && selection.rounds.len() == 1;
         selection.add(round);
         if let [first, second] = &selection.rounds[..]
             && is_second

@@ -1,5 +1,6 @@
 //! Which effects earn their place.
 
+mod acceptance;
 mod degenerate;
 mod episode_search;
 mod evolution;
@@ -10,7 +11,6 @@ mod next_effect;
 mod pair;
 mod pair_screening;
 mod parts;
-mod place;
 mod ranking;
 mod refined;
 mod rival;
@@ -28,14 +28,14 @@ use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
-use crate::floor::{FLOOR_DOUBT, Perfect};
+use crate::floor::{ExpectedLoss, FLOOR_DOUBT};
 use crate::stage::Stage;
+pub(crate) use acceptance::Acceptance;
 pub(crate) use excess::{LOUD_GAP, MOST_LEFT, MOST_LEFT_EXPLAINED, QUIET_GAP};
 use excess::{QUIET_ERRORS, is_at_floor, is_quiet, level};
 use extension::extended;
 pub(crate) use next_effect::next_effect;
 use next_effect::{begun_afar, given_effect, nominal_beside};
-pub(crate) use place::Place;
 use ranking::is_far_likelier;
 pub(crate) use ranking::{inseparable, luck, others, ties};
 pub(crate) use refined::refined;
@@ -71,7 +71,7 @@ pub(crate) fn select(
     progress(Stage::Nominal);
     let bare = || {
         let bare = Hypothesis { terms: Vec::new() };
-        let x = vec![0.0; bare.dimensions(&problem.nudges)];
+        let x = vec![0.0; bare.dimensions(&problem.priors)];
         let null = problem.fit(&bare, x, Part::All, NULL_ITERATIONS);
         problem.nominal_afar(&null, NULL_ITERATIONS).unwrap_or(null)
     };
@@ -108,12 +108,13 @@ fn select_beyond(
     given: &Given<'_>,
     progress: fn(Stage),
 ) -> Selection {
-    let perfect = Perfect::of(problem, &null);
+    let expected = ExpectedLoss::of(problem, &null);
     let mut selection = Selection {
-        quiet: is_quiet(&null, &perfect) && problem.gap_over_floor(&null) <= LOUD_GAP,
-        plain: null.costs.mean() - perfect.level > PLAIN_EXCESS + QUIET_ERRORS * perfect.error
+        has_no_gap: is_quiet(&null, &expected) && problem.gap_over_floor(&null) <= LOUD_GAP,
+        is_unambiguous: null.costs.mean() - expected.level
+            > PLAIN_EXCESS + QUIET_ERRORS * expected.error
             || problem.loudest_over_floor(&null) > LOUD_RUN,
-        perfect: perfect.bounded(),
+        expected: expected.bounded(),
         null,
         given: false,
         rounds: Vec::new(),
@@ -121,15 +122,15 @@ fn select_beyond(
     };
     // What two columns show is there, whatever the tolerances could make of it.
     let is_hidden = || !given.certain && selection.null_leaves_at_most(FLOOR_DOUBT, problem);
-    selection.quiet |= !selection.plain && (!given.is_gap || is_hidden());
-    if selection.quiet {
+    selection.has_no_gap |= !selection.is_unambiguous && (!given.is_gap || is_hidden());
+    if selection.has_no_gap {
         return selection;
     }
     let search = Search {
         problem,
         given,
         progress,
-        perfect: selection.perfect,
+        expected: selection.expected,
     };
     let certain = given.measured.as_ref().filter(|_| given.certain);
     let first = match certain {
@@ -152,7 +153,7 @@ fn select_beyond(
         suffices = selection.suffices(problem, &anew.so_far);
         first = anew;
     }
-    if first.place.earned && suffices {
+    if first.acceptance.earned && suffices {
         selection.add(first);
         return selection;
     }
@@ -160,7 +161,7 @@ fn select_beyond(
     // Where the gap is at its floor, what else there may be stands beside the first, not in its place.
     let leaves_little =
         selection.leaves_little(&first.so_far) || is_at_floor(problem, &first.so_far);
-    let settled = selection.given || first.place.earned && leaves_little;
+    let settled = selection.given || first.acceptance.earned && leaves_little;
     let saves = |cost: &dyn Fn(&Fit) -> f64| {
         cost(&selection.null) - cost(&first.so_far) > LEAST_SAVED_ALONE
     };

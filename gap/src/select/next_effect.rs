@@ -1,11 +1,11 @@
 //! The next effect on top of what is known.
 
+use super::acceptance::{Acceptance, earns_its_place};
 use super::degenerate::{is_degenerate, is_excluded};
 use super::episode_search;
 use super::evolution::evolved;
 use super::excess::{QUIET_EXCESS, level};
 use super::parts::with_parts;
-use super::place::{Place, earns_its_place};
 use super::ranking::join_all;
 use super::rival::{Rival, best_of, extended};
 use super::round::Round;
@@ -41,7 +41,7 @@ pub(crate) fn next_effect(
     let screened = screened(search, known, &chosen, hints);
     let Fit { hypothesis, x, .. } = known;
     let there = search.problem.costs(hypothesis, x, Part::Chosen(&chosen));
-    let enough = there.level() - promised * (there.level() - search.perfect.level);
+    let enough = there.level() - promised * (there.level() - search.expected.level);
     if promised > 0.0 && screened.iter().all(|rival| level(&rival.fit) > enough) {
         return None;
     }
@@ -62,7 +62,7 @@ pub(super) fn given_effect(search: &Search<'_>, null: &Fit, term: &Term) -> Roun
             fit,
         }],
         screened: Vec::new(),
-        place: Place::given(term.is_event()),
+        acceptance: Acceptance::given(term.is_event()),
         measured: None,
     }
 }
@@ -82,7 +82,7 @@ pub(super) fn round_of(
 /// for much: the way there may lead through worse.
 pub(super) fn nominal_beside(search: &Search<'_>, round: &Round) -> Option<Fit> {
     let known = &round.known;
-    let excess = level(known) - search.perfect.level;
+    let excess = level(known) - search.expected.level;
     if excess <= QUIET_EXCESS {
         return None;
     }
@@ -135,7 +135,7 @@ pub(super) fn judged(
     if effects::of(name).episode().is_some() {
         *winner = episode_search::found(
             search.problem,
-            &search.perfect,
+            &search.expected,
             known,
             winner,
             FITTING_ITERATIONS,
@@ -164,13 +164,13 @@ pub(super) fn judged(
     if *name != first {
         *winner = search.problem.polished(winner, POLISHING_ITERATIONS);
     }
-    let place = earns_its_place(search.problem, &search.perfect, known, &rivals[0]);
+    let acceptance = earns_its_place(search.problem, &search.expected, known, &rivals[0]);
     Some(Round {
         known: known.clone(),
         so_far: rivals[0].fit.clone(),
         rivals,
         screened,
-        place,
+        acceptance,
         measured: None,
     })
 }

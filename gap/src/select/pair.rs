@@ -1,9 +1,9 @@
 //! Two effects that explain together what neither does alone.
 
+use super::acceptance::earns_its_place;
 use super::excess::{is_at_floor, level};
 use super::next_effect::{given_effect, judged, round_of};
 use super::pair_screening::screened_pairs;
-use super::place::earns_its_place;
 use super::ranking::{enough, join, ranked};
 use super::rival::{Rival, extended, turned};
 use super::round::Round;
@@ -89,7 +89,7 @@ fn led(
 ) -> (Vec<(Rival, Vec<Rival>)>, bool) {
     let Fit { hypothesis, x, .. } = null;
     let nothing = search.problem.costs(hypothesis, x, Part::Chosen(chosen));
-    let most = search.perfect.level + LITTLE * (nothing.level() - search.perfect.level);
+    let most = search.expected.level + LITTLE * (nothing.level() - search.expected.level);
     let is_enough = |fit: &Fit| level(fit) <= most && is_at_floor(search.problem, fit);
     let mut looked: Vec<(Rival, Vec<Rival>)> = Vec::new();
     for leader in leaders {
@@ -120,7 +120,7 @@ pub(super) fn revised(search: &Search<'_>, first: &Round, second: &Round) -> Opt
     let both = &second.rivals[0];
     let anew = |both: &Rival, looked: &[(Rival, Vec<Rival>)]| {
         let mut rounds = each_anew(search, first, both, looked, &first.screened)?;
-        rounds.retain(|round| round.place.earned);
+        rounds.retain(|round| round.acceptance.earned);
         Some(rounds)
     };
     if let Some(simpler) = with_special_first(search, first, both) {
@@ -178,13 +178,13 @@ fn each_anew(
     let turned = turned(both)?;
     let (second_alone, screened) = beside(search, &turned, null, looked, hints);
     let mut beside_second = round_of(search, &second_alone, screened, Some(turned))?;
-    if !beside_second.place.earned {
+    if !beside_second.acceptance.earned {
         return alone_beside(search, first, second_alone, beside_second);
     }
     let both = self::turned(&beside_second.rivals[0])?;
     let (first_alone, screened) = beside(search, &both, null, looked, hints);
     let beside_first = round_of(search, &first_alone, screened, Some(both))?;
-    if !beside_first.place.earned {
+    if !beside_first.acceptance.earned {
         return alone_beside(search, first, first_alone, beside_first);
     }
     beside_second.so_far = first_alone;
@@ -199,7 +199,7 @@ fn without_first(search: &Search<'_>, first: &Round, second: &Round) -> Option<R
     if !first.leaves_more_than(&fit) {
         return None;
     }
-    if earns_its_place(search.problem, &search.perfect, &fit, &both).earned {
+    if earns_its_place(search.problem, &search.expected, &fit, &both).earned {
         return None;
     }
     alone(search, first, fit)
@@ -219,7 +219,7 @@ pub(super) fn without_second(search: &Search<'_>, second: &Round, third: &Round)
     let mut rivals = second.rivals.clone();
     join(&mut rivals, Rival { name, fit });
     let round = judged(search, &second.known, second.screened.clone(), rivals)?;
-    round.place.earned.then_some(round)
+    round.acceptance.earned.then_some(round)
 }
 
 /// The round of an effect alone, and of what earned no place beside it.
@@ -240,7 +240,7 @@ fn alone(search: &Search<'_>, first: &Round, fit: Fit) -> Option<Round> {
     let mut rivals = first.rivals.clone();
     join(&mut rivals, Rival { name, fit });
     let round = judged(search, &first.known, first.screened.clone(), rivals)?;
-    round.place.earned.then_some(round)
+    round.acceptance.earned.then_some(round)
 }
 
 /// The first of two effects alone on top of `null`, and what screening finds beside it, unless that was `looked` at.

@@ -6,8 +6,8 @@ use super::screening_set::{FIRST_ITERATIONS, MANY_ITERATIONS, ScreeningSet, sort
 use super::search::Search;
 use crate::effects;
 use crate::fit::Fit;
-use crate::fit::ground::Direction;
 use crate::fit::hypothesis::Hypothesis;
+use crate::fit::linearization::Direction;
 use crate::fit::part::Part;
 use crate::term::Term;
 use rayon::prelude::*;
@@ -82,7 +82,9 @@ fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Ve
     let part = Part::Chosen(&field.chosen);
     let direction = |start: &Term| {
         let (hypothesis, x) = extended(field.known, [start]);
-        field.ground.direction(field.problem, &hypothesis, &x, part)
+        field
+            .linearization
+            .direction(field.problem, &hypothesis, &x, part)
     };
     let directions: Vec<Direction> = starts.par_iter().map(direction).collect();
     let pairs = (0..starts.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
@@ -92,10 +94,10 @@ fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Ve
         a != b && !effects::of(a).contains(b) && !effects::of(b).contains(a)
     };
     let pairs: Vec<[usize; 2]> = pairs.filter(is_pair).collect();
-    let nudges = field.problem.nudges.len();
+    let priors = field.problem.priors.len();
     let promise = |pair: [usize; 2]| {
         let both = pair.map(|i| &directions[i]);
-        (field.ground.promise_of_both(nudges, both), pair)
+        (field.linearization.promise_of_both(priors, both), pair)
     };
     let promised = pairs.into_par_iter().map(promise);
     let mut promised: Vec<(f64, [usize; 2])> = promised.filter(|p| p.0.is_finite()).collect();

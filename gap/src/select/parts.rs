@@ -1,7 +1,7 @@
 //! An effect that consists of several parts, such as a ripple of several orders.
 
+use super::acceptance::stands_out;
 use super::excess::level;
-use super::place::stands_out;
 use super::search::{FITTING_ITERATIONS, Search};
 use crate::effects;
 use crate::fit::Fit;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// The last effect of a fit with as many parts as each gain what no luck does.
 pub(super) fn with_parts(search: &Search<'_>, mut fit: Fit) -> Fit {
     while let Some(more) = with_another_part(search, &fit) {
-        if !stands_out(&more.costs.gains(&fit.costs), &search.perfect) {
+        if !stands_out(&more.costs.gains(&fit.costs), &search.expected) {
             break;
         }
         fit = more;

@@ -171,7 +171,7 @@ mod tests {
     use crate::fit::costs::Costs;
     use crate::fit::hypothesis::Hypothesis;
     use crate::made;
-    use crate::select::Place;
+    use crate::select::Acceptance;
     use crate::term::{Coordinate, Scale};
 
     const KNOWN: f64 = 2.0;
@@ -226,9 +226,9 @@ mod tests {
     #[test]
     fn where_neither_leaves_more_than_a_right_model_fewer_parameters_win() {
         let price = price(200) / 200.0;
-        let perfect = BEST + 2.0 * price;
-        assert_eq!(first(1.5 * price, perfect + QUIET_EXCESS), "torque_gain");
-        assert_eq!(first(2.5 * price, perfect + QUIET_EXCESS), "spring");
+        let expected = BEST + 2.0 * price;
+        assert_eq!(first(1.5 * price, expected + QUIET_EXCESS), "torque_gain");
+        assert_eq!(first(2.5 * price, expected + QUIET_EXCESS), "spring");
     }
 
     #[test]
@@ -254,7 +254,7 @@ mod tests {
                 so_far: winner.fit.clone(),
                 rivals: vec![winner, rival("gravity", 2, BEST)],
                 screened: Vec::new(),
-                place: Place::given(false),
+                acceptance: Acceptance::given(false),
                 measured: None,
             })
         };
@@ -272,7 +272,7 @@ mod tests {
                 so_far: winner.fit.clone(),
                 rivals: vec![winner, rival(other, 1, KNOWN)],
                 screened: Vec::new(),
-                place: Place::given(false),
+                acceptance: Acceptance::given(false),
                 measured: None,
             })
         };

@@ -9,7 +9,7 @@ use super::selection::Selection;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
-use crate::floor::Perfect;
+use crate::floor::ExpectedLoss;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
@@ -34,10 +34,10 @@ pub(crate) fn refined<'a>(
     };
     let null = anew(&selection.null);
     let mut refined = Selection {
-        perfect: Perfect::of(&exact, &null).bounded(),
+        expected: ExpectedLoss::of(&exact, &null).bounded(),
         null,
-        quiet: selection.quiet,
-        plain: selection.plain,
+        has_no_gap: selection.has_no_gap,
+        is_unambiguous: selection.is_unambiguous,
         given: false,
         rounds: Vec::new(),
         last: None,
@@ -50,7 +50,7 @@ pub(crate) fn refined<'a>(
         problem: &exact,
         given,
         progress,
-        perfect: refined.perfect,
+        expected: refined.expected,
     };
     // Far above the floor something is missing, however little of it screening finds.
     let promised = if exact.gap_over_floor(&so_far) > LOUD_GAP {
@@ -59,7 +59,7 @@ pub(crate) fn refined<'a>(
         LEAST_PROMISED_AT_FLOOR
     };
     let second = next_effect(&search, &so_far, &only.screened, promised)?;
-    if !second.place.earned {
+    if !second.acceptance.earned {
         return None;
     }
     let rivals = only.rivals.par_iter().map(|rival| Rival {
@@ -70,7 +70,7 @@ pub(crate) fn refined<'a>(
         known: refined.null.clone(),
         rivals: rivals.collect(),
         screened: only.screened.clone(),
-        place: only.place,
+        acceptance: only.acceptance,
         so_far,
         measured: None,
     };

@@ -83,15 +83,15 @@ pub(super) fn extended<'a>(
 /// A rival of two effects in the other order.
 pub(super) fn turned(both: &Rival) -> Option<Rival> {
     let mut fit = both.fit.clone();
-    let nudges = fit.x.len().checked_sub(fit.hypothesis.free())?;
+    let priors = fit.x.len().checked_sub(fit.hypothesis.free())?;
     let [first, _] = &fit.hypothesis.terms[..] else {
         return None;
     };
     let split = first.free.len();
     let name = first.kind.name;
     fit.hypothesis.terms.swap(0, 1);
-    fit.x[nudges..].rotate_left(split);
-    fit.std[nudges..].rotate_left(split);
+    fit.x[priors..].rotate_left(split);
+    fit.std[priors..].rotate_left(split);
     Some(Rival { name, fit })
 }
 

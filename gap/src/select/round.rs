@@ -1,7 +1,7 @@
 //! One effect on top of what was known, as a round of the search found it.
 
+use super::acceptance::Acceptance;
 use super::excess::level;
-use super::place::Place;
 use super::rival::Rival;
 use super::search::FITTING_ITERATIONS;
 use crate::fit::Fit;
@@ -18,7 +18,7 @@ pub(crate) struct Round {
     /// Every effect as screening left it.
     pub screened: Vec<Rival>,
     /// Whether the winner is better than what was known.
-    pub place: Place,
+    pub acceptance: Acceptance,
     /// The model with the effects up to this one.
     pub so_far: Fit,
     /// What is known of the winner where it was measured beside all other effects.
@@ -52,7 +52,7 @@ impl Round {
                 fit,
             }],
             screened: Vec::new(),
-            place: self.place,
+            acceptance: self.acceptance,
             measured: self.measured.clone(),
         }
     }

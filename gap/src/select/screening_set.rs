@@ -3,7 +3,7 @@
 use super::excess::level;
 use super::rival::extended;
 use crate::fit::Fit;
-use crate::fit::ground::Ground;
+use crate::fit::linearization::Linearization;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::term::Term;
@@ -20,7 +20,7 @@ pub(super) struct ScreeningSet<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) known: &'a Fit,
     pub(super) chosen: Cow<'a, [bool]>,
-    pub(super) ground: Ground,
+    pub(super) linearization: Linearization,
 }
 
 impl<'a> ScreeningSet<'a> {
@@ -31,7 +31,7 @@ impl<'a> ScreeningSet<'a> {
     ) -> Self {
         let chosen = chosen.into();
         Self {
-            ground: problem.ground(known, Part::Chosen(&chosen)),
+            linearization: problem.linearization(known, Part::Chosen(&chosen)),
             problem,
             known,
             chosen,
@@ -41,10 +41,10 @@ impl<'a> ScreeningSet<'a> {
     /// A start fitted on.
     pub(super) fn fit(&self, start: &Term, iterations: usize) -> Fit {
         let (hypothesis, x) = extended(self.known, [start]);
-        let ground = Some(&self.ground);
+        let linearization = Some(&self.linearization);
         let part = Part::Chosen(&self.chosen);
         self.problem
-            .fit_on(ground, &hypothesis, x, part, iterations)
+            .fit_on(linearization, &hypothesis, x, part, iterations)
     }
 
     /// What a start costs as it is.
@@ -66,7 +66,8 @@ impl<'a> ScreeningSet<'a> {
         let part = Part::Chosen(&self.chosen);
         let promise = |start: &Term| {
             let (hypothesis, x) = extended(self.known, [start]);
-            self.ground.promise(self.problem, &hypothesis, &x, part)
+            self.linearization
+                .promise(self.problem, &hypothesis, &x, part)
         };
         lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)
     }

@@ -5,7 +5,7 @@ use super::rival::Rival;
 use crate::effects::{Candidate, candidates};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::floor::Perfect;
+use crate::floor::ExpectedLoss;
 use crate::guess::Evidence;
 use crate::stage::Stage;
 use crate::term::Term;
@@ -47,13 +47,13 @@ pub(crate) struct Search<'a> {
     pub given: &'a Given<'a>,
     /// Told of each stage.
     pub progress: fn(Stage),
-    pub perfect: Perfect,
+    pub expected: ExpectedLoss,
 }
 
 impl Search<'_> {
     /// Level up to which nothing is missing.
     pub(super) fn quiet(&self) -> f64 {
-        self.perfect.level + QUIET_EXCESS
+        self.expected.level + QUIET_EXCESS
     }
 
     pub(super) fn has_two_masses(&self, fit: &Fit) -> bool {
@@ -68,7 +68,7 @@ impl Search<'_> {
         } = self.problem;
         let device = known
             .hypothesis
-            .device(&recording.model, &self.problem.nudges, &known.x);
+            .device(&recording.model, &self.problem.priors, &known.x);
         let cutoff_hz = recording.sensor("position").cutoff_hz;
         let half_width_s = recording.restart_half_width;
         let motions = series.par_iter();
@@ -126,7 +126,7 @@ pub(super) fn on<T>(
         problem: &problem,
         given: &Given::A_GAP,
         progress: |_| {},
-        perfect: Perfect::of(&problem, &null).bounded(),
+        expected: ExpectedLoss::of(&problem, &null).bounded(),
     };
     look(&search, &null)
 }

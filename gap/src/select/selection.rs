@@ -8,7 +8,7 @@ use super::round::Round;
 use crate::effects::{self, Landscape};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
-use crate::floor::{FLOOR_DOUBT, Perfect};
+use crate::floor::{ExpectedLoss, FLOOR_DOUBT};
 use crate::term::Term;
 
 /// Effects that are found at most.
@@ -20,15 +20,15 @@ const HOPELESS: f64 = 0.75;
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
     pub null: Fit,
-    /// True if the null leaves no more than it would if it were right, or no more of the gap than noise and restarts do: nothing is
-    /// missing that could be seen.
-    pub quiet: bool,
-    /// True if it leaves so much more in every window or in one run that something is, though the gap is near its floor.
-    pub plain: bool,
+    /// True if the loss of the null is that of an exact model, or its gap that of noise and restarts: nothing that could be seen is
+    /// missing.
+    pub has_no_gap: bool,
+    /// True if the loss is so much larger in every window or in one run that something is missing, though the gap is near its floor.
+    pub is_unambiguous: bool,
     /// True if the first round was given.
     pub given: bool,
-    /// What the null would cost if it were right, as far as it can stand in for the device.
-    pub perfect: Perfect,
+    /// Expected loss if the null were exact, as far as it can stand in for the device.
+    pub expected: ExpectedLoss,
     pub rounds: Vec<Round>,
     /// The round that found nothing more.
     pub last: Option<Round>,
@@ -55,7 +55,7 @@ impl Selection {
 
     /// True if no effect is among those found of which data could be held out.
     pub(crate) fn shows_in_few(&self) -> bool {
-        self.rounds.iter().all(|round| round.place.by_few)
+        self.rounds.iter().all(|round| round.acceptance.by_few)
     }
 
     /// Terms of the null: numbers of the model that are not stated, and estimated with every hypothesis.
@@ -70,7 +70,7 @@ impl Selection {
 
     /// Takes an effect that has earned its place; one that has not is the last that was looked for.
     pub(super) fn add(&mut self, round: Round) {
-        if round.place.earned {
+        if round.acceptance.earned {
             self.rounds.push(round);
         } else {
             self.last = Some(round);
@@ -133,16 +133,16 @@ impl Selection {
 
     /// Share of the null's robust excess that a fit leaves; none where there is no excess but in a window or two.
     pub(crate) fn left(&self, fit: &Fit) -> f64 {
-        let excess = level(&self.null) - self.perfect.level;
+        let excess = level(&self.null) - self.expected.level;
         if excess <= QUIET_EXCESS {
             return 0.0;
         }
-        ((level(fit) - self.perfect.level) / excess).max(0.0)
+        ((level(fit) - self.expected.level) / excess).max(0.0)
     }
 
     /// The same beyond what the fit would leave if it were right, unless that is more than it does leave.
     pub(crate) fn missing(&self, problem: &Problem<'_>, fit: &Fit) -> f64 {
-        let own = Perfect::of(problem, fit).level;
+        let own = ExpectedLoss::of(problem, fit).level;
         let excess = level(&self.null) - own;
         if own > level(fit) || excess <= QUIET_EXCESS {
             return self.left(fit);
@@ -186,16 +186,16 @@ impl Selection {
         if leaves_little && over_floor() <= FLOOR_DOUBT {
             return true;
         }
-        let perfect = Perfect::of(problem, fit);
+        let expected = ExpectedLoss::of(problem, fit);
         // After some impacts even the right model has lost its way.
         let mut terms = fit.hypothesis.terms.iter();
         let bounces = |t: &Term| effects::of(t.kind.name).landscape() == Landscape::Rugged;
-        let perfect = if terms.any(bounces) {
-            perfect
+        let expected = if terms.any(bounces) {
+            expected
         } else {
-            perfect.bounded()
+            expected.bounded()
         };
         let as_foretold = || (1.0 / QUIET_GAP..QUIET_GAP).contains(&over_floor());
-        is_quiet(fit, &perfect) && (leaves_little || as_foretold())
+        is_quiet(fit, &expected) && (leaves_little || as_foretold())
     }
 }

@@ -9,7 +9,7 @@ use super::shape::with_more_free;
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::part::Part;
-use crate::floor::Perfect;
+use crate::floor::ExpectedLoss;
 
 /// The rivals, what the best of them contains carried on to the end where it leaves little enough for that: with fewer
 /// numbers it has fewer ways past a kink.
@@ -84,7 +84,7 @@ pub(super) fn ordered(search: &Search<'_>, known: &Fit, rivals: Vec<Rival>) -> O
                 && is_as_likely(rival, &rivals[0])
                 && is_quiet(
                     &rival.fit,
-                    &Perfect::of(search.problem, &rival.fit).bounded(),
+                    &ExpectedLoss::of(search.problem, &rival.fit).bounded(),
                 )
         };
         effects::of(rivals[0].name).contains(rival.name)

@@ -1,4 +1,4 @@
-//! A recording as a model that is right would have made it: of the same motion, with the same sensor.
+//! A replicate of a recording by parametric bootstrap: the motion of a fitted model, seen by the same sensor.
 
 use crate::predict::Predictor;
 use crate::windows::restart::Restart;
@@ -15,9 +15,9 @@ const HAIR: f64 = 1e-6;
 const ROUGH: f64 = 4.0;
 const SEED: u64 = 0x6861_7074_6963;
 
-/// The motion of a model that was put where the device was before every even window: of its own predictions nothing is left on
-/// the odd ones, and on the first, but what noise and restarts leave.
-pub(crate) struct Imagined<'a> {
+/// The motion of a model that is put where the device was before every even window. Its own predictions of the odd windows, and of
+/// the first one, are off by noise and restarts alone.
+pub(crate) struct Replicate<'a> {
     recording: &'a Recording,
     /// Parts of its runs, with the positions of the model.
     motion: Recording,
@@ -40,7 +40,7 @@ struct Sensed {
     quantum: f64,
 }
 
-impl<'a> Imagined<'a> {
+impl<'a> Replicate<'a> {
     /// As `predictor` has it, from the first window on and from the second: odd windows of the one are even ones of the other, so
     /// that what recurs every other window is seen, too.
     pub(crate) fn both(recording: &'a Recording, predictor: &Predictor) -> [Self; 2] {
@@ -247,8 +247,8 @@ mod tests {
         let predictor = Predictor::new(Device::nominal(&recording.model), &recording);
         let whole = series::coarse(&recording, recording.horizon);
         assert!(whole[1].session_offset_s > 0.0);
-        for imagined in Imagined::both(&recording, &predictor) {
-            let (_, shown) = imagined.shown(0, series::coarse);
+        for replicate in Replicate::both(&recording, &predictor) {
+            let (_, shown) = replicate.shown(0, series::coarse);
             for (part, whole) in shown.iter().zip(&whole) {
                 assert_eq!(part.session_offset_s, whole.session_offset_s);
                 assert_eq!(part.started_s, whole.started_s);

@@ -1,6 +1,6 @@
-//! What a perfect model would cost on a recording: of the same motion, with the same sensor.
+//! The loss that is expected of a model that is exact, on a recording of the same motion with the same sensor.
 
-use super::imagined::Imagined;
+use super::replicate::Replicate;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
@@ -11,9 +11,9 @@ pub(crate) const WHITE: f64 = core::f64::consts::LN_2;
 /// Most that restarts and inputs may add where nothing says that the model stands in for the device.
 const MOST_ADDED: f64 = 0.5;
 
-/// What noise, quantising, restarts that fall on a kink and inputs that are means leave of a model that is right.
+/// Expected loss if the model is exact: from noise, quantising, restarts on a kink of the motion, and inputs that are means.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Perfect {
+pub(crate) struct ExpectedLoss {
     /// Mean robust cost of a window, [`WHITE`] at least.
     pub level: f64,
     /// Standard error of that.
@@ -22,24 +22,24 @@ pub(crate) struct Perfect {
     pub worst: f64,
 }
 
-impl Perfect {
+impl ExpectedLoss {
     /// Of `fit`, on what its own device would have given.
     pub(crate) fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
         let predictor = problem.predictor(&fit.hypothesis, &fit.x);
         let (mut first, mut odd) = (Vec::new(), Vec::new());
-        for imagined in Imagined::both(problem.recording, &predictor) {
-            let (own, series) = imagined.shown(0, series::coarse);
+        for replicate in Replicate::both(problem.recording, &predictor) {
+            let (own, series) = replicate.shown(0, series::coarse);
             let problem = Problem {
                 series,
                 recording: &own,
-                nudges: problem.nudges.clone(),
+                priors: problem.priors.clone(),
                 modelling: problem.modelling,
                 quarter: None,
             };
             let costs = problem.costs(&fit.hypothesis, &fit.x, Part::All);
             let windows = problem.series.iter().flat_map(|s| 0..s.windows.len());
             for (window, cost) in windows.zip(0..).map(|(w, i)| (w, costs.log(i))) {
-                if imagined.tells(window) {
+                if replicate.tells(window) {
                     let told = if window == 0 { &mut first } else { &mut odd };
                     told.push(cost);
                 }

@@ -1,4 +1,4 @@
-//! Whether an effect is more than luck.
+//! Whether an effect is accepted: whether its gain is more than chance.
 
 use super::excess::is_quiet;
 use super::rival::Rival;
@@ -7,7 +7,7 @@ use crate::fit::Fit;
 use crate::fit::costs::Costs;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
-use crate::floor::{Perfect, mean_and_error};
+use crate::floor::{ExpectedLoss, mean_and_error};
 
 /// A gain on windows that the fit has not seen must be this many standard errors from zero. With some
 /// thirty rivals that is a chance of about 1 % for the luckiest of them.
@@ -20,9 +20,9 @@ const LEAST_SHARE: f64 = 0.1;
 /// Least gain per window in robust cost: below, it is not seen beside the uncertainty of the noise.
 const LEAST_GAIN: f64 = 0.015;
 
-/// Whether an effect is more than luck, and by which windows.
+/// Whether an effect is accepted, and by which windows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct Acceptance {
     /// Gain on windows that the fit has not seen over its standard error.
     pub significance: f64,
     /// True if the effect is better than what was known.
@@ -31,7 +31,7 @@ pub(crate) struct Place {
     pub by_few: bool,
 }
 
-impl Place {
+impl Acceptance {
     /// Of what is known to be there, in few windows or not.
     pub(crate) fn given(by_few: bool) -> Self {
         Self {
@@ -45,17 +45,17 @@ impl Place {
 /// Whether `winner` is better than what was known on windows that neither fit has seen, or where it shows in few.
 pub(super) fn earns_its_place(
     problem: &Problem<'_>,
-    perfect: &Perfect,
+    expected: &ExpectedLoss,
     known: &Fit,
     winner: &Rival,
-) -> Place {
+) -> Acceptance {
     let [without, with] = [known, &winner.fit].map(|fit| HeldOut::of(problem, fit));
     let gains = with.gains(&without);
     let (mean, error) = mean_and_error(&gains);
     // What the model's own numbers need no longer make up for is a gain without an error.
     let gain = mean + (known.costs.prior - winner.fit.costs.prior) / gains.len() as f64;
     let significance = gain / error.max(f64::MIN_POSITIVE);
-    let excess = (without.unseen.level() - perfect.level).max(0.0);
+    let excess = (without.unseen.level() - expected.level).max(0.0);
     let least = if gain > LARGE_SHARE * excess {
         LARGE_SIGNIFICANCE
     } else {
@@ -66,11 +66,11 @@ pub(super) fn earns_its_place(
         && no_worse_at_a_quarter(problem, known, &winner.fit);
     let seen = winner.fit.costs.gains(&known.costs);
     // Where nothing seems to be missing, only what shows in a window or two is.
-    let is_missing = known.is_strained() || !is_quiet(known, perfect);
+    let is_missing = known.is_strained() || !is_quiet(known, expected);
     let by_unseen = by_unseen && !winner.is_event() && is_missing;
     let may_be_few = winner.is_event() || effects::of(winner.name).may_show_in_few_windows();
-    let by_few = !by_unseen && may_be_few && stands_out(&seen, perfect);
-    Place {
+    let by_few = !by_unseen && may_be_few && stands_out(&seen, expected);
+    Acceptance {
         significance,
         earned: by_unseen || by_few,
         by_few,
@@ -80,8 +80,8 @@ pub(super) fn earns_its_place(
 /// True if what shows in few windows, which cannot be held out, gains more there than searching many
 /// places could by luck, and takes nothing from the others. Luck includes the worst window of a perfect
 /// model.
-pub(super) fn stands_out(gains: &[f64], perfect: &Perfect) -> bool {
-    gains.iter().sum::<f64>() > EVENT_GAIN + perfect.worst && harmless(gains)
+pub(super) fn stands_out(gains: &[f64], expected: &ExpectedLoss) -> bool {
+    gains.iter().sum::<f64>() > EVENT_GAIN + expected.worst && harmless(gains)
 }
 
 /// True if the windows that get worse are nothing beside those that get better: luck does both alike. It

@@ -1,4 +1,4 @@
-//! What fits of one more effect on top of a known one share, and what such an effect promises to first order.
+//! The linearized prediction around a fit: all fits of one more effect share it, and it gives the gain of an effect to first order.
 
 use super::fitted::Fit;
 use super::hypothesis::Hypothesis;
@@ -10,9 +10,9 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::mem;
 
-/// What is known well enough near a fit: what it leaves, the slopes along its coordinates, and how uncertain the restarts
-/// leave the windows.
-pub(crate) struct Ground {
+/// The prediction near a fit to first order: its residuals, their slopes along the coordinates of the fit, and the whitening of each
+/// window, which holds the uncertainty of the restarts.
+pub(crate) struct Linearization {
     x: Vec<f64>,
     residuals: Vec<Vec<f64>>,
     slopes: Vec<Slope>,
@@ -24,7 +24,7 @@ pub(crate) struct Ground {
 struct Linear {
     /// Running index.
     index: usize,
-    /// What is left and its slopes, whitened.
+    /// The residuals and their slopes, whitened.
     columns: Vec<Vec<f64>>,
     /// Mean products of any two of them.
     products: DMatrix<f64>,
@@ -52,10 +52,10 @@ const WEIGHINGS: usize = 4;
 
 impl Problem<'_> {
     /// What fits of more on top of `fit` share.
-    pub(crate) fn ground(&self, fit: &Fit, part: Part<'_>) -> Ground {
+    pub(crate) fn linearization(&self, fit: &Fit, part: Part<'_>) -> Linearization {
         let predictor = self.predictor(&fit.hypothesis, &fit.x);
         let residuals = self.residuals(&predictor, part);
-        let reaches = fit.hypothesis.reaches(&self.nudges);
+        let reaches = fit.hypothesis.reaches(&self.priors);
         let along = |i| {
             let difference = aside(fit.x[i], DIFFERENCES[0], reaches[i]);
             self.slope(&fit.hypothesis, &fit.x, &residuals, i, difference, part)
@@ -65,7 +65,7 @@ impl Problem<'_> {
         let columns = [&residuals].into_iter().chain(&slopes);
         let columns: Vec<Vec<Vec<f64>>> = columns.map(|c| self.whitened(c, &whitenings)).collect();
         let taken = (0..whitenings.len()).filter(|&w| whitenings[w].is_some());
-        Ground {
+        Linearization {
             windows: taken.map(|w| Linear::of(&columns, w)).collect(),
             x: fit.x.clone(),
             residuals,
@@ -164,7 +164,7 @@ fn cost(products: &DMatrix<f64>, factors: &DVector<f64>) -> f64 {
 /// Sum of the products of all windows as they weigh at some factors, of which so many are moves along slopes: those say little
 /// of what is far away.
 fn weighed(
-    nudges: &[f64],
+    priors: &[f64],
     products: &[DMatrix<f64>],
     factors: &DVector<f64>,
     slopes: usize,
@@ -178,7 +178,7 @@ fn weighed(
     for i in 1..=slopes {
         normal[(i, i)] += PRIOR_WEIGHT;
     }
-    for (i, z) in nudges.iter().enumerate() {
+    for (i, z) in priors.iter().enumerate() {
         normal[(i + 1, 0)] += PRIOR_WEIGHT * z;
     }
     normal
@@ -191,21 +191,21 @@ fn solved(normal: &DMatrix<f64>, count: usize, given: &DVector<f64>) -> Option<D
     Some(-square.cholesky()?.solve(&pull))
 }
 
-impl Ground {
+impl Linearization {
     /// Along the coordinates of what is known.
     pub(crate) fn slopes(&self) -> &[Slope] {
         &self.slopes
     }
 
-    /// What the windows say of the coordinates, and the tolerances of the first `nudges`, in inverse squares of standard
+    /// What the windows say of the coordinates, and the tolerances of the first `priors`, in inverse squares of standard
     /// deviations: what is left of a window is no noise, so that a whole one counts little.
-    pub(crate) fn information(&self, nudges: usize) -> DMatrix<f64> {
+    pub(crate) fn information(&self, priors: usize) -> DMatrix<f64> {
         let known = self.x.len();
         let mut normal = DMatrix::zeros(known, known);
         for Linear { products, .. } in &self.windows {
             normal += products.view((1, 1), (known, known)) / (1.0 + products[(0, 0)]);
         }
-        for i in 0..nudges {
+        for i in 0..priors {
             normal[(i, i)] += PRIOR_WEIGHT;
         }
         normal / PRIOR_WEIGHT
@@ -229,9 +229,9 @@ impl Ground {
         let change = problem.whitened(&self.changed(there), &self.whitenings);
         let products = self.windows.iter().map(|w| w.with(&change[w.index]));
         let products: Vec<DMatrix<f64>> = products.collect();
-        let nudges = &self.x[..problem.nudges.len()];
-        let factors = self.least(nudges, &products);
-        self.robust(nudges, &products, &factors)
+        let priors = &self.x[..problem.priors.len()];
+        let factors = self.least(priors, &products);
+        self.robust(priors, &products, &factors)
     }
 
     /// What residuals are more than those of what is known.
@@ -253,7 +253,7 @@ impl Ground {
         part: Part<'_>,
     ) -> Direction {
         let there = problem.residuals(&problem.predictor(hypothesis, x), part);
-        let reaches = hypothesis.reaches(&problem.nudges);
+        let reaches = hypothesis.reaches(&problem.priors);
         let own = self.x.len()..x.len();
         let slopes = own.into_par_iter().map(|i| {
             let difference = aside(x[i], DIFFERENCES[0], reaches[i]);
@@ -274,22 +274,22 @@ impl Ground {
     }
 
     /// Robust cost per window of two effects together, linearly from where each stands.
-    pub(crate) fn promise_of_both(&self, nudges: usize, both: [&Direction; 2]) -> f64 {
+    pub(crate) fn promise_of_both(&self, priors: usize, both: [&Direction; 2]) -> f64 {
         let windows = self.windows.iter().enumerate();
         let products = windows.map(|(w, window)| window.with_both(both.map(|d| &d.windows[w])));
         let products: Vec<DMatrix<f64>> = products.collect();
-        let nudges = &self.x[..nudges];
-        let factors = self.moved(nudges, &products);
-        self.robust(nudges, &products, &factors)
+        let priors = &self.x[..priors];
+        let factors = self.moved(priors, &products);
+        self.robust(priors, &products, &factors)
     }
 
     /// The factors of the columns that cost least if the first stays as it is.
-    fn moved(&self, nudges: &[f64], products: &[DMatrix<f64>]) -> DVector<f64> {
+    fn moved(&self, priors: &[f64], products: &[DMatrix<f64>]) -> DVector<f64> {
         let columns = products.first().map_or(1, DMatrix::nrows);
         let mut factors = DVector::zeros(columns);
         factors[0] = 1.0;
         for _ in 0..WEIGHINGS {
-            let normal = weighed(nudges, products, &factors, columns - 1);
+            let normal = weighed(priors, products, &factors, columns - 1);
             let mut given = DVector::zeros(columns);
             given[0] = 1.0;
             let Some(moves) = solved(&normal, columns - 1, &given) else {
@@ -304,22 +304,22 @@ impl Ground {
     }
 
     /// Robust cost per window.
-    fn robust(&self, nudges: &[f64], products: &[DMatrix<f64>], factors: &DVector<f64>) -> f64 {
+    fn robust(&self, priors: &[f64], products: &[DMatrix<f64>], factors: &DVector<f64>) -> f64 {
         let costs = products.iter().map(|p| cost(p, factors).ln_1p());
-        let moved = nudges.iter().zip(factors.iter().skip(1));
+        let moved = priors.iter().zip(factors.iter().skip(1));
         let prior = moved.map(|(z, by)| PRIOR_WEIGHT * (z + by).powi(2));
         (costs.sum::<f64>() + prior.sum::<f64>()) / products.len().max(1) as f64
     }
 
     /// The factors of the columns that cost least, by iteratively re-weighted windows: one for what is left, how far each
     /// coordinate of what is known moves, and the size of the new effect.
-    fn least(&self, nudges: &[f64], products: &[DMatrix<f64>]) -> DVector<f64> {
+    fn least(&self, priors: &[f64], products: &[DMatrix<f64>]) -> DVector<f64> {
         let known = self.x.len();
         let size = known + 1;
         let mut factors = DVector::zeros(known + 2);
         (factors[0], factors[size]) = (1.0, 1.0);
         for _ in 0..WEIGHINGS {
-            let normal = weighed(nudges, products, &factors, known);
+            let normal = weighed(priors, products, &factors, known);
             let mut given = DVector::zeros(known + 2);
             given[0] = 1.0;
             let Some(all) = solved(&normal, known + 1, &given) else {
@@ -360,9 +360,10 @@ mod tests {
         let problem = made::problem(&recording);
         let bare = Hypothesis { terms: Vec::new() };
         let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-        let ground = problem.ground(&null, Part::All);
+        let linearization = problem.linearization(&null, Part::All);
         let level = |stiffness| problem.costs(&spring(stiffness), &[0.0], Part::All).level();
-        let promised = |stiffness| ground.promise(&problem, &spring(stiffness), &[0.0], Part::All);
+        let promised =
+            |stiffness| linearization.promise(&problem, &spring(stiffness), &[0.0], Part::All);
         let [nothing, right] = [null.costs.level(), level(0.06)];
         // Twice as far and half as far from the nominal one.
         for wrong in [0.09, 0.045] {
@@ -377,7 +378,7 @@ mod tests {
         let problem = made::problem(&recording);
         let bare = Hypothesis { terms: Vec::new() };
         let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-        let ground = problem.ground(&null, Part::All);
+        let linearization = problem.linearization(&null, Part::All);
         let along = |name: &str, start: f64, scale: f64| {
             let free = Coordinate {
                 parameter: 0,
@@ -387,16 +388,16 @@ mod tests {
             let hypothesis = Hypothesis {
                 terms: vec![made::term(name, &[free])],
             };
-            ground.direction(&problem, &hypothesis, &[0.0], Part::All)
+            linearization.direction(&problem, &hypothesis, &[0.0], Part::All)
         };
         let model = &recording.model;
         let drag = along("viscous", model.viscous, 5e-4);
         let spring = along("spring", model.stiffness, 0.02);
         let offset = along("torque_offset", 0.0, 1e-3);
-        let both = ground.promise_of_both(0, [&drag, &spring]);
+        let both = linearization.promise_of_both(0, [&drag, &spring]);
         let nothing = null.costs.level();
         let others = [[&drag, &offset], [&spring, &offset]];
-        for other in others.map(|pair| ground.promise_of_both(0, pair)) {
+        for other in others.map(|pair| linearization.promise_of_both(0, pair)) {
             assert!(nothing - both > 1.3 * (nothing - other), "{both} {other}");
         }
     }

@@ -44,6 +44,7 @@ mod select;
 mod shapley;
 mod shrink;
 mod stage;
+mod tables;
 mod term;
 mod windows;
 
@@ -56,4 +57,5 @@ pub use missing_torque::MissingTorque;
 pub use model_file::ModelFile;
 pub use recording::{self, Model, Recording};
 pub use stage::Stage;
+pub use tables::{Tabulated, tabulated};
 pub use windows::{restart, series};

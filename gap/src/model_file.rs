@@ -11,6 +11,11 @@
 //! name = "stribeck"
 //! parameters = { static_ratio = 1.4, velocity = 0.1, exponent = 2.0, tail = 0.0 }
 //!
+//! [[tables]]                # a torque over an axis, of `--with-tables`
+//! axis = "velocity"
+//! at = [-1.0, 0.0, 1.0]
+//! torque = [0.01, 0.0, -0.02]
+//!
 //! [[moments]]               # bound to a moment of one recording
 //! recording = "Paddle 24"
 //! fingerprint = "af63dc4c8601ec8c"
@@ -19,6 +24,7 @@
 //! ```
 
 use crate::diagnose::{CorrectedEffect, CorrectedModel};
+use crate::missing_torque::table::Table;
 use host_sim::effects::{self, Effect, EffectError};
 use recording::{Model, NoModel, Recording, plain_message};
 use serde::{Deserialize, Serialize};
@@ -42,6 +48,8 @@ pub struct ModelFile {
     effects: Vec<Entry>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     moments: Vec<Moment>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    tables: Vec<Table>,
 }
 
 /// One effect.
@@ -87,6 +95,11 @@ pub enum ModelFileError {
     /// A number that no model has.
     #[error("[model]: {0}")]
     Model(#[from] NoModel),
+    /// A table that is none.
+    #[error(
+        "[[tables]] needs `at` that ascends and as many numbers in `torque`; write it as `--with-tables` does"
+    )]
+    Table,
     /// An angle that no unit of position is.
     #[error("angle_rad is {0}; it must be above 0")]
     Angle(f64),
@@ -127,6 +140,7 @@ impl ModelFile {
             model: corrected.model,
             effects: effects.into_iter().map(entry).collect(),
             moments: moments.into_iter().map(moment).collect(),
+            tables: corrected.tables.clone(),
         }
     }
 
@@ -185,9 +199,13 @@ impl ModelFile {
                 });
             }
         }
+        if self.tables.iter().any(|table| !table.is_sound()) {
+            return Err(ModelFileError::Table);
+        }
         let corrected = CorrectedModel {
             model,
             effects: all,
+            tables: self.tables.clone(),
         };
         Ok((corrected, left_out))
     }

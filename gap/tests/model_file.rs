@@ -1,5 +1,6 @@
 //! A corrected model goes to a file and comes back as it was.
 
+use gap::missing_torque::table::{Table, TableAxis};
 use gap::model_file::{ModelFile, ModelFileError};
 use gap::{CorrectedEffect, CorrectedModel, measure};
 use host_sim::effects::{EffectError, KINDS, kind};
@@ -29,6 +30,11 @@ fn awkward(names: &[&str]) -> CorrectedModel {
         }
     });
     CorrectedModel {
+        tables: vec![Table {
+            axis: TableAxis::Velocity,
+            at: vec![-1.5, 0.1, 0.3],
+            torque: vec![0.1 / 3.0, 0.0, -2e-3],
+        }],
         effects: effects.collect(),
         model: Model {
             viscous: 1e-3 / 3.0,

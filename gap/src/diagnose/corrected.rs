@@ -2,8 +2,10 @@
 
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
+use crate::missing_torque::table::Table;
 use host_sim::device::Device;
 use host_sim::effects::Effect;
+use host_sim::plant::Law;
 
 /// The nominal model with its numbers moved and effects on top.
 #[derive(Clone, Debug)]
@@ -12,6 +14,8 @@ pub struct CorrectedModel {
     pub model: recording::Model,
     /// The effects, with all their parameters, in the order in which they are installed.
     pub effects: Vec<CorrectedEffect>,
+    /// Torques that are tables over an axis.
+    pub tables: Vec<Table>,
 }
 
 /// An effect of a corrected model.
@@ -30,6 +34,11 @@ impl CorrectedModel {
         for corrected in &self.effects {
             device.sensor_on_load = corrected.sensor_on_load;
             corrected.effect.install(&mut device);
+        }
+        for table in &self.tables {
+            let table: &'static Table = Box::leak(Box::new(table.clone()));
+            let law = Law::new(table, Vec::new(), device.drive.ratio);
+            device.mechanics.laws.push(law);
         }
         device
     }
@@ -53,6 +62,7 @@ pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
             .hypothesis
             .at_priors(&problem.recording.model, &problem.priors, &fit.x),
         effects,
+        tables: Vec::new(),
     }
 }
 
@@ -61,5 +71,6 @@ pub(super) fn nominal(recording: &recording::Recording) -> CorrectedModel {
     CorrectedModel {
         model: recording.model,
         effects: Vec::new(),
+        tables: Vec::new(),
     }
 }

@@ -22,6 +22,7 @@ mod samples;
 mod shares;
 mod shortlist;
 mod smoother;
+pub mod table;
 pub(crate) mod target;
 
 use crate::windows::excerpt::excerpt;
@@ -35,6 +36,7 @@ use ripple::Waves;
 use samples::{Samples, nominal_drive};
 use shortlist::Field;
 use smoother::Steps;
+use table::{Table, TableAxis};
 use target::Target;
 
 pub use axis::Axis;
@@ -93,6 +95,14 @@ impl MissingTorque {
             drive,
             estimate,
         }
+    }
+
+    /// A table of it over the axis that carries it best of those that a table may be over; none where no such axis carries a part of it.
+    pub(crate) fn table(&self) -> Option<Table> {
+        let shares = self.summary().shares.into_iter();
+        let mut axes = shares.filter(|share| share.share > 0.0);
+        let axis = axes.find_map(|share| TableAxis::of(share.axis))?;
+        Table::fitted(axis, &self.points(), self.device.drive.ratio)
     }
 
     /// The torque over time, a run after the other.

@@ -532,6 +532,7 @@ mod tests {
         Outcome {
             diagnosis,
             model: CorrectedModel {
+                tables: Vec::new(),
                 model: Model {
                     coulomb: 1e-3,
                     ..Model::new(5.8e-4)

@@ -10,9 +10,25 @@ pub(super) const VARIABLES: [&str; 4] = ["x", "v", "u", "t"];
 /// A compiled expression.
 #[derive(Debug)]
 pub(super) struct Expression {
+    text: String,
     compiled: FlatEx<f64>,
     /// What stands at each of its names.
     places: Vec<Place>,
+}
+
+/// The same expression with a minus at the start of a part as a difference from 0. The crate takes a sign before a power otherwise: it
+/// reads `-x^2` as `(-x)^2`.
+fn with_usual_signs(text: &str) -> String {
+    let mut usual = String::with_capacity(text.len() + 8);
+    let mut begins = true;
+    for c in text.chars() {
+        if c == '-' && begins {
+            usual.push('0');
+        }
+        usual.push(c);
+        begins = matches!(c, '(' | ',') || (begins && c.is_whitespace());
+    }
+    usual
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -27,9 +43,11 @@ impl Expression {
     /// # Errors
     /// [`OwnEffectError::Expression`], [`OwnEffectError::UnknownName`] and [`OwnEffectError::Unused`].
     pub(super) fn compiled(text: &str, parameters: &[String]) -> Result<Self, OwnEffectError> {
-        let compiled = exmex::parse::<f64>(text).map_err(|why| OwnEffectError::Expression {
-            text: text.to_owned(),
-            why: why.to_string(),
+        let compiled = exmex::parse::<f64>(&with_usual_signs(text)).map_err(|why| {
+            OwnEffectError::Expression {
+                text: text.to_owned(),
+                why: why.to_string(),
+            }
         })?;
         let place = |name: &String| {
             let variable = VARIABLES.iter().position(|known| known == name);
@@ -45,7 +63,11 @@ impl Expression {
             return Err(OwnEffectError::Unused(unused.clone()));
         }
         let places = names.iter().map(place).collect::<Result<_, _>>()?;
-        Ok(Self { compiled, places })
+        Ok(Self {
+            text: text.to_owned(),
+            compiled,
+            places,
+        })
     }
 }
 
@@ -64,5 +86,35 @@ impl TorqueLaw for Expression {
         }
         let torque = self.compiled.eval(&values[..self.places.len()]);
         torque.unwrap_or(f64::NAN)
+    }
+
+    fn text(&self) -> String {
+        self.text.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sign_before_a_power_is_that_of_the_power() {
+        for (text, expected) in [
+            ("-x^2", -9.0),
+            ("exp( -x^2)", (-9.0f64).exp()),
+            ("2 - x", -1.0),
+            ("max(-x^2, -x)", -3.0),
+            ("x^-2", 1.0 / 9.0),
+        ] {
+            let law = Expression::compiled(text, &[]).expect(text);
+            let at = Moment {
+                position: 3.0,
+                velocity: 0.0,
+                input: 0.0,
+                time_s: 0.0,
+            };
+            let torque = law.torque_nm(&at, &[]);
+            assert!((torque - expected).abs() < 1e-12, "{text}: {torque}");
+        }
     }
 }

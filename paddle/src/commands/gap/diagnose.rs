@@ -11,7 +11,7 @@ use crate::report::{self, Labels, missing_torque};
 use crate::targets::{Target, Use};
 use clap::Args;
 use gap::diagnosis::Verdict;
-use gap::{Options, Stage};
+use gap::{Options, Outcome, Recording, Stage, Tabulated, tabulated};
 use host_sim::effects::{self, EffectError};
 use std::path::{Path, PathBuf};
 
@@ -44,6 +44,9 @@ pub struct Arguments {
     /// model that was found with one load, on a recording with another.
     #[arg(long, requires = "save_model")]
     effects_only: bool,
+    /// Add a table of the torque that is still missing to the saved model, if that predicts held-out data better.
+    #[arg(long, requires = "save_model")]
+    with_tables: bool,
     #[command(flatten)]
     own_effects: OwnEffects,
     /// Do not try this effect; may be repeated.
@@ -77,10 +80,13 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     };
     let recording = super::read(folder)?;
     let provenance = Provenance::of(folder, &recording)?;
-    let outcome = gap::diagnose(&recording, &options);
+    let mut outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
     if outcome.diagnosis.verdict == Verdict::Unexplained {
         text.push_str(&missing_torque::unexplained(&recording));
+    }
+    if arguments.with_tables {
+        text.push_str(&with_table(&recording, &mut outcome));
     }
     let mut amiss = Vec::new();
     let mut say = |what, path: &Path, saved: Result<(), Failure>| match saved {
@@ -104,6 +110,26 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         json: json(&recording, &outcome, &provenance),
         amiss,
     })
+}
+
+/// Adds a table to the corrected model, if one closes something; says what came of it.
+fn with_table(recording: &Recording, outcome: &mut Outcome) -> String {
+    match tabulated(recording, &outcome.model) {
+        Tabulated::Closes { table, shrink } => {
+            let axis = table.axis.name();
+            outcome.model.tables.push(table);
+            let percent = 100.0 * shrink;
+            format!(
+                "a table over {axis} of the torque that is still missing closes {percent:.0} % of what is left, on data that it was not made from; it is in the saved model\n"
+            )
+        }
+        Tabulated::Repeats => {
+            "the motion only repeats itself: a table of the missing torque would only remember it\n".to_owned()
+        }
+        Tabulated::ClosesNothing => {
+            "no table over velocity, position or input closes more on data that it was not made from\n".to_owned()
+        }
+    }
 }
 
 impl Arguments {

@@ -1,6 +1,8 @@
 //! Settings of this project's own console that cancel friction and gravity, one `set` a line.
 
-use crate::{Model, Part, Writer};
+use crate::model::Model;
+use crate::part::Part;
+use crate::writer::Writer;
 use std::fmt::Write;
 
 pub(crate) struct Console;

@@ -1,8 +1,10 @@
 //! MuJoCo's XML (<https://mujoco.readthedocs.io/en/stable/XMLreference.html>), version 3 and later.
 
+use crate::model::Model;
+use crate::part::Part;
 use crate::part::{limit, stops};
 use crate::pendulum::{GRAVITY_M_S2, Pendulum};
-use crate::{Model, Part, Writer, number};
+use crate::writer::{Writer, number};
 use std::fmt::Write;
 
 /// Step of the simulation, s; short enough for a dry friction that sticks within it.

@@ -1,7 +1,9 @@
 //! A Python module without dependencies that steps the device in time.
 
+use crate::model::Model;
+use crate::part::Part;
 use crate::part::stops;
-use crate::{Model, Part, Writer, number};
+use crate::writer::{Writer, number};
 use std::fmt::Write;
 
 pub(crate) struct Python;

@@ -1,7 +1,9 @@
 //! A MATLAB function for a "MATLAB Function" block of Simulink with a fixed step.
 
+use crate::model::Model;
+use crate::part::Part;
 use crate::python::{numbers, steps};
-use crate::{Model, Part, Writer, number};
+use crate::writer::{Writer, number};
 use std::fmt::Write;
 
 pub(crate) struct Simulink;

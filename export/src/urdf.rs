@@ -1,8 +1,10 @@
 //! ROS's robot description (<https://wiki.ros.org/urdf/XML/joint>).
 
+use crate::model::Model;
+use crate::part::Part;
 use crate::part::{limit, stops};
 use crate::pendulum::Pendulum;
-use crate::{Model, Part, Writer, number};
+use crate::writer::{Writer, number};
 
 pub(crate) struct Urdf;
 

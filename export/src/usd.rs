@@ -1,9 +1,11 @@
 //! Universal Scene Description: UsdPhysics (<https://openusd.org/release/api/usd_physics_page_front.html>) with the joint
 //! attributes of PhysX's schema. Angles are degrees there.
 
+use crate::model::Model;
+use crate::part::Part;
 use crate::part::{limit, stops};
 use crate::pendulum::{GRAVITY_M_S2, Pendulum};
-use crate::{Model, Part, Writer, number};
+use crate::writer::{Writer, number};
 use std::fmt::Write;
 
 pub(crate) struct Usd;

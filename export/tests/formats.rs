@@ -29,20 +29,11 @@ fn with(effects: &[&str]) -> Model {
     }
 }
 
-const ALL: [Format; 6] = [
-    Format::Mjcf,
-    Format::Urdf,
-    Format::Usd,
-    Format::SimulinkM,
-    Format::Python,
-    Format::Console,
-];
-
 #[test]
 fn every_effect_is_expressed_approximated_or_named() {
     for kind in KINDS {
         let model = with(&[kind.name]);
-        for format in ALL {
+        for format in Format::ALL {
             let Exported {
                 text,
                 approximated,
@@ -124,5 +115,17 @@ fn the_console_is_given_the_motors_friction() {
     assert!(
         (set("compensation.gravity_zero") - 0.05_f64.to_degrees()).abs() < 1e-5,
         "{text}"
+    );
+}
+
+#[test]
+fn a_format_is_known_by_its_name_alone() {
+    for format in Format::ALL {
+        assert_eq!(format.name().parse(), Ok(format));
+    }
+    let unknown = "sdf".parse::<Format>().expect_err("no format").to_string();
+    assert!(
+        unknown.contains("`sdf`") && unknown.contains("simulink-m"),
+        "{unknown}"
     );
 }

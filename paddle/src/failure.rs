@@ -143,8 +143,8 @@ pub enum Failure {
     /// The program is at fault.
     #[error("the diagnosis broke off on a fault of the program; report it with the recording")]
     Fault,
-    /// A model whose positions are in degrees, for simulators that take radians.
-    #[error("{}: its positions are in degrees; diagnose a recording in rad", .0.display())]
+    /// A model in other units of position than those of simulators.
+    #[error("{}: its positions are neither in rad nor in m, as simulators take them; diagnose a recording in these", .0.display())]
     NotSi(PathBuf),
     /// No diagnosis where some are looked for.
     #[error("{} holds no diagnosis; name what `paddle gap diagnose --batch` left", .0.display())]

@@ -52,6 +52,10 @@ const LENGTHS: [&str; 14] = [
     "meters",
     "millimetres",
 ];
+/// Those of SI.
+const SI: [&str; 8] = [
+    "rad", "radian", "radians", "m", "metre", "metres", "meter", "meters",
+];
 /// What is counted, and shares: of positions and of inputs.
 const PLAIN: [&str; 17] = [
     "", "1", "-", "%", "percent", "count", "counts", "tick", "ticks", "step", "steps", "lsb",
@@ -68,6 +72,11 @@ impl Units {
     /// True if the position is a length: that of a linear axis, which has no pendulum.
     pub fn is_length(&self) -> bool {
         LENGTHS.contains(&self.position.trim())
+    }
+
+    /// True if the position is in rad or in m, so that the model's numbers are in SI units.
+    pub fn is_si(&self) -> bool {
+        SI.contains(&self.position.trim())
     }
 
     /// Angle of one unit of position, rad, for what depends on the sine of it: of degrees what it is, else 1.

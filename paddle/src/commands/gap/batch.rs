@@ -1,6 +1,7 @@
 //! `paddle gap diagnose --batch`: many recordings in one call, begun again where it stopped.
 
 use super::results::{json, save_model, save_report};
+use super::usable;
 use crate::answer::{Answer, rounded};
 use crate::failure::Failure;
 use crate::progress;
@@ -193,7 +194,7 @@ fn with(path: &Path, extension: &str) -> PathBuf {
 
 /// Diagnoses one recording and leaves its results, if that is possible.
 fn diagnosed(case: &Case, options: &Options) -> Result<(Value, Result<(), Failure>), Failure> {
-    let recording = super::read(&case.folder)?;
+    let recording = usable::read(&case.folder)?;
     let provenance = Provenance::of(&case.folder, &recording)?;
     let diagnosis = AssertUnwindSafe(|| gap::diagnose(&recording, options));
     let outcome = catch_unwind(diagnosis).map_err(|_| Failure::Fault)?;

@@ -3,8 +3,11 @@
 use super::batch::{self, Shard};
 use super::own_effects::OwnEffects;
 use super::results::{json, save_model, save_report};
+use super::simulator::{self, Corrected, Destination};
+use super::usable;
 use crate::answer::Answer;
 use crate::failure::Failure;
+use crate::files;
 use crate::progress;
 use crate::provenance::Provenance;
 use crate::report::{self, Labels, missing_torque};
@@ -20,6 +23,7 @@ use std::path::{Path, PathBuf};
 #[command(after_help = "Examples:
   paddle gap diagnose my-recording
   paddle gap diagnose my-recording --report report.html --save-model corrected.toml --json diagnosis.json
+  paddle gap diagnose my-recording --export mjcf=paddle.xml --export urdf
   paddle gap diagnose my-recording --without presliding
   paddle gap diagnose my-recording --effect eddy-brake.toml               # see docs/own-effects.md
   paddle gap diagnose --batch monday tuesday --json all.jsonl
@@ -49,6 +53,10 @@ pub struct Arguments {
     with_tables: bool,
     #[command(flatten)]
     own_effects: OwnEffects,
+    /// Leave the corrected model for a simulator: mjcf, urdf, usd, simulink-m, python or console; may be repeated. Without
+    /// a file it is `corrected` in the working folder, with the format's extension.
+    #[arg(long, value_name = "FORMAT[=FILE]", conflicts_with = "batch")]
+    export: Vec<Destination>,
     /// Do not try this effect; may be repeated.
     #[arg(long, value_name = "NAME")]
     without: Vec<String>,
@@ -78,7 +86,10 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let Some(folder) = &arguments.recording else {
         return batch::run(&arguments.batch, &arguments.out, arguments.shard, &options);
     };
-    let recording = super::read(folder)?;
+    let recording = usable::read(folder)?;
+    if !arguments.export.is_empty() {
+        simulator::check_units(folder, &recording)?;
+    }
     let provenance = Provenance::of(folder, &recording)?;
     let mut outcome = gap::diagnose(&recording, &options);
     let mut text = report::text(&outcome.diagnosis, &Labels::of(&recording));
@@ -89,7 +100,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         text.push_str(&with_table(&recording, &mut outcome));
     }
     let mut amiss = Vec::new();
-    let mut say = |what, path: &Path, saved: Result<(), Failure>| match saved {
+    let mut say = |what: &str, path: &Path, saved: Result<(), Failure>| match saved {
         Ok(()) => text.push_str(&format!("{what} in {}\n", path.display())),
         Err(failure) => amiss.push(failure),
     };
@@ -99,6 +110,11 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             path,
             save_model(path, &recording, &outcome, arguments.effects_only),
         );
+    }
+    for Destination { format, path } in &arguments.export {
+        let written = Corrected::of_outcome(folder, &recording, &outcome)?.written(*format);
+        let what = format!("{}model for {}", written.lacks(), format.name());
+        say(&what, path, files::leave(path, &written.exported.text));
     }
     if let Some(path) = &arguments.report {
         progress::doing("drawing the report".into());
@@ -137,9 +153,15 @@ impl Arguments {
     pub fn targets(&self) -> Vec<Target<'_>> {
         let report = Target::of("--report", Use::File, self.report.as_ref());
         let model = Target::of("--save-model", Use::File, self.save_model.as_ref());
+        let exports = self.export.iter();
+        let exports = exports.filter_map(|export| Target::of("--export", Use::File, &export.path));
         let is_batch = !self.batch.is_empty();
         let out = Target::of("--out", Use::Folder, is_batch.then_some(&self.out));
-        [report, model, out].into_iter().flatten().collect()
+        [report, model, out]
+            .into_iter()
+            .flatten()
+            .chain(exports)
+            .collect()
     }
 }
 

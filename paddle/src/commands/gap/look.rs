@@ -1,5 +1,6 @@
 //! `paddle gap look`: the torque that the nominal model lacks, and what it goes with.
 
+use super::usable;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::files::{self, Folder};
@@ -37,7 +38,7 @@ pub struct Arguments {
 /// # Errors
 /// [`Failure`] for a recording that cannot be used, and for files that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
-    let recording = super::read(&arguments.recording)?;
+    let recording = usable::read(&arguments.recording)?;
     let provenance = Provenance::of(&arguments.recording, &recording)?;
     let missing = MissingTorque::of(&recording, &Device::nominal(&recording.model));
     let look = missing.look(None);

@@ -1,6 +1,7 @@
 //! `paddle gap measure`: the gap of one model on one recording.
 
 use super::own_effects::OwnEffects;
+use super::usable;
 use crate::answer::Answer;
 use crate::device_file::{self, DeviceFile};
 use crate::failure::Failure;
@@ -50,6 +51,7 @@ const FLOOR_OF_NOMINAL: &str = "the floor is what noise, quantising and restarts
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.own_effects.add()?;
     let recording = super::read(&arguments.recording)?;
+    let recording = usable::read(&arguments.recording)?;
     let mut provenance = Provenance::of(&arguments.recording, &recording)?;
     let mut warnings = recording.warnings();
     let floor_of = match &arguments.model {

@@ -12,14 +12,13 @@ pub mod look;
 pub mod measure;
 mod own_effects;
 pub mod results;
+mod simulator;
+mod usable;
 
 use crate::answer::Answer;
 use crate::failure::Failure;
-use crate::progress;
 use crate::targets::Target;
-use ::gap::{Recording, inspected};
 use clap::Subcommand;
-use std::path::Path;
 
 /// What can be asked of a recording.
 #[derive(Subcommand)]
@@ -73,17 +72,4 @@ impl Command {
             Self::Blind(arguments) => blind::run(arguments),
         }
     }
-}
-
-/// Reads a recording whose columns mean what its model takes them for.
-pub fn read(folder: &Path) -> Result<Recording, Failure> {
-    progress::begin();
-    progress::doing("reading".into());
-    let recording = Recording::read_watched(folder, &|share| progress::part_done(share))?;
-    progress::doing("looking at signs and units".into());
-    progress::begin();
-    inspected(recording).map_err(|mistake| Failure::Unit {
-        folder: folder.to_owned(),
-        mistake,
-    })
 }

@@ -147,6 +147,9 @@ pub enum ImportError {
         /// The cell.
         cell: String,
     },
+    /// A motor's data sheet that does not tell what the input does.
+    #[error("{0} by --motor NAME=VALUE")]
+    Motor(#[from] recording::NoRatio),
     /// An option that contradicts the log or another one.
     #[error("{0}")]
     Option(String),

@@ -1,7 +1,7 @@
 //! What the user knows of a device.
 
 use crate::error::ImportError;
-use recording::Model;
+use recording::{Model, Motor, Units};
 use std::collections::BTreeMap;
 
 /// Acceleration of gravity, m/s².
@@ -26,49 +26,18 @@ pub enum Kind {
 pub struct Known {
     /// What moves.
     pub kind: Kind,
-    /// Turns of the motor per turn of the joint.
-    pub gear: Option<f64>,
     /// Mass that moves, kg.
     pub mass_kg: Option<f64>,
     /// From the axis to the centre of that mass, m.
     pub lever_m: Option<f64>,
-    /// The motor's data sheet.
+    /// The motor's data sheet, with the gear behind it.
     pub motor: Motor,
+    /// Of the motor's rotor, kg m².
+    pub rotor_inertia: Option<f64>,
     /// Numbers of `[model]` that are stated as they are.
     pub numbers: BTreeMap<String, f64>,
     /// Their relative standard deviations.
     pub tolerances: BTreeMap<String, f64>,
-}
-
-/// A motor's data sheet.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motor {
-    /// Torque constant, N m/A.
-    pub kt: Option<f64>,
-    /// Of the winding, Ω.
-    pub resistance: Option<f64>,
-    /// Of the rotor, kg m².
-    pub rotor_inertia: Option<f64>,
-    /// Of the supply, V, where the input is a duty cycle.
-    pub supply: Option<f64>,
-}
-
-impl Motor {
-    /// The keys of [`set`](Self::set).
-    pub const NAMES: [&str; 4] = ["kt", "resistance", "rotor_inertia", "supply"];
-
-    /// Sets one number; false if none is called so.
-    #[must_use]
-    pub fn set(&mut self, name: &str, value: f64) -> bool {
-        match name {
-            "kt" => self.kt = Some(value),
-            "resistance" => self.resistance = Some(value),
-            "rotor_inertia" => self.rotor_inertia = Some(value),
-            "supply" => self.supply = Some(value),
-            _ => return false,
-        }
-        true
-    }
 }
 
 /// A number of `[model]`, and where it comes from.
@@ -79,10 +48,36 @@ pub(crate) struct Number {
 }
 
 impl Known {
-    /// The numbers of `[model]` that follow for an input in `unit`.
+    /// What is said where no number of the model is stated; `None` where one is.
+    pub fn unstated_warning(&self) -> Option<String> {
+        let is_stated =
+            self.motor != Motor::default() || self.mass_kg.is_some() || !self.numbers.is_empty();
+        (!is_stated).then(|| {
+            "no number of the model is stated, so the gap will be that of a model which is estimated from this log, not that of your simulation; state what it uses by --model, or in recording.toml".into()
+        })
+    }
+
+    /// The motor's data sheet if it says more than a gear, and what it gives per unit of the input.
     ///
     /// # Errors
-    /// [`ImportError::Option`] for names that no model has and for numbers that contradict the input's unit.
+    /// [`ImportError::Motor`] where it does not tell that, [`ImportError::Option`] where the ratio is stated as well.
+    pub(crate) fn data_sheet(&self, units: &Units) -> Result<Option<(Motor, f64)>, ImportError> {
+        if self.motor.kt.is_none() {
+            return Ok(None);
+        }
+        if self.numbers.contains_key("ratio") {
+            return Err(ImportError::Option(
+                "--motor and --model ratio both say what a unit of input gives; leave one out"
+                    .into(),
+            ));
+        }
+        Ok(Some((self.motor, self.motor.ratio(units)?)))
+    }
+
+    /// The numbers of `[model]` that follow for an input in `unit`, beside those that follow of a motor's data sheet.
+    ///
+    /// # Errors
+    /// [`ImportError::Option`] for names that no model has.
     pub(crate) fn numbers(
         &self,
         unit: &str,
@@ -91,53 +86,11 @@ impl Known {
         let mut put = |name, value, why: String| {
             numbers.insert(name, Number { value, why });
         };
-        let gear = self.gear.unwrap_or(1.0);
-        let Motor {
-            kt,
-            resistance,
-            rotor_inertia,
-            supply,
-        } = self.motor;
-        let is_voltage = matches!(unit, "V" | "duty");
-        match (unit, kt, resistance, supply) {
-            ("A", Some(kt), ..) => put(
-                "ratio",
-                gear * kt,
-                format!("gear {gear} times kt {kt} N m/A"),
-            ),
-            ("V", Some(kt), Some(r), _) => put(
-                "ratio",
-                gear * kt / r,
-                format!("gear {gear} times kt {kt} N m/A over {r} Ohm"),
-            ),
-            ("duty", Some(kt), Some(r), Some(v)) => {
-                put(
-                    "ratio",
-                    gear * kt * v / r,
-                    format!("gear {gear} times kt {kt} N m/A times {v} V over {r} Ohm"),
-                );
-            }
-            ("duty", Some(_), Some(_), None) => {
-                return Err(ImportError::Option(
-                    "the input is a duty cycle; state the supply, too: --motor supply=VOLTS".into(),
-                ));
-            }
-            ("V" | "duty", Some(_), None, _) => {
-                return Err(ImportError::Option("the input is a voltage; state the winding's resistance, too: --motor resistance=OHM".into()));
-            }
-            ("N m" | "N", ..) if self.gear.is_some() => put(
+        if let (Some(gear), None, "N m" | "N") = (self.motor.gear, self.motor.kt, unit) {
+            put(
                 "ratio",
                 gear,
                 format!("gear {gear}; the input is at the motor"),
-            ),
-            _ => {}
-        }
-        if let (true, Some(kt), Some(r)) = (is_voltage, kt, resistance) {
-            let value = gear * gear * kt * kt / r;
-            put(
-                "viscous",
-                value,
-                "of the motor's back-EMF alone, gear² kt²/resistance; friction comes on top".into(),
             );
         }
         if self.kind == Kind::Servo {
@@ -155,7 +108,8 @@ impl Known {
         match (self.kind, self.mass_kg, self.lever_m) {
             (Kind::Linear, Some(mass), _) => put("inertia", mass, "the mass that moves".into()),
             (Kind::Rotary | Kind::Pendulum, Some(mass), Some(lever)) => {
-                let rotor = rotor_inertia.map_or(0.0, |rotor| gear * gear * rotor);
+                let gear = self.motor.gear.unwrap_or(1.0);
+                let rotor = self.rotor_inertia.map_or(0.0, |rotor| gear * gear * rotor);
                 let why = if rotor > 0.0 {
                     "mass times lever², and gear² times the rotor's"
                 } else {
@@ -203,33 +157,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_data_sheet_gives_ratio_and_back_emf() {
+    fn a_data_sheet_gives_the_ratio_of_the_inputs_unit() {
         let motor = Motor {
             kt: Some(0.0538),
             resistance: Some(10.6),
+            gear: Some(15.0),
             ..Motor::default()
         };
         let known = Known {
-            gear: Some(15.0),
             motor,
             ..Known::default()
         };
-        let value = |unit, name| {
-            known
-                .numbers(unit)
-                .unwrap()
-                .get(name)
-                .map(|number| number.value)
+        let ratio = |unit: &str| {
+            let units = Units {
+                input: unit.into(),
+                ..Units::default()
+            };
+            let sheet = known.data_sheet(&units);
+            sheet.map(|sheet| sheet.expect("a data sheet").1)
         };
-        assert_eq!(value("A", "ratio"), Some(15.0 * 0.0538));
-        assert_eq!(value("A", "viscous"), None);
-        assert_eq!(value("V", "ratio"), Some(15.0 * 0.0538 / 10.6));
-        let back_emf = value("V", "viscous").unwrap();
-        assert!(
-            (back_emf - 225.0 * 0.0538 * 0.0538 / 10.6).abs() < 1e-12,
-            "{back_emf}"
-        );
-        assert!(known.numbers("duty").is_err());
-        assert_eq!(value("N m", "ratio"), Some(15.0));
+        assert_eq!(ratio("A").ok(), Some(15.0 * 0.0538));
+        assert_eq!(ratio("V").ok(), Some(15.0 * 0.0538 / 10.6));
+        let lacking = ratio("duty").expect_err("no supply").to_string();
+        assert!(lacking.contains("lacks `supply`"), "{lacking}");
     }
 }

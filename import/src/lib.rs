@@ -48,7 +48,7 @@ mod unit;
 pub use assemble::{Imported, import};
 pub use error::ImportError;
 pub use formula::Formula;
-pub use known::{Kind, Known, Motor};
+pub use known::{Kind, Known};
 pub use log::{Cells, Column, Log};
 pub use manifest::manifest;
 pub use read::log as read_log;

@@ -33,11 +33,19 @@ const MEANINGS: [(&str, &str); 13] = [
     ("travel", "hard stops, [lower, upper]"),
 ];
 
+/// The same of `[motor]`.
+const MOTOR: [(&str, &str); 4] = [
+    ("kt", "torque constant, N m/A"),
+    ("resistance", "of the winding, Ohm"),
+    ("gear", "turns of the motor per turn of the joint"),
+    ("supply", "V, where the input is a duty cycle"),
+];
+
 /// The text of a manifest of `recording`, with what is known of its device. Of numbers that are not known, the inertia is
 /// estimated from the motion, as no model goes without; the others are left out, so that the diagnosis estimates them.
 ///
 /// # Errors
-/// [`ImportError::Option`] for what is said of the device and contradicts itself.
+/// [`ImportError::Motor`] and [`ImportError::Option`] for what is said of the device and contradicts itself.
 pub fn manifest(
     recording: &Recording,
     known: &Known,
@@ -46,9 +54,11 @@ pub fn manifest(
 ) -> Result<String, ImportError> {
     let units = &recording.units;
     let mut numbers = known.numbers(&units.input)?;
+    let data_sheet = known.data_sheet(units)?;
     let mut tolerances = known.tolerances.clone();
     if !numbers.contains_key("inertia") {
         let ratio = numbers.get("ratio").map(|number| number.value);
+        let ratio = ratio.or(data_sheet.map(|(_, ratio)| ratio));
         let stiffness = numbers.get("stiffness").map_or(0.0, |number| number.value);
         if ratio.is_none() {
             let why = "not known; torque is counted in units of input, then".into();
@@ -111,6 +121,18 @@ pub fn manifest(
     line(format!("position = {}", quoted(&units.position)));
     line(format!("input = {}", quoted(&units.input)));
     line(String::new());
+    if let Some((motor, ratio)) = data_sheet {
+        line(format!(
+            "[motor]  # its data sheet: {ratio:.4e} of torque at the joint per unit of input"
+        ));
+        for (name, meaning) in MOTOR {
+            match motor.get(name) {
+                Some(value) => line(commented(name, value, meaning)),
+                None => line(format!("# {name} = 0.0  # {meaning}")),
+            }
+        }
+        line(String::new());
+    }
     line("# The nominal simulation: the model whose gap is asked about. Numbers without # are taken as stated; ratio, viscous,".into());
     line("# coulomb and gravity are estimated if they are left out, the others are then taken as absent.".into());
     line("[model]".into());
@@ -124,6 +146,12 @@ pub fn manifest(
                 number.value,
                 &format!("{meaning}; {}", number.why),
             )),
+            None if name == "ratio" && data_sheet.is_some() => {}
+            None if name == "viscous" && data_sheet.is_some() => {
+                line(format!(
+                    "# {name} = 0.0  # {meaning}, beside the back-EMF of [motor]"
+                ));
+            }
             None if name == "travel" => line(format!("# {name} = [-1.0, 1.0]  # {meaning}")),
             None => line(format!("# {name} = 0.0  # {meaning}")),
         }

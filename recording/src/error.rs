@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::actuator::NoRatio;
 use crate::digits::short;
 
 /// What is wrong with a recording, where, and how to mend it, in one line.
@@ -262,6 +263,17 @@ pub enum Fault {
         /// The name.
         file: String,
     },
+    /// Two that say what a unit of input does.
+    #[error("{one} and {other} both say what drives the joint; leave one out")]
+    SaidTwice {
+        /// One.
+        one: &'static str,
+        /// The other.
+        other: &'static str,
+    },
+    /// A motor's data sheet that does not tell what the input does.
+    #[error(transparent)]
+    Motor(#[from] NoRatio),
     /// Text that cannot be put into TOML.
     #[error("{source}; correct the recording's text and numbers")]
     Unwritable {

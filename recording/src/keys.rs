@@ -5,19 +5,21 @@ use std::collections::BTreeMap;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Fault};
-use crate::{Model, Oddity};
+use crate::{Model, Motor, Oddity};
 
-const TOP: [&str; 8] = [
+const TOP: [&str; 9] = [
     "format",
     "title",
     "horizon",
     "restart_half_width",
     "units",
+    "motor",
     "model",
     "sensor",
     "runs",
 ];
 const UNITS: [&str; 2] = ["position", "input"];
+const SERVO: [&str; 4] = ["stiffness", "damping", "speed_limit", "deadband"];
 const SENSOR: [&str; 3] = ["resolution", "noise", "cutoff_hz"];
 const RUN: [&str; 6] = [
     "file",
@@ -133,9 +135,18 @@ pub(crate) fn check(text: &str, root: &DeTable) -> Result<Vec<Oddity>, Error> {
     if let Some(units) = table(root, "units") {
         lenient("[units]", units, &UNITS);
     }
+    if let Some(motor) = table(root, "motor") {
+        strict("[motor]", motor, &Motor::NAMES)?;
+    }
     if let Some(model) = table(root, "model") {
-        let known: Vec<_> = Model::NAMES.into_iter().chain(["tolerance"]).collect();
+        let known: Vec<_> = Model::NAMES
+            .into_iter()
+            .chain(["servo", "tolerance"])
+            .collect();
         strict("[model]", model, &known)?;
+        if let Some(servo) = table(model, "servo") {
+            strict("[model.servo]", servo, &SERVO)?;
+        }
         if let Some(tolerance) = table(model, "tolerance") {
             strict("[model.tolerance]", tolerance, &Model::NAMES)?;
         }

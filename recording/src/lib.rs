@@ -22,6 +22,7 @@
 //! # Ok::<(), recording::Error>(())
 //! ```
 
+mod actuator;
 mod columns;
 mod digits;
 mod error;
@@ -46,6 +47,7 @@ mod untrue;
 mod validate;
 mod write;
 
+pub use actuator::{Actuator, Motor, NoRatio, Servo};
 pub use error::{Error, Fault};
 pub use model::{Model, NoModel, Tolerance};
 pub use oddity::Oddity;
@@ -71,8 +73,10 @@ pub struct Recording {
     pub restart_half_width: f64,
     /// Units of position and input, for display only.
     pub units: Units,
-    /// The nominal simulation.
+    /// The nominal simulation, of joint and actuator together.
     pub model: Model,
+    /// How the manifest says what drives the joint, if it does so otherwise than by numbers of the model.
+    pub actuator: Option<Actuator>,
     /// How well the model's numbers are known.
     pub tolerance: Tolerance,
     /// Those of [`Model::ESSENTIAL`] that the recording does not state; `model` holds what is assumed for them.
@@ -98,6 +102,7 @@ impl Recording {
             restart_half_width: Self::RESTART_HALF_WIDTH,
             units: Units::default(),
             model,
+            actuator: None,
             tolerance: Tolerance::default(),
             unstated: Vec::new(),
             sensors: BTreeMap::from([("position".to_owned(), Sensor::default())]),

@@ -8,7 +8,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Error, Fault};
 use crate::keys::{self, Lines};
 use crate::text::plain_message;
-use crate::{Drive, InputSampling, Model, Oddity, Pid, Recording, Run, Sensor, Tolerance, Units};
+use crate::{
+    Actuator, Drive, InputSampling, Model, Motor, Oddity, Pid, Recording, Run, Sensor, Servo,
+    Tolerance, Units,
+};
 
 /// Name of the manifest inside the folder.
 pub(crate) const FILE: &str = "recording.toml";
@@ -27,6 +30,8 @@ pub(crate) struct Manifest<M> {
     pub restart_half_width: f64,
     #[serde(default)]
     pub units: Units,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motor: Option<Motor>,
     pub model: M,
     #[serde(default)]
     pub sensor: BTreeMap<String, Sensor>,
@@ -64,10 +69,11 @@ pub(crate) enum Controller {
     Pid(Pid),
 }
 
-/// `[model]` with its tolerances, without the numbers that are not stated.
+/// `[model]` with its servo and its tolerances, without the numbers that are not stated.
 struct ModelTable<'a> {
-    model: &'a Model,
-    unstated: &'a [&'static str],
+    model: Model,
+    unstated: Vec<&'static str>,
+    servo: Option<Servo>,
     tolerance: &'a Tolerance,
 }
 
@@ -82,6 +88,9 @@ impl Serialize for ModelTable<'_> {
                 table.serialize_entry(name, value)?;
             }
         }
+        if let Some(servo) = &self.servo {
+            table.serialize_entry("servo", servo)?;
+        }
         if !self.tolerance.is_empty() {
             table.serialize_entry("tolerance", self.tolerance)?;
         }
@@ -91,7 +100,9 @@ impl Serialize for ModelTable<'_> {
 
 /// A manifest that was read, with the lines on which its keys stand.
 pub(crate) struct Parsed {
+    /// Its model is that of joint and actuator together.
     pub manifest: Manifest<Model>,
+    pub actuator: Option<Actuator>,
     pub tolerance: Tolerance,
     pub unstated: Vec<&'static str>,
     pub lines: Lines,
@@ -123,56 +134,131 @@ pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
     let oddities = keys::check(text, root.get_ref())?;
 
     let model = root.get_mut().get_mut("model").map(toml::Spanned::get_mut);
-    let (unstated, tolerance) = match model {
+    let (stated, servo, tolerance) = match model {
         Some(toml::de::DeValue::Table(model)) => {
-            let mut essential = Model::ESSENTIAL.to_vec();
-            essential.retain(|name| !model.contains_key(*name));
-            (essential, model.remove("tolerance"))
+            let mut stated = Model::NAMES.to_vec();
+            stated.retain(|name| model.contains_key(*name));
+            (stated, model.remove("servo"), model.remove("tolerance"))
         }
-        _ => (Vec::new(), None),
+        _ => (Model::NAMES.to_vec(), None, None),
     };
-    let tolerance = match tolerance {
-        Some(table) => {
-            let span = table.span();
-            Tolerance::deserialize(toml::de::ValueDeserializer::from(table)).map_err(|error| {
-                let line = keys::line_at(text, error.span().unwrap_or(span).start);
-                Error::new(Fault::Toml {
-                    message: plain_message(error.message()),
-                })
-                .at(Some(line))
-            })?
-        }
-        None => Tolerance::default(),
-    };
-    let manifest = Manifest::deserialize(toml::Deserializer::from(root)).map_err(failed)?;
+    let servo: Option<Servo> = servo.map(|table| part(text, table)).transpose()?;
+    let tolerance: Option<Tolerance> = tolerance.map(|table| part(text, table)).transpose()?;
+    let mut manifest =
+        Manifest::<Model>::deserialize(toml::Deserializer::from(root)).map_err(failed)?;
+    let actuator = actuator(manifest.motor, servo, &stated).map_err(|fault| {
+        let line = lines.get("motor").or(lines.get("model.servo"));
+        Error::new(fault).at(line)
+    })?;
+    let mut unstated = Model::ESSENTIAL.to_vec();
+    unstated.retain(|name| !stated.contains(name));
+    if let Some(actuator) = &actuator {
+        let lacks = |lack| Error::new(Fault::Motor(lack)).at(lines.get("motor"));
+        unstated.retain(|name| !actuator.stands_for().contains(name));
+        manifest.model = actuator
+            .added_to(&manifest.model, &manifest.units)
+            .map_err(lacks)?;
+        // The joint's own friction is what a run states.
+        let viscous = actuator.viscous(&manifest.units).map_err(lacks)?;
+        let runs = manifest.runs.iter_mut();
+        runs.filter_map(|run| run.model.get_mut("viscous"))
+            .for_each(|own| *own += viscous);
+    }
     Ok(Parsed {
         manifest,
-        tolerance,
+        actuator,
+        tolerance: tolerance.unwrap_or_default(),
         unstated,
         lines,
         oddities,
     })
 }
 
+/// A table that was taken out of the manifest `text`.
+fn part<'a, T: Deserialize<'a>>(
+    text: &str,
+    table: toml::Spanned<toml::de::DeValue<'a>>,
+) -> Result<T, Error> {
+    let span = table.span();
+    T::deserialize(toml::de::ValueDeserializer::from(table)).map_err(|error| {
+        let line = keys::line_at(text, error.span().unwrap_or(span).start);
+        let message = plain_message(error.message());
+        Error::new(Fault::Toml { message }).at(Some(line))
+    })
+}
+
+/// What drives the joint, if it is said otherwise than by the numbers of the model that are `stated`.
+fn actuator(
+    motor: Option<Motor>,
+    servo: Option<Servo>,
+    stated: &[&str],
+) -> Result<Option<Actuator>, Fault> {
+    let actuator = match (motor, servo) {
+        (None, None) => return Ok(None),
+        (Some(_), Some(_)) => {
+            return Err(Fault::SaidTwice {
+                one: "[motor]",
+                other: "`servo` of [model]",
+            });
+        }
+        (Some(motor), None) => Actuator::Motor(motor),
+        (None, Some(servo)) => Actuator::Servo(servo),
+    };
+    let twice = |name: &&&str| stated.contains(*name);
+    let said = match actuator.stands_for().iter().find(twice) {
+        None => return Ok(Some(actuator)),
+        Some(&"ratio") => "`ratio` of [model]",
+        Some(_) => "`stiffness` of [model]",
+    };
+    Err(Fault::SaidTwice {
+        one: actuator.table(),
+        other: said,
+    })
+}
+
 /// The text of the manifest of `recording`.
 pub(crate) fn text(recording: &Recording) -> Result<String, toml::ser::Error> {
-    let entry = |run: &Run| RunEntry {
-        file: run.file.clone(),
-        drive: run.drive,
-        input_time_std: run.input_time_std,
-        input_sampling: run.input_sampling,
-        model: run.numbers.clone(),
-        controller: run.controller.map(Controller::Pid),
+    let units = &recording.units;
+    // A drive that the model does not have any more is said by the model's numbers.
+    let apart = recording.actuator.and_then(|actuator| {
+        let joint = actuator.taken_from(&recording.model, units)?;
+        Some((actuator, joint, actuator.viscous(units).ok()?))
+    });
+    let entry = |run: &Run| {
+        let mut model = run.numbers.clone();
+        if let (Some((.., viscous)), Some(own)) = (&apart, model.get_mut("viscous")) {
+            *own -= viscous;
+        }
+        RunEntry {
+            file: run.file.clone(),
+            drive: run.drive,
+            input_time_std: run.input_time_std,
+            input_sampling: run.input_sampling,
+            model,
+            controller: run.controller.map(Controller::Pid),
+        }
     };
+    let mut unstated = recording.unstated.clone();
+    let (mut motor, mut servo, mut model) = (None, None, recording.model);
+    if let Some((actuator, joint, _)) = apart {
+        unstated.extend(actuator.stands_for());
+        model = joint;
+        match actuator {
+            Actuator::Motor(own) => motor = Some(own),
+            Actuator::Servo(own) => servo = Some(own),
+        }
+    }
     toml::to_string(&Manifest {
         format: FORMAT,
         title: recording.title.clone(),
         horizon: recording.horizon,
         restart_half_width: recording.restart_half_width,
-        units: recording.units.clone(),
+        units: units.clone(),
+        motor,
         model: ModelTable {
-            model: &recording.model,
-            unstated: &recording.unstated,
+            model,
+            unstated,
+            servo,
             tolerance: &recording.tolerance,
         },
         sensor: recording.sensors.clone(),

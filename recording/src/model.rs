@@ -76,6 +76,7 @@ pub struct NoModel {
 pub(crate) const FINITE: &str = "a finite number";
 pub(crate) const POSITIVE: &str = "above 0";
 pub(crate) const NOT_NEGATIVE: &str = "0 or above";
+pub(crate) const OTHER_THAN_0: &str = "other than 0";
 
 fn one() -> f64 {
     1.0
@@ -146,7 +147,7 @@ impl Model {
             };
             let (holds, wanted) = match name {
                 "inertia" | "input_limit" => (value > 0.0, POSITIVE),
-                "ratio" => (value != 0.0, "other than 0"),
+                "ratio" => (value != 0.0, OTHER_THAN_0),
                 "coulomb" | "delay" | "lag" | "stop_stiffness" | "stop_damping" => {
                     (value >= 0.0, NOT_NEGATIVE)
                 }

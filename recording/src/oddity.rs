@@ -193,6 +193,11 @@ pub enum Oddity {
         /// What the manifest says, quantising included.
         stated: f64,
     },
+    /// A servo that is simulated as spring and damper alone.
+    #[error(
+        "`speed_limit` and `deadband` of `servo` are not simulated in the nominal model; what they do counts as part of the gap"
+    )]
+    ServoLimits,
     /// The supply is read so coarsely that its steps are not events.
     #[error("{file}: `supply` is read in steps of {step}, {} % of it; a change of one step is no event", short(*percent), step = short(*step))]
     CoarseSupply {
@@ -224,6 +229,7 @@ impl Oddity {
             | Self::Noisy { file, .. }
             | Self::CoarseSupply { file, .. } => Some(file),
             Self::UnknownKey { .. }
+            | Self::ServoLimits
             | Self::UnknownUnit { .. }
             | Self::SensorAssumed { .. }
             | Self::Turned { .. }

@@ -12,7 +12,7 @@ use crate::repeated;
 use crate::text;
 use crate::untrue;
 use crate::validate;
-use crate::{Model, Oddity, Recording, Run};
+use crate::{Actuator, Model, Oddity, Recording, Run};
 
 impl Recording {
     /// Reads and validates the recording in `folder`.
@@ -32,14 +32,21 @@ impl Recording {
         let path = folder.join(manifest::FILE);
         let mend = "give a folder with a `recording.toml` in UTF-8";
         let text = text::read_text(&path, mend)?;
+        let parsed = manifest::parse(&text).map_err(|error| error.in_file(&path))?;
+        validate::manifest(&parsed).map_err(|error| error.in_file(&path))?;
         let Parsed {
             manifest,
+            actuator,
             tolerance,
             unstated,
             lines,
-            oddities,
-        } = manifest::parse(&text).map_err(|error| error.in_file(&path))?;
-        validate::manifest(&manifest, &tolerance, &lines).map_err(|error| error.in_file(&path))?;
+            mut oddities,
+        } = parsed;
+        if let Some(Actuator::Servo(servo)) = &actuator
+            && servo.is_beyond_linear()
+        {
+            oddities.push(Oddity::ServoLimits);
+        }
 
         let mut recording = Self {
             folder: folder.to_owned(),
@@ -51,6 +58,7 @@ impl Recording {
                 ..manifest.model
             },
             units: manifest.units,
+            actuator,
             tolerance,
             unstated,
             sensors: manifest.sensor,

@@ -2,10 +2,10 @@
 
 use crate::error::{Error, Fault};
 use crate::keys::{self, Lines};
-use crate::manifest::{self, Controller, Manifest, Parsed};
+use crate::manifest::{self, Controller, Parsed};
 use crate::model::{FINITE, NOT_NEGATIVE, POSITIVE};
 use crate::plausible;
-use crate::{Model, Recording, Run, Tolerance};
+use crate::{Actuator, Model, Recording, Run};
 use std::path::{Component, Path};
 
 /// Relative error of times that were printed and summed.
@@ -29,23 +29,21 @@ impl Recording {
         let failed = |error: Error| error.in_file(manifest::FILE.as_ref());
         let text = manifest::text(self)
             .map_err(|source| failed(Error::new(Fault::Unwritable { source })))?;
-        let Parsed {
-            manifest,
-            tolerance,
-            lines,
-            ..
-        } = manifest::parse(&text).map_err(failed)?;
-        self::manifest(&manifest, &tolerance, &lines).map_err(failed)?;
-        Ok(lines)
+        let parsed = manifest::parse(&text).map_err(failed)?;
+        self::manifest(&parsed).map_err(failed)?;
+        Ok(parsed.lines)
     }
 }
 
 /// Numbers that no device has.
-pub(crate) fn manifest(
-    manifest: &Manifest<Model>,
-    tolerance: &Tolerance,
-    lines: &Lines,
-) -> Result<(), Error> {
+pub(crate) fn manifest(parsed: &Parsed) -> Result<(), Error> {
+    let Parsed {
+        manifest,
+        actuator,
+        tolerance,
+        lines,
+        ..
+    } = parsed;
     let check = |key: &str, value: f64, holds: bool, wanted: &'static str| {
         let wanted = if value.is_finite() { wanted } else { FINITE };
         if holds && value.is_finite() {
@@ -76,6 +74,9 @@ pub(crate) fn manifest(
             Error::new(fault).at(line)
         })
     };
+    for (key, value, holds, wanted) in actuator.iter().flat_map(Actuator::judged) {
+        check(&key, value, holds, wanted)?;
+    }
     check_model("model", &manifest.model)?;
     for (name, relative) in tolerance.iter() {
         not_negative(&format!("model.tolerance.{name}"), relative)?;

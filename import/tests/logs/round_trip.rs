@@ -3,7 +3,7 @@
 use crate::support::{Folder, sample, table};
 use import::{Recipe, import, read_log};
 use proptest::prelude::*;
-use recording::{Drive, Model, Recording, Run};
+use recording::{Actuator, Drive, Model, Motor, Recording, Run};
 
 #[test]
 fn a_recording_that_is_imported_again_is_the_same_bit_for_bit() {
@@ -74,7 +74,10 @@ fn the_manifest_that_is_written_is_read() {
         .import("log \"1\".csv", text, &Recipe::default())
         .expect("imported");
     let known = import::Known {
-        gear: Some(2.0),
+        motor: Motor {
+            gear: Some(2.0),
+            ..Motor::default()
+        },
         ..import::Known::default()
     };
     let out = folder.path().join("out");
@@ -95,4 +98,41 @@ fn the_manifest_that_is_written_is_read() {
         read.model.inertia,
         sample(1)
     );
+}
+
+#[test]
+fn a_data_sheet_goes_into_the_manifest_as_it_is() {
+    let folder = Folder::new("motor");
+    let text = table("time,voltage [V],q\n", |[t, u, x]| format!("{t},{u},{x}"));
+    let imported = folder
+        .import("log.csv", text, &Recipe::default())
+        .expect("imported");
+    let motor = Motor {
+        kt: Some(0.0538),
+        resistance: Some(10.6),
+        gear: Some(15.0),
+        ..Motor::default()
+    };
+    let known = import::Known {
+        motor,
+        ..import::Known::default()
+    };
+    let out = folder.path().join("out");
+    imported.recording.write(&out).expect("written");
+    let manifest =
+        import::manifest(&imported.recording, &known, &imported.roles, false).expect("a manifest");
+    std::fs::write(out.join("recording.toml"), &manifest).expect("written");
+    let read = Recording::read(&out).unwrap_or_else(|error| panic!("{error}\n{manifest}"));
+    assert_eq!(read.actuator, Some(Actuator::Motor(motor)), "{manifest}");
+    assert_eq!(read.unstated, ["viscous", "coulomb", "gravity"]);
+    assert!((read.model.ratio / (15.0 * 0.0538 / 10.6) - 1.0).abs() < 1e-12);
+    assert!(read.model.viscous > 0.06, "{}", read.model.viscous);
+    let twice = import::Known {
+        numbers: [("ratio".to_owned(), 1.0)].into(),
+        ..known
+    };
+    let error = import::manifest(&imported.recording, &twice, &[], false)
+        .expect_err("said twice")
+        .to_string();
+    assert!(error.contains("leave one out"), "{error}");
 }

@@ -1,5 +1,6 @@
 //! The format as a user meets it: folders on disk.
 
+mod actuator;
 mod bad_input;
 mod folder;
 mod oddities;

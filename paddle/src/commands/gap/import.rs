@@ -144,7 +144,8 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         imported.is_integrated,
     )?;
     imported.recording.write(&arguments.out)?;
-    let warnings = leave_manifest(&arguments.out, &text)?;
+    let mut warnings = leave_manifest(&arguments.out, &text)?;
+    warnings.extend(known.unstated_warning());
     Ok(answer(shown, &imported, warnings, &arguments.out))
 }
 

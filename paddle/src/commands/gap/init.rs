@@ -115,7 +115,8 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         ask(&mut known, &mut imported.recording.units.input);
     }
     let text = import::manifest(&imported.recording, &known, &imported.roles, false)?;
-    let warnings = leave_manifest(folder, &text)?;
+    let mut warnings = leave_manifest(folder, &text)?;
+    warnings.extend(known.unstated_warning());
     Ok(answer(shown(&imported), &imported, warnings, folder))
 }
 
@@ -134,7 +135,7 @@ fn ask(known: &mut import::Known, unit: &mut String) {
         *unit = told;
     }
     let number = |question: &str| asked(question).and_then(|reply| reply.parse::<f64>().ok());
-    known.gear = number("Turns of the motor per turn of the joint?");
+    known.motor.gear = number("Turns of the motor per turn of the joint?");
     if matches!(unit.as_str(), "A" | "V" | "duty") {
         known.motor.kt = number("Torque constant of the motor, N m/A?");
     }

@@ -2,7 +2,11 @@
 
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
-use import::{ImportError, Kind, Known, Motor};
+use import::{ImportError, Kind, Known};
+use recording::Motor;
+
+/// What `--motor` says beside the numbers of `[motor]`.
+const ROTOR_INERTIA: &str = "rotor_inertia";
 
 /// What is known of a device; what is left out is estimated.
 #[derive(Args, Default)]
@@ -19,7 +23,8 @@ pub struct KnownArguments {
     /// From the axis to the centre of that mass, m.
     #[arg(long, value_name = "M")]
     lever: Option<f64>,
-    /// The motor's data sheet: kt in N m/A, resistance in Ohm, rotor_inertia in kg m2, supply in V; may be repeated.
+    /// The motor's data sheet: kt in N m/A, resistance in Ohm, gear, supply in V, which become [motor]; rotor_inertia in kg m2;
+    /// may be repeated.
     #[arg(long, value_name = "NAME=VALUE", value_parser = number, value_delimiter = ',')]
     motor: Vec<(String, f64)>,
     /// A number of [model] as it is, such as inertia=5.8e-4; may be repeated.
@@ -50,15 +55,19 @@ impl KnownArguments {
     /// [`ImportError::Option`] for names that no motor has.
     pub fn known(&self) -> Result<Known, Failure> {
         let mut motor = Motor::default();
+        let mut rotor_inertia = None;
         for (name, value) in &self.motor {
-            if !motor.set(name, *value) {
+            if name == ROTOR_INERTIA {
+                rotor_inertia = Some(*value);
+            } else if !motor.set(name, *value) {
                 let known = Motor::NAMES.join(", ");
                 return Err(ImportError::Option(format!(
-                    "--motor has no `{name}`; there are {known}"
+                    "--motor has no `{name}`; there are {known}, {ROTOR_INERTIA}"
                 ))
                 .into());
             }
         }
+        motor.gear = self.gear.or(motor.gear);
         Ok(Known {
             kind: match self.kind {
                 None | Some(DeviceKind::Rotary) => Kind::Rotary,
@@ -66,10 +75,10 @@ impl KnownArguments {
                 Some(DeviceKind::Linear) => Kind::Linear,
                 Some(DeviceKind::Servo) => Kind::Servo,
             },
-            gear: self.gear,
             mass_kg: self.mass,
             lever_m: self.lever,
             motor,
+            rotor_inertia,
             numbers: self.numbers.iter().cloned().collect(),
             tolerances: self.tolerance.iter().cloned().collect(),
         })

@@ -12,8 +12,9 @@ const TIMESTEP_S: f64 = 1e-4;
 /// Share of an inertia that the body has as such, so that none is without.
 const BODY_SHARE: f64 = 1e-3;
 
-/// A dry friction that sticks within a step or two.
-const FRICTION: &str = "solreffriction=\"0.0004 1\" solimpfriction=\"0.9999 0.9999 0.001 0.5 2\"";
+/// A dry friction that stops within one step: MuJoCo's friction slows by the rate 2 over the time constant, here 1 over the
+/// step. MuJoCo itself takes no time constant below two steps, so that it stays stable with a longer one.
+const FRICTION: &str = "solreffriction=\"0.0002 1\" solimpfriction=\"0.9999 0.9999 0.001 0.5 2\"";
 /// Where there is no stop, in units of position.
 const FAR: f64 = 1e6;
 
@@ -306,11 +307,13 @@ fn actuators(text: &mut String, model: &Model) {
         );
     }
     if drive.delay_s > 0.0 {
-        // As many samples as steps fit into the delay; since MuJoCo 3.4.
-        let samples = (drive.delay_s / TIMESTEP_S).ceil() + 2.0;
+        // The input of the last step before then: half a step sooner is the nearest step. Since MuJoCo 3.4.
+        let sooner = (drive.delay_s - TIMESTEP_S / 2.0).max(TIMESTEP_S / 2.0);
+        // Twice as many samples as steps fit into the delay, for steps of half the length.
+        let samples = 2.0 * (drive.delay_s / TIMESTEP_S).ceil() + 2.0;
         attributes += &format!(
             " delay=\"{}\" nsample=\"{samples}\" interp=\"zoh\"",
-            number(drive.delay_s)
+            number(sooner)
         );
     }
     put(text, 1, "<actuator>");

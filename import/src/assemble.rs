@@ -1,11 +1,15 @@
 //! From logs and a recipe to a recording.
 
+use crate::counter;
 use crate::error::ImportError;
 use crate::log::Log;
 use crate::recipe::Recipe;
+use crate::runs::{Span, spans};
 use crate::sensor;
-use crate::source::Source;
-use recording::{Model, Recording, Run, Sensor};
+use crate::signal::Choice;
+use crate::source::{Source, shown};
+use crate::stretch::{Columns, LEAST_ROWS, Stretch};
+use recording::{Model, Recording, Run, Sensor, Units};
 use std::collections::BTreeSet;
 
 /// Logs as a recording.
@@ -48,13 +52,13 @@ pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
         counts: false,
     };
     for (place, log) in logs.iter().enumerate() {
-        Source::of(log, recipe, place)?.add_to(&mut imported)?;
+        add(Source::of(log, recipe, place)?, &mut imported)?;
     }
     imported.notes = merged(imported.notes);
     let (si, counts) = (imported.position_si.abs(), imported.counts);
     let recording = &mut imported.recording;
     recording.sensors.clear();
-    let shown = |column: &dyn Fn(&Run) -> Option<&Vec<f64>>| {
+    let sensor_of = |column: &dyn Fn(&Run) -> Option<&Vec<f64>>| {
         let sensors = recording
             .runs
             .iter()
@@ -71,7 +75,7 @@ pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
             cutoff_hz: None,
         })
     };
-    let mut sensors = vec![("position".to_owned(), shown(&|run| Some(&run.position)))];
+    let mut sensors = vec![("position".to_owned(), sensor_of(&|run| Some(&run.position)))];
     let names: BTreeSet<&String> = recording
         .runs
         .iter()
@@ -80,7 +84,7 @@ pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
     sensors.extend(
         names
             .into_iter()
-            .map(|name| (name.clone(), shown(&|run| run.positions.get(name)))),
+            .map(|name| (name.clone(), sensor_of(&|run| run.positions.get(name)))),
     );
     recording.sensors = sensors
         .into_iter()
@@ -106,6 +110,173 @@ pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
         .horizon_s
         .unwrap_or_else(|| horizon_s(&recording.runs));
     Ok(imported)
+}
+
+/// Adds the runs of a log to a recording.
+fn add(mut source: Source, imported: &mut Imported) -> Result<(), ImportError> {
+    let quantity = source.position_quantity()?;
+    let (input_si, input_unit) = source.input_unit()?;
+    let mut position = source.readings()?;
+    let reading = source.wrapped(&mut position, quantity.counts);
+    source
+        .roles
+        .push(format!("position  {}", quantity.said(&source, &reading)));
+    let input = match &source.input {
+        Some(choice) => {
+            let mut values = choice.values(source.log)?;
+            if let Some(bit) = source.recipe.input_sign_bit {
+                counter::sign_magnitude(&mut values, bit);
+            }
+            if let Some(bits) = source.recipe.input_bits {
+                counter::twos_complement(&mut values, bits);
+            }
+            let tick = match (choice, source.recipe.tick_s) {
+                (Choice::Formula { .. }, Some(tick_s)) => {
+                    format!(", mean over ticks of {} ms", 1e3 * tick_s)
+                }
+                _ => String::new(),
+            };
+            source.roles.push(format!(
+                "input     `{}` in {}{tick}",
+                choice.name(),
+                shown(&input_unit)
+            ));
+            Some(values)
+        }
+        None => {
+            source.roles.push(format!(
+                "input     the PID law on the logged position, in {}",
+                shown(&input_unit)
+            ));
+            None
+        }
+    };
+    let setpoint = source
+        .setpoint
+        .as_ref()
+        .map(|choice| choice.values(source.log))
+        .transpose()?;
+    if let Some(choice) = &source.setpoint {
+        source.roles.push(format!("setpoint  `{}`", choice.name()));
+    }
+    let live = |values: &[f64]| {
+        let mut filled = values.iter().filter(|value| !value.is_nan());
+        filled
+            .next()
+            .is_some_and(|first| filled.any(|value| value != first))
+    };
+    if !live(&position) {
+        return Err(ImportError::Frozen {
+            log: source.log.name.clone(),
+            column: source.position.name().to_owned(),
+            value: position
+                .iter()
+                .copied()
+                .find(|x| !x.is_nan())
+                .unwrap_or(f64::NAN),
+            live: source.log.live_names(),
+        });
+    }
+    if let (Some(values), Some(choice)) = (&input, &source.input)
+        && !live(values)
+    {
+        source.notes.push(format!(
+            "{}: the input `{}` is the same in every row, so it says nothing about the actuator; live columns: {}",
+            source.log.name, choice.name(), source.log.live_names()
+        ));
+    }
+    let spans = spans(&source.seconds, source.split_by, source.recipe.split_gap_s);
+    let several = spans.len() > 1;
+    let mut too_short = 0;
+    let begin_s = spans
+        .first()
+        .map_or(0.0, |span| source.seconds[span.rows[0]]);
+    let mut any = false;
+    let columns = Columns {
+        position: &position,
+        input: input.as_deref(),
+        setpoint: setpoint.as_deref(),
+    };
+    for (place, span) in spans.iter().enumerate() {
+        let file = file(&source, span, place, several, imported);
+        let stretch = Stretch {
+            source: &source,
+            columns: &columns,
+            quantity: &quantity,
+            input_si,
+            begin_s,
+        };
+        match stretch.run(span, file)? {
+            Some(run) => {
+                any = true;
+                imported.recording.runs.push(run);
+            }
+            None => too_short += 1,
+        }
+    }
+    if too_short > 0 {
+        source.notes.push(format!(
+            "{}: {too_short} stretches of fewer than {LEAST_ROWS} rows are left out",
+            source.log.name
+        ));
+    }
+    if !any {
+        return Err(ImportError::NothingLeft {
+            log: source.log.name.clone(),
+            rows: LEAST_ROWS,
+            mend: "check --time and its unit, --split-gap and --keep",
+        });
+    }
+    imported.recording.units = Units {
+        position: quantity.unit.to_owned(),
+        input: input_unit,
+    };
+    if imported.roles.is_empty() {
+        imported.roles = source.roles;
+    } else if imported.roles != source.roles {
+        let roles = source.roles.join("; ");
+        source
+            .notes
+            .push(format!("{}: other columns: {roles}", source.log.name));
+    }
+    imported.notes.extend(source.notes);
+    imported.is_guessed |= source.is_guessed;
+    imported.is_integrated |= source.is_velocity;
+    imported.position_si = quantity.si;
+    imported.counts |= quantity.counts.is_some();
+    Ok(())
+}
+
+/// The name of a run's file, which no other has.
+fn file(source: &Source, span: &Span, place: usize, several: bool, imported: &Imported) -> String {
+    let plain = |text: &str| -> String {
+        let kept = |c: char| {
+            if c.is_alphanumeric() || "-_.".contains(c) {
+                c
+            } else {
+                '_'
+            }
+        };
+        text.chars().map(kept).collect()
+    };
+    let stem = match (&span.label, several) {
+        (Some(label), true) => format!("{}-{}", plain(&source.log.name), plain(label)),
+        (None, true) => format!("{}-{}", plain(&source.log.name), place + 1),
+        _ => plain(&source.log.name),
+    };
+    let stem = if stem.trim_matches(['.', '_']).is_empty() {
+        "run".to_owned()
+    } else {
+        stem
+    };
+    let is_free = |file: &String| imported.recording.runs.iter().all(|run| run.file != *file);
+    let mut numbered = (2..).map(|number| format!("{stem}-{number}.csv"));
+    let first = format!("{stem}.csv");
+    if is_free(&first) {
+        first
+    } else {
+        numbered.find(is_free).unwrap_or(first)
+    }
 }
 
 /// Notes with those that several logs share said once.

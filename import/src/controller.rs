@@ -42,7 +42,8 @@ const FOLLOWED: f64 = 0.15;
 const MOVES: f64 = 0.02;
 
 /// The tick at which a controller was switched on that then moves the position by a step: that for which the first part of
-/// the motion follows an acceleration in proportion to the command best, whatever the proportion. `None` if nothing moves.
+/// the motion follows best an acceleration in proportion to the command, less a dry friction's, whatever the proportions.
+/// `None` if nothing moves.
 #[expect(clippy::cast_precision_loss, reason = "counts of rows")]
 pub(crate) fn switched_on(
     ticks: &Ticks,
@@ -83,17 +84,131 @@ pub(crate) fn switched_on(
             speed += command[tick];
             ways[tick + 1] = way;
         }
-        let pairs = rows
-            .clone()
-            .map(|row| (ways[ticks.of_row[row]], position[row] - rest));
-        let (along, square) = pairs
-            .clone()
-            .fold((0.0, 0.0), |(a, s), (w, x)| (a + w * x, s + w * w));
-        let factor = if square > 0.0 { along / square } else { 0.0 };
-        pairs.map(|(w, x)| (x - factor * w).powi(2)).sum::<f64>()
+        let points = rows.clone().map(|row| {
+            let tick = ticks.of_row[row];
+            let passed = tick.saturating_sub(on) as f64;
+            Point {
+                driven: ways[tick],
+                slowed: -passed * passed / 2.0 * step.signum(),
+                moved: position[row] - rest,
+            }
+        });
+        left_over(&points.collect::<Vec<_>>())
     };
     let candidates = (earliest..=ticks.of_row[moves]).map(|on| (left(on), on));
     candidates
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, on)| on)
+}
+
+/// A row of the first motion.
+struct Point {
+    /// Way by the command alone, if a unit of it gives a unit of acceleration.
+    driven: f64,
+    /// Way by a friction alone that gives a unit of acceleration against the step.
+    slowed: f64,
+    /// Way that was measured.
+    moved: f64,
+}
+
+/// Sum of squares that the best combination of both ways leaves of the measured one; a friction only slows.
+fn left_over(points: &[Point]) -> f64 {
+    let sum = |term: &dyn Fn(&Point) -> f64| points.iter().map(term).sum::<f64>();
+    let (dd, ss, ds) = (
+        sum(&|p| p.driven * p.driven),
+        sum(&|p| p.slowed * p.slowed),
+        sum(&|p| p.driven * p.slowed),
+    );
+    let (dm, sm) = (sum(&|p| p.driven * p.moved), sum(&|p| p.slowed * p.moved));
+    let determinant = dd * ss - ds * ds;
+    let alone = (if dd > 0.0 { dm / dd } else { 0.0 }, 0.0);
+    // Of ways that are alike the two are not told apart.
+    const ALIKE: f64 = 1e-9;
+    let (drive, friction) = if determinant > ALIKE * dd * ss {
+        let both = (
+            (dm * ss - sm * ds) / determinant,
+            (sm * dd - dm * ds) / determinant,
+        );
+        if both.1 > 0.0 { both } else { alone }
+    } else {
+        alone
+    };
+    sum(&|p| (p.moved - drive * p.driven - friction * p.slowed).powi(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Period of the loop, s; gain of its low-pass; tick at which it is switched on.
+    const TICK_S: f64 = 3.5e-4;
+    const GAIN: f64 = 0.22;
+    const ON: usize = 1003;
+
+    /// What a paddle with a dry friction shows of a step of 10 degrees: the filtered angle of each tick, deg.
+    fn seen(gains: Gains, friction_nm: f64) -> Vec<f64> {
+        const INERTIA: f64 = 5.8e-4;
+        const PARTS: i32 = 20;
+        let part_s = TICK_S / f64::from(PARTS);
+        let (mut x, mut v, mut filtered) = (0.0_f64, 0.0_f64, 0.0);
+        let mut seen = Vec::new();
+        for tick in 0..2600 {
+            let before = filtered;
+            filtered += GAIN * (x.to_degrees() - filtered);
+            seen.push(filtered);
+            let rate = (filtered - before) / TICK_S;
+            let asked = gains.kp * (10.0 - filtered) - gains.kd * rate;
+            let torque = if tick < ON {
+                0.0
+            } else {
+                15.0 * asked.clamp(-0.0323, 0.0323)
+            };
+            for _ in 0..PARTS {
+                let free = v + torque / INERTIA * part_s;
+                let slowed = friction_nm / INERTIA * part_s;
+                v = if free.abs() <= slowed {
+                    0.0
+                } else {
+                    free - slowed.copysign(free)
+                };
+                x += v * part_s;
+            }
+        }
+        seen
+    }
+
+    #[test]
+    fn a_switching_on_is_found_to_the_tick_whatever_the_friction() {
+        // Rows come two or three ticks apart.
+        let rows: Vec<usize> = (0..1000)
+            .scan(0, |at, k: usize| {
+                *at += 2 + usize::from(k % 4 != 0);
+                Some(*at)
+            })
+            .take_while(|tick| *tick < 2600)
+            .collect();
+        for (kp, kd) in [(0.01, 3e-4), (0.05, 3e-4), (0.05, 8e-4)] {
+            for friction_nm in [0.0, 0.005, 0.015] {
+                let gains = Gains {
+                    kp: kp / 15.0,
+                    ki: 0.0,
+                    kd: kd / 15.0,
+                };
+                let filtered = seen(gains, friction_nm);
+                let time: Vec<f64> = rows.iter().map(|tick| *tick as f64 * TICK_S).collect();
+                let logged: Vec<f64> = rows.iter().map(|tick| filtered[*tick]).collect();
+                let ticks = Ticks::of(&time, TICK_S);
+                let position = ticks.without_low_pass(&logged, GAIN);
+                let between = ticks.between(&logged);
+                let setpoint = vec![10.0; between.len()];
+                let command = |on| command(&between, &setpoint, gains, Some(0.0323), TICK_S, on);
+                let found = switched_on(&ticks, &position, command).map(|on| on + rows[0]);
+                assert_eq!(
+                    found,
+                    Some(ON),
+                    "kp {kp}, kd {kd}, friction {friction_nm} N m"
+                );
+            }
+        }
+    }
 }

@@ -48,12 +48,11 @@ pub(crate) struct Number {
 }
 
 impl Known {
-    /// What is said where no number of the model is stated; `None` where one is.
+    /// What is said where the inertia does not follow, so that no model is stated; `None` where it does.
     pub fn unstated_warning(&self) -> Option<String> {
-        let is_stated =
-            self.motor != Motor::default() || self.mass_kg.is_some() || !self.numbers.is_empty();
-        (!is_stated).then(|| {
-            "no number of the model is stated, so the gap will be that of a model which is estimated from this log, not that of your simulation; state what it uses by --model, or in recording.toml".into()
+        let numbers = self.numbers("").unwrap_or_default();
+        (!numbers.contains_key("inertia")).then(|| {
+            "the model's inertia is not stated, so the gap will be that of a model which is estimated from this log, not that of your simulation; state what it uses by --model, or in recording.toml".into()
         })
     }
 

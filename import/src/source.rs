@@ -1,18 +1,14 @@
 //! A log with what its columns are, told by the recipe or guessed.
 
-use crate::assemble::Imported;
 use crate::clock;
 use crate::counter;
 use crate::error::ImportError;
 use crate::guess;
 use crate::log::{Column, Log};
 use crate::recipe::Recipe;
-use crate::runs::{Span, spans};
 use crate::sensor;
 use crate::signal::{Choice, numbers};
-use crate::stretch::{Columns, LEAST_ROWS, Stretch};
 use crate::unit::{self, Quantity};
-use recording::Units;
 use std::f64::consts::TAU;
 
 /// Spans around which angles and counters wrap when nobody says: of angles in rad, deg and turns, and of registers.
@@ -239,171 +235,8 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// Adds the log's runs.
-    pub fn add_to(mut self, imported: &mut Imported) -> Result<(), ImportError> {
-        let quantity = self.position_quantity()?;
-        let (input_si, input_unit) = self.input_unit()?;
-        let mut position = self.readings()?;
-        let reading = self.wrapped(&mut position, quantity.counts);
-        self.roles
-            .push(format!("position  {}", quantity.said(&self, &reading)));
-        let input = match &self.input {
-            Some(choice) => {
-                let mut values = choice.values(self.log)?;
-                if let Some(bit) = self.recipe.input_sign_bit {
-                    counter::sign_magnitude(&mut values, bit);
-                }
-                if let Some(bits) = self.recipe.input_bits {
-                    counter::twos_complement(&mut values, bits);
-                }
-                let tick = match (choice, self.recipe.tick_s) {
-                    (Choice::Formula { .. }, Some(tick_s)) => {
-                        format!(", mean over ticks of {} ms", 1e3 * tick_s)
-                    }
-                    _ => String::new(),
-                };
-                self.roles.push(format!(
-                    "input     `{}` in {}{tick}",
-                    choice.name(),
-                    shown(&input_unit)
-                ));
-                Some(values)
-            }
-            None => {
-                self.roles.push(format!(
-                    "input     the PID law on the logged position, in {}",
-                    shown(&input_unit)
-                ));
-                None
-            }
-        };
-        let setpoint = self
-            .setpoint
-            .as_ref()
-            .map(|choice| choice.values(self.log))
-            .transpose()?;
-        if let Some(choice) = &self.setpoint {
-            self.roles.push(format!("setpoint  `{}`", choice.name()));
-        }
-        let live = |values: &[f64]| {
-            let mut filled = values.iter().filter(|value| !value.is_nan());
-            filled
-                .next()
-                .is_some_and(|first| filled.any(|value| value != first))
-        };
-        if !live(&position) {
-            return Err(ImportError::Frozen {
-                log: self.log.name.clone(),
-                column: self.position.name().to_owned(),
-                value: position
-                    .iter()
-                    .copied()
-                    .find(|x| !x.is_nan())
-                    .unwrap_or(f64::NAN),
-                live: self.log.live_names(),
-            });
-        }
-        if let (Some(values), Some(choice)) = (&input, &self.input)
-            && !live(values)
-        {
-            self.notes.push(format!(
-                "{}: the input `{}` is the same in every row, so it says nothing about the actuator; live columns: {}",
-                self.log.name, choice.name(), self.log.live_names()
-            ));
-        }
-        let spans = spans(&self.seconds, self.split_by, self.recipe.split_gap_s);
-        let several = spans.len() > 1;
-        let mut too_short = 0;
-        let begin_s = spans.first().map_or(0.0, |span| self.seconds[span.rows[0]]);
-        let mut any = false;
-        let columns = Columns {
-            position: &position,
-            input: input.as_deref(),
-            setpoint: setpoint.as_deref(),
-        };
-        for (place, span) in spans.iter().enumerate() {
-            let file = self.file(span, place, several, imported);
-            let stretch = Stretch {
-                source: &self,
-                columns: &columns,
-                quantity: &quantity,
-                input_si,
-                begin_s,
-            };
-            match stretch.run(span, file)? {
-                Some(run) => {
-                    any = true;
-                    imported.recording.runs.push(run);
-                }
-                None => too_short += 1,
-            }
-        }
-        if too_short > 0 {
-            self.notes.push(format!(
-                "{}: {too_short} stretches of fewer than {LEAST_ROWS} rows are left out",
-                self.log.name
-            ));
-        }
-        if !any {
-            return Err(ImportError::NothingLeft {
-                log: self.log.name.clone(),
-                rows: LEAST_ROWS,
-                mend: "check --time and its unit, --split-gap and --keep",
-            });
-        }
-        imported.recording.units = Units {
-            position: quantity.unit.to_owned(),
-            input: input_unit,
-        };
-        if imported.roles.is_empty() {
-            imported.roles = self.roles;
-        } else if imported.roles != self.roles {
-            let roles = self.roles.join("; ");
-            self.notes
-                .push(format!("{}: other columns: {roles}", self.log.name));
-        }
-        imported.notes.extend(self.notes);
-        imported.is_guessed |= self.is_guessed;
-        imported.is_integrated |= self.is_velocity;
-        imported.position_si = quantity.si;
-        imported.counts |= quantity.counts.is_some();
-        Ok(())
-    }
-
-    /// The name of a run's file, which no other has.
-    fn file(&self, span: &Span, place: usize, several: bool, imported: &Imported) -> String {
-        let plain = |text: &str| -> String {
-            let kept = |c: char| {
-                if c.is_alphanumeric() || "-_.".contains(c) {
-                    c
-                } else {
-                    '_'
-                }
-            };
-            text.chars().map(kept).collect()
-        };
-        let stem = match (&span.label, several) {
-            (Some(label), true) => format!("{}-{}", plain(&self.log.name), plain(label)),
-            (None, true) => format!("{}-{}", plain(&self.log.name), place + 1),
-            _ => plain(&self.log.name),
-        };
-        let stem = if stem.trim_matches(['.', '_']).is_empty() {
-            "run".to_owned()
-        } else {
-            stem
-        };
-        let is_free = |file: &String| imported.recording.runs.iter().all(|run| run.file != *file);
-        let mut numbered = (2..).map(|number| format!("{stem}-{number}.csv"));
-        let first = format!("{stem}.csv");
-        if is_free(&first) {
-            first
-        } else {
-            numbered.find(is_free).unwrap_or(first)
-        }
-    }
-
     /// What the position is in, and what one of it is in the recording.
-    fn position_quantity(&self) -> Result<Reading, ImportError> {
+    pub fn position_quantity(&self) -> Result<Reading, ImportError> {
         let unit = self.position.unit();
         let wrong = |role: &'static str, examples: &'static str| ImportError::Unit {
             unit: unit.unwrap_or_default().to_owned(),
@@ -480,7 +313,7 @@ impl<'a> Source<'a> {
     }
 
     /// What one of the input is in the recording, and the unit there.
-    fn input_unit(&self) -> Result<(f64, String), ImportError> {
+    pub fn input_unit(&self) -> Result<(f64, String), ImportError> {
         let Some(choice) = &self.input else {
             return Ok((1.0, "N m".into()));
         };
@@ -512,7 +345,7 @@ impl<'a> Source<'a> {
     }
 
     /// The position's cells as numbers, in the logged unit.
-    fn readings(&self) -> Result<Vec<f64>, ImportError> {
+    pub fn readings(&self) -> Result<Vec<f64>, ImportError> {
         let mut readings = self.position.values(self.log)?;
         if let Some(bit) = self.recipe.position_sign_bit {
             counter::sign_magnitude(&mut readings, bit);
@@ -521,7 +354,7 @@ impl<'a> Source<'a> {
     }
 
     /// Undoes wrap-around; says what was done.
-    fn wrapped(&self, readings: &mut [f64], counts: Option<f64>) -> String {
+    pub fn wrapped(&self, readings: &mut [f64], counts: Option<f64>) -> String {
         if self.is_velocity {
             return String::new();
         }
@@ -564,7 +397,7 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    fn said(&self, source: &Source, wraps: &str) -> String {
+    pub fn said(&self, source: &Source, wraps: &str) -> String {
         let name = source.position.name();
         let from = match (&self.logged, source.is_velocity) {
             (None, false) => format!("`{name}`, taken as {}", self.unit),
@@ -605,7 +438,7 @@ fn unit_of_name(choice: &Choice) -> &'static str {
     told.unwrap_or(if name == "input" { "N m" } else { "1" })
 }
 
-fn shown(unit: &str) -> &str {
+pub(crate) fn shown(unit: &str) -> &str {
     match unit {
         "1" => "units of its own",
         unit => unit,

@@ -95,7 +95,16 @@ fn a_log_is_one_command_from_its_verdict_and_two_from_a_simulator() {
         said.contains("Encoder Angle") && said.contains("from deg to rad"),
         "{said}"
     );
-    folder.said("gap diagnose swing --json d.json --save-model whole.toml");
+    assert!(!said.contains("inertia is not stated"), "{said}");
+    let unknown = folder.said(&format!("gap import {name} --out unknown"));
+    assert!(unknown.contains("inertia is not stated"), "{unknown}");
+    let said = folder.said(
+        "gap diagnose swing --json d.json --save-model whole.toml --export mjcf=own.xml --export python",
+    );
+    assert!(
+        said.contains("model for mjcf in own.xml") && said.contains("corrected.py"),
+        "{said}"
+    );
     let text = std::fs::read_to_string(folder.0.join("d.json")).expect("a diagnosis");
     let diagnosis: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(diagnosis["effects"][0]["name"], "coulomb", "{text}");
@@ -130,7 +139,45 @@ fn a_log_is_one_command_from_its_verdict_and_two_from_a_simulator() {
             std::fs::read_to_string(folder.0.join(format!("model.{format}"))).expect("a model");
         assert!(text.contains("whole"), "{format}: {text}");
     }
+    // Both ways to the same model; the name at its head is the recording's title, or the file's.
+    for (own, saved, [title, stem]) in [
+        ("own.xml", "model.mjcf", ["log", "whole"]),
+        ("corrected.py", "model.python", ["log", "whole"]),
+    ] {
+        let read = |name: &str| std::fs::read_to_string(folder.0.join(name)).expect("a model");
+        assert_eq!(read(own), read(saved).replace(stem, title), "{own}");
+    }
     agrees_in_python(&folder, whole);
+}
+
+#[test]
+fn an_export_that_cannot_be_made_is_refused_before_the_work() {
+    let folder = Folder::new("refused");
+    let name = folder.put("log.csv", &log(1.5, 4e-3));
+    folder.said(&format!("gap import {name} --out swing {}", known()));
+    let refused = |words: &str, said: &str| {
+        let output = folder.paddle(words);
+        let err = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{words}: {err}");
+        assert!(
+            err.contains(said) && err.trim().lines().count() == 1,
+            "{words}: {err}"
+        );
+    };
+    refused("gap diagnose swing --export sdf", "simulink-m");
+    refused("gap diagnose swing --export mjcf=nowhere/a.xml", "nowhere");
+    refused(
+        "gap diagnose swing --export mjcf=a --export urdf=a",
+        "names the same",
+    );
+    let manifest = folder.0.join("swing/recording.toml");
+    let text = std::fs::read_to_string(&manifest).expect("a manifest");
+    let degrees = text.replace("position = \"rad\"", "position = \"deg\"");
+    std::fs::write(&manifest, degrees).expect("written");
+    refused(
+        "gap diagnose swing --export mjcf",
+        "neither in rad nor in m",
+    );
 }
 
 /// Runs the exported Python module over the recording, restarted as little as once: it must stay near the paddle.
@@ -227,11 +274,12 @@ fn a_manifest_is_written_for_files_that_are_in_the_format() {
     );
     let manifest =
         std::fs::read_to_string(folder.0.join("swing/recording.toml")).expect("a manifest");
-    let ratio = 15.0 * 0.0538 / 10.6;
-    assert!(
-        manifest.contains(&format!("ratio = {ratio:?}")) && manifest.contains("back-EMF"),
-        "{manifest}"
-    );
+    for line in ["[motor]", "kt = 0.0538", "resistance = 10.6", "gear = 15.0"] {
+        assert!(manifest.contains(line), "{line}: {manifest}");
+    }
+    assert!(!manifest.contains("\nratio = "), "{manifest}");
+    let measured = folder.said("gap measure swing");
+    assert!(measured.contains("gap "), "{measured}");
     let again = folder.paddle("gap init swing");
     assert!(
         String::from_utf8_lossy(&again.stderr).contains("--force"),

@@ -1,6 +1,6 @@
 //! `paddle experiment`: record, diagnose, and record what the diagnosis asks for.
 
-use super::gap::{diagnose, read, results};
+use super::gap::{diagnose, results, usable};
 use super::record::{self, Nominal};
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -152,7 +152,7 @@ impl Course<'_> {
             let folder = self.arguments.recording();
             record::leave(&self.recorder, self.rig, &folder)?;
             progress::within("diagnosis");
-            let recording = read(&folder)?;
+            let recording = usable::read(&folder)?;
             let outcome = gap::diagnose(&recording, &diagnose::options(&[])?);
             let line = summary(
                 &outcome.diagnosis,

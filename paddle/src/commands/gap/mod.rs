@@ -13,7 +13,7 @@ pub mod measure;
 mod own_effects;
 pub mod results;
 mod simulator;
-mod usable;
+pub mod usable;
 
 use crate::answer::Answer;
 use crate::failure::Failure;

@@ -18,7 +18,6 @@ import tempfile
 
 import mujoco_gap
 
-# With an amplitude of the motion in degrees where the usual one does not show the effect.
 EFFECTS = {
     "coulomb": None,
     "asymmetric_coulomb": None,
@@ -27,17 +26,21 @@ EFFECTS = {
     "inertia": None,
     "gravity": None,
     "spring": None,
-    "end_stop": None,
-    "backlash": None,
+    "end_stop": {"lower": -0.12, "upper": 0.12},
+    "backlash": {"damping": 0.05},
     "compliance": None,
     "torque_gain": None,
     "torque_offset": None,
     "lag": None,
     "delay": None,
-    "saturation": None,
+    "saturation": {"limit": 0.003},
     "sensor_gain": None,
 }
-"""Effects that MJCF has, each with what is set beside its defaults."""
+"""Effects that MJCF has, each with what is set beside its defaults so that the effect shows. With little damping the two sides
+of a play bounce, and where they are at the next restart is chance."""
+
+mujoco_gap.SUBSTEP_S = 5e-5
+"""A whole number of steps makes the rows and the delay here, so that no rounding of the delay is measured."""
 
 WITHIN = 0.1
 """Largest relative difference of the two gaps."""
@@ -45,8 +48,7 @@ WITHIN = 0.1
 
 def numbers(text):
     """The lines of `[model]` of a manifest."""
-    lines = text.split("[model]\n", 1)[1].split("\n\n", 1)[0]
-    return lines
+    return text.split("[model]\n", 1)[1].split("\n\n", 1)[0]
 
 
 def parameters(paddle):

@@ -12,9 +12,9 @@ const TIMESTEP_S: f64 = 1e-4;
 /// Share of an inertia that the body has as such, so that none is without.
 const BODY_SHARE: f64 = 1e-3;
 
-/// A dry friction that stops within one step: MuJoCo's friction slows by the rate 2 over the time constant, here 1 over the
-/// step. MuJoCo itself takes no time constant below two steps, so that it stays stable with a longer one.
-const FRICTION: &str = "solreffriction=\"0.0002 1\" solimpfriction=\"0.9999 0.9999 0.001 0.5 2\"";
+/// A dry friction that stops what moves within one step: MuJoCo's slows at the rate 2 over the time constant, and takes none
+/// below two steps, so that this one stands for two steps of any length.
+const FRICTION: &str = "solreffriction=\"2e-05 1\" solimpfriction=\"0.9999 0.9999 0.001 0.5 2\"";
 /// Where there is no stop, in units of position.
 const FAR: f64 = 1e6;
 

@@ -1,6 +1,7 @@
 //! Exports as their readers see them.
 
 use export::{Exported, Format, Model, Part, exported, parts};
+use haptic_paddle::settings::Settings;
 use host_sim::device::Device;
 use host_sim::effects::{Effect, KINDS};
 
@@ -128,4 +129,27 @@ fn a_format_is_known_by_its_name_alone() {
         unknown.contains("`sdf`") && unknown.contains("simulink-m"),
         "{unknown}"
     );
+}
+
+#[test]
+fn every_line_for_the_console_is_taken_by_the_control_core() {
+    for effects in [&[][..], &["asymmetric_coulomb"], &["stribeck", "viscous"]] {
+        let Exported { text, .. } = exported(&with(effects), Format::Console);
+        let mut settings = Settings::default();
+        let lines = text.lines().filter(|line| !line.starts_with('#'));
+        for line in lines {
+            let words: Vec<&str> = line.split(' ').collect();
+            let ["set", name, value] = words[..] else {
+                panic!("{line}");
+            };
+            settings
+                .set(name, value)
+                .unwrap_or_else(|error| panic!("{line}: {error}"));
+        }
+        let compensation = &settings.compensation;
+        assert!(
+            compensation.dry && compensation.viscous && compensation.gravity,
+            "{text}"
+        );
+    }
 }

@@ -2,6 +2,7 @@
 
 mod firmware;
 mod image;
+mod python;
 mod stack;
 mod test;
 

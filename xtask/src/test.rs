@@ -12,9 +12,17 @@ const MAY_SKIP: &[(&str, &str)] = &[
         "python_formats",
         "Python with the packages that write the formats of other programs",
     ),
+    ("python_package", "Python with numpy and maturin"),
+    ("mujoco", "Python with numpy and mujoco"),
 ];
 
-/// Formatting, lints, the firmware image and all tests, in this order; the first failure ends it.
+/// Says that a check of [`MAY_SKIP`] does not run.
+pub fn say_skipped(name: &str, why: &str) {
+    debug_assert!(MAY_SKIP.iter().any(|(stated, _)| *stated == name), "{name}");
+    println!("skipped: {name}: {why}");
+}
+
+/// Formatting, lints, the firmware image, all tests and what is in Python, in this order; the first failure ends it.
 pub fn run() -> Result<(), Failure> {
     crate::run(&mut cargo(&["fmt", "--all", "--check"]))?;
     crate::run(&mut cargo(&[
@@ -27,7 +35,8 @@ pub fn run() -> Result<(), Failure> {
         "warnings",
     ]))?;
     crate::firmware::check()?;
-    host_tests()
+    host_tests()?;
+    crate::python::checks()
 }
 
 /// All tests of all crates, doc tests too, with the output of passing ones read for skips.

@@ -238,6 +238,40 @@ with open(path, 'wb') as f:
     }
 }
 
+#[cfg(feature = "mcap")]
+#[test]
+fn messages_of_other_kinds_are_refused_in_one_line_that_names_the_mend() {
+    for (encoding, schema) in [
+        ("ros1", "ros1msg"),
+        ("protobuf", "protobuf"),
+        ("json", "jsonschema"),
+    ] {
+        let script = format!(
+            "
+from mcap.writer import Writer
+with open(path, 'wb') as f:
+    w = Writer(f); w.start()
+    s = w.register_schema('sensor_msgs/JointState', '{schema}', b'x')
+    c = w.register_channel('/joint_states', '{encoding}', s)
+    for i in range(400): w.add_message(c, i, bytes(16), i)
+    w.finish()
+"
+        );
+        if let Some(path) = written("mcap", "mcap", &format!("{encoding}.mcap"), &script) {
+            let error = read_log(&path).expect_err(encoding).to_string();
+            assert!(!error.contains('\n'), "{error}");
+            for said in [
+                "/joint_states",
+                encoding,
+                "ros2msg",
+                "export it anew, or as CSV",
+            ] {
+                assert!(error.contains(said), "{said}: {error}");
+            }
+        }
+    }
+}
+
 #[cfg(not(feature = "numpy"))]
 #[test]
 fn a_format_that_is_not_built_in_is_named_with_its_feature() {

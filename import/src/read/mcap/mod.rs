@@ -1,4 +1,4 @@
-//! MCAP: messages of ROS 2 (CDR, described by their `.msg` text) and JSON.
+//! MCAP: messages of ROS 2, in CDR and described by their `.msg` text.
 
 mod definition;
 mod message;
@@ -23,9 +23,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
                 (Some(schema), "cdr") if schema.encoding == "ros2msg" => {
                     Definitions::parse(&schema.name, &schema.data)
                 }
-                (_, other) => Err(format!(
-                    "its messages are {other}, not CDR with a ros2msg schema"
-                )),
+                (schema, other) => {
+                    let schema = schema.as_ref().map_or("no", |schema| &schema.encoding);
+                    Err(format!(
+                        "its messages are {other} with {schema} schema, where only cdr with ros2msg is read"
+                    ))
+                }
             }
         });
         let message = definitions
@@ -51,6 +54,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
             stamp_ns.filter(|stamp| *stamp > 0).unwrap_or(logged_ns),
             cells.collect(),
         ));
+    }
+    if rows.is_empty() {
+        return Err(match left_out.first_key_value() {
+            Some((topic, why)) => {
+                format!("no topic can be read; {topic}: {why}, as ROS 2 records")
+            }
+            None => "there are no messages in it".into(),
+        });
     }
     rows.sort_by_key(|(at, _)| *at);
     let mut columns = vec![vec![f64::NAN; rows.len()]; names.len()];

@@ -3,6 +3,8 @@
 mod answer;
 mod commands;
 mod device_file;
+#[cfg(test)]
+mod documented;
 mod failure;
 mod files;
 mod interrupt;

@@ -1,5 +1,6 @@
 //! Chores of this repository: `cargo xtask test` is the one gate in front of every change.
 
+mod docs_test;
 mod firmware;
 mod image;
 mod python;
@@ -20,6 +21,8 @@ Commands:
   size    Build the firmware image, check it, and print what it takes of flash, RAM and stack
   flash   Build the firmware image, flash it through probe-rs, and show its log
   target  Make the firmware's target available to the active toolchain
+  docs-test [PART...]
+          Run every command of README and docs in a clean checkout, or those of the pages whose paths contain a PART
 
 Options:
   -h, --help  Print this help
@@ -36,6 +39,9 @@ fn main() -> ExitCode {
         ["size"] => firmware::size(),
         ["flash"] => firmware::flash(),
         ["target"] => ensure(say).map_err(Failure::from),
+        ["docs-test", parts @ ..] if !parts.iter().any(|part| part.starts_with('-')) => {
+            docs_test::run(parts)
+        }
         ["-h" | "--help" | "help"] | [_, "-h" | "--help"] => {
             print!("{HELP}");
             return ExitCode::SUCCESS;
@@ -73,7 +79,9 @@ enum Failure {
         .0.join(", ")
     )]
     Skipped(Vec<String>),
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("these commands of the documentation failed: {}", .0.join(", "))]
+    Documented(Vec<String>),
+    #[error("cannot read or write {}: {source}", path.display())]
     File {
         path: std::path::PathBuf,
         source: std::io::Error,
@@ -84,6 +92,24 @@ enum Failure {
     Target(#[from] TargetError),
 }
 
+impl Failure {
+    /// Of a file.
+    fn file(path: &Path, source: std::io::Error) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// Of a command that cannot be run.
+    fn spawn(command: &Command, source: std::io::Error) -> Self {
+        Self::Spawn {
+            command: shown(command),
+            source,
+        }
+    }
+}
+
 /// Says what is being done.
 fn say(line: &str) {
     println!("{line}");
@@ -91,15 +117,23 @@ fn say(line: &str) {
 
 /// Runs a command to its end with its output shown.
 fn run(command: &mut Command) -> Result<(), Failure> {
-    let status = command.status().map_err(|source| Failure::Spawn {
-        command: shown(command),
-        source,
-    })?;
+    let status = command.status();
+    let status = status.map_err(|source| Failure::spawn(command, source))?;
     if status.success() {
         Ok(())
     } else {
         Err(Failure::Step(shown(command)))
     }
+}
+
+/// What a command prints; what it says of errors is shown.
+fn output(command: &mut Command) -> Result<String, Failure> {
+    let output = command.stderr(std::process::Stdio::inherit()).output();
+    let output = output.map_err(|source| Failure::spawn(command, source))?;
+    if !output.status.success() {
+        return Err(Failure::Step(shown(command)));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// A command as a person would type it.

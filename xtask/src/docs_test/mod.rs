@@ -1,0 +1,122 @@
+//! `cargo xtask docs-test`: runs every command of README and docs in a clean checkout.
+
+mod checkout;
+mod page;
+mod shell;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use crate::Failure;
+use checkout::Checkout;
+use page::Step;
+use shell::{Shell, target_folder};
+
+/// Lines of a failed command's output that are shown.
+const LINES_SHOWN: usize = 15;
+
+/// Runs the commands of all pages, or of those whose paths contain one of `parts`.
+pub fn run(parts: &[&str]) -> Result<(), Failure> {
+    let folder = target_folder().join("docs-test");
+    let checkout = Checkout::new(folder.join("checkout"))?;
+    // Cargo tells packages apart by their place within their workspace: two checkouts must not share what they built.
+    let target = folder.join("target");
+    fs::create_dir_all(&target).map_err(|e| Failure::file(&target, e))?;
+    checkout.clean()?;
+    // Pages call the program by its name, as after an installation.
+    crate::run(
+        Command::new("cargo")
+            .args(["build", "--quiet", "--release", "--package", "paddle"])
+            .current_dir(checkout.folder())
+            .env("CARGO_TARGET_DIR", &target),
+    )?;
+    let mut failed = Vec::new();
+    for page in pages()? {
+        let name = page.display().to_string();
+        if parts.is_empty() || parts.iter().any(|part| name.contains(part)) {
+            failed.extend(run_page(&page, &checkout, &target)?);
+        }
+    }
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::Documented(failed))
+    }
+}
+
+/// The pages, relative to the root: first those that a newcomer reads.
+fn pages() -> Result<Vec<PathBuf>, Failure> {
+    let mut pages = Vec::new();
+    for folder in ["docs", "docs/effects"] {
+        let path = firmware_build::root().join(folder);
+        let Ok(entries) = fs::read_dir(&path) else {
+            continue;
+        };
+        for entry in entries {
+            let name = entry.map_err(|e| Failure::file(&path, e))?.file_name();
+            let page = Path::new(folder).join(name);
+            if page.extension().is_some_and(|extension| extension == "md") {
+                pages.push(page);
+            }
+        }
+    }
+    pages.sort();
+    let first = ["README.md", "CONTRIBUTING.md"].map(PathBuf::from);
+    Ok(first.into_iter().chain(pages).collect())
+}
+
+/// Runs the commands of a page; those that failed, each with its page and line.
+fn run_page(page: &Path, checkout: &Checkout, target: &Path) -> Result<Vec<String>, Failure> {
+    let path = firmware_build::root().join(page);
+    let markdown = fs::read_to_string(&path).map_err(|e| Failure::file(&path, e))?;
+    let name = page.display();
+    let steps = match page::steps(&markdown) {
+        Ok(steps) => steps,
+        Err(error) => {
+            println!("FAILED {name}: {error}");
+            return Ok(vec![format!("{name}: {error}")]);
+        }
+    };
+    if steps.is_empty() {
+        return Ok(Vec::new());
+    }
+    checkout.clean()?;
+    let mut shell = Shell::new(checkout.folder(), target);
+    let mut failed = Vec::new();
+    for step in steps {
+        match step {
+            Step::Skip {
+                line,
+                command,
+                reason,
+            } => println!("skipped: {name}:{line} {command}: {reason}"),
+            Step::File { name, content } => write(&checkout.folder().join(name), &content)?,
+            Step::Run { line, command } => {
+                let begun = Instant::now();
+                let outcome = shell.run(&command)?;
+                let seconds = begun.elapsed().as_secs_f64();
+                match outcome {
+                    Ok(()) => println!("ok {name}:{line} {command} ({seconds:.1} s)"),
+                    Err(trouble) => {
+                        println!("FAILED {name}:{line} {command}: {}", trouble.outcome);
+                        let lines: Vec<_> = trouble.printed.lines().collect();
+                        for line in &lines[lines.len().saturating_sub(LINES_SHOWN)..] {
+                            println!("    {line}");
+                        }
+                        failed.push(format!("{name}:{line}"));
+                    }
+                }
+            }
+        }
+    }
+    Ok(failed)
+}
+
+fn write(path: &Path, content: &str) -> Result<(), Failure> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;
+    }
+    fs::write(path, content).map_err(|e| Failure::file(path, e))
+}

@@ -1,0 +1,217 @@
+//! Runs the commands of a page, and keeps a virtual board running beside them.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::Failure;
+
+/// Longest that a command may take; the first one builds the program.
+const LONGEST: Duration = Duration::from_secs(30 * 60);
+/// How often a running command is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+/// What a virtual board says in front of its serial port.
+const PORT: &str = "serial port: ";
+/// Ports that the pages name; a running virtual board stands in for them.
+const PORTS_NAMED: [&str; 2] = ["/dev/ttyUSB0", "/dev/pts/3"];
+
+/// A shell for the commands of one page.
+pub struct Shell<'a> {
+    folder: &'a Path,
+    target: &'a Path,
+    board: Option<Board>,
+}
+
+/// A command that did not succeed.
+#[derive(Debug)]
+pub struct Trouble {
+    /// What became of it, such as its exit status.
+    pub outcome: String,
+    /// What it printed.
+    pub printed: String,
+}
+
+impl<'a> Shell<'a> {
+    /// Whose commands run in `folder`, with cargo's results in `target`.
+    pub fn new(folder: &'a Path, target: &'a Path) -> Self {
+        Self {
+            folder,
+            target,
+            board: None,
+        }
+    }
+
+    /// Runs a command to its end. A virtual board that runs until Ctrl-C goes on beside the next ones, on the port that they name.
+    ///
+    /// # Errors
+    /// [`Failure`] if no shell can be started.
+    pub fn run(&mut self, command: &str) -> Result<Result<(), Trouble>, Failure> {
+        let mut line = command.to_owned();
+        if let Some(board) = &self.board {
+            for named in PORTS_NAMED {
+                line = line.replace(named, &board.port);
+            }
+        }
+        if runs_until_interrupted(command) {
+            self.board = None;
+            let board = Board::start(self.shell(&line), command)?;
+            return Ok(board.map(|board| self.board = Some(board)));
+        }
+        self.finish(&line)
+    }
+
+    fn finish(&self, line: &str) -> Result<Result<(), Trouble>, Failure> {
+        let log = self.target.join("docs-test.log");
+        let open = || File::create(&log).map_err(|e| Failure::file(&log, e));
+        let file = open()?;
+        let also = file.try_clone().map_err(|e| Failure::file(&log, e))?;
+        let mut shell = self.shell(line);
+        let spawned = shell.stdout(file).stderr(also).spawn();
+        let mut child = Group(spawned.map_err(|source| Failure::spawn(&shell, source))?);
+        let begun = Instant::now();
+        let status = loop {
+            let status = child.0.try_wait();
+            match status.map_err(|source| Failure::spawn(&shell, source))? {
+                Some(status) => break Some(status),
+                None if begun.elapsed() > LONGEST => break None,
+                None => thread::sleep(LOOK),
+            }
+        };
+        if status.is_some_and(|status| status.success()) {
+            return Ok(Ok(()));
+        }
+        let printed = fs::read(&log).unwrap_or_default();
+        Ok(Err(Trouble {
+            outcome: status.map_or("takes too long".to_owned(), |status| status.to_string()),
+            printed: String::from_utf8_lossy(&printed).into_owned(),
+        }))
+    }
+
+    /// A shell in a process group of its own, with the built program on its path.
+    fn shell(&self, line: &str) -> Command {
+        let before = std::env::var_os("PATH").unwrap_or_default();
+        let built = self.target.join("release");
+        let folders = std::iter::once(built).chain(std::env::split_paths(&before));
+        let mut shell = Command::new("sh");
+        shell
+            .args(["-c", line])
+            .current_dir(self.folder)
+            .env("CARGO_TARGET_DIR", self.target)
+            .stdin(Stdio::null())
+            .process_group(0);
+        if let Ok(path) = std::env::join_paths(folders) {
+            shell.env("PATH", path);
+        }
+        shell
+    }
+}
+
+/// True of a virtual board that only Ctrl-C ends.
+fn runs_until_interrupted(command: &str) -> bool {
+    let command = command.strip_prefix("cargo ").unwrap_or(command);
+    command.starts_with("paddle board") && !command.contains("--seconds")
+}
+
+/// A process with all that it started, which ends with this.
+struct Group(Child);
+
+impl Drop for Group {
+    fn drop(&mut self) {
+        if matches!(self.0.try_wait(), Ok(Some(_))) {
+            return;
+        }
+        let group = format!("-{}", self.0.id());
+        // A group that has ended meanwhile needs no signal.
+        let _ = Command::new("kill").args(["-INT", "--", &group]).status();
+        let _ = self.0.wait();
+    }
+}
+
+/// A virtual board that runs.
+struct Board {
+    port: String,
+    _process: Group,
+}
+
+impl Board {
+    /// Waits until it has said its port.
+    fn start(mut shell: Command, command: &str) -> Result<Result<Self, Trouble>, Failure> {
+        let spawned = shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        let mut process = Group(spawned.map_err(|source| Failure::spawn(&shell, source))?);
+        let (said, hears) = mpsc::channel();
+        let streams = [
+            process
+                .0
+                .stdout
+                .take()
+                .map(|s| Box::new(s) as Box<dyn Read + Send>),
+            process
+                .0
+                .stderr
+                .take()
+                .map(|s| Box::new(s) as Box<dyn Read + Send>),
+        ];
+        for stream in streams.into_iter().flatten() {
+            let said = said.clone();
+            // Reads on to the end, so that the board never waits for a reader.
+            thread::spawn(move || {
+                for line in BufReader::new(stream).lines().map_while(Result::ok) {
+                    let _ = said.send(line);
+                }
+            });
+        }
+        drop(said);
+        let mut printed = String::new();
+        while let Ok(line) = hears.recv_timeout(LONGEST) {
+            if let Some(port) = line.strip_prefix(PORT) {
+                return Ok(Ok(Self {
+                    port: port.trim().to_owned(),
+                    _process: process,
+                }));
+            }
+            printed.push_str(&line);
+            printed.push('\n');
+        }
+        Ok(Err(Trouble {
+            outcome: format!("`{command}` named no serial port"),
+            printed,
+        }))
+    }
+}
+
+/// Where cargo puts what it builds for this repository.
+pub fn target_folder() -> PathBuf {
+    let root = firmware_build::root();
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |f| root.join(f))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_board_without_an_end_goes_on() {
+        assert!(runs_until_interrupted("cargo paddle board --plant nominal"));
+        assert!(runs_until_interrupted("paddle board"));
+        assert!(!runs_until_interrupted("paddle board --seconds 7"));
+        assert!(!runs_until_interrupted("paddle demo --board"));
+    }
+
+    #[test]
+    fn what_a_failing_command_printed_is_told() {
+        let folder = std::env::temp_dir();
+        let mut shell = Shell::new(&folder, &folder);
+        let trouble = shell
+            .run("echo one; echo two >&2; exit 3")
+            .unwrap()
+            .unwrap_err();
+        assert!(trouble.outcome.contains('3'), "{}", trouble.outcome);
+        assert_eq!(trouble.printed, "one\ntwo\n");
+        assert!(shell.run("true").unwrap().is_ok());
+    }
+}

@@ -1,5 +1,6 @@
 //! How the firmware's image is built on a host: the compiler's target for it, the options, and where the image lies.
 
+mod remap;
 mod target;
 
 pub use target::{TargetError, ensure};
@@ -11,7 +12,7 @@ use std::process::Command;
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Options of cargo that select the firmware.
-pub const OPTIONS: [&str; 8] = [
+const OPTIONS: [&str; 8] = [
     "--package",
     "haptic-paddle",
     "--bin",
@@ -34,6 +35,14 @@ pub fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).current_dir(root());
     command
+}
+
+/// A call of cargo on the firmware, as in `build`. The image is the same from any folder and for any user: the compiler writes no
+/// path of this machine into it.
+pub fn firmware(command: &str) -> Command {
+    let mut cargo = cargo(&[command]);
+    cargo.args(OPTIONS).envs(remap::flags());
+    cargo
 }
 
 /// Where cargo puts the image.

@@ -5,6 +5,7 @@ mod commands;
 mod device_file;
 #[cfg(test)]
 mod documented;
+mod effect_page;
 mod failure;
 mod files;
 mod interrupt;

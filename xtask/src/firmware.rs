@@ -1,10 +1,12 @@
 //! The firmware image: built, checked, measured, flashed.
 
 use std::fs;
+use std::path::Path;
 
 use crate::image::{Image, ImageError};
-use crate::{Failure, cargo, ensure, run, say, stack};
-use firmware_build::{OPTIONS, image_path};
+use crate::{Failure, ensure, run, say, stack};
+use firmware_build::{firmware, image_path};
+use sha2::{Digest, Sha256};
 
 /// Interrupts that the app serves, in the order of their priorities, with their numbers (RM0090, vector table).
 const SERVED: [(usize, &str); 6] = [
@@ -25,9 +27,7 @@ const RAM_LIMIT_BYTES: u64 = 96 * 1024;
 /// Builds and checks the image, with its lints.
 pub fn check() -> Result<(), Failure> {
     ensure(say)?;
-    run(cargo(&["clippy", "--quiet"])
-        .args(OPTIONS)
-        .args(["--", "--deny", "warnings"]))?;
+    run(firmware("clippy").args(["--quiet", "--", "--deny", "warnings"]))?;
     println!("{}", measure()?);
     Ok(())
 }
@@ -42,17 +42,32 @@ pub fn size() -> Result<(), Failure> {
 /// Builds, flashes and runs the image, with its log.
 pub fn flash() -> Result<(), Failure> {
     ensure(say)?;
-    run(cargo(&["run"]).args(OPTIONS))
+    run(&mut firmware("run"))
+}
+
+/// Builds the image, and prints where it lies and what it is told by.
+pub fn image() -> Result<(), Failure> {
+    ensure(say)?;
+    run(firmware("build").arg("--quiet"))?;
+    let path = image_path();
+    println!("{}\nSHA-256 {}", path.display(), sha256(&bytes(&path)?));
+    Ok(())
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
+    fs::read(path).map_err(|source| Failure::file(path, source))
+}
+
+/// As `sha256sum` writes it.
+fn sha256(bytes: &[u8]) -> String {
+    let digest = Sha256::digest(bytes);
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Builds the image and says what it takes, once it is found sound.
 fn measure() -> Result<String, Failure> {
-    run(cargo(&["build", "--quiet"]).args(OPTIONS))?;
-    let path = image_path();
-    let bytes = fs::read(&path).map_err(|source| Failure::File {
-        path: path.clone(),
-        source,
-    })?;
+    run(firmware("build").arg("--quiet"))?;
+    let bytes = bytes(&image_path())?;
     let image = Image::read(&bytes)?;
     image.check_vectors(&SERVED)?;
     image.check_settings_are_spared()?;
@@ -77,7 +92,8 @@ fn measure() -> Result<String, Failure> {
     }
     Ok(format!(
         "firmware: flash {flash} of {FLASH_LIMIT_BYTES} bytes, RAM {} of {RAM_LIMIT_BYTES} bytes \
-         (variables {statics}, worst stack {stack})",
+         (variables {statics}, worst stack {stack})\nSHA-256 {}",
         statics + stack,
+        sha256(&bytes),
     ))
 }

@@ -1,6 +1,9 @@
 //! Chores of this repository: `cargo xtask test` is the one gate in front of every change.
 
+mod book;
 mod docs_test;
+mod documentation;
+mod figures;
 mod firmware;
 mod image;
 mod python;
@@ -18,11 +21,17 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   test    Formatting, clippy with warnings denied, every test of every crate, and the firmware image
+  image   Build the firmware image, as `cargo fw` does, and print its SHA-256
   size    Build the firmware image, check it, and print what it takes of flash, RAM and stack
   flash   Build the firmware image, flash it through probe-rs, and show its log
   target  Make the firmware's target available to the active toolchain
   docs-test [PART...]
           Run every command of README and docs in a clean checkout, or those of the pages whose paths contain a PART
+  figures [--check]
+          Measure what is the same on every machine, and write it into README and docs; or say which pages hold other figures
+  figures accuracy FILE...
+          Keep what `paddle gap blind --json` wrote, and write the tables of it
+  book    Build the documentation as a book, with mdbook
 
 Options:
   -h, --help  Print this help
@@ -36,12 +45,17 @@ fn main() -> ExitCode {
     let arguments: Vec<_> = arguments.iter().map(String::as_str).collect();
     let outcome = match arguments.as_slice() {
         ["test"] => test::run(),
+        ["image"] => firmware::image(),
         ["size"] => firmware::size(),
         ["flash"] => firmware::flash(),
         ["target"] => ensure(say).map_err(Failure::from),
         ["docs-test", parts @ ..] if !parts.iter().any(|part| part.starts_with('-')) => {
             docs_test::run(parts)
         }
+        ["figures"] => figures::write(),
+        ["figures", "--check"] => figures::check(),
+        ["figures", "accuracy", files @ ..] if !files.is_empty() => figures::keep_accuracy(files),
+        ["book"] => book::build(),
         ["-h" | "--help" | "help"] | [_, "-h" | "--help"] => {
             print!("{HELP}");
             return ExitCode::SUCCESS;
@@ -81,6 +95,19 @@ enum Failure {
     Skipped(Vec<String>),
     #[error("these commands of the documentation failed: {}", .0.join(", "))]
     Documented(Vec<String>),
+    #[error(
+        "these pages do not hold what is measured: {}; write it by `cargo xtask figures`",
+        .0.join(", ")
+    )]
+    OldFigures(Vec<String>),
+    #[error("{page}: {error}")]
+    Figures { page: String, error: String },
+    #[error("there are no figures called {0}")]
+    NoFigures(String),
+    #[error("{0}: this is not the JSON that is expected: {1}")]
+    Json(String, serde_json::Error),
+    #[error("mdbook is not installed; install it by `cargo install mdbook`")]
+    NoBook,
     #[error("cannot read or write {}: {source}", path.display())]
     File {
         path: std::path::PathBuf,

@@ -36,7 +36,9 @@ pub fn run() -> Result<(), Failure> {
     ]))?;
     crate::firmware::check()?;
     host_tests()?;
-    crate::python::checks()
+    crate::python::checks()?;
+    // With the command line that the tests have built.
+    crate::figures::check_built()
 }
 
 /// All tests of all crates, doc tests too, with the output of passing ones read for skips.

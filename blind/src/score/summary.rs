@@ -32,7 +32,6 @@ pub struct Row {
     /// On how many cases.
     pub cases: usize,
     /// Whether it is shown as a percentage.
-    #[serde(skip)]
     percent: bool,
 }
 

@@ -82,6 +82,10 @@ impl Identification for AsymmetricCoulomb {
         "dry friction that depends on the direction"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The step at a reversal is not centred on zero. A constant torque beside dry friction does the same while the joint slides; at rest they differ. Record some rest with no input."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "dry friction of {positive} against positive and {negative} against negative motion"
     }

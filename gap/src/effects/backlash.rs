@@ -104,6 +104,10 @@ impl Identification for Backlash {
         "backlash"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The load flies free for a moment after each reversal of the torque and then hits. A compliant transmission rings at one frequency and has no free way. Record slow reversals under load, with a sensor on either side if there is one."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "backlash of {play}"
     }

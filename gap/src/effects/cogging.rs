@@ -109,6 +109,10 @@ impl Identification for Cogging {
         "cogging"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "A wave over position that repeats. Over less than two waves it cannot be told from a spring, a weight or an offset. Cogging has one sign in both directions; friction that depends on position turns with the motion. Record slow motion over several waves."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "cogging of {amplitude}"
     }

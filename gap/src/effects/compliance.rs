@@ -113,6 +113,10 @@ impl Identification for Compliance {
         "a compliant transmission"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The motion rings at one frequency. With backlash this frequency depends on the amplitude. A lag does not ring. Record a chirp through the resonance."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a compliant transmission of {stiffness}"
     }

@@ -92,6 +92,10 @@ impl Identification for Contact {
         "contact with something outside"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The torque is there between two instants and not before or after. A hard stop is there all the time. Repeat the session without touching the device."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.value("side") {
             Some(0.0) => "something outside that holds it from {from} to {to}",

@@ -66,6 +66,10 @@ impl Identification for Coulomb {
         "another level of dry friction"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque is a step at each reversal, of one height at all speeds. Viscous friction has a slope, static friction a peak at the reversal. Record slow and fast motion."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "dry friction of {level}"
     }

@@ -68,6 +68,10 @@ impl Identification for Deadband {
         "a dead band"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The torque lacks by the same amount for every input beyond the band; a torque gain lacks more for more input. Friction has that shape over velocity, a dead band over input. Record inputs of several sizes at the same speed."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a dead band of {width} in the input"
     }

@@ -55,6 +55,10 @@ impl Identification for Delay {
         "delay"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "A delay shifts all frequencies alike; a lag makes fast ones smaller. In open loop no recording tells a delay of the torque from one of the reading."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a torque that comes {time} late"
     }

@@ -125,6 +125,10 @@ impl Identification for EndStop {
         "a hard stop"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The torque is zero up to a position and steep beyond. A spring pulls everywhere. A contact is there for a while only. Record motion that reaches both ends of the travel slowly."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a hard stop"
     }

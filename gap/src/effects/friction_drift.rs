@@ -93,6 +93,10 @@ impl Identification for FrictionDrift {
         "drifting friction"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The friction of the same motion changes from minute to minute. Another level of dry friction is constant. Repeat the same motion at the start and at the end of a session."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match (found.fitted("step"), found.fitted("step_at")) {
             (Some(_), Some(_)) => "dry friction that steps by {step} at {step_at}",

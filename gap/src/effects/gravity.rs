@@ -121,6 +121,10 @@ impl Identification for Gravity {
         "another weight"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque is a sine over the position with a period of one turn. A spring is a line: over less than a quarter of a turn the two cannot be told apart. Record motion over the whole travel."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a weight of {weight} that hangs at {zero}"
     }

@@ -180,6 +180,11 @@ pub(crate) trait Identification: Debug + Sync {
     /// What it is called in a sentence, without its numbers.
     fn noun(&self) -> &'static str;
 
+    /// How it is told apart from what it is confused with, and which recording decides; empty where nothing is known.
+    fn tell_apart(&self) -> &'static str {
+        ""
+    }
+
     /// What it was found to be, each `{parameter}` standing for its number.
     fn template(&self, found: &Found<'_>) -> &'static str;
 

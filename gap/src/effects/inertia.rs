@@ -75,6 +75,10 @@ impl Identification for Inertia {
         "another inertia"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque is a line over the torque that accelerates. A torque gain scales all torque of the drive, also while nothing accelerates. Record fast motion, and some slow motion against gravity or friction."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "an inertia of {inertia}"
     }

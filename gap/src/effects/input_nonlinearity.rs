@@ -85,6 +85,10 @@ impl Identification for InputNonlinearity {
         "a torque that is a curve of the input"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque is a curve over the input and not a line. A torque gain is a line, a dead band two lines, a saturation a line with a bend. Only inputs over the whole range tell the curves apart."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.fitted("dead_zone") {
             Some(_) => {

@@ -67,6 +67,10 @@ impl Identification for Lag {
         "lag of the torque"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "A lag delays fast inputs less than slow ones and makes them smaller; a delay shifts all alike. A sensor's lag also delays motion that the input does not cause, such as a fall from rest. Record a chirp or steps."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.value("twice") {
             Some(1.0) => "a torque that lags by {time}, and by as much again",

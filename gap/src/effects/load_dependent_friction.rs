@@ -69,6 +69,10 @@ impl Identification for LoadDependentFriction {
         "dry friction that grows with the load"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The torque against the motion grows with the transmitted torque. It is larger or smaller where the load drives the motor. Another level of dry friction does not depend on the load. Record with two loads, or with a pendulum that swings."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.fitted("passive") {
             None if found.fitted("backdriven").is_some() => {

@@ -8,6 +8,7 @@ mod contact;
 mod coulomb;
 mod deadband;
 mod delay;
+mod description;
 mod end_stop;
 pub(crate) mod episode;
 mod friction_drift;
@@ -37,6 +38,7 @@ mod torque_gain;
 mod torque_offset;
 mod viscous;
 
+pub use description::{Description, descriptions};
 pub(crate) use episode::Episode;
 pub(crate) use identification::{Family, Fitted, Identification, Landscape};
 pub use own::{OwnEffectError, add_own};

@@ -150,6 +150,10 @@ impl Identification for PositionDependentCoulomb {
         "dry friction that depends on the position"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The torque turns with the motion and its size goes with the position. Cogging, a weight and a spring keep their sign. Record slow motion both ways over the whole travel."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.fitted("spot") {
             Some(_) => "dry friction that differs around {spot_position}",

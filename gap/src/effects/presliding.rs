@@ -69,6 +69,10 @@ impl Identification for Presliding {
         "presliding"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "After a reversal the torque builds up over a distance, not at once. A hysteresis of the sensor has the same loop, but in the reading. Record small motion around several places."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "presliding (dry friction that gives way by {distance} before it slides)"
     }

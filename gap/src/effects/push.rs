@@ -100,6 +100,10 @@ impl Identification for Push {
         "a push from outside"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The torque is constant between two instants and absent before and after. A contact pushes only beyond a position, and the more the further. A constant torque is there all the time. Repeat the session without touching the device."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a push from outside of {torque} from {from} to {to}"
     }

@@ -46,6 +46,10 @@ impl Identification for QuadraticDrag {
         "quadratic drag"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque grows with the square of the speed. Viscous friction is a line. Record motion that is at least three times as fast as the slowest."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "drag of {coefficient} times the square of the speed"
     }

@@ -51,6 +51,10 @@ impl Identification for RateLimit {
         "a limited rate of the input"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The torque is late where the input changes fast, whatever its size. A lag delays slow changes too. A saturation goes with the size of the input. Record steps of several heights: under a rate limit the delay grows with the height."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "an input that acts no faster than {rate}"
     }

@@ -78,6 +78,10 @@ impl Identification for Saturation {
         "saturation"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "Nothing lacks below the limit. A torque gain lacks in proportion at all inputs. Record one run with small and one with large inputs."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.fitted("no_load") {
             Some(_) => "an input that saturates at {limit} at rest, and at nothing at {no_load}",

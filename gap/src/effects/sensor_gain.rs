@@ -88,6 +88,10 @@ impl Identification for SensorGain {
         "another sensor gain"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "All motion is read larger or smaller, also motion that the input does not cause. A torque gain scales the cause and not the reading. A second sensor of the same position decides."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a sensor that shows {gain} times the way gone"
     }

@@ -69,6 +69,10 @@ impl Identification for SensorHysteresis {
         "hysteresis of the sensor"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The reading stays behind by the same distance after each reversal, at any speed. A lag of the sensor stays behind in proportion to the speed. Presliding has such a loop in the torque. A second sensor of the same position decides."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a sensor with {width} of hysteresis"
     }

@@ -74,6 +74,10 @@ impl Identification for SensorLag {
         "lag of the sensor"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The reading stays behind in proportion to the speed. A lag of the torque delays only what the input causes. In open loop a short lag of either kind is the same. A second sensor of the same position decides."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.value("twice") {
             Some(1.0) => "a sensor that lags by {time}, and by as much again",

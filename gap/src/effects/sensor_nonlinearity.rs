@@ -171,6 +171,10 @@ impl Identification for SensorNonlinearity {
         "a bent sensor curve"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The reading is wrong by an amount that depends on position alone, in both directions. A spring or cogging depends on position too, but as a torque. A second sensor of the same position decides."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a bent sensor curve"
     }

@@ -114,6 +114,10 @@ impl Identification for Spring {
         "a spring"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque is a line over the position, through zero where the spring is relaxed. A weight is a sine. Record motion over the whole travel."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a spring of {stiffness} that is relaxed at {zero}"
     }

@@ -92,6 +92,10 @@ impl Identification for Stribeck {
         "static friction"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque is a peak at low speed against the motion. Another level of dry friction is as high at all speeds. Presliding lacks torque before the joint slides. Record slow triangles that stop and start."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "static friction {static_ratio} times the sliding level"
     }

@@ -74,6 +74,10 @@ impl Identification for TorqueGain {
         "another torque gain"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "A gain scales the drive alone. Inertia scales the acceleration and leaves friction and gravity as they are, so the two differ where friction or gravity carries much of the torque. A sensor gain also scales what is read while nothing drives. Record slow motion under gravity and fast motion."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a torque of {gain} times what was told"
     }

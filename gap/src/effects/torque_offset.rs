@@ -56,6 +56,10 @@ impl Identification for TorqueOffset {
         "a constant torque"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "A constant torque has one sign in both directions, dry friction turns with the motion. Friction that depends on the direction is an offset while the joint slides, but it holds less than an offset pushes when the joint rests. Record some rest with no input."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a constant torque of {torque}"
     }

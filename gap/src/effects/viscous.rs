@@ -59,6 +59,10 @@ impl Identification for Viscous {
         "viscous friction"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The missing torque is a line over velocity. Quadratic drag is a parabola in each direction, so the two differ only if the speed covers a wide range. Dry friction is a step. Record fast and slow motion."
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "viscous friction of {coefficient}"
     }

@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction that depends on the direction",
     equation: "F = F₊ for v > 0, −F₋ for v < 0",
+    sizes_from: "One paddle of the lab has 1.65 mN m against positive and 1.20 mN m against negative motion at the motor, which is 25 and 18 mN m at the paddle. The range goes to twice that.",
     parameters: &[
         Parameter {
             name: "positive",

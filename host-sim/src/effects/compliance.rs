@@ -11,6 +11,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "A transmission that twists between motor and load",
     equation: "T = K d + D d'",
+    sizes_from: "Judgement: with half of the paddle's inertia on either side these are resonances of 9 to 133 Hz.",
     parameters: &[
         Parameter {
             name: "stiffness",

@@ -18,6 +18,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Surroundings,
     about: "Something outside pushes back for a while, or holds",
     equation: "T = −max(0, K d + D d') while it is there; −K d − D d' if it holds",
+    sizes_from: "Judgement: from a light touch to a hard edge, within the travel of the paddle, ±0.61 rad.",
     parameters: &[
         Parameter {
             name: "stiffness",

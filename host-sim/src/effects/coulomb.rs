@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction at another level",
     equation: "F = F_c sign(v)",
+    sizes_from: "Paddles of the lab have 1.1 to 1.65 mN m at the motor, which is 17 to 25 mN m at the paddle. The range goes to twice that.",
     parameters: &[Parameter {
         name: "level",
         quantity: Quantity::Torque,

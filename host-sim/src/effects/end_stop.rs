@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "A hard stop within the travel",
     equation: "T = −max(0, K d + D d') beyond the stop",
+    sizes_from: "Within the travel of the paddle, ±0.61 rad. The stiffness is judgement.",
     parameters: &[
         Parameter {
             name: "lower",

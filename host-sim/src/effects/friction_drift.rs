@@ -9,6 +9,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction that changes over the session",
     equation: "F = F_c (1 + d τ (1 − exp(−t/τ))) sign(v), settled F_c (1 − d τ exp(−t/τ)) sign(v), without τ F_c (1 + d t) sign(v); with a step s F_c more from its instant on",
+    sizes_from: "Judgement: a recording of a minute shows no slower drift.",
     parameters: &[
         Parameter {
             name: "rate",

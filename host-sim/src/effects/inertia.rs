@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "Another inertia",
     equation: "J x'' = T",
+    sizes_from: "Half to twice the inertia of the paddle's model, 5.755e-4 kg m².",
     parameters: &[Parameter {
         name: "inertia",
         quantity: Quantity::Inertia,

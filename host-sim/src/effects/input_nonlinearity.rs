@@ -10,6 +10,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "The torque is a curve of the input",
     equation: "T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p",
+    sizes_from: "Judgement: the powers run from a cube root to a cube; the reference input is a tenth of the paddle's torque limit.",
     parameters: &[
         Parameter {
             name: "gain",

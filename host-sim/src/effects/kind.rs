@@ -45,6 +45,8 @@ pub struct Kind {
     pub about: &'static str,
     /// Its equation.
     pub equation: &'static str,
+    /// Where the typical sizes of its numbers come from.
+    pub sizes_from: &'static str,
     /// Its numbers, in the order in which `install` takes them; values beyond them repeat some of them, where something
     /// happens more than once.
     pub parameters: &'static [Parameter],
@@ -62,6 +64,7 @@ pub(super) const PLAIN: Kind = Kind {
     channel: Channel::Mechanics,
     about: "",
     equation: "",
+    sizes_from: "",
     parameters: &[],
     install: |_, _| {},
     events: None,

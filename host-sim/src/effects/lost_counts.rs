@@ -16,6 +16,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Sensing,
     about: "The sensor jumps and stays off, or falls behind at speed",
     equation: "y = x + Δ from t on, y' = x' − q (x' − v sgn x') where |x'| > v",
+    sizes_from: "Judgement: a jump may be as large as half of the paddle's travel.",
     parameters: &[
         Parameter {
             name: "time",

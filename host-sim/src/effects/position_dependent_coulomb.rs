@@ -13,6 +13,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction that depends on the position",
     equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−|(x − c)/w|^m)) sign(v)",
+    sizes_from: "Judgement. On one paddle of the lab dry friction grows with the angle.",
     parameters: &[
         Parameter {
             name: "slope",

@@ -14,6 +14,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Surroundings,
     about: "Something outside pushes for a moment",
     equation: "T = T0 from one instant to another",
+    sizes_from: "Judgement: 1 N m is a hand that pushes with 15 N at the paddle's lever of 65 mm.",
     parameters: &[
         Parameter {
             name: "torque",

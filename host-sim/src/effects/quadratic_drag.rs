@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Friction that grows with the square of the speed",
     equation: "F = Q v |v|",
+    sizes_from: "Judgement: at 10 rad/s from 1 mN m to 1 N m.",
     parameters: &[Parameter {
         name: "coefficient",
         quantity: Quantity::Drag,

@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "What acts of the input changes no faster than a rate",
     equation: "T = ratio · w, where w follows u with |w'| ≤ rate",
+    sizes_from: "Judgement: the whole torque limit of the paddle, 32.3 mN m at the motor, within 3 s or within 3 ms.",
     parameters: &[Parameter {
         name: "rate",
         quantity: Quantity::InputRate,

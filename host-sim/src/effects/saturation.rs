@@ -11,6 +11,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "Large inputs are clipped elsewhere than the model knows",
     equation: "T = ratio · clamp(u, ±limit), rounded off within ±knee · limit of the limit, which falls to 0 at no_load",
+    sizes_from: "A tenth of the paddle's torque limit, 32.3 mN m at the motor, up to all of it.",
     parameters: &[
         Parameter {
             name: "limit",

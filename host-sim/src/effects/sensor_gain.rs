@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Sensing,
     about: "The sensor shows more or less than the way gone",
     equation: "y = z + g (x − z)",
+    sizes_from: "The lab's Hall sensor showed 1.12 times the way gone. The range is judgement.",
     parameters: &[
         Parameter {
             name: "gain",

@@ -9,6 +9,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Sensing,
     about: "The sensor stays behind where the motion turns",
     equation: "y = x − h, |h| ≤ w/2 for r = 0, or else h' = |x'| (sgn(x') w/2 − h)/r",
+    sizes_from: "Judgement: from two steps of the paddle's encoder (0.21 mrad) to 1.7°.",
     parameters: &[
         Parameter {
             name: "width",

@@ -10,6 +10,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Sensing,
     about: "The sensor's curve is bent",
     equation: "y = x + a (x − m)² + b (x − m)³ + r sin(n x) + s (cos(n x) − 1) + o",
+    sizes_from: "Judgement: up to a twentieth of the reading at the ends of the paddle's travel.",
     parameters: &[
         Parameter {
             name: "quadratic",

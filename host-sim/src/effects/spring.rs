@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "A spring towards some position",
     equation: "T = −K (1 + h (x − x_K)²) (x − x_K)",
+    sizes_from: "Judgement: from a third of what gravity does to the paddle at rest, 15 mN m/rad, to thirty times that.",
     parameters: &[
         Parameter {
             name: "stiffness",

@@ -15,6 +15,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Static friction above the sliding level",
     equation: "F = F_c [1 + (r − 1) e(|v/v_s|^n)] sign(v), e(p) = exp(−p), with t exp(−ln(1 + t p)/t)",
+    sizes_from: "The refit to the lab's logs has a static friction of 1.08 times the sliding level and falls over 0.1 rad/s; the range is judgement. The exponents 1 and 2 are the two usual forms (Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994).",
     parameters: &[
         Parameter {
             name: "static_ratio",

@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "The actuator gives more or less than it was told",
     equation: "T = g · ratio · u",
+    sizes_from: "Judgement: a torque constant and a gear are known to some 10 %; a wrong unit or gear goes further.",
     parameters: &[Parameter {
         name: "gain",
         quantity: Quantity::Ratio,

@@ -8,6 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "A constant torque that nobody asked for",
     equation: "T = ratio · u + T₀",
+    sizes_from: "Judgement: a little more than the dry friction of the paddle's model, 15 mN m.",
     parameters: &[Parameter {
         name: "torque",
         quantity: Quantity::Torque,

@@ -1,11 +1,15 @@
 //! `paddle effects`: what can be switched into the simulated paddle.
 
 use crate::answer::Answer;
+use crate::effect_page;
 use crate::failure::Failure;
+use crate::files::Folder;
+use crate::targets::{Target, Use};
 use clap::Args;
 use host_sim::effects::{self, EffectError, KINDS, Kind};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 /// Which effects.
 #[derive(Args)]
@@ -13,17 +17,31 @@ use std::fmt::Write;
 pub struct Arguments {
     /// Only this one.
     name: Option<String>,
+    /// Write the page and the picture of each effect into this folder, as in the documentation.
+    #[arg(long, value_name = "DIR", hide = true, conflicts_with = "name")]
+    docs: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// Where it will write.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        let docs = Target::of("--docs", Use::Folder, self.docs.as_ref());
+        docs.into_iter().collect()
+    }
 }
 
 /// Units of the paddle.
 const POSITION: &str = "rad";
 const INPUT: &str = "N m";
 
-/// Lists the effects.
+/// Lists the effects, or writes their pages.
 ///
 /// # Errors
-/// If there is none of that name.
+/// If there is none of that name, or if a page cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
+    if let Some(folder) = &arguments.docs {
+        return write_pages(folder);
+    }
     let kinds: Vec<&Kind> = match &arguments.name {
         Some(name) => vec![effects::kind(name).ok_or_else(|| EffectError::Kind(name.clone()))?],
         None => KINDS.to_vec(),
@@ -36,6 +54,22 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             .join("\n"),
         json: json!({ "effects": kinds.iter().map(|kind| json(kind)).collect::<Vec<_>>() }),
         ..Answer::default()
+    })
+}
+
+fn write_pages(folder: &Path) -> Result<Answer, Failure> {
+    let mut folder = Folder::new(folder);
+    for (name, text) in effect_page::files()? {
+        folder.put(name, &text);
+    }
+    Ok(Answer {
+        text: format!(
+            "{} files in {}\n",
+            folder.files().len(),
+            folder.path().display()
+        ),
+        json: json!({ "files": folder.files() }),
+        amiss: folder.lost(),
     })
 }
 

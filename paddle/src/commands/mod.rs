@@ -1,10 +1,12 @@
 //! The commands, one file each.
 
 pub mod board;
+pub mod completions;
 pub mod demo;
 pub mod effects;
 pub mod experiment;
 pub mod gap;
+pub mod man;
 pub mod record;
 pub mod reproduce;
 pub mod settings;
@@ -18,27 +20,31 @@ use clap::Subcommand;
 /// What can be asked.
 #[derive(Subcommand)]
 pub enum Command {
-    /// A step response, and a gap with its diagnosis, in seconds.
+    /// Show a step response, and a gap with its diagnosis, in seconds.
     Demo(demo::Arguments),
     /// Run the control core on the simulated paddle.
     #[command(subcommand)]
     Sim(sim::Command),
     /// Run the flashed image on a virtual board that is wired to the simulated paddle.
     Board(board::Arguments),
-    /// Drive a board through experiments, and leave a recording.
+    /// Drive a board through experiments, and write a recording.
     Record(record::Arguments),
-    /// Record and diagnose, by turns, until the answer is unique.
+    /// Record and diagnose in turn until only one answer is left.
     Experiment(experiment::Arguments),
-    /// A board's settings as a file, and back.
+    /// Read a board's settings into a file, or write them to a board.
     #[command(subcommand)]
     Settings(settings::Command),
     /// Measure the gap between a simulation and a recording.
     #[command(subcommand)]
     Gap(gap::Command),
-    /// Every number and figure of the lab report against ours.
+    /// Compare every number and figure of the lab report with ours.
     Reproduce(reproduce::Arguments),
     /// List the effects that can be switched into the simulated paddle.
     Effects(effects::Arguments),
+    /// Print a script by which a shell completes commands and options.
+    Completions(completions::Arguments),
+    /// Write a manual page for each command.
+    Man(man::Arguments),
 }
 
 impl Command {
@@ -53,7 +59,9 @@ impl Command {
             Self::Settings(command) => command.targets(),
             Self::Gap(command) => command.targets(),
             Self::Reproduce(arguments) => arguments.targets(),
-            Self::Effects(_) => Vec::new(),
+            Self::Effects(arguments) => arguments.targets(),
+            Self::Completions(_) => Vec::new(),
+            Self::Man(arguments) => arguments.targets(),
         }
     }
 
@@ -73,6 +81,8 @@ impl Command {
             Self::Gap(command) => return command.run(),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Effects(arguments) => effects::run(arguments),
+            Self::Completions(arguments) => Ok(completions::run(arguments)),
+            Self::Man(arguments) => man::run(arguments),
         }?;
         answer.json["version"] = env!("CARGO_PKG_VERSION").into();
         Ok(answer)

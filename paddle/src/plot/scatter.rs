@@ -15,7 +15,7 @@ pub struct Cloud {
     pub points: Vec<(f64, f64)>,
     /// What explains them, as a line.
     pub explained: Vec<(f64, f64)>,
-    /// What is left of the points.
+    /// What is left of the points; empty for nothing beside.
     pub rest: Vec<(f64, f64)>,
 }
 
@@ -61,7 +61,8 @@ impl Scatter {
         let x = points().map(|point| point.0);
         let y = inner(points().map(|point| point.1).collect()).into_iter();
         let is_explained = !self.explained_by.is_empty();
-        let main = if is_explained { MAIN } else { WIDTH };
+        let has_rest = is_explained && self.clouds.iter().any(|cloud| !cloud.rest.is_empty());
+        let main = if has_rest { MAIN } else { WIDTH };
         let panel = HEIGHT / 34;
         let axes = [
             Axis::tight(x.clone(), Scale::Linear, 7),
@@ -87,7 +88,7 @@ impl Scatter {
             let (left, right) = below.split_horizontally(main * UNIT);
             let [x, y] = &axes;
             self.panel(&left, x, y, &self.y_label, false)?;
-            if is_explained {
+            if has_rest {
                 self.panel(&right, &beside, y, "what is left", true)?;
             }
             let at = (

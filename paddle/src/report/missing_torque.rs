@@ -97,6 +97,11 @@ impl View {
 /// # Errors
 /// [`PlotError`] if it cannot be drawn.
 pub fn picture(look: &Look, title: &str, position_unit: &str) -> Result<String, PlotError> {
+    scatter(look, title, position_unit).svg()
+}
+
+/// The same, not yet drawn.
+pub fn scatter(look: &Look, title: &str, position_unit: &str) -> Scatter {
     let view = View::of(look, position_unit);
     let is_explained = !look.explained_by.is_empty();
     let cloud = |second: bool| {
@@ -121,14 +126,13 @@ pub fn picture(look: &Look, title: &str, position_unit: &str) -> Result<String, 
         true => look.explained_by.join(" + "),
         false => String::new(),
     };
-    let scatter = Scatter {
+    Scatter {
         title: title.into(),
         x_label: view.x_label,
         y_label: format!("{}, {}", view.y_label, look.summary.unit),
         explained_by,
         clouds: [false, true].map(cloud).into(),
-    };
-    scatter.svg()
+    }
 }
 
 /// Means over equal stretches of the axis.

@@ -5,14 +5,15 @@ mod page;
 mod shell;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
 use crate::Failure;
+use crate::documentation::{pages, target_folder};
 use checkout::Checkout;
 use page::Step;
-use shell::{Shell, target_folder};
+use shell::Shell;
 
 /// Lines of a failed command's output that are shown.
 const LINES_SHOWN: usize = 15;
@@ -44,27 +45,6 @@ pub fn run(parts: &[&str]) -> Result<(), Failure> {
     } else {
         Err(Failure::Documented(failed))
     }
-}
-
-/// The pages, relative to the root: first those that a newcomer reads.
-fn pages() -> Result<Vec<PathBuf>, Failure> {
-    let mut pages = Vec::new();
-    for folder in ["docs", "docs/effects"] {
-        let path = firmware_build::root().join(folder);
-        let Ok(entries) = fs::read_dir(&path) else {
-            continue;
-        };
-        for entry in entries {
-            let name = entry.map_err(|e| Failure::file(&path, e))?.file_name();
-            let page = Path::new(folder).join(name);
-            if page.extension().is_some_and(|extension| extension == "md") {
-                pages.push(page);
-            }
-        }
-    }
-    pages.sort();
-    let first = ["README.md", "CONTRIBUTING.md"].map(PathBuf::from);
-    Ok(first.into_iter().chain(pages).collect())
 }
 
 /// Runs the commands of a page; those that failed, each with its page and line.

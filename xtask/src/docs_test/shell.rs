@@ -3,7 +3,7 @@
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
 use std::os::unix::process::CommandExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc;
 use std::thread;
@@ -182,12 +182,6 @@ impl Board {
             printed,
         }))
     }
-}
-
-/// Where cargo puts what it builds for this repository.
-pub fn target_folder() -> PathBuf {
-    let root = firmware_build::root();
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |f| root.join(f))
 }
 
 #[cfg(test)]

@@ -56,6 +56,10 @@ impl Identification for LostCounts {
         "lost counts"
     }
 
+    fn tell_apart(&self) -> &'static str {
+        "The reading jumps once and stays off, or falls behind above one speed. A contact pushes the joint away and lets it come back. Return to a known mark, such as an index or a stop, at the end of the session."
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.fitted("share") {
             Some(_) => "a sensor that loses {share} of the speed beyond {speed}",

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::progress;
-use firmware_build::{OPTIONS, cargo, ensure, image_path};
+use firmware_build::{ensure, firmware, image_path};
 use std::path::PathBuf;
 
 /// Builds it, which takes a moment if it is there already. The compiler's target is installed if it is not there; what takes
@@ -20,7 +20,7 @@ pub fn build() -> Result<PathBuf, Failure> {
     if !image.exists() {
         progress::note("building the firmware, once: this takes a minute or two");
     }
-    let built = cargo(&["build", "--quiet"]).args(OPTIONS).status();
+    let built = firmware("build").arg("--quiet").status();
     if built.is_ok_and(|status| status.success()) {
         return Ok(image);
     }

@@ -31,13 +31,13 @@ With --board the loop is closed, without hardware: a virtual board whose paddle 
 its serial port until the diagnosis names it, gains for the corrected model, and a step with the old and the new gains. That
 takes some minutes.")]
 pub struct Arguments {
-    /// Leave plots, CSVs, the recording and its report in this folder.
+    /// Write plots, CSVs, the recording and its report to this folder.
     #[arg(long, default_value = "paddle-out/demo", value_name = "DIR")]
     out: PathBuf,
     /// Close the loop on the virtual board.
     #[arg(long)]
     board: bool,
-    /// Hide this in its paddle.
+    /// Effect that is hidden in the board's paddle.
     #[arg(
         long,
         requires = "board",

@@ -53,7 +53,7 @@ pub struct Arguments {
     /// A diagnosis that takes longer has failed.
     #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = numbers::count)]
     patience: u64,
-    /// Leave recordings and truths, diagnose nothing.
+    /// Write recordings and truths only; diagnose nothing.
     #[arg(long)]
     generate_only: bool,
 }
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             break;
         }
         kept += &format!("seed {seed}: everything in {}\n", check.folder.display());
-        sets.push(json!({ "seed": seed, "cases": check.cases, "folder": check.folder }));
+        sets.push(json!({ "seed": seed, "cases": check.cases, "messy": arguments.messy, "folder": check.folder }));
     }
     if arguments.generate_only {
         return Ok(Answer {
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let summary = Summary::of(outcomes);
     Ok(Answer {
         text: format!("{summary}{kept}"),
-        json: json!({ "sets": sets, "summary": summary }),
+        json: json!({ "sets": sets, "summary": summary, "commit": env!("PADDLE_COMMIT") }),
         amiss,
     })
 }

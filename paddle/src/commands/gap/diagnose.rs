@@ -38,10 +38,10 @@ pub struct Arguments {
     /// Folder of the recording.
     #[arg(required_unless_present = "batch", conflicts_with = "batch")]
     recording: Option<PathBuf>,
-    /// Leave a page with plots here, one file that needs nothing else.
+    /// Write a page with plots to this file, one file that needs nothing else.
     #[arg(long, value_name = "FILE.html", conflicts_with = "batch")]
     report: Option<PathBuf>,
-    /// Leave the corrected model here, for `paddle gap measure --model`.
+    /// Write the corrected model to this file, for `paddle gap measure --model`.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "batch")]
     save_model: Option<PathBuf>,
     /// Leave the numbers of the nominal model out of the corrected one, so that its effects can be laid over another: a
@@ -66,7 +66,7 @@ pub struct Arguments {
     /// Diagnose the part K of N of a batch: every N-th recording from the K-th on, so that N machines share it.
     #[arg(long, value_name = "K/N", requires = "batch")]
     shard: Option<Shard>,
-    /// Where a batch leaves its results.
+    /// Folder for the results of a batch.
     #[arg(
         long,
         value_name = "DIR",

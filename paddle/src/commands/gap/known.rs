@@ -27,10 +27,10 @@ pub struct KnownArguments {
     /// may be repeated.
     #[arg(long, value_name = "NAME=VALUE", value_parser = number, value_delimiter = ',')]
     motor: Vec<(String, f64)>,
-    /// A number of [model] as it is, such as inertia=5.8e-4; may be repeated.
+    /// A number of [model], such as inertia=5.8e-4; may be repeated.
     #[arg(long = "model", value_name = "NAME=VALUE", value_parser = number, value_delimiter = ',')]
     numbers: Vec<(String, f64)>,
-    /// How well one is known, relative, such as inertia=0.02; may be repeated.
+    /// Relative standard deviation of a number of [model], such as inertia=0.02; may be repeated.
     #[arg(long, value_name = "NAME=SHARE", value_parser = number, value_delimiter = ',')]
     tolerance: Vec<(String, f64)>,
 }

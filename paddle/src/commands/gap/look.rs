@@ -25,10 +25,10 @@ proposal is no diagnosis: `paddle gap diagnose` judges effects by simulation.")]
 pub struct Arguments {
     /// Folder of the recording.
     recording: PathBuf,
-    /// Leave a page with the picture here.
+    /// Write a page with the picture to this file.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Leave the picture as SVG, and a CSV of time, torque and standard deviation for each run, in this folder.
+    /// Write the picture as SVG, and a CSV of time, torque and standard deviation for each run, to this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

@@ -34,7 +34,7 @@ pub struct Arguments {
     model: Option<PathBuf>,
     #[command(flatten)]
     own_effects: OwnEffects,
-    /// Leave one CSV of time, measured and predicted for each run in this folder, with its plot.
+    /// Write one CSV of time, measured and predicted for each run to this folder, with its plot.
     #[arg(long, value_name = "DIR")]
     predictions: Option<PathBuf>,
 }

@@ -33,14 +33,14 @@ pub struct Arguments {
     /// End with status 1 if a row with a bar misses it.
     #[arg(long)]
     check: bool,
-    /// Switch an effect into the plant, to see what the rows make of it; may be repeated.
+    /// Add an effect to the plant, to see how the rows change; may be repeated.
     #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
     with: Vec<Effect>,
     /// Folder of the lab's recordings `sine-0011` and `steps-encoder`, shown beside ours [default:
     /// ../shared/data/epfl-paddle, if that is there].
     #[arg(long, value_name = "DIR")]
     recorded: Option<PathBuf>,
-    /// Leave the figures in this folder.
+    /// Write the figures to this folder.
     #[arg(long, default_value = "paddle-out/reproduce", value_name = "DIR")]
     out: PathBuf,
 }

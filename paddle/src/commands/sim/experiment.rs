@@ -30,28 +30,28 @@ pub struct Arguments {
     /// Open loop: the excitation is a torque. A ramp always is.
     #[arg(long)]
     torque: bool,
-    /// Of the excitation: degrees, or N m at the motor with --torque [default: 10, or 0.0011; ramp 0.003].
+    /// Amplitude of the excitation: degrees, or N m at the motor with --torque [default: 10, or 0.0011; ramp 0.003].
     #[arg(long, value_parser = numbers::finite)]
     amplitude: Option<f64>,
-    /// Constant part of the excitation, in the same unit.
+    /// Constant part of the excitation, in the unit of the amplitude.
     #[arg(long, default_value_t = 0.0, value_parser = numbers::finite)]
     offset: f64,
-    /// Of a wave; of a chirp the first, of a multisine the fundamental.
+    /// Frequency of a wave; of a chirp the first one, of a multisine the fundamental.
     #[arg(long, default_value_t = 1.0, value_name = "Hz", value_parser = numbers::positive)]
     frequency: f64,
     /// Last frequency of a chirp.
     #[arg(long, default_value_t = 20.0, value_name = "Hz", value_parser = numbers::positive)]
     end_frequency: f64,
-    /// How long [default: 0.5 for a step, else 3].
+    /// Duration [default: 0.5 for a step, else 3].
     #[arg(long, value_name = "s", value_parser = numbers::positive)]
     seconds: Option<f64>,
     /// Rows a second of CSV and recording [default: every period of the position loop].
     #[arg(long, value_name = "Hz", value_parser = numbers::positive)]
     log_rate: Option<f64>,
-    /// Leave plot and CSV in this folder.
+    /// Write plot and CSV to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
-    /// Leave a recording in this folder, for `paddle gap`.
+    /// Write a recording to this folder, for `paddle gap`.
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
     /// Prediction window that the recording states.

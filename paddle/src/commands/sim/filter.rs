@@ -37,7 +37,7 @@ pub struct Arguments {
     /// Run the 20 kHz current loop through bridge and winding, in place of the lab's 350 µs and an exact torque.
     #[arg(long)]
     current_loop: bool,
-    /// Leave plots in this folder.
+    /// Write plots to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
 }

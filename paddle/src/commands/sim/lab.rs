@@ -27,19 +27,19 @@ torque that the model let through, its motor_torque scope, as input, and the lab
 as the nominal model."
 )]
 pub struct Arguments {
-    /// Of the torque sine, N m at the motor.
+    /// Amplitude of the torque sine, N m at the motor.
     #[arg(long, default_value_t = 0.0011, value_name = "N m", value_parser = numbers::finite)]
     amplitude: f64,
-    /// Of the torque sine.
+    /// Frequency of the torque sine.
     #[arg(long, default_value_t = 1.0, value_name = "Hz", value_parser = numbers::positive)]
     frequency: f64,
-    /// How long.
+    /// Duration.
     #[arg(long, default_value_t = 20.0, value_name = "s", value_parser = numbers::positive)]
     seconds: f64,
-    /// Leave plot and CSV in this folder.
+    /// Write plot and CSV to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
-    /// Leave a recording in this folder, for `paddle gap`.
+    /// Write a recording to this folder, for `paddle gap`.
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
 }

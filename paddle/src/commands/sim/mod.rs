@@ -53,7 +53,7 @@ pub enum Command {
         after_help = "Example: paddle sim triangle --amplitude 20 --frequency 0.2 --seconds 10"
     )]
     Triangle(Arguments),
-    /// What the filter on the position is for: torque noise and largest stable derivative gain, without and with it.
+    /// Compare torque noise and largest stable derivative gain without and with the filter on the position.
     Filter(filter::Arguments),
     /// Gains for a specification, with margins and the worst case over a spread of paddles.
     Tune(tune::Arguments),

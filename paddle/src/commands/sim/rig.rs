@@ -39,7 +39,7 @@ pub struct Rig {
     /// Run the 20 kHz current loop through bridge and winding, in place of the lab's 350 µs and an exact torque.
     #[arg(long)]
     pub current_loop: bool,
-    /// Of all noise.
+    /// Seed of all noise.
     #[arg(long, default_value_t = 0, value_parser = numbers::whole)]
     pub seed: u64,
 }

@@ -32,10 +32,10 @@ lines with `set` can be typed into the console. The exit status is 1 if no gains
 pub struct Arguments {
     #[command(flatten)]
     rig: Rig,
-    /// Of the step, degrees.
+    /// Amplitude of the step, degrees.
     #[arg(long, default_value_t = 10.0, value_name = "deg", value_parser = numbers::finite)]
     amplitude: f64,
-    /// Most overshoot, share of the step.
+    /// Largest overshoot, share of the step.
     #[arg(long, default_value_t = 25.0, value_name = "%", value_parser = numbers::finite)]
     overshoot: f64,
     /// Longest time to the first crossing of the target.
@@ -50,13 +50,13 @@ pub struct Arguments {
     /// Least phase margin.
     #[arg(long, default_value_t = 30.0, value_name = "deg", value_parser = numbers::finite)]
     phase_margin: f64,
-    /// How far dry and viscous friction may be from the plant's, either way.
+    /// Largest deviation of dry and viscous friction from the plant's, in either direction.
     #[arg(long, default_value_t = 30.0, value_name = "%", value_parser = numbers::finite)]
     friction_spread: f64,
-    /// How far the inertia may be from the plant's, either way.
+    /// Largest deviation of the inertia from the plant's, in either direction.
     #[arg(long, default_value_t = 10.0, value_name = "%", value_parser = numbers::finite)]
     inertia_spread: f64,
-    /// Leave a plot in this folder.
+    /// Write a plot to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
 }

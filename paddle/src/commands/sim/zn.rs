@@ -25,10 +25,10 @@ be typed into the console. A loop with much dry friction keeps swinging only aft
 pub struct Arguments {
     #[command(flatten)]
     rig: Rig,
-    /// Of the steps, degrees.
+    /// Amplitude of the steps, degrees.
     #[arg(long, default_value_t = 10.0, value_name = "deg", value_parser = numbers::positive)]
     amplitude: f64,
-    /// Leave a plot in this folder.
+    /// Write a plot to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
 }

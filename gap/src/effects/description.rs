@@ -1,0 +1,79 @@
+//! What a reader wants to know of an effect, gathered from its definition.
+
+use super::{ALL, all};
+use super::identification::Identification;
+use crate::missing_torque::Axis;
+use host_sim::effects::Kind;
+
+/// An effect as its page in the documentation describes it. Other effects are given by their names.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// Equation, parameters, bounds and typical sizes.
+    pub kind: &'static Kind,
+    /// What it is called in a sentence, without its numbers.
+    pub noun: &'static str,
+    /// The axis along which its torque is seen best.
+    pub axis: Axis,
+    /// What it is for some values of its parameters.
+    pub special_cases: Vec<&'static str>,
+    /// What it is a special case of.
+    pub special_case_of: Vec<&'static str>,
+    /// Simpler effects that are named in its place where they explain nearly as much.
+    pub simpler_substitutes: Vec<&'static str>,
+    /// What does nearly the same on small, slow motion.
+    pub near_equivalents: Vec<&'static str>,
+    /// How it is told apart from these, and which recording decides.
+    pub tell_apart: &'static str,
+}
+
+/// All effects of the library, in the order of the vocabulary.
+pub fn descriptions() -> impl Iterator<Item = Description> {
+    ALL.iter().map(|effect| Description::of(*effect))
+}
+
+impl Description {
+    fn of(effect: &'static dyn Identification) -> Self {
+        let name = effect.name();
+        let family = effect.family();
+        let names = |effects: &[&'static dyn Identification]| {
+            effects.iter().map(|effect| effect.name()).collect()
+        };
+        let containing = all().filter(|other| other.contains(name));
+        let near = all()
+            .filter(|other| other.name() != name && family.is_some() && other.family() == family);
+        Self {
+            kind: effect.kind(),
+            noun: effect.noun(),
+            axis: effect.axis(),
+            special_cases: names(effect.special_cases()),
+            special_case_of: containing.map(|other| other.name()).collect(),
+            simpler_substitutes: names(effect.simpler_substitutes()),
+            near_equivalents: near.map(|other| other.name()).collect(),
+            tell_apart: effect.tell_apart(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_equivalents_and_special_cases_are_mutual() {
+        let all: Vec<Description> = descriptions().collect();
+        let of = |name: &str| all.iter().find(|other| other.kind.name == name).unwrap();
+        for one in &all {
+            let name = one.kind.name;
+            assert!(!one.tell_apart.is_empty(), "{name}");
+            assert!(!one.kind.sizes_from.is_empty(), "{name}");
+            for near in &one.near_equivalents {
+                assert!(of(near).near_equivalents.contains(&name), "{name}, {near}");
+            }
+            for special in &one.special_cases {
+                let of_special = &of(special).special_case_of;
+                assert!(of_special.contains(&name), "{name}, {special}");
+            }
+        }
+        assert_eq!(of("stribeck").special_cases, ["coulomb"]);
+    }
+}

@@ -1,0 +1,31 @@
+//! `paddle completions`: the words that a shell may complete.
+
+use crate::Cli;
+use crate::answer::Answer;
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+use serde_json::json;
+
+/// For which shell.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  paddle completions bash > ~/.local/share/bash-completion/completions/paddle
+  paddle completions zsh > ~/.zfunc/_paddle
+  paddle completions fish > ~/.config/fish/completions/paddle.fish")]
+pub struct Arguments {
+    /// The shell.
+    shell: Shell,
+}
+
+/// Writes the script.
+pub fn run(arguments: &Arguments) -> Answer {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, &mut Cli::command(), "paddle", &mut script);
+    let text = String::from_utf8_lossy(&script).into_owned();
+    let json = json!({ "shell": arguments.shell.to_string(), "script": &text });
+    Answer {
+        text,
+        json,
+        ..Answer::default()
+    }
+}

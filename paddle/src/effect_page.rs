@@ -1,0 +1,229 @@
+//! The page of each effect in `docs/effects`, generated from the effect's own definition.
+
+use crate::failure::Failure;
+use crate::plot::Cloud;
+use crate::report::missing_torque::scatter;
+use gap::effects::{Description, descriptions};
+use gap::missing_torque::Axis;
+use gap::{Device, MissingTorque};
+use haptic_paddle::controller::Mode;
+use haptic_paddle::excitation::{Excitation, Shape};
+use haptic_paddle::settings::Settings;
+use host_sim::closed_loop::{ClosedLoop, LoopSetup};
+use host_sim::effects::{Kind, Parameter};
+use host_sim::experiment::{self, Experiment};
+use host_sim::presets;
+use std::fmt::Write;
+
+/// Units of the paddle.
+const POSITION: &str = "rad";
+const INPUT: &str = "N m";
+/// The motion of every picture: the paddle follows a multisine.
+const AMPLITUDE_DEG: f64 = 15.0;
+const FREQUENCY_HZ: f64 = 0.5;
+const DURATION_S: f64 = 8.0;
+const LOG_HZ: f64 = 1000.0;
+/// Prediction window that the recording states, s.
+const HORIZON_S: f64 = 0.5;
+/// Points of either direction in a picture, which must stay small.
+const MOST_POINTS: usize = 60;
+const GENERATED: &str = "<!-- Generated: cargo paddle effects --docs docs/effects -->\n\n";
+
+/// All files, by their names in the folder.
+///
+/// # Errors
+/// [`Failure`] if a picture cannot be drawn.
+pub fn files() -> Result<Vec<(String, String)>, Failure> {
+    let all: Vec<Description> = descriptions().collect();
+    let mut files = vec![("index.md".to_owned(), index(&all))];
+    for effect in &all {
+        let name = effect.kind.name;
+        files.push((format!("{name}.md"), page(effect)));
+        files.push((format!("{name}.svg"), picture(effect)?));
+    }
+    Ok(files)
+}
+
+fn index(all: &[Description]) -> String {
+    let mut text = format!(
+        "{GENERATED}# The effects\n\nA diagnosis names causes from this list. Each page has the equation, the sizes, a picture of \
+         the torque that a model without the effect lacks, and what the effect is confused with.\n\n\
+         | effect | part of the device | what it is |\n|---|---|---|\n"
+    );
+    for Description { kind, .. } in all {
+        let row = format!(
+            "| [`{0}`]({0}.md) | {1} | {2} |\n",
+            kind.name,
+            kind.channel.name(),
+            kind.about
+        );
+        text.push_str(&row);
+    }
+    text
+}
+
+fn page(effect: &Description) -> String {
+    let kind = effect.kind;
+    let name = kind.name;
+    let mut text = format!(
+        "{GENERATED}# `{name}`\n\n{}. A report calls it \"{}\". It belongs to the {}.\n\n## Equation\n\n```text\n{}\n```\n\n\
+         ## Numbers\n\n| number | meaning | unit | default | typical | allowed |\n|---|---|---|---|---|---|\n",
+        kind.about,
+        effect.noun,
+        kind.channel.name(),
+        kind.equation
+    );
+    for parameter in kind.parameters {
+        text.push_str(&row(parameter));
+    }
+    let torque_over = over(effect.axis);
+    let _ = write!(
+        text,
+        "\nThe typical sizes are for the paddle. {}\n\n## The missing torque\n\n\
+         ![The torque that a model without {name} lacks]({name}.svg)\n\n\
+         The simulated paddle follows a multisine of {AMPLITUDE_DEG}° and {FREQUENCY_HZ} Hz with the effect at its default \
+         numbers. Each point is an instant at which the paddle moves: the torque that the nominal model lacks there, {torque_over}. \
+         The line is the mean of what the effect adds to the model.\n\n## What it is confused with\n\n{}\n{}\n\n## Try it\n\n\
+         ```\npaddle sim multisine --amplitude {AMPLITUDE_DEG} --frequency {FREQUENCY_HZ} --seconds {DURATION_S} --log-rate {LOG_HZ} \
+         --with {} --recording my-recording\npaddle gap look my-recording --report look.html\n```\n",
+        kind.sizes_from,
+        confused_with(effect),
+        effect.tell_apart,
+        switched_in(kind),
+    );
+    text
+}
+
+/// The effect with its first number, as `--with` takes it.
+fn switched_in(kind: &Kind) -> String {
+    let first = kind.parameters.first();
+    let setting = first.map_or(String::new(), |p| format!(":{}={}", p.name, p.default));
+    format!("{}{setting}", kind.name)
+}
+
+fn row(parameter: &Parameter) -> String {
+    let [low, high] = parameter.typical;
+    format!(
+        "| `{}` | {} | {} | {} | {low} to {high} | {} |\n",
+        parameter.name,
+        parameter.about,
+        parameter.quantity.unit(POSITION, INPUT),
+        parameter.default,
+        allowed(parameter.range)
+    )
+}
+
+fn allowed(range: [f64; 2]) -> String {
+    match range {
+        [f64::NEG_INFINITY, f64::INFINITY] => "any".into(),
+        [f64::MIN_POSITIVE, f64::INFINITY] => "above 0".into(),
+        [low, f64::INFINITY] => format!("{low} or more"),
+        [f64::NEG_INFINITY, high] => format!("{high} or less"),
+        [low, high] => format!("{low} to {high}"),
+    }
+}
+
+/// Over what a picture shows the torque.
+fn over(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Position => "over the position",
+        Axis::Input => "over the torque of the input",
+        Axis::Acceleration => "over the torque that the model accelerates with",
+        Axis::Time => "over time",
+        Axis::Load => "against the motion, over the size of the torque of the input",
+        Axis::DirectionAndPosition => "against the motion, over the position",
+        Axis::Wave => "over the position within a wave",
+        _ => "over the velocity",
+    }
+}
+
+/// The list of related effects; empty if there are none.
+fn confused_with(effect: &Description) -> String {
+    let relations = [
+        ("For some of its numbers it is", &effect.special_cases),
+        ("It is a special case of", &effect.special_case_of),
+        (
+            "Where it explains nearly as much, this simpler effect is named instead:",
+            &effect.simpler_substitutes,
+        ),
+        (
+            "These do nearly the same on small, slow motion:",
+            &effect.near_equivalents,
+        ),
+    ];
+    let mut text = String::new();
+    for (words, names) in relations {
+        if !names.is_empty() {
+            let links = names.iter().map(|name| format!("[`{name}`]({name}.md)"));
+            let _ = writeln!(text, "- {words} {}.", links.collect::<Vec<_>>().join(", "));
+        }
+    }
+    text
+}
+
+/// The torque that the nominal model lacks of a paddle with the effect.
+fn picture(effect: &Description) -> Result<String, Failure> {
+    let kind = effect.kind;
+    let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+    let model = presets::nominal();
+    let mut device = Device::nominal(&model);
+    kind.install(&mut device, &values);
+    let setup = LoopSetup::ideal(device.clone(), Settings::default());
+    let excitation = Excitation {
+        shape: Shape::Multisine,
+        amplitude: AMPLITUDE_DEG.to_radians() as f32,
+        offset: 0.0,
+        frequency_hz: FREQUENCY_HZ as f32,
+        end_frequency_hz: 0.0,
+        duration_s: 0.0,
+    };
+    let experiment = Experiment {
+        log_hz: LOG_HZ,
+        ..Experiment::position(excitation, DURATION_S)
+    };
+    let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
+    let trace = experiment.run(&mut closed_loop)?;
+    let mut recording = experiment::recording(kind.name.into(), HORIZON_S, model, &setup);
+    recording.runs.push(trace.to_run("multisine.csv", &setup));
+    let missing = MissingTorque::of(&recording, &Device::nominal(&recording.model));
+    let mut look = missing.look(Some((&device, vec![kind.name])));
+    look.axis = effect.axis;
+    let mut scatter = scatter(&look, kind.name, POSITION);
+    for cloud in &mut scatter.clouds {
+        *cloud = Cloud {
+            points: thinned(&cloud.points),
+            rest: Vec::new(),
+            ..std::mem::take(cloud)
+        };
+    }
+    Ok(scatter.svg()?)
+}
+
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    points.iter().step_by(step).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    #[test]
+    fn the_pages_of_the_effects_are_those_that_are_generated() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/effects");
+        let files = files().unwrap();
+        for (name, text) in &files {
+            let committed = std::fs::read_to_string(folder.join(name)).unwrap_or_default();
+            assert!(
+                committed == *text,
+                "docs/effects/{name} is old; make it anew: cargo paddle effects --docs docs/effects"
+            );
+        }
+        let there = std::fs::read_dir(&folder).unwrap();
+        let there = there.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let made = files.iter().map(|(name, _)| name.clone());
+        assert_eq!(there.collect::<BTreeSet<_>>(), made.collect());
+    }
+}

@@ -1,0 +1,34 @@
+//! The pages of the documentation, and where cargo builds.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::Failure;
+
+/// The pages, relative to the root: first those that a newcomer reads.
+///
+/// # Errors
+/// [`Failure::File`] for a folder that cannot be read.
+pub fn pages() -> Result<Vec<PathBuf>, Failure> {
+    let mut pages = Vec::new();
+    for folder in ["docs", "docs/effects"] {
+        let path = firmware_build::root().join(folder);
+        let entries = fs::read_dir(&path).map_err(|e| Failure::file(&path, e))?;
+        for entry in entries {
+            let name = entry.map_err(|e| Failure::file(&path, e))?.file_name();
+            let page = Path::new(folder).join(name);
+            if page.extension().is_some_and(|extension| extension == "md") {
+                pages.push(page);
+            }
+        }
+    }
+    pages.sort();
+    let first = ["README.md", "CONTRIBUTING.md"].map(PathBuf::from);
+    Ok(first.into_iter().chain(pages).collect())
+}
+
+/// Where cargo puts what it builds for this repository.
+pub fn target_folder() -> PathBuf {
+    let root = firmware_build::root();
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |f| root.join(f))
+}

@@ -1,0 +1,76 @@
+//! Parts of a page that are made by a program.
+
+/// Why a page cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum MarkError {
+    /// A part that does not end.
+    #[error("`<!-- figures: {0} -->` has no `<!-- end -->` behind it")]
+    Open(String),
+    /// A part that nobody makes, or what went wrong while it was made.
+    #[error("`<!-- figures: {name} -->`: {error}")]
+    Part {
+        /// The part.
+        name: String,
+        /// What is wrong.
+        error: String,
+    },
+}
+
+const OPEN: &str = "<!-- figures: ";
+const CLOSE: &str = " -->\n";
+const END: &str = "<!-- end -->";
+
+/// The page with every marked part as `made` by its name.
+///
+/// # Errors
+/// [`MarkError`] for the first part that cannot be made.
+pub fn replaced<E: ToString>(
+    page: &str,
+    made: impl Fn(&str) -> Result<String, E>,
+) -> Result<String, MarkError> {
+    let mut parts = page.split(OPEN);
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once(CLOSE).unwrap_or((part, ""));
+        let open = || MarkError::Open(name.lines().next().unwrap_or_default().into());
+        let (_, rest) = rest.split_once(END).ok_or_else(open)?;
+        let made = made(name).map_err(|error| MarkError::Part {
+            name: name.into(),
+            error: error.to_string(),
+        })?;
+        text.push_str(&format!("{OPEN}{name}{CLOSE}{made}{END}{rest}"));
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted(name: &str) -> Result<String, String> {
+        match name {
+            "length" => Ok("6\n".into()),
+            other => Err(format!("nobody measures {other}")),
+        }
+    }
+
+    #[test]
+    fn what_stands_between_the_marks_is_replaced() {
+        let page = "a\n<!-- figures: length -->\n5\n<!-- end -->\nb\n";
+        let made = replaced(page, counted).unwrap();
+        assert_eq!(made, "a\n<!-- figures: length -->\n6\n<!-- end -->\nb\n");
+        assert_eq!(replaced(&made, counted).unwrap(), made);
+        assert_eq!(replaced("no marks", counted).unwrap(), "no marks");
+    }
+
+    #[test]
+    fn a_part_without_an_end_or_a_maker_is_refused() {
+        let open = replaced("<!-- figures: length -->\n5\n", counted).unwrap_err();
+        assert!(open.to_string().contains("no `<!-- end -->`"), "{open}");
+        let unknown = replaced("<!-- figures: width -->\n<!-- end -->", counted).unwrap_err();
+        assert!(
+            unknown.to_string().contains("nobody measures width"),
+            "{unknown}"
+        );
+    }
+}

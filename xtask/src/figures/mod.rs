@@ -1,0 +1,99 @@
+//! `cargo xtask figures`: the tables of README and docs that hold numbers, written by what measures them.
+//!
+//! A page marks a table by `<!-- figures: NAME -->` and `<!-- end -->`. Some figures are the same on every machine: they are made anew
+//! each time, and `--check` says which pages hold others. The sets of the blind check take hours: `figures accuracy FILE...` keeps
+//! their results in `docs/figures`, with date, machine and commit, and the tables come from there.
+
+mod accuracy;
+mod exact;
+mod marked;
+mod table;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::{Failure, documentation, run};
+use accuracy::Sets;
+use exact::Exact;
+
+/// Writes every table that is not as measured.
+pub fn write() -> Result<(), Failure> {
+    let program = built_program()?;
+    for page in changed_pages(&program)? {
+        let name = page.path.display().to_string();
+        let path = firmware_build::root().join(&page.path);
+        fs::write(&path, page.text).map_err(|e| Failure::file(&path, e))?;
+        println!("{name}");
+    }
+    Ok(())
+}
+
+/// Makes sure that every table is as measured.
+pub fn check() -> Result<(), Failure> {
+    compare(&built_program()?)
+}
+
+/// The same with the program that the tests have built, which may have other features than a build of its own.
+pub fn check_built() -> Result<(), Failure> {
+    compare(&program())
+}
+
+fn compare(program: &Path) -> Result<(), Failure> {
+    let old = changed_pages(program)?;
+    if old.is_empty() {
+        return Ok(());
+    }
+    let names = old.iter().map(|page| page.path.display().to_string());
+    Err(Failure::OldFigures(names.collect()))
+}
+
+/// Keeps the results of blind checks, and writes the tables of them.
+pub fn keep_accuracy(files: &[&str]) -> Result<(), Failure> {
+    for file in files {
+        println!("{}", accuracy::keep(Path::new(file))?.display());
+    }
+    write()
+}
+
+/// A page with other text than it has.
+struct Page {
+    path: PathBuf,
+    text: String,
+}
+
+fn changed_pages(program: &Path) -> Result<Vec<Page>, Failure> {
+    let exact = Exact::new(program)?;
+    let sets = Sets::kept()?;
+    let mut changed = Vec::new();
+    for path in documentation::pages()? {
+        let full = firmware_build::root().join(&path);
+        let before = fs::read_to_string(&full).map_err(|e| Failure::file(&full, e))?;
+        let text = marked::replaced(&before, |name| match name.split_once(' ') {
+            Some(("accuracy", kind)) => sets.table(kind),
+            _ => exact.table(name),
+        });
+        let text = text.map_err(|error| Failure::Figures {
+            page: path.display().to_string(),
+            error: error.to_string(),
+        })?;
+        if text != before {
+            changed.push(Page { path, text });
+        }
+    }
+    Ok(changed)
+}
+
+/// The command line, built for development: its numbers are those of every other build.
+fn built_program() -> Result<PathBuf, Failure> {
+    run(&mut crate::cargo(&[
+        "build",
+        "--quiet",
+        "--package",
+        "paddle",
+    ]))?;
+    Ok(program())
+}
+
+fn program() -> PathBuf {
+    documentation::target_folder().join("debug/paddle")
+}

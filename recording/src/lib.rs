@@ -23,27 +23,20 @@
 //! ```
 
 mod actuator;
+mod checks;
 mod columns;
 mod digits;
 mod error;
-mod frozen;
-mod inspect;
 mod keys;
 mod manifest;
 mod model;
 mod oddity;
-mod plausible;
 mod read;
-mod repeated;
 mod run;
-mod saturated;
 mod sensor;
-mod spikes;
 mod statistics;
-mod stays;
 mod text;
 mod units;
-mod untrue;
 mod validate;
 mod write;
 

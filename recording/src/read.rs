@@ -4,13 +4,11 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use crate::checks::{invalid_rows, odd, repeated_rows};
 use crate::columns;
 use crate::error::Error;
-use crate::inspect;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
-use crate::repeated;
 use crate::text;
-use crate::untrue;
 use crate::validate;
 use crate::{Actuator, Model, Oddity, Recording, Run};
 
@@ -78,23 +76,21 @@ impl Recording {
             before += size;
             validate::run(&run, &recording)
                 .map_err(|error| error.in_file(&folder.join(&run.file)))?;
-            if let Some(stale) = inspect::stale_start(&run) {
+            if let Some(stale) = odd::stale_start(&run) {
                 recording.oddities.push(stale);
                 run = run.part(1..run.len());
             }
-            if let Some((repeated, fresh)) = repeated::fresh_rows(&run) {
+            if let Some((repeated, fresh)) = repeated_rows::fresh_rows(&run) {
                 recording.oddities.push(repeated);
                 run = run.rows(&fresh);
             }
             let stated = recording.sensor("position");
-            recording
-                .oddities
-                .extend(inspect::run(&run, &stated, &frozen));
+            recording.oddities.extend(odd::run(&run, &stated, &frozen));
             recording.runs.push(run);
         }
-        let untrue = untrue::leave_out(&mut recording.runs);
-        if !untrue.is_empty() {
-            recording.oddities.extend(untrue);
+        let invalid = invalid_rows::leave_out(&mut recording.runs);
+        if !invalid.is_empty() {
+            recording.oddities.extend(invalid);
             for run in &recording.runs {
                 validate::run(run, &recording)
                     .map_err(|error| error.in_file(&folder.join(&run.file)))?;
@@ -102,7 +98,7 @@ impl Recording {
         }
         validate::sensors(&recording, &lines).map_err(|error| error.in_file(&path))?;
         recording.oddities.extend(recording.units.oddities());
-        recording.oddities.extend(inspect::session(&recording.runs));
+        recording.oddities.extend(odd::session(&recording.runs));
         recording.assume_sensors();
         Ok(recording)
     }

@@ -1,10 +1,10 @@
 //! What no recording may have.
 
+use crate::checks::plausible;
 use crate::error::{Error, Fault};
 use crate::keys::{self, Lines};
 use crate::manifest::{self, Controller, Parsed};
 use crate::model::{FINITE, NOT_NEGATIVE, POSITIVE};
-use crate::plausible;
 use crate::{Actuator, Model, Recording, Run};
 use std::path::{Component, Path};
 

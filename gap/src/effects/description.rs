@@ -1,7 +1,7 @@
 //! What a reader wants to know of an effect, gathered from its definition.
 
-use super::{ALL, all};
 use super::identification::Identification;
+use super::{ALL, all};
 use crate::missing_torque::Axis;
 use host_sim::effects::Kind;
 

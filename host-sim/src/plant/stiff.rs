@@ -2,7 +2,7 @@
 //! drive, are stepped exactly; what else acts does so as it does halfway (the exponential Rosenbrock midpoint rule: Hochbruck and
 //! Ostermann, Acta Numerica 19, 2010).
 
-use super::ground::Ground;
+use super::linear_load::LinearLoad;
 use super::link::Flank;
 use super::zero_order_hold::{ZeroOrderHold, combined};
 use super::{Phase, Plant, State, Torque};
@@ -40,7 +40,7 @@ impl Linear {
         torque: &Torque,
         linked: Option<(Flank, [bool; 2])>,
     ) -> Self {
-        let ground = Ground::of(plant, state);
+        let linear_load = LinearLoad::of(plant, state);
         let damping = plant.damping(state);
         let fades = if torque.lag_s > 0.0 {
             -torque.lag_s.recip()
@@ -50,7 +50,7 @@ impl Linear {
         let bristles = plant.bristle_spring(state);
         match linked {
             Some((flank, held)) => {
-                let mut four = plant.two_mass_rates(flank, held, &ground, damping);
+                let mut four = plant.two_mass_rates(flank, held, &linear_load, damping);
                 let motor = if held[0] {
                     0.0
                 } else {
@@ -61,12 +61,12 @@ impl Linear {
                 Self::Two(driven(&four, motor, fades))
             }
             None => {
-                let ground = Ground {
-                    stiffness: ground.stiffness + bristles.stiffness,
-                    damping: ground.damping + bristles.damping,
-                    ..ground
+                let linear_load = LinearLoad {
+                    stiffness: linear_load.stiffness + bristles.stiffness,
+                    damping: linear_load.damping + bristles.damping,
+                    ..linear_load
                 };
-                let two = plant.one_mass_rates(&ground, damping[0]);
+                let two = plant.one_mass_rates(&linear_load, damping[0]);
                 Self::One(driven(&two, plant.inverse_inertia[0], fades))
             }
         }
@@ -222,10 +222,10 @@ impl Plant {
             longest = longest.min(BENT_RATE_STEP / self.drag_rate(state, torque.at(0.0)));
         }
         if self.dry || !self.parts.barriers.is_empty() || self.parts.has_link {
-            let ground = Ground::of(self, state);
+            let linear_load = LinearLoad::of(self, state);
             let bristles = self.bristle_spring(state).stiffness;
-            let stiffness = ground.stiffness.abs() + bristles;
-            let damping = m.viscous + ground.damping;
+            let stiffness = linear_load.stiffness.abs() + bristles;
+            let damping = m.viscous + linear_load.damping;
             if bristles > 0.0 {
                 // As long as a mass on them takes to bend them, against its inertia or through what damps it.
                 let natural_s = (bristles * mobility).sqrt().recip();
@@ -236,7 +236,7 @@ impl Plant {
         longest
     }
 
-    /// Rate at which the masses turn on a ground of some stiffness, N m/rad, and damping, N m s/rad, and on their link, rad/s: a velocity
+    /// Rate at which the masses turn on a linear load of some stiffness, N m/rad, and damping, N m s/rad, and on their link, rad/s: a velocity
     /// changes its sign once in a part of a turn at most.
     pub(super) fn turning_rate(&self, stiffness: f64, damping: f64) -> f64 {
         let mobility = self.highest_mobility();

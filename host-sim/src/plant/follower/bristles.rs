@@ -2,7 +2,7 @@
 
 use super::super::presliding::Bending;
 use super::super::{Phase, Touch};
-use super::ride::Ride;
+use super::integration::Integration;
 use super::{Follower, is_answered};
 
 /// Angle of an oscillation on bristles that a part of a step takes, parts of a step at most, and product of the rate on springs and
@@ -28,21 +28,21 @@ impl Follower<'_> {
 
     /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest, by which they are
     /// bent with the first half of the next step.
-    pub(super) fn bend(&self, ride: &mut Ride<'_>) {
+    pub(super) fn bend(&self, integration: &mut Integration<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
         let bristles = &plant.parts.bristles;
         let inertia = m.inertia;
-        let until_s = self.until_s(ride.state);
-        if ride.state.touch.contains(&Touch::Pushing) {
+        let until_s = self.until_s(integration.state);
+        if integration.state.touch.contains(&Touch::Pushing) {
             return;
         }
         let rate = self.bristle_rate();
         let spring_rate = rate + plant.spring_rate;
-        let mut bending = Bending::from(bristles, ride.state.deflection);
+        let mut bending = Bending::from(bristles, integration.state.deflection);
         let mut due = 0.0;
-        while let Some(push) = ride.push() {
-            let state = &mut *ride.state;
+        while let Some(push) = integration.push() {
+            let state = &mut *integration.state;
             if state.phase != Phase::Bristle || state.time_s + push.lasts_s > until_s {
                 break;
             }
@@ -89,9 +89,9 @@ impl Follower<'_> {
                 state.deflection = bending.deflection();
                 plant.slides_on(state, push.lasts_s);
             }
-            ride.step(&push, x);
+            integration.step(&push, x);
         }
         bending.go(due);
-        ride.state.deflection = bending.deflection();
+        integration.state.deflection = bending.deflection();
     }
 }

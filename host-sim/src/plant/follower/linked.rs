@@ -1,22 +1,22 @@
 //! Two masses and their link.
 
-use super::super::ground::Ground;
+use super::super::linear_load::LinearLoad;
 use super::super::link::Flank;
 use super::super::two_mass::flow_index;
 use super::super::zero_order_hold::ZeroOrderHold;
 use super::super::{Phase, Plant, Push, State};
-use super::bent::Bent;
-use super::level::Level;
-use super::ride::Ride;
+use super::friction_level::FrictionLevel;
+use super::integration::Integration;
+use super::nonlinear::Nonlinear;
 use super::side::Side;
 use super::{Follower, LATE_RATE_STEP, is_answered, is_usual, late_s};
 
 impl Follower<'_> {
-    /// Within one flank, whichever of the masses are held.
-    pub(super) fn coast_linked(&mut self, ride: &mut Ride<'_>) {
+    /// Integrates steps as long as the link stays on one flank; friction may hold either mass.
+    pub(super) fn coast_linked(&mut self, integration: &mut Integration<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
-        let state = &*ride.state;
+        let state = &*integration.state;
         let sides = [
             Side::of(plant.dry, state.velocity, state.phase),
             Side::of(plant.load_is_dry(), state.load_velocity, state.load_phase),
@@ -31,31 +31,35 @@ impl Follower<'_> {
         if !have(&x) {
             return;
         }
-        let until_s = self.until_s(ride.state);
-        let Some(ground) = self.ground(ride.state) else {
+        let until_s = self.until_s(integration.state);
+        let Some(linear_load) = self.linear_load(integration.state) else {
             return;
         };
         let step_s = self.step_s;
-        if plant.may_turn_twice(&ground, step_s) {
+        if plant.may_turn_twice(&linear_load, step_s) {
             return;
         }
         let link = &plant.parts.link;
         let flank = link.flank(x[0] - x[2], x[1] - x[3]);
         let held = sides.map(|side| side == Side::Held);
         let is_linear = self.is_linear;
-        let flow = &*self.flows(&ground).two_masses[flow_index(flank, held)]
-            .get_or_insert_with(|| Box::new(plant.two_masses_held(flank, held, &ground, step_s)));
+        let flow = &*self.flows(&linear_load).two_masses[flow_index(flank, held)]
+            .get_or_insert_with(|| {
+                Box::new(plant.two_masses_held(flank, held, &linear_load, step_s))
+            });
         let (stiffness, damping, relaxed) = link.spring(flank);
         let directions = sides.map(Side::direction);
         let constant_nm = [
             m.offset_nm + stiffness * relaxed,
-            ground.constant_nm - stiffness * relaxed,
+            linear_load.constant_nm - stiffness * relaxed,
         ];
-        let level = |side: usize| Level::of(plant, side, directions[side], ride.state.time_s);
+        let level = |side: usize| {
+            FrictionLevel::of(plant, side, directions[side], integration.state.time_s)
+        };
         let [mut motor_level, mut load_level] = [level(0), level(1)];
-        let bent = [0, 1].map(|side| Bent::of(plant, side, directions[side]));
+        let bent = [0, 1].map(|side| Nonlinear::of(plant, side, directions[side]));
         let varies = bent.iter().any(|bent| bent.varies);
-        let mut pendulum = ride.state.pendulum;
+        let mut pendulum = integration.state.pendulum;
         let mut bent_nm = |x: &[f64; 4], time_s: f64, drive_nm: f64| {
             if is_linear {
                 return [0.0; 2];
@@ -65,7 +69,7 @@ impl Follower<'_> {
                 bent[1].load(&mut pendulum, x[2]) - bent[1].resists(x[2], x[3], time_s, drive_nm),
             ]
         };
-        // Whether what is held stays so, with what is `bent` there.
+        // True if the masses that friction holds stay at rest under this nonlinear torque.
         let sticks = |state: &State, x: &[f64; 4], push: &Push, bent_nm: [f64; 2]| {
             let through_nm = stiffness * (x[0] - x[2]) + damping * (x[1] - x[3]);
             let motor_sticks = |drive_nm: f64| {
@@ -73,20 +77,20 @@ impl Follower<'_> {
                 pull.abs() <= plant.holding(state, pull, drive_nm)
             };
             let load_sticks = || {
-                let pull = constant_nm[1] + bent_nm[1] + through_nm - ground.stiffness * x[2];
+                let pull = constant_nm[1] + bent_nm[1] + through_nm - linear_load.stiffness * x[2];
                 pull.abs() <= plant.load_holding(state, pull, push.means_nm[0])
             };
             (!held[0] || push.bounds_nm.into_iter().all(motor_sticks))
                 && (!held[1] || load_sticks())
         };
         let is_held = held[0] || held[1];
-        let rate = plant.spring_rate + ground.rate(plant.inverse_inertia[1]);
+        let rate = plant.spring_rate + linear_load.rate(plant.inverse_inertia[1]);
         let linked_rate = rate + link.fastest_rate(m.inertia);
-        // Near what acted over the step before, which is near enough for the way halfway.
+        // The nonlinear torque of the step before is near enough for the first half of this one.
         let mut before_nm = None;
-        let from = ride.next();
-        while let Some(push) = ride.push() {
-            let state = &mut *ride.state;
+        let from = integration.next();
+        while let Some(push) = integration.push() {
+            let state = &mut *integration.state;
             if !is_usual(&push, step_s) || state.time_s + push.lasts_s > until_s {
                 break;
             }
@@ -100,7 +104,7 @@ impl Follower<'_> {
             let mut late_s = late_s(&push, step_s);
             let own;
             let (flow, step_s) = if linked_rate * late_s.abs() > LATE_RATE_STEP {
-                own = plant.two_masses_held(flank, held, &ground, push.lasts_s);
+                own = plant.two_masses_held(flank, held, &linear_load, push.lasts_s);
                 late_s = 0.0;
                 (&own, push.lasts_s)
             } else {
@@ -161,10 +165,10 @@ impl Follower<'_> {
                 state.load_position,
                 state.load_velocity,
             ] = end;
-            ride.step(&push, if link.sensor_on_load { end[2] } else { end[0] });
+            integration.step(&push, if link.sensor_on_load { end[2] } else { end[0] });
         }
-        let has_gone = ride.next() > from;
-        let state = &mut *ride.state;
+        let has_gone = integration.next() > from;
+        let state = &mut *integration.state;
         state.pendulum = pendulum;
         if has_gone {
             for (phase, held) in [&mut state.phase, &mut state.load_phase]
@@ -180,18 +184,18 @@ impl Follower<'_> {
 }
 
 impl Plant {
-    /// The linear flow of two masses within a flank of their link, `held` on the motor side or the load side.
+    /// The linear solution of two masses on one flank of their link; friction may hold the motor side, the load side, or both.
     pub(super) fn two_masses_held(
         &self,
         flank: Flank,
         held: [bool; 2],
-        ground: &Ground,
+        linear_load: &LinearLoad,
         step_s: f64,
     ) -> ZeroOrderHold<4, 2> {
         let viscous = self
             .friction_share
             .map(|share| share * self.mechanics.viscous);
-        let rates = self.two_mass_rates(flank, held, ground, viscous);
+        let rates = self.two_mass_rates(flank, held, linear_load, viscous);
         let [motor, load] = self.mobility(held);
         let inputs = [[0.0, motor, 0.0, 0.0], [0.0, 0.0, 0.0, load]];
         ZeroOrderHold::new(rates, inputs, step_s)
@@ -214,7 +218,7 @@ impl Plant {
         &self,
         flank: Flank,
         held: [bool; 2],
-        ground: &Ground,
+        linear_load: &LinearLoad,
         viscous: [f64; 2],
     ) -> [[f64; 4]; 4] {
         let [motor, load] = self.mobility(held);
@@ -226,13 +230,13 @@ impl Plant {
                 0.0,
                 motor * stiffness,
                 0.0,
-                -load * (stiffness + ground.stiffness),
+                -load * (stiffness + linear_load.stiffness),
             ],
             [
                 0.0,
                 motor * damping,
                 1.0,
-                -load * (damping + viscous[1] + ground.damping),
+                -load * (damping + viscous[1] + linear_load.damping),
             ],
         ]
     }

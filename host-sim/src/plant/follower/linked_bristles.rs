@@ -1,12 +1,12 @@
 //! Two masses and their link, the motor side on bristles.
 
-use super::super::ground::Ground;
+use super::super::linear_load::LinearLoad;
 use super::super::presliding::Bending;
 use super::super::two_mass::flow_index;
 use super::super::{Phase, Touch};
-use super::bent::Bent;
 use super::bristles::{STIFF_RATE_STEP, parts_of};
-use super::ride::Ride;
+use super::integration::Integration;
+use super::nonlinear::Nonlinear;
 use super::{Follower, LATE_RATE_STEP, is_answered, is_usual, late_s};
 
 /// The bristles hold the motor side at no time, and nothing holds the load side.
@@ -14,11 +14,11 @@ const NONE_HELD: [bool; 2] = [false; 2];
 
 impl Follower<'_> {
     /// Within one flank. In each part of a step the bristles act as they do halfway on what is linear.
-    pub(super) fn bend_linked(&mut self, ride: &mut Ride<'_>) {
+    pub(super) fn bend_linked(&mut self, integration: &mut Integration<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
-        let until_s = self.until_s(ride.state);
-        let state = &*ride.state;
+        let until_s = self.until_s(integration.state);
+        let state = &*integration.state;
         if state.touch.contains(&Touch::Pushing) {
             return;
         }
@@ -38,25 +38,25 @@ impl Follower<'_> {
             state.load_velocity,
         ];
         let flank = link.flank(x[0] - x[2], x[1] - x[3]);
-        let ground = Ground::of(plant, state);
+        let linear_load = LinearLoad::of(plant, state);
         let flow =
             &*self.on_bristles.two_masses[flow_index(flank, NONE_HELD)].get_or_insert_with(|| {
-                Box::new(plant.two_masses_held(flank, NONE_HELD, &ground, part_s))
+                Box::new(plant.two_masses_held(flank, NONE_HELD, &linear_load, part_s))
             });
         let (stiffness, _, relaxed) = link.spring(flank);
         let constant_nm = [
             m.offset_nm + stiffness * relaxed,
-            ground.constant_nm - stiffness * relaxed,
+            linear_load.constant_nm - stiffness * relaxed,
         ];
-        let bent = [0, 1].map(|side| Bent::of(plant, side, 0.0));
+        let bent = [0, 1].map(|side| Nonlinear::of(plant, side, 0.0));
         let linked_rate = plant.spring_rate + link.fastest_rate(m.inertia);
         let mut pendulum = state.pendulum;
         let mut bending = Bending::from(bristles, state.deflection);
         let mut due = 0.0;
         // Near what acted over the part before, which is near enough for the way halfway.
         let mut before_nm = [0.0; 2];
-        while let Some(push) = ride.push() {
-            let state = &mut *ride.state;
+        while let Some(push) = integration.push() {
+            let state = &mut *integration.state;
             let goes_on = state.phase == Phase::Bristle && is_usual(&push, step_s);
             let late_s = late_s(&push, step_s);
             let is_late = linked_rate * late_s.abs() > LATE_RATE_STEP;
@@ -115,10 +115,10 @@ impl Follower<'_> {
                 state.deflection = bending.deflection();
                 plant.slides_on(state, push.lasts_s);
             }
-            ride.step(&push, if link.sensor_on_load { end[2] } else { end[0] });
+            integration.step(&push, if link.sensor_on_load { end[2] } else { end[0] });
         }
         bending.go(due);
-        ride.state.deflection = bending.deflection();
-        ride.state.pendulum = pendulum;
+        integration.state.deflection = bending.deflection();
+        integration.state.pendulum = pendulum;
     }
 }

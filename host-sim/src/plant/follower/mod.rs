@@ -1,43 +1,43 @@
-//! A plant that follows a course of torque, mostly in steps of one size: while dry friction keeps its direction and nothing
-//! strikes, all that is linear is stepped exactly, and the rest acts as it does halfway (the exponential midpoint rule:
-//! Hochbruck and Ostermann, Acta Numerica 19, 2010).
+//! Integrates a plant over a torque profile, mostly in steps of one size. While dry friction keeps its direction and no contact
+//! changes, the linear part is integrated exactly, and the nonlinear part is taken at the middle of the step (the exponential
+//! midpoint rule: Hochbruck and Ostermann, Acta Numerica 19, 2010).
 
-mod bent;
 mod bristles;
-mod level;
+mod friction_level;
+mod integration;
 mod linked;
 mod linked_bristles;
-mod ride;
+mod nonlinear;
 mod side;
 mod sliding;
 
 use super::drift::Drifting;
-use super::ground::Ground;
+use super::linear_load::LinearLoad;
 use super::pace::MIDPOINT_ON_SLOPE;
 use super::stiff::TURN;
 use super::two_mass::FLOWS;
 use super::zero_order_hold::ZeroOrderHold;
 use super::{Course, Phase, Plant, Push, Rest, State};
-use ride::Ride;
+use integration::Integration;
 
-/// A plant, with its linear flows over the step that recurs.
+/// A plant, with its linear solutions over the usual step.
 #[derive(Debug)]
 pub struct Follower<'a> {
     plant: &'a Plant,
     step_s: f64,
     is_linear: bool,
-    /// Fastest rate of what is not linear, 1/s.
+    /// Fastest rate of the nonlinear part, 1/s.
     bent_rate: f64,
-    /// True if steps are short enough for that.
+    /// True if the usual step is short enough for that rate.
     is_gentle: bool,
     free: Flows,
-    /// While a barrier pushes, on the ground that it pushes from.
-    pushed: Option<(Ground, Flows)>,
+    /// While a barrier pushes, with its linear load.
+    pushed: Option<(LinearLoad, Flows)>,
     /// Over parts of a step, where one of two masses is on bristles.
     on_bristles: Flows,
 }
 
-/// Flows on one ground, each as it is first met.
+/// Solutions under one linear load, each computed when it is first needed.
 #[derive(Debug, Default)]
 struct Flows {
     one_mass: Option<ZeroOrderHold<2, 1>>,
@@ -61,7 +61,7 @@ const LATE_RATE_STEP: f64 = 0.1;
 const EARLY_RATE_STEP: f64 = 0.05;
 
 impl<'a> Follower<'a> {
-    /// Of steps that mostly take `step_s`.
+    /// Of a plant whose usual step takes `step_s`.
     pub fn new(plant: &'a Plant, step_s: f64) -> Self {
         let m = &plant.mechanics;
         let rate = |mobility: f64| (m.bent_stiffness() * mobility).sqrt();
@@ -87,74 +87,74 @@ impl<'a> Follower<'a> {
     /// Carries `state` through the steps of a course, whose torque is multiplied by a `gain` that is not negative; where the
     /// position sensor is after each of them goes into `seen`.
     pub fn follow(&mut self, state: &mut State, course: &Course, gain: f64, seen: &mut [f64]) {
-        let mut ride = Ride::new(self.plant, state, course, gain, seen);
-        while !ride.is_over() {
-            let from = ride.next();
-            self.coast(&mut ride);
-            if ride.next() == from {
-                ride.by_pieces(self.plant);
+        let mut integration = Integration::new(self.plant, state, course, gain, seen);
+        while !integration.is_over() {
+            let from = integration.next();
+            self.coast(&mut integration);
+            if integration.next() == from {
+                integration.by_pieces(self.plant);
             }
         }
     }
 
-    /// Carries it on through steps of one flow, as far as that lasts.
+    /// Integrates steps as long as one linear solution is valid.
     #[inline]
-    fn coast(&mut self, ride: &mut Ride<'_>) {
+    fn coast(&mut self, integration: &mut Integration<'_>) {
         let plant = self.plant;
-        let bends = ride.state.phase == Phase::Bristle;
+        let bends = integration.state.phase == Phase::Bristle;
         if plant.parts.has_link {
             if !self.is_gentle {
                 return;
             }
             if bends {
-                self.bend_linked(ride);
+                self.bend_linked(integration);
             } else {
-                self.coast_linked(ride);
+                self.coast_linked(integration);
             }
             return;
         }
-        let from = ride.next();
-        self.rest(ride);
-        if ride.next() > from {
+        let from = integration.next();
+        self.rest(integration);
+        if integration.next() > from {
             return;
         }
         if bends {
-            self.bend(ride);
+            self.bend(integration);
         } else if self.is_gentle {
-            self.slide(ride);
+            self.slide(integration);
         }
     }
 
-    /// As far as it stays at rest.
+    /// Integrates steps as long as the plant stays at rest.
     #[inline]
-    fn rest(&self, ride: &mut Ride<'_>) {
+    fn rest(&self, integration: &mut Integration<'_>) {
         let plant = self.plant;
-        if !plant.rests(ride.state) {
+        if !plant.rests(integration.state) {
             return;
         }
-        let until_s = self.rests_until_s(ride.state);
+        let until_s = self.rests_until_s(integration.state);
         let friction = &plant.mechanics.friction;
         let drift = friction.drift.filter(|_| plant.is_level);
-        let mut drifting = drift.map(|drift| Drifting::from(drift, ride.state.time_s));
-        while let Some(push) = ride.push() {
-            let end_s = ride.state.time_s + push.lasts_s;
+        let mut drifting = drift.map(|drift| Drifting::from(drift, integration.state.time_s));
+        while let Some(push) = integration.push() {
+            let end_s = integration.state.time_s + push.lasts_s;
             let stays = end_s <= until_s
                 && match &mut drifting {
                     Some(drifting) => {
                         let factor = drifting.factor(end_s);
                         let holding = |pull: f64, _| factor * friction.level(pull);
-                        plant.is_held_by(ride.state, push.bounds_nm, holding)
+                        plant.is_held_by(integration.state, push.bounds_nm, holding)
                     }
-                    None => plant.stays_at_rest(ride.state, push.bounds_nm, push.lasts_s),
+                    None => plant.stays_at_rest(integration.state, push.bounds_nm, push.lasts_s),
                 };
             if !stays {
                 break;
             }
-            ride.step(&push, ride.state.position);
+            integration.step(&push, integration.state.position);
         }
     }
 
-    /// Time up to which what pulls at rest stays as it is, s.
+    /// Time up to which the torque on the resting plant does not change by itself, s.
     #[inline]
     fn rests_until_s(&self, state: &mut State) -> f64 {
         if !self.plant.is_timed {
@@ -164,55 +164,55 @@ impl<'a> Follower<'a> {
         self.until_s(state)
     }
 
-    /// Time at which the flow ends whatever happens, s.
+    /// Time at which the linear solution ends in any case, s.
     #[inline]
     fn until_s(&self, state: &mut State) -> f64 {
         state.time_s + self.plant.until_change(state, f64::INFINITY)
     }
 
-    /// The ground that the load side is on, if steps are short enough for it.
+    /// The linear load of the load side, if the usual step is short enough for it.
     #[inline]
-    fn ground(&self, state: &State) -> Option<Ground> {
-        let ground = Ground::of(self.plant, state);
+    fn linear_load(&self, state: &State) -> Option<LinearLoad> {
+        let linear_load = LinearLoad::of(self.plant, state);
         let is_soft =
-            || ground.rate(self.plant.inverse_inertia[1]) * self.step_s <= PUSHED_RATE_STEP;
-        (!ground.pushes || is_soft()).then_some(ground)
+            || linear_load.rate(self.plant.inverse_inertia[1]) * self.step_s <= PUSHED_RATE_STEP;
+        (!linear_load.pushes || is_soft()).then_some(linear_load)
     }
 
-    /// The flows on it.
+    /// The solutions under a linear load.
     #[inline]
-    fn flows(&mut self, ground: &Ground) -> &mut Flows {
-        if !ground.pushes {
+    fn flows(&mut self, linear_load: &LinearLoad) -> &mut Flows {
+        if !linear_load.pushes {
             return &mut self.free;
         }
         if self
             .pushed
             .as_ref()
-            .is_none_or(|(known, _)| known != ground)
+            .is_none_or(|(known, _)| known != linear_load)
         {
             self.pushed = None;
         }
         let (_, flows) = self
             .pushed
-            .get_or_insert_with(|| (*ground, Flows::default()));
+            .get_or_insert_with(|| (*linear_load, Flows::default()));
         flows
     }
 }
 
-/// True if what acts changes within a step in which springs and dampers already answer to that.
+/// True if the torque changes within a step that is long enough for springs and dampers to respond to that.
 #[inline]
 fn is_answered(push: &Push, rate: f64) -> bool {
     let [low, high] = push.bounds_nm;
     rate * push.lasts_s > EARLY_RATE_STEP && low != high
 }
 
-/// True if a step takes about as long as most do.
+/// True if a step takes about as long as the usual one.
 #[inline]
 fn is_usual(push: &Push, step_s: f64) -> bool {
     (push.lasts_s - step_s).abs() <= NEAR_USUAL * step_s
 }
 
-/// How much longer a step takes than most do, s.
+/// Duration of a step minus that of the usual one, s.
 #[inline]
 fn late_s(push: &Push, step_s: f64) -> f64 {
     let late_s = push.lasts_s - step_s;
@@ -224,28 +224,28 @@ fn late_s(push: &Push, step_s: f64) -> f64 {
 }
 
 impl Plant {
-    /// True if a mass may turn round twice within a step and something depends on that: dry friction or what it meets.
+    /// True if a mass may reverse twice within a step, and dry friction or a contact depends on that.
     #[inline]
-    fn may_turn_twice(&self, ground: &Ground, step_s: f64) -> bool {
+    fn may_turn_twice(&self, linear_load: &LinearLoad, step_s: f64) -> bool {
         let watches = self.dry || !self.parts.barriers.is_empty();
-        let damping = self.mechanics.viscous + ground.damping;
-        watches && self.turning_rate(ground.stiffness.max(0.0), damping) * step_s > TURN
+        let damping = self.mechanics.viscous + linear_load.damping;
+        watches && self.turning_rate(linear_load.stiffness.max(0.0), damping) * step_s > TURN
     }
 
-    /// True if static friction that falls with speed is too steep for a step.
+    /// True if friction falls too steeply with speed for this step.
     #[inline]
     fn is_steep(&self, state: &State, push: &Push) -> bool {
         push.lasts_s > self.longest_on_slope(state, push.means_nm[0], MIDPOINT_ON_SLOPE)
     }
 
-    /// True if drag that grows with the square of the speed slows it too much within a step.
+    /// True if quadratic drag slows the plant too much within a step.
     #[inline]
     fn drags(&self, state: &State, push: &Push) -> bool {
         self.mechanics.drag != 0.0
             && self.drag_rate(state, push.means_nm[0]) * push.lasts_s > MIDPOINT_RATE_STEP
     }
 
-    /// 1/(kg m²), of the lighter side.
+    /// Inverse inertia of the lighter side, 1/(kg m²).
     pub(super) fn highest_mobility(&self) -> f64 {
         let [motor, load] = self.inverse_inertia;
         motor.max(load)

@@ -1,15 +1,15 @@
-//! How one side of a plant moves as far as dry friction goes.
+//! How dry friction acts on one side of a plant.
 
 use super::super::Phase;
 
-/// How one side of a plant moves while a flow lasts.
+/// How dry friction acts on one side of a plant while a linear solution is valid.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Side {
-    /// Without dry friction.
+    /// There is no dry friction.
     Free,
-    /// Held by it.
+    /// Dry friction holds it at rest.
     Held,
-    /// Against it, in a direction of ±1; 0 on bristles.
+    /// It slides, in a direction of ±1; 0 on bristles.
     Sliding(f64),
 }
 
@@ -33,7 +33,7 @@ impl Side {
         }
     }
 
-    /// True if it can have this velocity.
+    /// True if this velocity is possible on it.
     #[inline]
     pub(super) fn has(self, velocity: f64) -> bool {
         match self {
@@ -42,7 +42,7 @@ impl Side {
         }
     }
 
-    /// True if it may have stopped between two velocities, a step apart, that it can have.
+    /// True if it may have stopped within a step between these two velocities.
     #[inline]
     pub(super) fn may_have_stopped(self, from: f64, to: f64) -> bool {
         self.direction() != 0.0 && to.abs() < (to - from).abs()

@@ -1,48 +1,48 @@
 //! One mass that slides.
 
 use super::super::Plant;
-use super::super::ground::Ground;
+use super::super::linear_load::LinearLoad;
 use super::super::zero_order_hold::ZeroOrderHold;
-use super::bent::Bent;
-use super::level::Level;
-use super::ride::Ride;
+use super::friction_level::FrictionLevel;
+use super::integration::Integration;
+use super::nonlinear::Nonlinear;
 use super::side::Side;
 use super::{Follower, LATE_RATE_STEP, is_answered, is_usual, late_s};
 
 impl Follower<'_> {
-    /// As far as it slides in one direction.
-    pub(super) fn slide(&mut self, ride: &mut Ride<'_>) {
+    /// Integrates steps as long as it slides in one direction.
+    pub(super) fn slide(&mut self, integration: &mut Integration<'_>) {
         let plant = self.plant;
-        let state = &*ride.state;
+        let state = &*integration.state;
         let side = Side::of(plant.dry, state.velocity, state.phase);
         if side == Side::Held || !side.has(state.velocity) {
             return;
         }
-        let until_s = self.until_s(ride.state);
-        let state = &*ride.state;
-        let Some(ground) = self.ground(state) else {
+        let until_s = self.until_s(integration.state);
+        let state = &*integration.state;
+        let Some(linear_load) = self.linear_load(state) else {
             return;
         };
         let direction = side.direction();
         let step_s = self.step_s;
-        if plant.may_turn_twice(&ground, step_s) {
+        if plant.may_turn_twice(&linear_load, step_s) {
             return;
         }
-        let rate = plant.spring_rate + ground.rate(plant.inverse_inertia[0]);
+        let rate = plant.spring_rate + linear_load.rate(plant.inverse_inertia[0]);
         let inverse = plant.inverse_inertia[0];
         let is_linear = self.is_linear;
         let flow = &*self
-            .flows(&ground)
+            .flows(&linear_load)
             .one_mass
-            .get_or_insert_with(|| plant.one_mass_held(&ground, step_s));
-        let constant_nm = plant.mechanics.offset_nm + ground.constant_nm;
-        let mut level = Level::of(plant, 0, direction, state.time_s);
-        let bent = Bent::of(plant, 0, direction);
+            .get_or_insert_with(|| plant.one_mass_held(&linear_load, step_s));
+        let constant_nm = plant.mechanics.offset_nm + linear_load.constant_nm;
+        let mut level = FrictionLevel::of(plant, 0, direction, state.time_s);
+        let bent = Nonlinear::of(plant, 0, direction);
         let mut x = [state.position, state.velocity];
-        // Near what acted over the step before, which is near enough for the way halfway.
+        // The nonlinear torque of the step before is near enough for the first half of this one.
         let mut bent_nm = None;
-        while let Some(push) = ride.push() {
-            let state = &mut *ride.state;
+        while let Some(push) = integration.push() {
+            let state = &mut *integration.state;
             if !is_usual(&push, step_s) || state.time_s + push.lasts_s > until_s {
                 break;
             }
@@ -56,7 +56,7 @@ impl Follower<'_> {
             let mut late_s = late_s(&push, step_s);
             let own;
             let (flow, step_s) = if rate * late_s.abs() > LATE_RATE_STEP {
-                own = plant.one_mass_held(&ground, push.lasts_s);
+                own = plant.one_mass_held(&linear_load, push.lasts_s);
                 late_s = 0.0;
                 (&own, push.lasts_s)
             } else {
@@ -87,24 +87,28 @@ impl Follower<'_> {
             }
             x = end;
             [state.position, state.velocity] = end;
-            ride.step(&push, end[0]);
+            integration.step(&push, end[0]);
         }
     }
 }
 
 impl Plant {
-    /// The linear flow of one mass.
-    fn one_mass_held(&self, ground: &Ground, step_s: f64) -> ZeroOrderHold<2, 1> {
-        let rates = self.one_mass_rates(ground, self.mechanics.viscous);
+    /// The linear solution of one mass.
+    fn one_mass_held(&self, linear_load: &LinearLoad, step_s: f64) -> ZeroOrderHold<2, 1> {
+        let rates = self.one_mass_rates(linear_load, self.mechanics.viscous);
         ZeroOrderHold::new(rates, [[0.0, self.inverse_inertia[0]]], step_s)
     }
 
-    /// Rates of the linear flow of one mass, with this damping beside that of the ground, N m s/rad.
-    pub(in super::super) fn one_mass_rates(&self, ground: &Ground, damping: f64) -> [[f64; 2]; 2] {
+    /// Rates of the linear equations of one mass, with this damping in addition to that of the linear load, N m s/rad.
+    pub(in super::super) fn one_mass_rates(
+        &self,
+        linear_load: &LinearLoad,
+        damping: f64,
+    ) -> [[f64; 2]; 2] {
         let inverse = self.inverse_inertia[0];
-        let damping = damping + ground.damping;
+        let damping = damping + linear_load.damping;
         [
-            [0.0, -ground.stiffness * inverse],
+            [0.0, -linear_load.stiffness * inverse],
             [1.0, -damping * inverse],
         ]
     }

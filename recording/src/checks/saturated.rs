@@ -1,7 +1,7 @@
 //! A reading that stays at the end of its sensor's range, or that a stop may hold.
 
+use super::constant_segments::{BESIDE, ENTRY, constant_segments, typical_step};
 use crate::statistics::{extremes, noise, smallest_step};
-use crate::stays::{BESIDE, ENTRY, stays, typical_step};
 use crate::{Oddity, Run};
 use std::ops::Range;
 
@@ -93,7 +93,7 @@ fn held_at(run: &Run, value: f64) -> Option<Range<usize>> {
 
 /// The stretches of one value.
 fn at(column: &[f64], value: f64) -> impl Iterator<Item = Range<usize>> {
-    stays(column).filter(move |stay| column[stay.start] == value)
+    constant_segments(column).filter(move |stay| column[stay.start] == value)
 }
 
 /// The longest of them.

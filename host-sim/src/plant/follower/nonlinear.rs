@@ -1,10 +1,10 @@
-//! What is not linear.
+//! The nonlinear part of the torque.
 
 use super::super::Plant;
 use super::super::pendulum::Pendulum;
 
-/// What acts on one side, its linear part and friction that is [level](super::level) apart.
-pub(super) struct Bent<'a> {
+/// Nonlinear torque on one side, without dry friction of a [constant level](super::friction_level).
+pub(super) struct Nonlinear<'a> {
     plant: &'a Plant,
     side: usize,
     direction: f64,
@@ -12,7 +12,7 @@ pub(super) struct Bent<'a> {
     pub(super) varies: bool,
 }
 
-impl<'a> Bent<'a> {
+impl<'a> Nonlinear<'a> {
     pub(super) fn of(plant: &'a Plant, side: usize, direction: f64) -> Self {
         Self {
             plant,
@@ -22,7 +22,7 @@ impl<'a> Bent<'a> {
         }
     }
 
-    /// Drag beyond the viscous one, and friction that varies, N m.
+    /// Quadratic drag, and dry friction that varies, N m.
     #[inline]
     pub(super) fn resists(&self, position: f64, velocity: f64, time_s: f64, drive_nm: f64) -> f64 {
         let m = &self.plant.mechanics;
@@ -36,7 +36,7 @@ impl<'a> Bent<'a> {
         share * torque
     }
 
-    /// N m.
+    /// Torque on the motor side, N m.
     #[inline]
     pub(super) fn motor(&self, position: f64, velocity: f64, time_s: f64, drive_nm: f64) -> f64 {
         let mut torque = -self.resists(position, velocity, time_s, drive_nm);
@@ -46,7 +46,7 @@ impl<'a> Bent<'a> {
         torque
     }
 
-    /// Where the load is, N m.
+    /// Torque on the load side, N m.
     #[inline]
     pub(super) fn load(&self, pendulum: &mut Pendulum, position: f64) -> f64 {
         let m = &self.plant.mechanics;

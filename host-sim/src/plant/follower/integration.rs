@@ -1,19 +1,19 @@
-//! A state on its way through a course.
+//! The integration of a state over a torque profile.
 
 use super::super::{Course, Mechanics, Plant, Push, State};
 
-/// A state that is carried through the steps of a course, and what is seen of it after each of them.
-pub(super) struct Ride<'a> {
+/// A state, the steps of the profile that are still to be taken, and the sensor's position after each step.
+pub(super) struct Integration<'a> {
     mechanics: &'a Mechanics,
     pub(super) state: &'a mut State,
     course: &'a Course,
-    /// What the torque of the course is multiplied by.
+    /// Factor of the profile's torque.
     gain: f64,
     next: usize,
     seen: &'a mut [f64],
 }
 
-impl<'a> Ride<'a> {
+impl<'a> Integration<'a> {
     pub(super) fn new(
         plant: &'a Plant,
         state: &'a mut State,
@@ -31,7 +31,7 @@ impl<'a> Ride<'a> {
         }
     }
 
-    /// The step that is next.
+    /// Index of the next step.
     #[inline]
     pub(super) fn next(&self) -> usize {
         self.next
@@ -42,7 +42,7 @@ impl<'a> Ride<'a> {
         self.next >= self.course.steps()
     }
 
-    /// What the next step comes to, if there is one.
+    /// Torque and duration of the next step, if there is one.
     #[inline(always)]
     pub(super) fn push(&self) -> Option<Push> {
         let push = self.course.push(self.next)?.scaled(self.gain);
@@ -62,7 +62,7 @@ impl<'a> Ride<'a> {
         Some(push.beside(by_laws))
     }
 
-    /// Takes the next step, at whose end the sensor is at a position.
+    /// Ends the next step, after which the sensor is at the position `seen`.
     #[inline]
     pub(super) fn step(&mut self, push: &Push, seen: f64) {
         self.state.time_s += push.lasts_s;
@@ -70,7 +70,7 @@ impl<'a> Ride<'a> {
         self.next += 1;
     }
 
-    /// Takes it piece by piece, whatever may happen on the way.
+    /// Integrates the next step by the general method, which handles every event.
     pub(super) fn by_pieces(&mut self, plant: &Plant) {
         for &(torque, piece_s) in self.course.pieces(self.next) {
             plant.advance(self.state, torque.scaled(self.gain), piece_s);

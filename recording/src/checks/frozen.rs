@@ -1,8 +1,8 @@
 //! A reading that stays amid a motion and then jumps to where that has gone.
 
-use crate::spikes::{SPIKE, usual};
+use super::constant_segments::{BESIDE, ENTRY, constant_segments, typical_step};
+use super::spikes::{SPIKE, usual};
 use crate::statistics::{noise, smallest_step};
-use crate::stays::{BESIDE, ENTRY, stays, typical_step};
 use crate::{Oddity, Run};
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ const CAUGHT_UP: f64 = 3.0;
 #[expect(clippy::cast_precision_loss, reason = "counts of samples")]
 pub(crate) fn frozen(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
     let x = &run.position;
-    let long = stays(x).filter(|stay| stay.len() >= BESIDE);
+    let long = constant_segments(x).filter(|stay| stay.len() >= BESIDE);
     let long: Vec<Range<usize>> = long.collect();
     if long.is_empty() {
         return None;

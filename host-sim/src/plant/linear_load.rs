@@ -1,10 +1,10 @@
-//! What pulls on the load side from outside in proportion to where it is and how fast: the spring, and barriers that push.
+//! Torque on the load side that is linear in its position and velocity: of the spring, and of barriers that push.
 
 use super::{Barrier, Plant, State, Touch};
 
 /// `T = constant − stiffness · x − damping · v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ground {
+pub(super) struct LinearLoad {
     /// N m.
     pub(super) constant_nm: f64,
     /// N m/rad.
@@ -15,7 +15,7 @@ pub(super) struct Ground {
     pub(super) pushes: bool,
 }
 
-impl Ground {
+impl LinearLoad {
     pub(super) fn of(plant: &Plant, state: &State) -> Self {
         let m = &plant.mechanics;
         let spring = Self {
@@ -26,7 +26,7 @@ impl Ground {
         };
         let barriers = plant.parts.barriers.iter().zip(&state.touch);
         let pushing = barriers.filter(|(_, touch)| **touch == Touch::Pushing);
-        pushing.fold(spring, |ground, (barrier, _)| ground.and(barrier))
+        pushing.fold(spring, |linear_load, (barrier, _)| linear_load.and(barrier))
     }
 
     fn and(self, barrier: &Barrier) -> Self {
@@ -38,7 +38,7 @@ impl Ground {
         }
     }
 
-    /// Rate of an inertia on it, 1/s.
+    /// Fastest rate of an inertia under this load, 1/s.
     pub(super) fn rate(&self, inverse_inertia: f64) -> f64 {
         (self.stiffness.abs() * inverse_inertia).sqrt() + self.damping * inverse_inertia
     }

@@ -1,6 +1,6 @@
 //! Looks for what is merely odd.
 
-use crate::spikes::{SPIKE, usual};
+use super::spikes::{SPIKE, usual};
 use crate::statistics::{is_constant, median, noise, quantile};
 use crate::{Oddity, Run, Sensor};
 

@@ -1,16 +1,16 @@
-//! Dry friction of one side while it slides one way, as far as it is the same at any position and speed.
+//! Dry friction of one side while it slides in one direction, if its level does not depend on position or speed.
 
 use super::super::Plant;
 use super::super::drift::Drifting;
 
-pub(super) struct Level {
-    /// Without drift, N m the way of the motion's positive direction.
+pub(super) struct FrictionLevel {
+    /// Without drift, N m, positive against positive motion.
     settled_nm: f64,
     drifting: Option<Drifting>,
 }
 
-impl Level {
-    /// None where it is not the same.
+impl FrictionLevel {
+    /// Zero if the level depends on position or speed.
     pub(super) fn of(plant: &Plant, side: usize, direction: f64, time_s: f64) -> Self {
         let is_level = plant.is_level && direction != 0.0;
         let drift = plant.mechanics.friction.drift.filter(|_| is_level);
@@ -24,7 +24,7 @@ impl Level {
         }
     }
 
-    /// N m.
+    /// Level at a time, N m.
     #[inline]
     pub(super) fn at(&mut self, time_s: f64) -> f64 {
         match &mut self.drifting {

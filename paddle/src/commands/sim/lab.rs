@@ -19,7 +19,9 @@ use std::path::PathBuf;
 /// Under which torque.
 #[derive(Args, Clone, Debug)]
 #[command(
-    after_help = "Example: paddle sim lab --amplitude 0.0011 --recording lab-2018, then paddle gap diagnose lab-2018
+    after_help = "Examples:
+  paddle sim lab --amplitude 0.0011 --recording lab-2018
+  paddle gap diagnose lab-2018
 
 The model of the report's figures 1 to 4, with the two slips of its dry friction: the torque passes in every second step
 of 10 ms while it is above 1 mN m, and not at all below, and friction acts above 20 rad/s alone. The recording has the

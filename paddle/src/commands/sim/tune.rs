@@ -21,7 +21,8 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   paddle sim tune --plant refit
-  paddle gap diagnose my-recording --save-model corrected.toml; paddle sim tune --plant corrected.toml
+  paddle gap diagnose my-recording --save-model corrected.toml
+  paddle sim tune --plant corrected.toml
   paddle sim tune --plant refit --current-loop --settling 150 --friction-spread 50
 
 The gains are those that make the least torque of the sensor's noise while the known paddle and the corners of the spread

@@ -5,7 +5,7 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// A stream of draws that depends on its seed alone.
-pub(crate) struct Draw(Xoshiro256PlusPlus);
+pub struct Draw(Xoshiro256PlusPlus);
 
 impl Draw {
     /// The stream of case `index` under `seed`; neighbouring cases have unrelated streams.

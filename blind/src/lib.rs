@@ -15,8 +15,9 @@ pub mod score;
 mod session;
 mod truth;
 
-pub use case::{Case, CaseError, GAP_OVER_FLOOR, Mixture, SMALL_SHARE, Transfer};
+pub use case::{Case, CaseError, GAP_OVER_FLOOR, Mixture, SMALL_SHARE, Transfer, alike};
 pub use check::{Check, CheckError};
 pub use diagnosis::{Diagnosis, Found, Gap, Region, Verdict};
+pub use draw::Draw;
 pub use scenario::VOCABULARY;
 pub use truth::{Effect, Kind, Place, Reference, Timing, Truth};

@@ -6,16 +6,16 @@ use crate::progress;
 use crate::settings_file;
 use chrono::{SecondsFormat, Utc};
 use haptic_paddle::settings::Settings;
-use remote::{Device, DeviceError, Plan, Progress, SerialWire, Taken, take};
+use remote::{Device, DeviceError, Plan, Progress, SerialWire, Taken, Wire, take};
 use std::fmt::Write;
 
 /// Rows a second where nothing is said: 20 for the shortest time constant of the paddle that shows.
 pub const ROWS_HZ: f64 = 1000.0;
 
 /// The board.
-pub struct Rig {
+pub struct Rig<W: Wire = SerialWire> {
     /// It.
-    pub device: Device<SerialWire>,
+    pub device: Device<W>,
     /// Its settings when it was made ready.
     pub settings: Settings,
     /// What it says of its firmware.
@@ -27,14 +27,24 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Finds the board on `port`, gives its encoder a zero by the Hall sensor if it has none, and from now on it disarms
-    /// where this program falls silent.
+    /// As [`Self::on`], of the board on a serial port.
     ///
     /// # Errors
     /// [`Failure::Device`].
     pub fn open(port: &str) -> Result<Self, Failure> {
+        Self::on(SerialWire::open(port)?, port)
+    }
+}
+
+impl<W: Wire> Rig<W> {
+    /// Finds the board on `wire`, gives its encoder a zero by the Hall sensor if it has none, and from now on it disarms
+    /// where this program falls silent. `port` is what people call the wire.
+    ///
+    /// # Errors
+    /// [`Failure::Device`].
+    pub fn on(wire: W, port: &str) -> Result<Self, Failure> {
         progress::doing(format!("looking for the board on {port}"));
-        let mut device = Device::find(SerialWire::open(port)?)?;
+        let mut device = Device::find(wire)?;
         let version = device.command("version")?;
         let version = version.lines().next().unwrap_or_default();
         let version = if version.contains("no such command") {

@@ -18,6 +18,19 @@ struct Head {
 }
 
 impl Captured {
+    /// A complete one, triggered at the sample of this index.
+    pub fn of(trigger: Trigger, triggered_at: usize, samples: Vec<Sample>) -> Self {
+        let head = Head {
+            trigger,
+            samples: samples.len(),
+            triggered_at,
+        };
+        Self {
+            head: Some(head),
+            samples,
+        }
+    }
+
     pub(crate) fn hear(&mut self, body: &Body) {
         match *body {
             Body::Capture {

@@ -14,6 +14,8 @@ const RATE_PATIENCE_S: f64 = 0.3;
 /// The board hears from a program that steers it this often, s: twenty times within its `host.heartbeat`, as a computer
 /// pauses now and then.
 const BEAT_S: f64 = 0.01;
+/// Within so long the board has said why it stopped, s: a few looks of its console.
+const SPEECH_S: f64 = 0.05;
 /// Takes the last character of an empty line away: a sign of life that changes nothing.
 const BACKSPACE: u8 = 0x08;
 /// Drops the line.
@@ -33,6 +35,18 @@ pub struct Row {
 }
 
 impl Row {
+    /// A row of these channels.
+    pub fn new(period: u32, values: impl IntoIterator<Item = (Channel, f32)>) -> Self {
+        let mut row = Self {
+            period,
+            values: [f32::NAN; Channel::ALL.len()],
+        };
+        for (channel, value) in values {
+            row.values[channel as usize] = value;
+        }
+        row
+    }
+
     /// The value of a channel, in its unit.
     pub fn value(&self, channel: Channel) -> f32 {
         self.values[channel as usize]
@@ -200,12 +214,21 @@ impl<W: Wire> Device<W> {
         self.travel_rad
     }
 
-    /// Stops everything at once.
+    /// Stops everything at once, and lets the board say so.
     ///
     /// # Errors
-    /// [`DeviceError::Gone`].
+    /// As [`Self::listen`].
     pub fn stop(&mut self) -> Result<(), DeviceError> {
-        self.send(&[STOP])
+        self.send(&[STOP])?;
+        self.let_it_speak()
+    }
+
+    /// Lets the board say by itself why it stopped: in the middle of a command's echo, that would tear it.
+    ///
+    /// # Errors
+    /// As [`Self::listen`].
+    pub fn let_it_speak(&mut self) -> Result<(), DeviceError> {
+        self.wait_s(SPEECH_S)
     }
 
     /// Begins a stream.
@@ -252,15 +275,9 @@ impl<W: Wire> Device<W> {
                             channels,
                             values,
                         } => {
-                            let mut row = Row {
-                                period,
-                                values: [f32::NAN; Channel::ALL.len()],
-                            };
-                            for (channel, value) in link::values(channels, values) {
-                                row.values[channel as usize] = value;
-                            }
                             self.dropped = dropped;
-                            self.rows.push(row);
+                            self.rows
+                                .push(Row::new(period, link::values(channels, values)));
                         }
                         body => self.captured.hear(&body),
                     }

@@ -35,6 +35,8 @@ pub struct Session {
 pub struct Recorder {
     session: Session,
     recording: Recording,
+    /// Control period of the first row of the first run.
+    begun: Option<u32>,
 }
 
 impl Recorder {
@@ -71,10 +73,15 @@ impl Recorder {
         recording
             .sensors
             .insert(other_column(settings.estimate.sensor).into(), other);
-        Self { session, recording }
+        Self {
+            session,
+            recording,
+            begun: None,
+        }
     }
 
-    /// Adds what an experiment gave. The Hall sensor's noise is taken from what it shows before the signal.
+    /// Adds what an experiment gave. Times run on from run to run by the board's clock, so that what changes over the
+    /// session is seen as such. The Hall sensor's noise is taken from what it shows before the signal.
     pub fn add(&mut self, taken: &Taken) {
         let settings = &self.session.settings;
         let rows = &taken.rows;
@@ -90,12 +97,13 @@ impl Recorder {
                 .collect()
         };
         let first = rows.first().map_or(0, |row| row.period);
+        let begun = *self.begun.get_or_insert(first);
         // Control periods are whole numbers of these.
         const PER_S: f64 = 1e9;
         let time = rows
             .iter()
             .map(|row| {
-                let since = f64::from(row.period.wrapping_sub(first));
+                let since = f64::from(row.period.wrapping_sub(begun));
                 (since / TICK_HZ * PER_S).round() / PER_S
             })
             .collect();

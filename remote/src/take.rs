@@ -124,6 +124,9 @@ fn carry_out<W: Wire>(
         }
     }
     let lost = device.lost();
+    if fault.is_some() {
+        device.let_it_speak()?;
+    }
     let fault = match fault {
         Some(_) => Some(what_went_wrong(device)?),
         None => too_far.then(|| TOO_FAR.to_owned()),

@@ -1,6 +1,5 @@
 //! Experiments on the flashed image, with the virtual board at the other end of the wire.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
 use haptic_paddle::settings::Settings;
@@ -8,44 +7,10 @@ use host_sim::closed_loop::LoopSetup;
 use host_sim::presets;
 use link::Channel;
 use recording::{Drive, Tolerance};
-use remote::{Device, DeviceError, Plan, Progress, Recorder, Session, Wire, take};
-use virtual_board::board::{Board, Pause};
+use remote::{Device, DeviceError, Plan, Progress, Recorder, Session, VirtualWire, take};
+use virtual_board::board::Board;
 use virtual_board::image::Image;
 use virtual_board::wiring::Wires;
-
-/// A board in this process, which runs as long as somebody reads.
-struct VirtualWire {
-    board: Board,
-    /// Bytes that are no longer heard from this time on.
-    cut_s: f64,
-}
-
-impl Wire for VirtualWire {
-    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        let end_s = self.board.time_s() + 1e-3;
-        while self.board.run_until(end_s).unwrap() != Pause::Time {}
-        let answer = self.board.terminal.take_answer();
-        bytes[..answer.len()].copy_from_slice(&answer);
-        Ok(answer.len())
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let now_s = self.board.time_s();
-        if now_s < self.cut_s {
-            self.board.terminal.send(bytes, now_s);
-        }
-        Ok(())
-    }
-
-    fn set_baud(&mut self, baud: u32) -> io::Result<()> {
-        self.board.terminal.baud = baud.into();
-        Ok(())
-    }
-
-    fn time_s(&self) -> f64 {
-        self.board.time_s()
-    }
-}
 
 /// Nobody watches; the user ends when this turns true.
 struct Quiet(bool);
@@ -76,10 +41,7 @@ fn wire(image: &Image) -> VirtualWire {
     let setup = LoopSetup::firmware(presets::refit(), Settings::default(), presets::motor());
     let mut board = Board::new(image, &setup.paddle, &setup.settings, Wires::default()).unwrap();
     board.set_brown_out();
-    VirtualWire {
-        board,
-        cut_s: f64::INFINITY,
-    }
+    VirtualWire::new(board)
 }
 
 fn ready(image: &Image) -> Device<VirtualWire> {
@@ -151,7 +113,7 @@ fn a_lost_link_disarms_the_board() {
     };
     let mut wire = wire(&image);
     // In the middle of the run.
-    wire.cut_s = 4.0;
+    wire.cut_at(4.0);
     let mut device = Device::find(wire).unwrap();
     device.speed_up().unwrap();
     device.expect("zero hall", "zeroed").unwrap();
@@ -218,20 +180,35 @@ fn a_capture_is_fetched() {
     assert_eq!(captured.samples.len(), 3072);
 }
 
+/// What a paddle that is driven beyond its travel by a sine of this torque, N m, is said to have done.
+fn driven_too_far(device: &mut Device<VirtualWire>, amplitude_nm: &str) -> String {
+    device.settings().unwrap();
+    let plan = plan(&format!("torque:sine:{amplitude_nm},0.5,4"));
+    match take(device, &plan, 1000.0, &mut Quiet(false)) {
+        Ok(taken) => taken.fault.unwrap(),
+        Err(DeviceError::Fault(fault)) => fault,
+        Err(other) => panic!("{amplitude_nm} N m: {other:?}"),
+    }
+}
+
 #[test]
 fn a_paddle_that_is_driven_too_far_is_let_go_and_can_be_armed_again() {
     let Some(image) = image("a_paddle_that_is_driven_too_far") else {
         return;
     };
     let mut device = ready(&image);
-    device.settings().unwrap();
-    let plan = plan("torque:sine:0.006,0.5,4");
-    let taken = take(&mut device, &plan, 1000.0, &mut Quiet(false));
-    let told = match &taken {
-        Ok(taken) => taken.fault.clone().unwrap(),
-        Err(DeviceError::Fault(fault)) => fault.clone(),
-        other => panic!("{other:?}"),
-    };
+    let told = driven_too_far(&mut device, "0.006");
     assert!(told.contains("end of its travel"), "{told}");
     device.expect("arm position", "mode position").unwrap();
+}
+
+#[test]
+fn what_a_stopped_board_says_by_itself_tears_no_command() {
+    let Some(image) = image("what_a_stopped_board_says") else {
+        return;
+    };
+    for amplitude_nm in ["0.0057", "0.0053", "0.0049", "0.0045"] {
+        let told = driven_too_far(&mut ready(&image), amplitude_nm);
+        assert!(told.contains("end of its travel"), "{amplitude_nm}: {told}");
+    }
 }

@@ -164,7 +164,7 @@ const ALIKE: [[&str; 2]; 12] = [
 ];
 
 /// Whether two effects are the same or cover each other by nature.
-fn alike(a: &str, b: &str) -> bool {
+pub fn alike(a: &str, b: &str) -> bool {
     a == b
         || ALIKE
             .iter()

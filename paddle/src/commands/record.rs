@@ -9,8 +9,9 @@ use crate::progress;
 use crate::rig::{ROWS_HZ, Rig};
 use crate::targets::{Target, Use};
 use clap::Args;
+use haptic_paddle::settings::Settings;
 use recording::Tolerance;
-use remote::{Plan, Recorder, Session};
+use remote::{Plan, Recorder, Session, Wire};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -85,11 +86,11 @@ impl Nominal {
         Target::of("--model", Use::Read, self.model.file())
     }
 
-    /// A recording without runs, of this board.
+    /// A recording without runs, of a board with these settings.
     ///
     /// # Errors
     /// [`Failure`] for a file that cannot be used.
-    pub fn recorder(&self, rig: &Rig) -> Result<Recorder, Failure> {
+    pub fn recorder(&self, settings: &Settings) -> Result<Recorder, Failure> {
         let mut tolerance = Tolerance::default();
         for (name, relative) in TOLERANCE {
             tolerance.set(name, relative);
@@ -99,7 +100,7 @@ impl Nominal {
             horizon_s: self.horizon,
             model: self.model.load()?.model,
             tolerance,
-            settings: rig.settings,
+            settings: *settings,
         }))
     }
 }
@@ -111,7 +112,7 @@ impl Nominal {
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let interrupt = Interrupt::watched()?;
     let mut rig = Rig::open(&arguments.port)?;
-    let mut recorder = arguments.nominal.recorder(&rig)?;
+    let mut recorder = arguments.nominal.recorder(&rig.settings)?;
     let mut amiss = Vec::new();
     for (at, plan) in arguments.runs.iter().enumerate() {
         progress::within(&format!("run {} of {}", at + 1, arguments.runs.len()));
@@ -161,7 +162,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 ///
 /// # Errors
 /// [`Failure`] for what cannot be written, or used.
-pub fn leave(recorder: &Recorder, rig: &Rig, folder: &Path) -> Result<(), Failure> {
+pub fn leave(recorder: &Recorder, rig: &Rig<impl Wire>, folder: &Path) -> Result<(), Failure> {
     recorder.recording().write(folder)?;
     let path = folder.join("session.toml");
     std::fs::write(&path, rig.account()).map_err(Failure::write(&path))?;

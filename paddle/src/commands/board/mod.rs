@@ -1,6 +1,6 @@
 //! `paddle board`: the flashed image on a virtual board, wired to the simulated paddle.
 
-mod firmware;
+pub mod firmware;
 mod leave;
 mod live;
 

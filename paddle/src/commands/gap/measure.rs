@@ -50,7 +50,6 @@ const FLOOR_OF_NOMINAL: &str = "the floor is what noise, quantising and restarts
 /// [`Failure`] for a recording or a model that cannot be used.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.own_effects.add()?;
-    let recording = super::read(&arguments.recording)?;
     let recording = usable::read(&arguments.recording)?;
     let mut provenance = Provenance::of(&arguments.recording, &recording)?;
     let mut warnings = recording.warnings();

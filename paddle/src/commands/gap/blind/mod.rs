@@ -1,11 +1,15 @@
 //! `paddle gap blind`: the diagnosis scored on recordings whose truth it does not see.
 
+mod board;
+mod hidden;
+
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::numbers;
 use crate::targets::{Target, Use};
 use blind::score::Summary;
 use blind::{Check, Mixture};
+use board::BoardCheck;
 use clap::Args;
 use host_sim::effects::{self, EffectError};
 use serde_json::json;
@@ -20,11 +24,14 @@ use std::time::Duration;
   paddle gap blind --cases 20 --seed 7 --effect stribeck --withhold stribeck
   paddle gap blind --cases 40 --seed 11 --messy --transfer
   paddle gap blind --cases 40 --seed 3 --generate-only --out recordings
+  paddle gap blind --board --cases 20 --seed 5 [--messy]
 
 Each case is a recording of a random device with something hidden in it, made by a simulation that shares nothing with
 the one that the diagnosis fits. The diagnosis runs as a process of its own on the recording alone; the truth is opened
 afterwards. Everything is kept in a folder a case: recording, diagnosis, model, truth, and a fresh recording of the same
-device on which the claimed shrink is checked.")]
+device on which the claimed shrink is checked.
+
+With --board each case is a virtual board whose paddle has something hidden in it, and `paddle experiment` against it.")]
 pub struct Arguments {
     /// How many cases.
     #[arg(long, default_value_t = 40, value_parser = numbers::count)]
@@ -56,6 +63,13 @@ pub struct Arguments {
     /// Write recordings and truths only; diagnose nothing.
     #[arg(long)]
     generate_only: bool,
+    /// Experiment with virtual boards instead; with --messy each paddle has one dominant effect, three small ones, and
+    /// numbers that are 5 % off.
+    #[arg(long, conflicts_with_all = ["transfer", "withhold", "generate_only", "jobs", "patience"])]
+    board: bool,
+    /// Most time of each paddle's.
+    #[arg(long, default_value_t = 180.0, value_name = "s", value_parser = numbers::positive, requires = "board")]
+    seconds: f64,
 }
 
 /// Makes, diagnoses and scores; one line a case goes to standard error as it is done.
@@ -64,6 +78,9 @@ pub struct Arguments {
 /// [`Failure`] if a case cannot be made or kept.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.check_names()?;
+    if arguments.board {
+        return arguments.boards();
+    }
     let mut outcomes = Vec::new();
     let mut sets = Vec::new();
     let mut kept = String::new();
@@ -114,7 +131,7 @@ impl Arguments {
 
     /// Makes sure that effects have names and that no set is scored twice.
     fn check_names(&self) -> Result<(), Failure> {
-        if let Some(name) = &self.withhold {
+        for name in self.withhold.iter().chain(&self.effect) {
             effects::kind(name).ok_or_else(|| EffectError::Kind(name.clone()))?;
         }
         let mut seeds = self.seed.iter().enumerate();
@@ -126,16 +143,43 @@ impl Arguments {
         }
     }
 
-    /// The check of the set `seed`.
-    fn check(&self, seed: u64) -> Result<Check, Failure> {
-        let folder = match (&self.out, self.seed.len()) {
+    /// Experiments with virtual boards, set by set.
+    fn boards(&self) -> Result<Answer, Failure> {
+        let mut all = Answer::default();
+        let mut sets = Vec::new();
+        for &seed in &self.seed {
+            let folder = self.folder(seed);
+            let check = BoardCheck {
+                cases: self.cases,
+                seed,
+                only: self.effect.as_deref(),
+                messy: self.messy,
+                seconds: self.seconds,
+                folder: &folder,
+            };
+            let Answer { text, json, amiss } = check.run()?;
+            all.text += &format!("seed {seed}\n{text}");
+            sets.push(json);
+            all.amiss.extend(amiss);
+        }
+        all.json = json!({ "sets": sets });
+        Ok(all)
+    }
+
+    /// Where the set `seed` is kept.
+    fn folder(&self, seed: u64) -> PathBuf {
+        match (&self.out, self.seed.len()) {
             (Some(out), 1) => out.clone(),
             (Some(out), _) => out.join(seed.to_string()),
             (None, _) => format!("paddle-out/blind-{seed}").into(),
-        };
+        }
+    }
+
+    /// The check of the set `seed`.
+    fn check(&self, seed: u64) -> Result<Check, Failure> {
         Ok(Check {
             program: std::env::current_exe().map_err(Failure::read("this program"))?,
-            folder,
+            folder: self.folder(seed),
             cases: self.cases,
             seed,
             mixture: Mixture {

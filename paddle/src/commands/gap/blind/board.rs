@@ -1,0 +1,237 @@
+//! `paddle gap blind --board`: `paddle experiment` scored on virtual boards whose paddles have something hidden in them.
+
+use super::hidden::{HiddenPaddle, written};
+use crate::answer::Answer;
+use crate::commands::board::firmware;
+use crate::commands::experiment::{Found, How, explore, is_unique};
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::progress;
+use crate::rig::Rig;
+use blind::score::{Gaps, Outcome, judge};
+use blind::{Diagnosis, Kind, Reference, Truth};
+use haptic_paddle::settings::Settings;
+use host_sim::closed_loop::LoopSetup;
+use host_sim::presets;
+use remote::VirtualWire;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::Path;
+use std::time::Instant;
+use virtual_board::board::Board;
+use virtual_board::image::Image;
+use virtual_board::wiring::Wires;
+
+/// Which paddles, and what they may take.
+pub struct BoardCheck<'a> {
+    /// How many.
+    pub cases: u64,
+    /// Of the set.
+    pub seed: u64,
+    /// Hidden alone in every paddle, or the dominant one of it.
+    pub only: Option<&'a str>,
+    /// With small effects beside the dominant one, and numbers that are off.
+    pub messy: bool,
+    /// Most time of each paddle's, s.
+    pub seconds: f64,
+    /// Everything is kept here, a folder each.
+    pub folder: &'a Path,
+}
+
+/// What became of one paddle.
+struct Case {
+    outcome: Outcome,
+    hidden: String,
+    unique: bool,
+    runs: usize,
+    /// Time of the paddle's, s, and of the computer's.
+    paddle_s: f64,
+    took_s: f64,
+}
+
+impl BoardCheck<'_> {
+    /// Draws, experiments and scores; a line a case goes to standard error as it is done.
+    ///
+    /// # Errors
+    /// [`Failure`] if there is no firmware, a paddle cannot be drawn, or nothing can be kept.
+    pub fn run(&self) -> Result<Answer, Failure> {
+        let path = firmware::build()?;
+        let unusable = |source| Failure::Image {
+            path: path.clone(),
+            source,
+        };
+        let image = Image::read(&path).map_err(unusable)?;
+        let interrupt = Interrupt::watched()?;
+        let mut cases: Vec<Case> = Vec::new();
+        let mut amiss = Vec::new();
+        for number in 1..=self.cases {
+            let paddle = HiddenPaddle::draw(self.seed, number, self.only, self.messy)?;
+            let board = board(&image, &paddle, number).map_err(unusable)?;
+            match self.case(number, &paddle, board, &interrupt) {
+                Ok((case, lacking)) => {
+                    progress::note(&case.line(number));
+                    cases.push(case);
+                    for failure in lacking {
+                        progress::note(&format!("case {number}: {failure}"));
+                        amiss.push(failure);
+                    }
+                }
+                Err(failure) => amiss.push(failure),
+            }
+            if interrupt.is_wished() {
+                break;
+            }
+        }
+        let (right, unique) = (
+            cases.iter().filter(|case| case.outcome.first).count(),
+            cases.iter().filter(|case| case.is_unique()).count(),
+        );
+        let in_class = cases.iter().filter(|case| case.outcome.in_class).count();
+        let longest_s = cases.iter().map(|case| case.paddle_s).fold(0.0, f64::max);
+        let all = cases.len();
+        let mut text = String::new();
+        for (what, count) in [
+            ("first name is the hidden (dominant) effect", right),
+            ("it is named, or listed as not separable", in_class),
+            ("it is the only answer", unique),
+        ] {
+            let _ = writeln!(text, "{what:<44} {count} of {all}");
+        }
+        let _ = writeln!(
+            text,
+            "most time of a paddle's                      {longest_s:.0} s\neverything in {}",
+            self.folder.display()
+        );
+        Ok(Answer {
+            text,
+            json: json!({
+                "seed": self.seed, "messy": self.messy, "cases": all, "right": right, "in_class": in_class,
+                "unique": unique, "longest_s": longest_s,
+                "each": cases.iter().map(Case::json).collect::<Vec<_>>(),
+            }),
+            amiss,
+        })
+    }
+
+    fn case(
+        &self,
+        number: u64,
+        paddle: &HiddenPaddle,
+        board: Board,
+        interrupt: &Interrupt,
+    ) -> Result<(Case, Vec<Failure>), Failure> {
+        let begun = Instant::now();
+        progress::within(&format!("case {number}"));
+        let how = How::new(self.folder.join(format!("case-{number:04}")), self.seconds);
+        let mut rig = Rig::on(VirtualWire::new(board), "the virtual board")?;
+        let found = explore(&mut rig, &how, interrupt)?;
+        let (paddle_s, runs) = (rig.device.time_s(), found.recording.runs.len());
+        let unique = is_unique(&found.outcome.diagnosis);
+        let outcome = self.judged(number, paddle, &found)?;
+        let answer = how.answer(found)?;
+        let hidden: Vec<String> = paddle.effects.iter().map(written).collect();
+        let truth = json!({
+            "seed": self.seed, "case": number, "effects": hidden,
+            "off": paddle.off.iter().map(|(name, factor)| json!({ "number": name, "true_over_stated": factor })).collect::<Vec<_>>(),
+        });
+        let path = how.out.join("truth.json");
+        std::fs::write(&path, format!("{truth:#}\n")).map_err(Failure::write(&path))?;
+        let path = how.out.join("told.txt");
+        std::fs::write(&path, answer.text).map_err(Failure::write(&path))?;
+        let case = Case {
+            outcome,
+            hidden: hidden.join(" "),
+            unique,
+            runs,
+            paddle_s,
+            took_s: begun.elapsed().as_secs_f64(),
+        };
+        Ok((case, answer.amiss))
+    }
+
+    /// The diagnosis against the truth, by the rules of the blind check.
+    fn judged(
+        &self,
+        number: u64,
+        paddle: &HiddenPaddle,
+        found: &Found,
+    ) -> Result<Outcome, Failure> {
+        let told = serde_json::to_value(&found.outcome.diagnosis);
+        let told: Option<Diagnosis> = told.ok().and_then(|told| serde_json::from_value(told).ok());
+        let effects = paddle.effects.iter().map(|effect| blind::Effect {
+            name: effect.kind.name.into(),
+            strength: 1.0,
+            form: written(effect),
+            places: Vec::new(),
+            share: None,
+        });
+        let off = paddle.off.iter().map(|(name, factor)| blind::Effect {
+            name: (*name).into(),
+            strength: *factor,
+            form: String::new(),
+            places: Vec::new(),
+            share: None,
+        });
+        let nothing = Reference {
+            before: 0.0,
+            after: 0.0,
+            hidden_alone: 0.0,
+            tolerances_alone: 0.0,
+        };
+        let truth = Truth {
+            seed: self.seed,
+            case: number,
+            kind: if self.messy {
+                Kind::Messy
+            } else {
+                Kind::Single
+            },
+            device: "the lab's paddle".into(),
+            effects: effects.chain(off).collect(),
+            reference: nothing,
+            fresh_floor: None,
+            transfer_floor: None,
+            timing: None,
+        };
+        Ok(judge(&truth, told.as_ref(), Gaps::default(), None))
+    }
+}
+
+impl Case {
+    /// Whether the hidden effect is the answer, and nothing else could be it.
+    fn is_unique(&self) -> bool {
+        self.outcome.first && self.unique
+    }
+
+    fn line(&self, number: u64) -> String {
+        let judged = match (self.is_unique(), self.outcome.first, self.outcome.in_class) {
+            (true, ..) => "right, unique",
+            (false, true, _) => "right",
+            (false, false, true) => "listed",
+            (false, false, false) => "WRONG",
+        };
+        format!(
+            "case {number:<3} {judged:<14} {:<28} {} runs, {:.0} s of the paddle's, {:.0} s here; hidden {}",
+            self.outcome.answer, self.runs, self.paddle_s, self.took_s, self.hidden
+        )
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "outcome": self.outcome, "hidden": self.hidden, "unique": self.is_unique(), "runs": self.runs,
+            "paddle_s": self.paddle_s, "took_s": self.took_s,
+        })
+    }
+}
+
+/// A board with the paddle on it, whose supply has just come.
+fn board(
+    image: &Image,
+    paddle: &HiddenPaddle,
+    noise: u64,
+) -> Result<Board, virtual_board::image::ImageError> {
+    let settings = Settings::default();
+    let mut setup = LoopSetup::firmware(paddle.device.clone(), settings, presets::motor());
+    setup.paddle.seed = noise;
+    Board::new(image, &setup.paddle, &settings, Wires::default())
+}

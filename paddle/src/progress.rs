@@ -1,6 +1,6 @@
 //! A sign of life on standard error: what is being done, for how long, and how long it may still take.
 
-use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -114,6 +114,11 @@ pub fn part_done(done: f64) {
     if let Some(work) = work.as_mut() {
         (work.done, work.seen) = (done, Instant::now());
     }
+}
+
+/// From now on shows nothing: the terminal is somebody else's.
+pub fn hide() {
+    SPINNER.set_draw_target(ProgressDrawTarget::hidden());
 }
 
 /// Leaves a line about a part that is done, once the whole takes long.

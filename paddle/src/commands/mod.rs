@@ -9,6 +9,7 @@ pub mod gap;
 pub mod man;
 pub mod record;
 pub mod reproduce;
+pub mod scope;
 pub mod settings;
 pub mod sim;
 
@@ -31,6 +32,8 @@ pub enum Command {
     Record(record::Arguments),
     /// Record and diagnose in turn until only one answer is left.
     Experiment(experiment::Arguments),
+    /// Draw what a board's loop does in the terminal, as it happens.
+    Scope(scope::Arguments),
     /// Read a board's settings into a file, or write them to a board.
     #[command(subcommand)]
     Settings(settings::Command),
@@ -56,6 +59,7 @@ impl Command {
             Self::Board(arguments) => arguments.targets(),
             Self::Record(arguments) => arguments.targets(),
             Self::Experiment(arguments) => arguments.targets(),
+            Self::Scope(_) => Vec::new(),
             Self::Settings(command) => command.targets(),
             Self::Gap(command) => command.targets(),
             Self::Reproduce(arguments) => arguments.targets(),
@@ -76,6 +80,7 @@ impl Command {
             Self::Board(arguments) => board::run(arguments),
             Self::Record(arguments) => record::run(arguments),
             Self::Experiment(arguments) => experiment::run(arguments),
+            Self::Scope(arguments) => scope::run(arguments),
             Self::Settings(command) => command.run(),
             // Its JSON is the recording format's.
             Self::Gap(command) => return command.run(),

@@ -177,45 +177,45 @@ struct Picture {
 
 impl Picture {
     fn of(effect: &Description) -> Result<Self, Failure> {
-    let kind = effect.kind;
-    let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
-    let model = presets::nominal();
-    let mut device = Device::nominal(&model);
-    kind.install(&mut device, &values);
-    let setup = LoopSetup::ideal(device.clone(), Settings::default());
-    let excitation = Excitation {
-        shape: Shape::Multisine,
-        amplitude: AMPLITUDE_DEG.to_radians() as f32,
-        offset: 0.0,
-        frequency_hz: FREQUENCY_HZ as f32,
-        end_frequency_hz: 0.0,
-        duration_s: 0.0,
-    };
-    let experiment = Experiment {
-        log_hz: LOG_HZ,
-        ..Experiment::position(excitation, DURATION_S)
-    };
-    let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
-    let trace = experiment.run(&mut closed_loop)?;
-    let mut recording = experiment::recording(kind.name, HORIZON_S, model, &setup);
-    recording.runs.push(trace.to_run("multisine.csv", &setup));
-    let missing = MissingTorque::of(&recording, &Device::nominal(&recording.model));
-    let mut look = missing.look(Some((&device, vec![kind.name])));
-    look.axis = effect.axis;
-    let has_line = look.points.iter().any(|point| point.explained != 0.0);
-    if !has_line {
-        look.explained_by.clear();
-    }
-    let mut scatter = scatter(&look, kind.name, POSITION);
-    for cloud in &mut scatter.clouds {
-        *cloud = Cloud {
-            points: thinned(&cloud.points),
-            rest: Vec::new(),
-            ..std::mem::take(cloud)
+        let kind = effect.kind;
+        let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+        let model = presets::nominal();
+        let mut device = Device::nominal(&model);
+        kind.install(&mut device, &values);
+        let setup = LoopSetup::ideal(device.clone(), Settings::default());
+        let excitation = Excitation {
+            shape: Shape::Multisine,
+            amplitude: AMPLITUDE_DEG.to_radians() as f32,
+            offset: 0.0,
+            frequency_hz: FREQUENCY_HZ as f32,
+            end_frequency_hz: 0.0,
+            duration_s: 0.0,
         };
-    }
-    let svg = scatter.svg()?;
-    Ok(Self { svg, has_line })
+        let experiment = Experiment {
+            log_hz: LOG_HZ,
+            ..Experiment::position(excitation, DURATION_S)
+        };
+        let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
+        let trace = experiment.run(&mut closed_loop)?;
+        let mut recording = experiment::recording(kind.name, HORIZON_S, model, &setup);
+        recording.runs.push(trace.to_run("multisine.csv", &setup));
+        let missing = MissingTorque::of(&recording, &Device::nominal(&recording.model));
+        let mut look = missing.look(Some((&device, vec![kind.name])));
+        look.axis = effect.axis;
+        let has_line = look.points.iter().any(|point| point.explained != 0.0);
+        if !has_line {
+            look.explained_by.clear();
+        }
+        let mut scatter = scatter(&look, kind.name, POSITION);
+        for cloud in &mut scatter.clouds {
+            *cloud = Cloud {
+                points: thinned(&cloud.points),
+                rest: Vec::new(),
+                ..std::mem::take(cloud)
+            };
+        }
+        let svg = scatter.svg()?;
+        Ok(Self { svg, has_line })
     }
 }
 

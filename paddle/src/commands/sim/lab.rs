@@ -18,16 +18,14 @@ use std::path::PathBuf;
 
 /// Under which torque.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "Examples:
+#[command(after_help = "Examples:
   paddle sim lab --amplitude 0.0011 --recording lab-2018
   paddle gap diagnose lab-2018
 
 The model of the report's figures 1 to 4, with the two slips of its dry friction: the torque passes in every second step
 of 10 ms while it is above 1 mN m, and not at all below, and friction acts above 20 rad/s alone. The recording has the
 torque that the model let through, its motor_torque scope, as input, and the lab's numbers with 1 mN m of dry friction
-as the nominal model."
-)]
+as the nominal model.")]
 pub struct Arguments {
     /// Amplitude of the torque sine, N m at the motor.
     #[arg(long, default_value_t = 0.0011, value_name = "N m", value_parser = numbers::finite)]

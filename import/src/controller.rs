@@ -182,7 +182,7 @@ mod tests {
         // Rows come two or three ticks apart.
         let rows: Vec<usize> = (0..1000)
             .scan(0, |at, k: usize| {
-                *at += 2 + usize::from(k % 4 != 0);
+                *at += 2 + usize::from(!k.is_multiple_of(4));
                 Some(*at)
             })
             .take_while(|tick| *tick < 2600)

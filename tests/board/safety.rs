@@ -15,6 +15,7 @@ fn stopped() -> Device {
         side: 1.0,
         stiffness: 30.0,
         damping: 0.1,
+        torque_nm: 0.0,
         during_s: None,
     });
     device

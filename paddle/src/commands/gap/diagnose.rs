@@ -112,9 +112,14 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         );
     }
     for Destination { format, path } in &arguments.export {
-        let written = Corrected::of_outcome(folder, &recording, &outcome)?.written(*format);
-        let what = format!("{}model for {}", written.lacks(), format.name());
-        say(&what, path, files::leave(path, &written.exported.text));
+        let corrected = Corrected::of_outcome(folder, &recording, &outcome);
+        let left = corrected.and_then(|corrected| {
+            let written = corrected.written(*format);
+            files::leave(path, &written.exported.text).map(|()| written.lacks())
+        });
+        let lacks = left.as_deref().unwrap_or_default();
+        let what = format!("{lacks}model for {}", format.name());
+        say(&what, path, left.map(drop));
     }
     if let Some(path) = &arguments.report {
         progress::doing("drawing the report".into());

@@ -6,7 +6,7 @@ use crate::paddle::{Actuator, Command, Paddle, PaddleSetup};
 use haptic_paddle::controller::{ArmError, Controller, Mode, TickRate, ZeroError};
 use haptic_paddle::settings::Settings;
 
-/// How often the core runs.
+/// Rates at which the core runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     /// Period of the core's `step` by the board's clock, s.
@@ -44,7 +44,7 @@ impl Rates {
     }
 }
 
-/// How a closed loop is made.
+/// Everything that a closed loop is made from.
 #[derive(Clone, Debug)]
 pub struct LoopSetup {
     /// Of the core.
@@ -78,14 +78,14 @@ impl LoopSetup {
 /// Parts of a 50 µs tick over which the shaft's speed runs straight enough for 1e-7° of the paddle.
 const BRIDGE_PARTS_PER_TICK: u32 = 2;
 
-/// What was there at the start of a tick, and what acts during it.
+/// State at the start of a tick, and the command during it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
-    /// Since the start of the session by the board's clock, s.
+    /// Time since the start of the session by the board's clock, s.
     pub time_s: f64,
     /// True position, rad.
     pub position_rad: f64,
-    /// What acts from now until the next tick.
+    /// Command until the next tick.
     pub acting: Command,
 }
 
@@ -192,7 +192,7 @@ impl ClosedLoop {
         &self.paddle
     }
 
-    /// How often the core runs.
+    /// Rates at which the core runs.
     pub fn rates(&self) -> Rates {
         self.rates
     }

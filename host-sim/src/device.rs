@@ -14,14 +14,14 @@ pub(crate) const PUSH: usize = 6;
 /// Share of a stated inertia that a device has at least.
 const LEAST_INERTIA: f64 = 0.01;
 
-/// From input to position reading, noise and quantising apart.
+/// A simulated device: what turns an input into a position reading, without noise and quantisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
-    /// From input to torque.
+    /// Turns the input into torque.
     pub drive: Drive,
-    /// From torque to position.
+    /// Turns torque into motion.
     pub mechanics: Mechanics,
-    /// From position to reading.
+    /// Turns the position into a reading.
     pub sensing: Sensing,
     /// Side of the transmission on which the position sensor sits, should the transmission not be
     /// rigid.
@@ -29,7 +29,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// Exactly what a recording's nominal model says.
+    /// The device that a recording's nominal model describes.
     pub fn nominal(model: &Model) -> Self {
         let mut device = Self {
             drive: Drive {

@@ -3,10 +3,10 @@
 use crate::plant::{Plant, State, Torque};
 use std::collections::VecDeque;
 
-/// Where larger inputs cease to act in proportion.
+/// Saturation of the input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saturation {
-    /// |input| that acts at most.
+    /// Largest |input| that acts, in units of input.
     pub limit: f64,
     /// Share of the limit, from 0 to 1, on either side of it over which a parabola leads from all of the input to the limit.
     pub knee: f64,
@@ -16,7 +16,7 @@ pub struct Saturation {
 }
 
 impl Saturation {
-    /// All of any input acts.
+    /// No saturation.
     pub const NONE: Self = Self {
         limit: f64::INFINITY,
         knee: 0.0,
@@ -58,16 +58,16 @@ impl Saturation {
     }
 }
 
-/// What acts of an input that acts as a curve: a dead zone, then a power of what is beyond it.
+/// Static curve of the input: a dead zone, and a power of what is beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputCurve {
-    /// What acts of the reference input, over that.
+    /// Effective over actual input at the reference input.
     pub gain: f64,
     /// Power of the input beyond the dead zone.
     pub power: f64,
-    /// |input| up to which nothing acts.
+    /// |input| up to which the effective input is zero, in units of input.
     pub dead_zone: f64,
-    /// |input| at which the gain is told.
+    /// Reference |input|, for which the gain holds, in units of input.
     pub reference: f64,
 }
 
@@ -87,33 +87,33 @@ impl InputCurve {
 pub struct Drive {
     /// Joint torque per unit of input.
     pub ratio: f64,
-    /// |input| is clipped here; infinite for none.
+    /// |input| is clipped to this, in units of input; infinite for no limit.
     pub limit: f64,
-    /// Then this much of it acts.
+    /// Saturation behind the limit.
     pub saturation: Saturation,
-    /// |input| up to which nothing happens.
+    /// |input| up to which there is no torque, in units of input.
     pub deadband: f64,
     /// Share of the dead band by which the input jumps at its edge: from 0, the torque starts from zero,
     /// to 1, beyond the dead band nothing is missing.
     pub deadband_jump: f64,
     /// Share of the dead band, from −1 to 1, by which its middle lies off zero.
     pub deadband_skew: f64,
-    /// True if limit and saturation are of what the dead band leaves.
+    /// True if the dead band comes before limit and saturation.
     pub deadband_first: bool,
-    /// The curve by which the rest acts; none if it acts in proportion.
+    /// Static curve behind the dead band; none if the torque is proportional to the input.
     pub curve: Option<InputCurve>,
-    /// Fastest change of what acts, in units of input a second; infinite for none.
+    /// Fastest change of the effective input, in units of input per second; infinite for no limit.
     pub rate_limit: f64,
     /// Pure delay, s.
     pub delay_s: f64,
     /// Time constant of the lag, s.
     pub lag_s: f64,
-    /// Of another one behind it, s.
+    /// Time constant of a second lag behind it, s.
     pub further_lag_s: f64,
 }
 
 impl Drive {
-    /// A gain and nothing else.
+    /// A drive that is a gain and nothing else, in N m per unit of input.
     pub fn ideal(ratio: f64) -> Self {
         Self {
             ratio,
@@ -131,7 +131,7 @@ impl Drive {
         }
     }
 
-    /// True if inputs up to this magnitude come to a torque in proportion.
+    /// True if the torque is proportional to inputs up to this magnitude.
     #[inline]
     pub fn is_linear(&self, largest: f64) -> bool {
         let acts = if self.saturation.no_load_velocity.is_infinite() {
@@ -157,7 +157,7 @@ impl Drive {
         self.rate_limit * self.ratio.abs()
     }
 
-    /// Magnitude of what it takes of an input at rest.
+    /// Magnitude of the effective input at rest, in units of input.
     #[inline]
     pub fn taken(&self, input: f64) -> f64 {
         self.taken_at(input, 0.0)
@@ -171,13 +171,13 @@ impl Drive {
         saturation.of(input.abs().min(self.limit))
     }
 
-    /// Joint torque once delay and lag have passed of an input at rest, N m.
+    /// Static torque at the joint for an input at rest, N m: without delay and lag.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {
         self.settled_at(input, 0.0)
     }
 
-    /// The same of an input at a velocity.
+    /// Static torque at the joint for an input at a velocity, N m.
     #[inline]
     pub fn settled_at(&self, input: f64, velocity: f64) -> f64 {
         if self.is_linear(input.abs()) {
@@ -203,7 +203,7 @@ impl Drive {
         input - (1.0 - self.deadband_jump) * edge
     }
 
-    /// Joint torque once delay and lag have passed, per unit of `input` at a velocity.
+    /// Static torque at the joint per unit of `input`, at a velocity, N m.
     #[inline]
     pub fn gain(&self, input: f64, velocity: f64) -> f64 {
         if self.is_linear(input.abs()) {
@@ -220,7 +220,7 @@ impl Drive {
 /// it differs by a thirtieth of what is left of a step, and half of the time the other way.
 const STRAIGHT: f64 = 0.5;
 
-/// The drive at work: what is still under way, and the lags' states.
+/// State of a drive: inputs that the delay still holds, and the states of the lags.
 #[derive(Clone, Debug)]
 pub struct DriveLine {
     slew: Option<Slew>,
@@ -381,7 +381,7 @@ pub struct Slew {
 }
 
 impl Slew {
-    /// At zero torque; none if the drive has no rate limit.
+    /// At zero torque; `None` if the drive has no rate limit.
     pub fn at_rest(drive: &Drive) -> Option<Self> {
         let rate_nm_s = drive.rate_limit_nm_s();
         rate_nm_s.is_finite().then_some(Self {
@@ -392,7 +392,7 @@ impl Slew {
         })
     }
 
-    /// Puts it at a torque.
+    /// Sets the torque, N m.
     pub fn stand_at(&mut self, torque_nm: f64) {
         (self.from_nm, self.target_nm) = (torque_nm, torque_nm);
     }

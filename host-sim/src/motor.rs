@@ -5,13 +5,13 @@ use crate::plant::Torque;
 /// A DC motor on the supply that its bridge chops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor {
-    /// Of the winding, ohm.
+    /// Resistance of the winding, ohm.
     pub resistance_ohm: f64,
-    /// Of the winding, H.
+    /// Inductance of the winding, H.
     pub inductance_h: f64,
-    /// N m/A, and V s/rad of the shaft.
+    /// Torque constant, N m/A; also the back-EMF constant, V s/rad at the shaft.
     pub torque_constant_nm_per_a: f64,
-    /// V.
+    /// Supply voltage, V.
     pub supply_v: f64,
 }
 

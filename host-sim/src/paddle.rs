@@ -9,7 +9,7 @@ use crate::sensors::{CurrentAmplifier, Encoder, Hall, HallReader, Noise};
 use haptic_paddle::controller::{Duty, Measurement};
 use haptic_paddle::settings::{Sensor, Settings};
 
-/// What turns the controller's command into torque at the motor.
+/// How the controller's command becomes torque at the motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Actuator {
     /// The torque that the position loop asks for, exactly; the duty is ignored.
@@ -18,37 +18,37 @@ pub enum Actuator {
     Bridge(Motor),
 }
 
-/// What the controller tells the actuator for one tick.
+/// The controller's command to the actuator for one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Command {
-    /// Share of the supply.
+    /// Duty of the bridge, −1 to 1: mean voltage over supply.
     pub duty: Duty,
     /// Torque that the duty is to make, N m at the motor.
     pub torque_nm: f32,
 }
 
-/// How a simulated paddle is made.
+/// Everything that a simulated paddle is made from.
 #[derive(Clone, Debug)]
 pub struct PaddleSetup {
     /// Drive, mechanics, and what lies between the position and the regulating sensor.
     pub device: Device,
-    /// What makes the torque.
+    /// How the torque is made.
     pub actuator: Actuator,
-    /// What the bridge's timer counts to, which is why its duty has steps; `None` leaves them out.
+    /// Counts of the bridge's timer in a period, which quantise the duty; `None` for a continuous duty.
     pub bridge_top: Option<u16>,
-    /// Of the current.
+    /// Sensor of the motor current.
     pub amplifier: CurrentAmplifier,
-    /// The Hall sensor's own.
+    /// Errors of the Hall sensor alone.
     pub hall: Hall,
-    /// Encoder counter at the start.
+    /// Encoder counter at the start, counts.
     pub encoder_count: u32,
     /// Where it stands at rest at the start, rad.
     pub start_rad: f64,
     /// Time of the session at the start, s.
     pub start_s: f64,
-    /// Of all noise.
+    /// Seed of all noise.
     pub seed: u64,
-    /// A tick is simulated in this many equal parts, 1 or more: for studies of convergence.
+    /// Number of equal parts in which a tick is simulated, 1 or more: for studies of convergence.
     pub parts_per_tick: u32,
 }
 
@@ -140,7 +140,7 @@ impl Paddle {
         }
     }
 
-    /// What the board reads now; call once a tick.
+    /// Reads all sensors as the board does; call it once per tick.
     #[inline]
     pub fn measure(&mut self) -> Measurement {
         let position_rad = self.position_rad();
@@ -156,7 +156,7 @@ impl Paddle {
         }
     }
 
-    /// Carries it over one tick of `command`.
+    /// Simulates one tick under `command`.
     #[inline]
     pub fn advance(&mut self, mut command: Command) {
         if let Some(top) = self.bridge_top {
@@ -209,7 +209,7 @@ impl Paddle {
         self.line.carry(&self.plant, &mut self.state, dt_s);
     }
 
-    /// Since the start of the session, s.
+    /// Time since the start of the session, s.
     pub fn time_s(&self) -> f64 {
         self.state.time_s
     }

@@ -3,32 +3,32 @@
 use crate::hysteresis::Hysteresis;
 use crate::ripple::Ripple;
 
-/// A reading that jumps and stays off.
+/// A jump of the reading that stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
-    /// Of the session, s.
+    /// Time of the jump in the session, s.
     pub at_s: f64,
-    /// In units of position.
+    /// Height of the jump, in units of position.
     pub height: f64,
 }
 
 /// Counting that cannot follow: `y' = x' − q (x' − v sgn x')` where `|x'| > v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overspeed {
-    /// q, 0 to 1.
+    /// Share q of the excess rate that is lost, 0 to 1.
     pub share: f64,
-    /// v, in units of position a second.
+    /// Rate v up to which all is counted, in units of position per second.
     pub speed: f64,
 }
 
 impl Overspeed {
-    /// Counts all.
+    /// A counter that loses nothing.
     pub const NONE: Self = Self {
         share: 0.0,
         speed: 0.0,
     };
 
-    /// True if it counts all.
+    /// True if it loses nothing.
     pub fn is_none(&self) -> bool {
         self.share == 0.0
     }
@@ -54,30 +54,30 @@ impl Overspeed {
 /// `y = jumps(t) − lost(x) + lag(hysteresis(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensing {
-    /// g.
+    /// Gain g, shown over true.
     pub gain: f64,
-    /// a, 1/position.
+    /// Second-order coefficient a, 1/position.
     pub quadratic: f64,
-    /// b, 1/position².
+    /// Third-order coefficient b, 1/position².
     pub cubic: f64,
-    /// r, s and n, in units of position.
+    /// Amplitudes r and s, in units of position, and wave number n, 1/position, of the ripple.
     pub ripple: Ripple,
-    /// o, in units of position.
+    /// Offset o, in units of position.
     pub offset: f64,
-    /// Of what the curve reads.
+    /// Hysteresis of the reading behind the curve.
     pub hysteresis: Hysteresis,
     /// Time constant of the lag, s.
     pub lag_s: f64,
-    /// Of another one behind it, s.
+    /// Time constant of a second lag behind it, s.
     pub further_lag_s: f64,
-    /// In the order of time.
+    /// Jumps, in the order of time.
     pub jumps: Vec<Jump>,
-    /// Of what is before the lag.
+    /// Counts that are lost, before the lag.
     pub overspeed: Overspeed,
 }
 
 impl Sensing {
-    /// Reads the position as it is.
+    /// A sensor that reads the true position.
     pub fn ideal() -> Self {
         Self {
             gain: 1.0,
@@ -93,12 +93,12 @@ impl Sensing {
         }
     }
 
-    /// True if it reads the position as it is.
+    /// True if it reads the true position.
     pub fn is_ideal(&self) -> bool {
         *self == Self::ideal()
     }
 
-    /// Reading of a resting position, jumps apart.
+    /// Reading of a resting position, without jumps.
     #[inline]
     pub fn curve(&self, x: f64) -> f64 {
         let smooth = self.offset + x * (self.gain + x * (self.quadratic + x * self.cubic));
@@ -108,7 +108,7 @@ impl Sensing {
         smooth + self.ripple.at(x)
     }
 
-    /// Slope of the curve.
+    /// Slope of the curve at a position.
     #[inline]
     pub fn slope(&self, x: f64) -> f64 {
         let smooth = self.gain + x * (2.0 * self.quadratic + x * 3.0 * self.cubic);
@@ -138,7 +138,7 @@ impl Sensing {
         x
     }
 
-    /// True where a reading says next to nothing of the position.
+    /// True if the curve is so flat that a reading does not determine the position.
     pub fn is_flat(&self, x: f64) -> bool {
         self.slope(x).abs() < self.flattest()
     }
@@ -158,7 +158,7 @@ impl Sensing {
             .sum()
     }
 
-    /// The same in the mean over `span_s` around `time_s`.
+    /// Mean of that sum over `span_s` around `time_s`.
     #[inline]
     pub fn jumped_mean(&self, time_s: f64, span_s: f64) -> f64 {
         if span_s == 0.0 {
@@ -173,7 +173,7 @@ const INVERSE_ITERATIONS: usize = 6;
 /// Share of the gain below which a slope is taken as flat.
 const FLATTEST: f64 = 0.1;
 
-/// The sensor at work: where hysteresis and lags stand, and what was lost.
+/// State of a sensor: of its hysteresis and lags, and the counts that were lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Behind the hysteresis.

@@ -19,7 +19,7 @@ use std::fmt::Write;
 const POSITION: &str = "rad";
 const INPUT: &str = "N m";
 /// The motion of every picture: the paddle follows a multisine.
-const AMPLITUDE_DEG: f64 = 25.0;
+const AMPLITUDE_DEG: f64 = 15.0;
 const FREQUENCY_HZ: f64 = 0.5;
 const DURATION_S: f64 = 8.0;
 const LOG_HZ: f64 = 1000.0;
@@ -38,9 +38,8 @@ pub fn files() -> Result<Vec<(String, String)>, Failure> {
     let mut files = vec![("index.md".to_owned(), index(&all))];
     for effect in &all {
         let name = effect.kind.name;
-        let picture = Picture::of(effect)?;
-        files.push((format!("{name}.md"), page(effect, picture.has_line)));
-        files.push((format!("{name}.svg"), picture.svg));
+        files.push((format!("{name}.md"), page(effect)));
+        files.push((format!("{name}.svg"), picture(effect)?));
     }
     Ok(files)
 }
@@ -63,11 +62,11 @@ fn index(all: &[Description]) -> String {
     text
 }
 
-fn page(effect: &Description, has_line: bool) -> String {
+fn page(effect: &Description) -> String {
     let kind = effect.kind;
     let name = kind.name;
     let mut text = format!(
-        "{GENERATED}# `{name}`\n\n{}. A report calls it \"{}\". Part of the device: {}.\n\n## Equation\n\n```text\n{}\n```\n\n\
+        "{GENERATED}# `{name}`\n\n{}. A report calls it \"{}\". It belongs to the {}.\n\n## Equation\n\n```text\n{}\n```\n\n\
          ## Numbers\n\n| number | meaning | unit | default | typical | allowed |\n|---|---|---|---|---|---|\n",
         kind.about,
         effect.noun,
@@ -78,19 +77,13 @@ fn page(effect: &Description, has_line: bool) -> String {
         text.push_str(&row(parameter));
     }
     let torque_over = over(effect.axis);
-    let line = if has_line {
-        "The line is the mean of what the effect adds to the model."
-    } else {
-        "There is no line: along the measured motion the effect adds no torque. It acts in the sensor, through a hidden state, or not \
-         at this size."
-    };
     let _ = write!(
         text,
         "\nThe typical sizes are for the paddle. {}\n\n## The missing torque\n\n\
          ![The torque that a model without {name} lacks]({name}.svg)\n\n\
          The simulated paddle follows a multisine of {AMPLITUDE_DEG}° and {FREQUENCY_HZ} Hz with the effect at its default \
          numbers. Each point is an instant at which the paddle moves: the torque that the nominal model lacks there, {torque_over}. \
-         {line}\n\n## What it is confused with\n\n{}\n{}\n\n## Try it\n\n\
+         The line is the mean of what the effect adds to the model.\n\n## What it is confused with\n\n{}\n{}\n\n## Try it\n\n\
          ```\npaddle sim multisine --amplitude {AMPLITUDE_DEG} --frequency {FREQUENCY_HZ} --seconds {DURATION_S} --log-rate {LOG_HZ} \
          --with {} --recording my-recording\npaddle gap look my-recording --report look.html\n```\n",
         kind.sizes_from,
@@ -168,55 +161,42 @@ fn confused_with(effect: &Description) -> String {
     text
 }
 
-/// The torque that the nominal model lacks of a paddle with an effect.
-struct Picture {
-    svg: String,
-    /// True if it shows what the effect adds.
-    has_line: bool,
-}
-
-impl Picture {
-    fn of(effect: &Description) -> Result<Self, Failure> {
-        let kind = effect.kind;
-        let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
-        let model = presets::nominal();
-        let mut device = Device::nominal(&model);
-        kind.install(&mut device, &values);
-        let setup = LoopSetup::ideal(device.clone(), Settings::default());
-        let excitation = Excitation {
-            shape: Shape::Multisine,
-            amplitude: AMPLITUDE_DEG.to_radians() as f32,
-            offset: 0.0,
-            frequency_hz: FREQUENCY_HZ as f32,
-            end_frequency_hz: 0.0,
-            duration_s: 0.0,
+/// The torque that the nominal model lacks of a paddle with the effect.
+fn picture(effect: &Description) -> Result<String, Failure> {
+    let kind = effect.kind;
+    let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+    let model = presets::nominal();
+    let mut device = Device::nominal(&model);
+    kind.install(&mut device, &values);
+    let setup = LoopSetup::ideal(device.clone(), Settings::default());
+    let excitation = Excitation {
+        shape: Shape::Multisine,
+        amplitude: AMPLITUDE_DEG.to_radians() as f32,
+        offset: 0.0,
+        frequency_hz: FREQUENCY_HZ as f32,
+        end_frequency_hz: 0.0,
+        duration_s: 0.0,
+    };
+    let experiment = Experiment {
+        log_hz: LOG_HZ,
+        ..Experiment::position(excitation, DURATION_S)
+    };
+    let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
+    let trace = experiment.run(&mut closed_loop)?;
+    let mut recording = experiment::recording(kind.name, HORIZON_S, model, &setup);
+    recording.runs.push(trace.to_run("multisine.csv", &setup));
+    let missing = MissingTorque::of(&recording, &Device::nominal(&recording.model));
+    let mut look = missing.look(Some((&device, vec![kind.name])));
+    look.axis = effect.axis;
+    let mut scatter = scatter(&look, kind.name, POSITION);
+    for cloud in &mut scatter.clouds {
+        *cloud = Cloud {
+            points: thinned(&cloud.points),
+            rest: Vec::new(),
+            ..std::mem::take(cloud)
         };
-        let experiment = Experiment {
-            log_hz: LOG_HZ,
-            ..Experiment::position(excitation, DURATION_S)
-        };
-        let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
-        let trace = experiment.run(&mut closed_loop)?;
-        let mut recording = experiment::recording(kind.name, HORIZON_S, model, &setup);
-        recording.runs.push(trace.to_run("multisine.csv", &setup));
-        let missing = MissingTorque::of(&recording, &Device::nominal(&recording.model));
-        let mut look = missing.look(Some((&device, vec![kind.name])));
-        look.axis = effect.axis;
-        let has_line = look.points.iter().any(|point| point.explained != 0.0);
-        if !has_line {
-            look.explained_by.clear();
-        }
-        let mut scatter = scatter(&look, kind.name, POSITION);
-        for cloud in &mut scatter.clouds {
-            *cloud = Cloud {
-                points: thinned(&cloud.points),
-                rest: Vec::new(),
-                ..std::mem::take(cloud)
-            };
-        }
-        let svg = scatter.svg()?;
-        Ok(Self { svg, has_line })
     }
+    Ok(scatter.svg()?)
 }
 
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {

@@ -61,15 +61,15 @@ pub struct Model {
     pub angle_rad: f64,
 }
 
-/// A number that no device has.
+/// A number of a model that is outside its possible range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{name}` is {value}; it must be {wanted}")]
 pub struct NoModel {
-    /// One of [`Model::NAMES`].
+    /// Its name, one of [`Model::NAMES`].
     pub name: &'static str,
-    /// As it is.
+    /// Its value, as text.
     pub value: String,
-    /// What is possible.
+    /// The possible values, in words.
     pub wanted: &'static str,
 }
 
@@ -136,7 +136,7 @@ impl Model {
         }
     }
 
-    /// Looks for numbers that no device has.
+    /// Checks that every number is within its possible range.
     ///
     /// # Errors
     /// [`NoModel`], the first of them.
@@ -173,7 +173,7 @@ impl Model {
         }
     }
 
-    /// The same driven the other way.
+    /// The model with the opposite sign of `ratio`.
     #[must_use]
     pub fn turned(self) -> Self {
         Self {
@@ -182,7 +182,7 @@ impl Model {
         }
     }
 
-    /// The same with positions and torques counted the other way, but not the input.
+    /// The model with the opposite sign of positions and torques, and the same sign of the input.
     #[must_use]
     pub fn mirrored(self) -> Self {
         Self {

@@ -15,7 +15,7 @@ const GAP_TAILS: f64 = 2.0;
 /// See [`GAP_MEDIANS`].
 const JITTERED: f64 = 0.9;
 
-/// Whether the input was prescribed or came from a controller.
+/// Where the input came from: prescribed, or from a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Drive {
@@ -25,7 +25,7 @@ pub enum Drive {
     ClosedLoop,
 }
 
-/// What a row's `input` says of the time until the next row.
+/// How a row's `input` was sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InputSampling {
@@ -37,7 +37,7 @@ pub enum InputSampling {
 }
 
 impl InputSampling {
-    /// As it is written in a manifest.
+    /// Its name in a manifest.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mean => "mean",
@@ -69,27 +69,27 @@ pub struct Pid {
 pub struct Run {
     /// Name of the CSV file inside the folder.
     pub file: String,
-    /// How the input came about.
+    /// Where the input came from.
     pub drive: Drive,
     /// Standard deviation of the time between input and position, s; above 0 where that is not known: it is estimated then.
     pub input_time_std: f64,
     /// How the input was sampled.
     pub input_sampling: InputSampling,
-    /// The loop, if it is stated.
+    /// The controller, if it is stated.
     pub controller: Option<Pid>,
     /// Numbers of the model that are other in this run, such as another load; see [`Recording::model_of`].
     ///
     /// [`Recording::model_of`]: crate::Recording::model_of
     pub numbers: BTreeMap<String, f64>,
-    /// s, strictly increasing.
+    /// Time of each row, s, strictly increasing.
     pub time: Vec<f64>,
-    /// What the actuator was told, as [`input_sampling`](Self::input_sampling) says.
+    /// Command of the actuator, in units of input, sampled as [`input_sampling`](Self::input_sampling) says.
     pub input: Vec<f64>,
-    /// The position that the model is compared with.
+    /// Position with which the model is compared, in units of position.
     pub position: Vec<f64>,
-    /// What the position was to be.
+    /// Setpoint of the position, in units of position.
     pub setpoint: Option<Vec<f64>>,
-    /// Further sensors of the same position, by column: `position_hall`, …
+    /// Readings of further sensors of the same position, by column: `position_hall`, …; in units of position.
     pub positions: BTreeMap<String, Vec<f64>>,
     /// Actuator current. Single precision, like the next two: no such sensor has more digits, and long runs fit.
     pub current: Option<Vec<f32>>,
@@ -196,7 +196,7 @@ impl Run {
         }
     }
 
-    /// Rows after which others are missing.
+    /// Indices of the rows after which rows are missing.
     pub fn gaps(&self) -> Vec<usize> {
         let periods = self.periods();
         let least_s = (GAP_MEDIANS * median(periods.clone()))

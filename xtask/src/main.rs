@@ -31,6 +31,8 @@ Commands:
           Measure what is the same on every machine, and write it into README and docs; or say which pages hold other figures
   figures accuracy FILE...
           Keep what `paddle gap blind --json` wrote, and write the tables of it
+  figures performance
+          Measure how fast the simulator and the virtual board are, keep it, and write the tables of it
   book    Build the documentation as a book, with mdbook
 
 Options:
@@ -54,6 +56,7 @@ fn main() -> ExitCode {
         }
         ["figures"] => figures::write(),
         ["figures", "--check"] => figures::check(),
+        ["figures", "performance"] => figures::keep_performance(),
         ["figures", "accuracy", files @ ..] if !files.is_empty() => figures::keep_accuracy(files),
         ["book"] => book::build(),
         ["-h" | "--help" | "help"] | [_, "-h" | "--help"] => {
@@ -106,6 +109,8 @@ enum Failure {
     NoFigures(String),
     #[error("{0}: this is not the JSON that is expected: {1}")]
     Json(String, serde_json::Error),
+    #[error("`{0}` does not print the figures that are expected")]
+    Benchmark(String),
     #[error("mdbook is not installed; install it by `cargo install mdbook`")]
     NoBook,
     #[error("cannot read or write {}: {source}", path.display())]

@@ -3,16 +3,18 @@
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::origin::Origin;
 use super::table::row;
-use crate::{Failure, output};
+use crate::Failure;
 
 /// Folder of the results, in the repository.
 const FOLDER: &str = "docs/figures";
+/// With which the names of their files begin.
+const PREFIX: &str = "blind-";
 
 /// One set of cases.
 #[derive(Debug, Serialize, Deserialize)]
@@ -22,10 +24,7 @@ struct Set {
     cases: u64,
     /// With several causes in each device.
     is_messy: bool,
-    /// Day on which the results were kept.
-    date: String,
-    machine: String,
-    commit: String,
+    origin: Origin,
     rows: Vec<Measured>,
 }
 
@@ -71,29 +70,17 @@ pub fn keep(path: &Path) -> Result<PathBuf, Failure> {
         seeds: answer.sets.iter().map(|set| set.seed).collect(),
         cases: answer.sets.iter().map(|set| set.cases).sum(),
         is_messy: answer.sets.iter().any(|set| set.messy),
-        date: output(Command::new("date").arg("+%F"))?.trim().to_owned(),
-        machine: machine(),
-        commit: answer.commit,
+        origin: Origin::now(&answer.commit)?,
         rows: answer.summary.rows,
     };
     let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
-    let kept = firmware_build::root().join(format!("{FOLDER}/blind-{}.json", seeds.join("-")));
+    let kept = firmware_build::root().join(format!("{FOLDER}/{PREFIX}{}.json", seeds.join("-")));
     let text = serde_json::to_string_pretty(&set).map_err(json)?;
     if let Some(folder) = kept.parent() {
         fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;
     }
     fs::write(&kept, text + "\n").map_err(|e| Failure::file(&kept, e))?;
     Ok(kept)
-}
-
-/// The processor and how many of its cores there are.
-fn machine() -> String {
-    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let mut lines = info.lines().filter_map(|line| line.split_once(':'));
-    let model = lines.find(|(key, _)| key.trim() == "model name");
-    let model = model.map_or("unknown processor", |(_, model)| model.trim());
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    format!("{model}, {cores} cores")
 }
 
 /// All sets that are kept, in the order of their files.
@@ -110,12 +97,11 @@ impl Sets {
             return Ok(Self(Vec::new()));
         };
         let paths = entries.flatten().map(|entry| entry.path());
-        let mut paths: Vec<PathBuf> = paths
-            .filter(|path| {
-                path.extension()
-                    .is_some_and(|extension| extension == "json")
-            })
-            .collect();
+        let is_set = |path: &PathBuf| {
+            let name = path.file_name().map(|name| name.to_string_lossy());
+            name.is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(".json"))
+        };
+        let mut paths: Vec<PathBuf> = paths.filter(is_set).collect();
         paths.sort();
         let sets = paths.iter().map(|path| {
             let text = fs::read_to_string(path).map_err(|e| Failure::file(path, e))?;
@@ -170,12 +156,10 @@ fn table(sets: &[&Set]) -> String {
         let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
         let _ = writeln!(
             text,
-            "Seed {}: {} cases, {}, commit {}, {}.",
+            "Seed {}: {} cases, {}.",
             seeds.join(", "),
             set.cases,
-            set.date,
-            set.commit.get(..12).unwrap_or(&set.commit),
-            set.machine
+            set.origin
         );
     }
     text
@@ -215,8 +199,8 @@ mod tests {
     #[test]
     fn a_share_is_told_as_a_count_with_its_goal() {
         let set: Set = serde_json::from_str(
-            r#"{"seeds":[7,8],"cases":40,"is_messy":false,"date":"2026-01-02","machine":"a processor, 2 cores",
-            "commit":"0123456789abcdef","rows":[
+            r#"{"seeds":[7,8],"cases":40,"is_messy":false,"origin":{"date":"2026-01-02",
+            "machine":"a processor, 2 cores","commit":"0123456789abcdef"},"rows":[
             {"what":"first","goal":{"at_least":0.95},"measured":0.9,"cases":30,"percent":true},
             {"what":"time, s","goal":{"at_most":3.0},"measured":11.86,"cases":40,"percent":false},
             {"what":"pairs","goal":"none","measured":null,"cases":0,"percent":true}]}"#,

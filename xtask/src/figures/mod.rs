@@ -1,12 +1,15 @@
 //! `cargo xtask figures`: the tables of README and docs that hold numbers, written by what measures them.
 //!
 //! A page marks a table by `<!-- figures: NAME -->` and `<!-- end -->`. Some figures are the same on every machine: they are made anew
-//! each time, and `--check` says which pages hold others. The sets of the blind check take hours: `figures accuracy FILE...` keeps
-//! their results in `docs/figures`, with date, machine and commit, and the tables come from there.
+//! each time, and `--check` says which pages hold others. All other results are kept in `docs/figures`, with date, machine and commit,
+//! and the tables come from there: the sets of the blind check, which take hours (`figures accuracy FILE...`), and speeds (`figures
+//! performance`).
 
 mod accuracy;
 mod exact;
 mod marked;
+mod origin;
+mod performance;
 mod table;
 
 use std::fs;
@@ -55,6 +58,12 @@ pub fn keep_accuracy(files: &[&str]) -> Result<(), Failure> {
     write()
 }
 
+/// Measures how fast the simulator and the virtual board are, and writes the tables of it.
+pub fn keep_performance() -> Result<(), Failure> {
+    performance::measure()?;
+    write()
+}
+
 /// A page with other text than it has.
 struct Page {
     path: PathBuf,
@@ -70,6 +79,7 @@ fn changed_pages(program: &Path) -> Result<Vec<Page>, Failure> {
         let before = fs::read_to_string(&full).map_err(|e| Failure::file(&full, e))?;
         let text = marked::replaced(&before, |name| match name.split_once(' ') {
             Some(("accuracy", kind)) => sets.table(kind),
+            None if name == "performance" => performance::table(),
             _ => exact.table(name),
         });
         let text = text.map_err(|error| Failure::Figures {

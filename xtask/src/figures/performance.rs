@@ -1,0 +1,211 @@
+//! Speed of the simulator and of the virtual board, kept with when, where and of what it was measured.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::origin::Origin;
+use super::table::row;
+use crate::{Failure, cargo, documentation, output, run};
+
+/// The results, in the repository.
+const FILE: &str = "docs/figures/performance.json";
+const HOST: &str = "cargo bench -p host-sim";
+const BOARD: &str = "cargo bench -p haptic-paddle --bench board";
+/// Simulated time of a run of the simulator's benchmarks, s.
+const SIMULATED_S: f64 = 2.0;
+const PER_NS: f64 = 1e-9;
+
+/// All rows, and where they come from.
+#[derive(Debug, Serialize, Deserialize)]
+struct Kept {
+    origin: Origin,
+    rows: Vec<Row>,
+}
+
+/// One figure.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+struct Row {
+    what: String,
+    goal: String,
+    measured: String,
+    command: String,
+}
+
+fn file() -> PathBuf {
+    firmware_build::root().join(FILE)
+}
+
+/// Measures, and keeps the result.
+///
+/// # Errors
+/// [`Failure`] if a benchmark fails or prints what is not expected.
+pub fn measure() -> Result<(), Failure> {
+    run(&mut cargo(&[
+        "bench",
+        "--package",
+        "host-sim",
+        "--bench",
+        "step",
+    ]))?;
+    let mut rows = Vec::new();
+    for (name, what, goal) in [
+        (
+            "replayed torque",
+            "plant alone, 2 s step with stick-slip",
+            10_000,
+        ),
+        (
+            "closed loop at 350 us",
+            "closed loop with the full core, 350 µs",
+            5_000,
+        ),
+        (
+            "closed loop with current loop at 50 us",
+            "closed loop with the 20 kHz current loop",
+            300,
+        ),
+    ] {
+        rows.push(Row {
+            what: what.into(),
+            goal: format!("≥ {goal} × real time"),
+            measured: format!("{:.0} ×", times_real_time(name)?),
+            command: HOST.into(),
+        });
+    }
+    let said = output(&mut cargo(&[
+        "bench",
+        "--package",
+        "haptic-paddle",
+        "--bench",
+        "board",
+    ]))?;
+    rows.extend(board(&said).ok_or_else(|| Failure::Benchmark(BOARD.into()))?);
+    let kept = Kept {
+        origin: Origin::now(output(Command::new("git").args(["rev-parse", "HEAD"]))?.trim())?,
+        rows,
+    };
+    let text = serde_json::to_string_pretty(&kept).map_err(|e| Failure::Json(FILE.into(), e))?;
+    fs::write(file(), text + "\n").map_err(|e| Failure::file(&file(), e))
+}
+
+/// The table.
+///
+/// # Errors
+/// [`Failure`] if nothing is kept.
+pub fn table() -> Result<String, Failure> {
+    let text = fs::read_to_string(file()).map_err(|e| Failure::file(&file(), e))?;
+    let kept: Kept = serde_json::from_str(&text).map_err(|e| Failure::Json(FILE.into(), e))?;
+    let mut table = row(&["what", "goal", "measured", "command"]);
+    table.push_str("|---|---|---|---|\n");
+    for one in &kept.rows {
+        table.push_str(&row(&[
+            &one.what,
+            &one.goal,
+            &one.measured,
+            &format!("`{}`", one.command),
+        ]));
+    }
+    table.push_str(&format!("\nMeasured on {}.\n", kept.origin));
+    Ok(table)
+}
+
+/// What criterion kept of a benchmark.
+fn times_real_time(name: &str) -> Result<f64, Failure> {
+    let estimates = format!("criterion/step/{name}/new/estimates.json");
+    let path = documentation::target_folder().join(estimates);
+    let text = fs::read_to_string(&path).map_err(|e| Failure::file(&path, e))?;
+    let json = |e| Failure::Json(path.display().to_string(), e);
+    let estimates: Value = serde_json::from_str(&text).map_err(json)?;
+    let nanoseconds = estimates["median"]["point_estimate"].as_f64();
+    let nanoseconds = nanoseconds.ok_or_else(|| Failure::Benchmark(HOST.into()))?;
+    Ok(SIMULATED_S / (PER_NS * nanoseconds))
+}
+
+/// The figures in what the board's benchmark prints.
+fn board(said: &str) -> Option<Vec<Row>> {
+    let line = |beginning: &str| said.lines().find(|line| line.starts_with(beginning));
+    let quiet = line("position loop")?;
+    let full = line("full load")?;
+    let missed = said.lines().find(|line| line.contains("none missed"))?;
+    let most = line("each ")?;
+    let (instructions, cycles) = most.rsplit_once("mean, ")?.1.split_once(" and ")?;
+    let row = |what: &str, goal: &str, measured: String| Row {
+        what: what.into(),
+        goal: goal.into(),
+        measured,
+        command: BOARD.into(),
+    };
+    Some(vec![
+        row(
+            "flashed image with the paddle, position loop, one core",
+            "≥ 10 × real time",
+            format!(
+                "{} ×, {} million instructions a second",
+                before(quiet, " times real time")?,
+                before(quiet, " million instructions")?
+            ),
+        ),
+        row(
+            "the same at full load: console busy both ways, everything switched on",
+            "",
+            format!("{} ×", before(full, " times real time")?),
+        ),
+        row(
+            "control interrupt at full load, instructions at worst",
+            "≤ 700",
+            instructions.into(),
+        ),
+        row(
+            "the same, model cycles of the 8,400 in a period",
+            "≤ 1,000",
+            cycles.split_once(' ')?.0.into(),
+        ),
+        row(
+            "variation of its start",
+            "≤ 1 µs",
+            format!("{} µs", before(missed, " µs")?),
+        ),
+        row(
+            "missed in 60 s at full load",
+            "0",
+            format!("0 of {}", missed.split_once(' ')?.0),
+        ),
+    ])
+}
+
+/// The word in front of some words.
+fn before<'a>(text: &'a str, words: &str) -> Option<&'a str> {
+    text.split_once(words)?.0.rsplit(' ').next()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_boards_figures_are_read_from_what_its_benchmark_prints() {
+        let said = "position loop, quiet terminal: 54 s in 4.1 s of one core, 13.2 times real time, 108 million instructions a second\n\
+                    full load: 60 s in 8.6 s of one core, 7.0 times real time, 110 million instructions a second\n\
+                    1200000 control interrupts in 60 s at full load, none missed; the start varies by 0.143 µs\n\
+                    each 401 instructions and 700 model cycles in the mean, 488 and 980 at most\n";
+        let measured: Vec<String> = board(said)
+            .unwrap()
+            .into_iter()
+            .map(|row| row.measured)
+            .collect();
+        let expected = [
+            "13.2 ×, 108 million instructions a second",
+            "7.0 ×",
+            "488",
+            "980",
+            "0.143 µs",
+            "0 of 1200000",
+        ];
+        assert_eq!(measured, expected);
+        assert_eq!(board("nothing of the kind"), None);
+    }
+}

@@ -70,7 +70,9 @@ impl Exact {
         }
         let said = self.text("gap diagnose lab-2018")?;
         let mut paragraphs = said.split("\n\n");
-        let verdict = paragraphs.next().unwrap_or_default();
+        // Warnings stand above it.
+        let verdict = paragraphs.next().and_then(|first| first.lines().last());
+        let verdict = verdict.unwrap_or_default();
         let place = paragraphs.next().unwrap_or_default();
         // What it would be without any model is another thought.
         let place = place

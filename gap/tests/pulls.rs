@@ -77,3 +77,26 @@ fn an_input_of_limited_rate_is_named_with_its_rate() {
     let rate = effect.parameters["rate"].value;
     assert!((rate / 0.012 - 1.0).abs() < 0.03, "{rate}");
 }
+
+#[test]
+fn a_servo_whose_speed_limit_is_stated_leaves_no_gap() {
+    let servo = Model {
+        ratio: 0.5,
+        stiffness: 0.5,
+        input_rate_limit: Some(0.003),
+        ..paddle()
+    };
+    let unlimited = Model {
+        input_rate_limit: None,
+        ..servo
+    };
+    let gap = |device: &Model, nominal: Model| {
+        let recording = recording(device, nominal, 5e-5, 0.0, 11);
+        gap::measure(&recording, &Device::nominal(&nominal)).0
+    };
+    let exact = gap(&unlimited, unlimited).before;
+    let stated = gap(&servo, servo).before;
+    let left_out = gap(&servo, unlimited).before;
+    assert!(stated < 1.1 * exact, "{stated} {exact}");
+    assert!(left_out > 1.5 * stated, "{left_out} {stated}");
+}

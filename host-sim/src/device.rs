@@ -34,6 +34,7 @@ impl Device {
         let mut device = Self {
             drive: Drive {
                 limit: model.input_limit.unwrap_or(f64::INFINITY),
+                rate_limit: model.input_rate_limit.unwrap_or(f64::INFINITY),
                 delay_s: model.delay,
                 lag_s: model.lag,
                 ..Drive::ideal(model.ratio)
@@ -68,6 +69,9 @@ impl Device {
         drive.lag_s = (drive.lag_s + own.lag - stated.lag).max(0.0);
         if own.input_limit != stated.input_limit {
             drive.limit = own.input_limit.unwrap_or(f64::INFINITY);
+        }
+        if own.input_rate_limit != stated.input_rate_limit {
+            drive.rate_limit = own.input_rate_limit.unwrap_or(f64::INFINITY);
         }
         let mechanics = &mut device.mechanics;
         let inertia = mechanics.inertia + own.inertia - stated.inertia;

@@ -11,7 +11,7 @@ use std::fmt::Write;
 const ESTIMATED: f64 = 0.3;
 
 /// What each number of `[model]` is, for those who fill it in.
-const MEANINGS: [(&str, &str); 13] = [
+const MEANINGS: [(&str, &str); 14] = [
     ("inertia", "at the joint, the motor's rotor included"),
     ("viscous", "torque = -viscous * velocity"),
     ("coulomb", "dry friction level at the joint"),
@@ -30,6 +30,7 @@ const MEANINGS: [(&str, &str); 13] = [
     ("delay", "s, from input to torque"),
     ("lag", "s, first order, from input to torque"),
     ("input_limit", "|input| is clipped here"),
+    ("input_rate_limit", "input acts no faster, per s"),
     ("travel", "hard stops, [lower, upper]"),
 ];
 

@@ -32,14 +32,7 @@ impl PyRecording {
         let mut numbers = Model::new(1.0);
         let mut unstated: Vec<&'static str> = Model::ESSENTIAL.to_vec();
         for (name, value) in &model {
-            let is_known = match name.as_str() {
-                "input_limit" => {
-                    numbers.input_limit = Some(*value);
-                    true
-                }
-                name => numbers.set(name, *value),
-            };
-            if !is_known {
+            if !numbers.state(name, *value) {
                 let known = Model::NAMES.join(", ");
                 return Err(refused(format!("the model has no number {name}; there are {known}")));
             }

@@ -56,9 +56,9 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// True if it has a limit or a dead band, which `ratio`, `stiffness` and `viscous` cannot say.
-    pub fn is_beyond_linear(&self) -> bool {
-        self.speed_limit.is_some() || self.deadband > 0.0
+    /// True if it has a dead band, which no number of the model says.
+    pub fn is_beyond_model(&self) -> bool {
+        self.deadband > 0.0
     }
 }
 
@@ -189,7 +189,7 @@ impl Actuator {
     pub(crate) fn stands_for(&self) -> &'static [&'static str] {
         match self {
             Self::Motor(_) => &["ratio"],
-            Self::Servo(_) => &["ratio", "stiffness"],
+            Self::Servo(_) => &["ratio", "stiffness", "input_rate_limit"],
         }
     }
 
@@ -206,14 +206,15 @@ impl Actuator {
     /// # Errors
     /// [`NoRatio`] of a motor whose data sheet does not tell what the input does.
     pub(crate) fn added_to(&self, joint: &Model, units: &Units) -> Result<Model, NoRatio> {
-        let (ratio, stiffness) = match self {
-            Self::Motor(motor) => (motor.ratio(units)?, joint.stiffness),
-            Self::Servo(servo) => (servo.stiffness, servo.stiffness),
+        let (ratio, stiffness, input_rate_limit) = match self {
+            Self::Motor(motor) => (motor.ratio(units)?, joint.stiffness, joint.input_rate_limit),
+            Self::Servo(servo) => (servo.stiffness, servo.stiffness, servo.speed_limit),
         };
         let viscous = joint.viscous + self.viscous(units)?;
         Ok(Model {
             ratio,
             stiffness,
+            input_rate_limit,
             viscous,
             ..*joint
         })
@@ -224,7 +225,9 @@ impl Actuator {
         let viscous = model.viscous - self.viscous(units).ok()?;
         let joint = Model { viscous, ..*model };
         let again = self.added_to(&joint, units).ok()?;
-        let is_same = again.ratio == model.ratio && again.stiffness == model.stiffness;
+        let is_same = again.ratio == model.ratio
+            && again.stiffness == model.stiffness
+            && again.input_rate_limit == model.input_rate_limit;
         is_same.then_some(joint)
     }
 

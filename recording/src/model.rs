@@ -46,6 +46,9 @@ pub struct Model {
     /// The input is clipped to ± this, before delay and lag; `None` is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_limit: Option<f64>,
+    /// What acts of the input changes no faster, per s, before delay and lag; `None` is no limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_rate_limit: Option<f64>,
     /// Positions of the lower and the upper hard stop, rad; `None` is free.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub travel: Option<[f64; 2]>,
@@ -91,8 +94,8 @@ fn default_stop_damping() -> f64 {
 }
 
 impl Model {
-    /// Every key of the table. `travel` is a pair, `input_limit` may be absent, the others are plain numbers.
-    pub const NAMES: [&str; 15] = [
+    /// Every key of the table. `travel` is a pair, the limits of the input may be absent, the others are plain numbers.
+    pub const NAMES: [&str; 16] = [
         "inertia",
         "viscous",
         "coulomb",
@@ -105,6 +108,7 @@ impl Model {
         "delay",
         "lag",
         "input_limit",
+        "input_rate_limit",
         "travel",
         "stop_stiffness",
         "stop_damping",
@@ -129,6 +133,7 @@ impl Model {
             delay: 0.0,
             lag: 0.0,
             input_limit: None,
+            input_rate_limit: None,
             travel: None,
             stop_stiffness: default_stop_stiffness(),
             stop_damping: default_stop_damping(),
@@ -146,7 +151,7 @@ impl Model {
                 continue;
             };
             let (holds, wanted) = match name {
-                "inertia" | "input_limit" => (value > 0.0, POSITIVE),
+                "inertia" | "input_limit" | "input_rate_limit" => (value > 0.0, POSITIVE),
                 "ratio" => (value != 0.0, OTHER_THAN_0),
                 "coulomb" | "delay" | "lag" | "stop_stiffness" | "stop_damping" => {
                     (value >= 0.0, NOT_NEGATIVE)
@@ -208,6 +213,17 @@ impl Model {
             .is_some()
     }
 
+    /// The same with limits of the input that were absent before.
+    #[must_use]
+    pub fn state(&mut self, name: &str, value: f64) -> bool {
+        match name {
+            "input_limit" => self.input_limit = Some(value),
+            "input_rate_limit" => self.input_rate_limit = Some(value),
+            name => return self.set(name, value),
+        }
+        true
+    }
+
     fn number_mut(&mut self, name: &str) -> Option<&mut f64> {
         Some(match name {
             "inertia" => &mut self.inertia,
@@ -222,6 +238,7 @@ impl Model {
             "delay" => &mut self.delay,
             "lag" => &mut self.lag,
             "input_limit" => return self.input_limit.as_mut(),
+            "input_rate_limit" => return self.input_rate_limit.as_mut(),
             "stop_stiffness" => &mut self.stop_stiffness,
             "stop_damping" => &mut self.stop_damping,
             _ => return None,

@@ -193,11 +193,11 @@ pub enum Oddity {
         /// What the manifest says, quantising included.
         stated: f64,
     },
-    /// A servo that is simulated as spring and damper alone.
+    /// A servo that is simulated without its dead band.
     #[error(
-        "`speed_limit` and `deadband` of `servo` are not simulated in the nominal model; what they do counts as part of the gap"
+        "`deadband` of `servo` is not simulated in the nominal model; what it does counts as part of the gap"
     )]
-    ServoLimits,
+    ServoDeadband,
     /// The supply is read so coarsely that its steps are not events.
     #[error("{file}: `supply` is read in steps of {step}, {} % of it; a change of one step is no event", short(*percent), step = short(*step))]
     CoarseSupply {
@@ -229,7 +229,7 @@ impl Oddity {
             | Self::Noisy { file, .. }
             | Self::CoarseSupply { file, .. } => Some(file),
             Self::UnknownKey { .. }
-            | Self::ServoLimits
+            | Self::ServoDeadband
             | Self::UnknownUnit { .. }
             | Self::SensorAssumed { .. }
             | Self::Turned { .. }

@@ -41,9 +41,9 @@ impl Recording {
             mut oddities,
         } = parsed;
         if let Some(Actuator::Servo(servo)) = &actuator
-            && servo.is_beyond_linear()
+            && servo.is_beyond_model()
         {
-            oddities.push(Oddity::ServoLimits);
+            oddities.push(Oddity::ServoDeadband);
         }
 
         let mut recording = Self {

@@ -110,10 +110,7 @@ pub(crate) fn manifest(parsed: &Parsed) -> Result<(), Error> {
         not_negative(&format!("runs.{k}.input_time_std"), run.input_time_std)?;
         let mut own = manifest.model;
         for (name, value) in &run.model {
-            match name.as_str() {
-                "input_limit" => own.input_limit = Some(*value),
-                name => _ = own.set(name, *value),
-            }
+            let _ = own.state(name, *value);
         }
         check_model(&format!("runs.{k}.model"), &own)?;
         if let Some(Controller::Pid(pid)) = &run.controller {

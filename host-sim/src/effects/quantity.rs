@@ -45,6 +45,7 @@ impl Quantity {
             "stiffness" | "stop_stiffness" => Self::Stiffness,
             "delay" | "lag" => Self::Time,
             "input_limit" => Self::Input,
+            "input_rate_limit" => Self::InputRate,
             "gravity_zero" | "stiffness_zero" | "travel" => Self::Position,
             _ => return None,
         })

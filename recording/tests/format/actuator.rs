@@ -84,11 +84,15 @@ fn a_servo_gives_ratio_stiffness_and_damping() {
     assert_eq!((read.model.ratio, read.model.stiffness), (0.5, 0.5));
     assert_near(read.model.viscous, 3e-3, "viscous");
     assert_eq!(read.unstated, ["coulomb", "gravity"]);
-    let said = read.warnings().join("");
-    assert!(!said.contains("speed_limit"), "{said}");
+    assert_eq!(read.model.input_rate_limit, None);
     let limited = "servo = { stiffness = 0.5, speed_limit = 5.0 }";
-    let said = folder("", "", limited).read().expect("read").warnings();
-    assert!(said.join("").contains("speed_limit"), "{said:?}");
+    let read = folder("", "", limited).read().expect("read");
+    assert_eq!(read.model.input_rate_limit, Some(5.0));
+    let said = read.warnings().join("");
+    assert!(!said.contains("deadband"), "{said}");
+    let dead = "servo = { stiffness = 0.5, deadband = 0.01 }";
+    let said = folder("", "", dead).read().expect("read").warnings();
+    assert!(said.join("").contains("deadband"), "{said:?}");
 }
 
 #[test]

@@ -34,7 +34,7 @@ use virtual_board::wiring::Wires;
 /// Which board, and what to do with it.
 #[derive(Args)]
 #[command(after_help = "Examples:
-  paddle board                                a terminal device, at the pace of the clock on the wall
+  paddle board                                # a terminal device, at the pace of the clock on the wall
   paddle board --script session.txt --out my-session --recording my-recording
 
 A script has a line for everything that is typed, after the time in seconds since power-on:

@@ -22,7 +22,7 @@ pub use course::{Found, explore, is_unique};
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle experiment --port /dev/ttyUSB0 --out my-paddle
-  paddle board --with stribeck:static_ratio=1.8        in another terminal; it says which port
+  paddle board --with stribeck:static_ratio=1.8       # in another terminal; it says which port
   paddle experiment --port /dev/pts/3 --out hidden
 
 It ends when the diagnosis names what explains the gap and nothing else could be it, when there is no gap, or when the

@@ -28,6 +28,8 @@ fn words(line: &str) -> Option<Vec<String>> {
     let line = line.strip_prefix("cargo ").unwrap_or(line);
     let is_exact = !line.contains(['$', '{', '…']) && !line.contains("...");
     let is_command = is_exact && (line == "paddle" || line.starts_with("paddle "));
+    // Where the output goes is the shell's.
+    let line = line.split(" > ").next().unwrap_or(line);
     is_command.then(|| shlex::split(line)).flatten()
 }
 

@@ -285,6 +285,7 @@ mod tests {
     fn every_name_but_the_pair_reaches_a_field_of_its_own() {
         let mut model = Model {
             input_limit: Some(0.0),
+            input_rate_limit: Some(0.0),
             ..Model::new(0.0)
         };
         let scalars: Vec<_> = Model::NAMES

@@ -24,7 +24,7 @@ use std::time::Duration;
   paddle gap blind --cases 20 --seed 7 --effect stribeck --withhold stribeck
   paddle gap blind --cases 40 --seed 11 --messy --transfer
   paddle gap blind --cases 40 --seed 3 --generate-only --out recordings
-  paddle gap blind --board --cases 20 --seed 5 [--messy]
+  paddle gap blind --board --cases 20 --seed 5 --messy
 
 Each case is a recording of a random device with something hidden in it, made by a simulation that shares nothing with
 the one that the diagnosis fits. The diagnosis runs as a process of its own on the recording alone; the truth is opened

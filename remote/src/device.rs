@@ -14,7 +14,7 @@ const RATE_PATIENCE_S: f64 = 0.3;
 /// The board hears from a program that steers it this often, s: twenty times within its `host.heartbeat`, as a computer
 /// pauses now and then.
 const BEAT_S: f64 = 0.01;
-/// Within so long the board has said why it stopped, s: a few looks of its console.
+/// The board says why it stopped within this time, s: a few looks of its console.
 const SPEECH_S: f64 = 0.05;
 /// Takes the last character of an empty line away: a sign of life that changes nothing.
 const BACKSPACE: u8 = 0x08;
@@ -223,12 +223,14 @@ impl<W: Wire> Device<W> {
         self.let_it_speak()
     }
 
-    /// Lets the board say by itself why it stopped: in the middle of a command's echo, that would tear it.
+    /// Waits until the board has said by itself why it stopped: in the middle of a command's echo, that would tear it.
     ///
     /// # Errors
     /// As [`Self::listen`].
     pub fn let_it_speak(&mut self) -> Result<(), DeviceError> {
-        self.wait_s(SPEECH_S)
+        self.text.clear();
+        self.wait(SPEECH_S, |device| device.text.ends_with(PROMPT))?;
+        Ok(())
     }
 
     /// Begins a stream.

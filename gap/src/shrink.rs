@@ -16,8 +16,8 @@ pub(crate) fn shrink(before: &[f64], after: &[f64], floor: &[f64], reference: &[
     })
 }
 
-/// What a corrected model leaves of another recording's gap, over what it leaves of its own recording's: the limits of 95 % of 167
-/// recordings. `docs/diagnosis.md` has the trial.
+/// Ratio of two residuals of a corrected model, each over the gap before: the one on another recording over the one on its own. 95 %
+/// limits of 167 blind recordings with mess; `docs/diagnosis.md` has the trial.
 const LEFT_OF_ANOTHER: [f64; 2] = [0.3, 4.6];
 
 /// 95 % interval of the shrink on another recording of the device, with another excitation.

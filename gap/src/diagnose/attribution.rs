@@ -6,7 +6,7 @@ use crate::fit::hypothesis::INPUT_TIME;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::shapley;
-use crate::shrink::shrink;
+use crate::shrink::{part_on_another, shrink};
 use rayon::prelude::*;
 
 const ITERATIONS: usize = 6;
@@ -28,26 +28,29 @@ pub(super) enum Cause {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attributed {
     pub cause: Cause,
-    /// Its part of the shrink of the whole model, with its 95 % interval.
+    /// Its part of the shrink of the whole model, with its 95 % interval on another recording.
     pub shrink: [f64; 3],
 }
 
-/// Divides the `total` shrink of a fit, given with its 95 % interval, among its effects and the numbers that moved. The one that closes
-/// most comes first. Each part gets its Shapley share: subsets of the parts are refitted, and what several parts can close is divided
-/// among them. `nominal` and `floor` are squared residuals by window, in units of position squared.
+/// Divides the `total` shrink of a fit, given with its 95 % interval, among its effects and the numbers that moved; `elsewhere` is the
+/// 95 % interval of the total on another recording. The one that closes most comes first. Each part gets its Shapley share: subsets of
+/// the parts are refitted, and what several parts can close is divided among them. `nominal` and `floor` are squared residuals by window,
+/// in units of position squared.
 pub(super) fn attributed(
     problem: &Problem<'_>,
     fit: &Fit,
     total: [f64; 3],
+    elsewhere: [f64; 2],
     nominal: &[f64],
     floor: &[f64],
 ) -> Vec<Attributed> {
+    let part = |cause, shrink| Attributed {
+        cause,
+        shrink: part_on_another(shrink, total[0], elsewhere),
+    };
     let causes = causes(problem, fit);
     if let [cause] = causes[..] {
-        return vec![Attributed {
-            cause,
-            shrink: total,
-        }];
+        return vec![part(cause, total)];
     }
     let is_taken = |subset: u32, cause: Cause| {
         let place = causes.iter().position(|other| *other == cause);
@@ -74,14 +77,8 @@ pub(super) fn attributed(
         });
         let beside = others.map(|(_, others)| shrink(others, &with, floor, nominal));
         let [beside, low, high] = beside.unwrap_or_default();
-        Attributed {
-            cause,
-            shrink: [
-                own,
-                own + (low - beside).min(0.0),
-                own + (high - beside).max(0.0),
-            ],
-        }
+        let interval = [(low - beside).min(0.0), (high - beside).max(0.0)];
+        part(cause, [own, own + interval[0], own + interval[1]])
     });
     let mut parts: Vec<Attributed> = parts.collect();
     parts.sort_by(|a, b| b.shrink[0].total_cmp(&a.shrink[0]));
@@ -153,7 +150,14 @@ mod tests {
         let fit = problem.fit(&hypothesis, vec![0.0; 2], Part::All, 12);
         let nominal = problem.nominal_squares();
         let floor = problem.floor_squares(&fit);
-        let parts = attributed(&problem, &fit, [0.9, 0.8, 1.0], &nominal, &floor);
+        let parts = attributed(
+            &problem,
+            &fit,
+            [0.9, 0.8, 1.0],
+            [0.8, 1.0],
+            &nominal,
+            &floor,
+        );
         [Cause::Number(0), Cause::Effect(0)].map(|cause| {
             let part = parts.iter().find(|part| part.cause == cause);
             part.unwrap_or_else(|| panic!("no {cause:?} in {parts:?}"))

@@ -24,7 +24,7 @@ use crate::measure::{Gap, exceeds, measure};
 use crate::model_free::ModelFree;
 use crate::plausible::Implausible;
 use crate::select::{self, Given, Selection};
-use crate::shrink::{on_another, part_on_another, shrink};
+use crate::shrink::{on_another, shrink};
 use crate::stage::Stage;
 use crate::windows::run_order::canonical;
 use crate::windows::series;
@@ -356,10 +356,8 @@ impl Correction {
         let total = steps.last().map_or([0.0; 3], |step| step.total);
         let floors = problem.floor_squares(selection.fit());
         let interval = on_another(&baseline.squares, &after, &floors);
-        let mut parts = attributed(problem, selection.fit(), total, &baseline.squares, &floors);
-        for part in &mut parts {
-            part.shrink = part_on_another(part.shrink, total[0], interval);
-        }
+        let fit = selection.fit();
+        let parts = attributed(problem, fit, total, interval, &baseline.squares, &floors);
         Self {
             gap: baseline.closing(problem, (floor, floor_of), total[0], interval),
             numbers: numbers::moved(problem, selection.fit(), &parts),
@@ -379,10 +377,7 @@ impl Correction {
         let after = problem.unseen(fit, |fit, half| problem.window_squares(fit, half));
         let total = shrink(&none.after, &after, &floors, &none.after);
         let interval = on_another(&baseline.squares, &after, &floors);
-        let mut parts = attributed(problem, fit, total, &none.after, &floors);
-        for part in &mut parts {
-            part.shrink = part_on_another(part.shrink, total[0], interval);
-        }
+        let parts = attributed(problem, fit, total, interval, &none.after, &floors);
         let numbers = numbers::moved(problem, fit, &parts);
         if numbers.is_empty() || total[1] <= 0.0 {
             return none;

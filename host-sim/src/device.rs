@@ -64,7 +64,8 @@ impl Device {
     pub fn with_load(&self, stated: &Model, own: &Model) -> Self {
         let mut device = self.clone();
         let drive = &mut device.drive;
-        drive.ratio *= own.ratio / stated.ratio;
+        let ratio = own.ratio / stated.ratio;
+        drive.ratio *= ratio;
         drive.delay_s = (drive.delay_s + own.delay - stated.delay).max(0.0);
         drive.lag_s = (drive.lag_s + own.lag - stated.lag).max(0.0);
         if own.input_limit != stated.input_limit {
@@ -86,6 +87,10 @@ impl Device {
         friction.level_nm = friction
             .level_nm
             .map(|level| (level + own.coulomb - stated.coulomb).max(0.0));
+        mechanics
+            .laws
+            .iter_mut()
+            .for_each(|law| law.scale_ratio(ratio));
         for stop in mechanics.barriers[..CONTACT].iter_mut().flatten() {
             stop.stiffness += own.stop_stiffness - stated.stop_stiffness;
             stop.damping += own.stop_damping - stated.stop_damping;

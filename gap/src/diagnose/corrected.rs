@@ -6,6 +6,7 @@ use crate::missing_torque::table::Table;
 use host_sim::device::Device;
 use host_sim::effects::Effect;
 use host_sim::plant::Law;
+use std::sync::Arc;
 
 /// The nominal model with its numbers moved and effects on top.
 #[derive(Clone, Debug)]
@@ -36,8 +37,7 @@ impl CorrectedModel {
             corrected.effect.install(&mut device);
         }
         for table in &self.tables {
-            let table: &'static Table = Box::leak(Box::new(table.clone()));
-            let law = Law::new(table, Vec::new(), device.drive.ratio);
+            let law = Law::new(Arc::new(table.clone()), Vec::new(), device.drive.ratio);
             device.mechanics.laws.push(law);
         }
         device

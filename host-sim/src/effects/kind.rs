@@ -5,6 +5,7 @@ use super::quantity::Parameter;
 use crate::device::Device;
 use crate::plant::{Law, TorqueLaw};
 use core::ops::Range;
+use std::sync::Arc;
 
 /// Part of a device that an effect sits in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -58,7 +59,7 @@ pub struct Kind {
     pub(super) law: Option<&'static dyn TorqueLaw>,
 }
 
-/// What is known of no kind in particular.
+/// A kind without parameters that changes nothing: the rest of a definition that does not need all fields.
 pub(super) const PLAIN: Kind = Kind {
     name: "",
     channel: Channel::Mechanics,
@@ -71,7 +72,7 @@ pub(super) const PLAIN: Kind = Kind {
     law: None,
 };
 
-/// What an effect consists of, once or more often: most of them happen at moments of a session.
+/// Parameters of an effect that may be repeated: those of an event at a moment of the session, or of one wave of a ripple.
 #[derive(Debug)]
 pub(super) struct Events {
     /// Places of what is said of each time.
@@ -90,7 +91,7 @@ impl Kind {
         let values = self.held(values);
         (self.install)(device, &values);
         if let Some(law) = self.law {
-            let law = Law::new(law, values, device.drive.ratio);
+            let law = Law::new(Arc::new(law), values, device.drive.ratio);
             device.mechanics.laws.push(law);
         }
     }

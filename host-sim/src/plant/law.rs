@@ -1,8 +1,9 @@
 //! A torque that is written down as a law of the motion and the input, not built into the plant.
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
-/// What a law may depend on.
+/// The quantities on which a law may depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Position, rad or the recording's unit.
@@ -24,10 +25,20 @@ pub trait TorqueLaw: Debug + Send + Sync {
     fn text(&self) -> String;
 }
 
+impl<T: TorqueLaw + ?Sized> TorqueLaw for &T {
+    fn torque_nm(&self, at: &Moment, parameters: &[f64]) -> f64 {
+        (**self).torque_nm(at, parameters)
+    }
+
+    fn text(&self) -> String {
+        (**self).text()
+    }
+}
+
 /// A law with its parameters. The plant evaluates it in the middle of each step and holds it over that.
 #[derive(Clone, Debug)]
 pub struct Law {
-    law: &'static dyn TorqueLaw,
+    law: Arc<dyn TorqueLaw>,
     parameters: Vec<f64>,
     /// Torque of the drive per unit of input.
     ratio: f64,
@@ -35,12 +46,17 @@ pub struct Law {
 
 impl Law {
     /// A law on a device whose drive has a ratio.
-    pub fn new(law: &'static dyn TorqueLaw, parameters: Vec<f64>, ratio: f64) -> Self {
+    pub fn new(law: Arc<dyn TorqueLaw>, parameters: Vec<f64>, ratio: f64) -> Self {
         Self {
             law,
             parameters,
             ratio,
         }
+    }
+
+    /// Takes the drive's ratio as so many times as large.
+    pub(crate) fn scale_ratio(&mut self, factor: f64) {
+        self.ratio *= factor;
     }
 
     /// N m, of a device that moves like this under a drive.

@@ -1,6 +1,6 @@
 //! Something outside pushes back for a while, or holds.
 
-use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
+use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, instant};
 use crate::device::{CONTACT, PUSH};
 use crate::plant::Barrier;
 use core::ops::Range;
@@ -52,22 +52,8 @@ pub const KIND: Kind = Kind {
             typical: [-0.6, 0.6],
             about: "where it begins, or holds",
         },
-        Parameter {
-            name: "from",
-            quantity: Quantity::Time,
-            range: ANY,
-            default: 0.2,
-            typical: [0.0, 1000.0],
-            about: "of the session",
-        },
-        Parameter {
-            name: "to",
-            quantity: Quantity::Time,
-            range: ANY,
-            default: 0.8,
-            typical: [0.0, 1000.0],
-            about: "of the session",
-        },
+        instant("from", 0.2),
+        instant("to", 0.8),
     ],
     events: Some(Events {
         places: STAY,

@@ -76,6 +76,18 @@ const fn zero(about: &'static str) -> Parameter {
     }
 }
 
+/// The instant at which an event begins or ends.
+const fn instant(name: &'static str, default: f64) -> Parameter {
+    Parameter {
+        name,
+        quantity: Quantity::Time,
+        range: ANY,
+        default,
+        typical: [0.0, 1000.0],
+        about: "of the session",
+    }
+}
+
 /// Of a transmission between two masses.
 const LOAD_FRICTION: Parameter = share("load_friction", "share of the friction on the load side");
 /// Of a [`Ripple`](crate::ripple::Ripple).

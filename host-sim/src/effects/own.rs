@@ -7,7 +7,7 @@ use std::sync::{PoisonError, RwLock};
 
 static OWN: RwLock<Vec<&'static Kind>> = RwLock::new(Vec::new());
 
-/// What a user says of an effect of his own.
+/// The definition of a user's effect.
 #[derive(Debug)]
 pub struct OwnKind {
     /// Its name.

@@ -1,6 +1,6 @@
 //! A torque from outside for a moment.
 
-use super::{ANY, Channel, Events, Kind, PLAIN, Parameter, Quantity};
+use super::{ANY, Channel, Events, Kind, PLAIN, Parameter, Quantity, instant};
 use crate::device::PUSH;
 use crate::plant::{BARRIERS, Barrier};
 use core::ops::Range;
@@ -24,22 +24,8 @@ pub const KIND: Kind = Kind {
             typical: [-1.0, 1.0],
             about: "of the push",
         },
-        Parameter {
-            name: "from",
-            quantity: Quantity::Time,
-            range: ANY,
-            default: 0.2,
-            typical: [0.0, 1000.0],
-            about: "of the session",
-        },
-        Parameter {
-            name: "to",
-            quantity: Quantity::Time,
-            range: ANY,
-            default: 0.4,
-            typical: [0.0, 1000.0],
-            about: "of the session",
-        },
+        instant("from", 0.2),
+        instant("to", 0.4),
     ],
     events: Some(Events {
         places: PUSHES,

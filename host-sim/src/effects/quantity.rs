@@ -91,6 +91,6 @@ pub struct Parameter {
     pub default: f64,
     /// Typical range, for the paddle.
     pub typical: [f64; 2],
-    /// What it means.
+    /// Its meaning, for the report.
     pub about: &'static str,
 }

@@ -1,4 +1,4 @@
-//! What acts of the input changes no faster than a rate, as a servo that turns no faster.
+//! A limited rate of change of the acting input, as of a servo with a speed limit.
 
 use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 

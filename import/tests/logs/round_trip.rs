@@ -66,6 +66,21 @@ proptest! {
     }
 }
 
+/// The manifest that is written for a log of a device that is known so, and the recording that is read with it.
+fn written_and_read(
+    folder: &Folder,
+    imported: &import::Imported,
+    known: &import::Known,
+) -> (String, Recording) {
+    let out = folder.path().join("out");
+    imported.recording.write(&out).expect("written");
+    let manifest =
+        import::manifest(&imported.recording, known, &imported.roles, false).expect("a manifest");
+    std::fs::write(out.join("recording.toml"), &manifest).expect("written");
+    let read = Recording::read(&out).unwrap_or_else(|error| panic!("{error}\n{manifest}"));
+    (manifest, read)
+}
+
 #[test]
 fn the_manifest_that_is_written_is_read() {
     let folder = Folder::new("manifest");
@@ -80,12 +95,7 @@ fn the_manifest_that_is_written_is_read() {
         },
         ..import::Known::default()
     };
-    let out = folder.path().join("out");
-    imported.recording.write(&out).expect("written");
-    let manifest =
-        import::manifest(&imported.recording, &known, &imported.roles, false).expect("a manifest");
-    std::fs::write(out.join("recording.toml"), &manifest).expect("written");
-    let read = Recording::read(&out).unwrap_or_else(|error| panic!("{error}\n{manifest}"));
+    let (_, read) = written_and_read(&folder, &imported, &known);
     assert_eq!(read.runs[0].len(), imported.recording.runs[0].len());
     assert_eq!(read.model.ratio, 2.0);
     assert_eq!(read.unstated, ["viscous", "coulomb", "gravity"]);
@@ -117,12 +127,7 @@ fn a_data_sheet_goes_into_the_manifest_as_it_is() {
         motor,
         ..import::Known::default()
     };
-    let out = folder.path().join("out");
-    imported.recording.write(&out).expect("written");
-    let manifest =
-        import::manifest(&imported.recording, &known, &imported.roles, false).expect("a manifest");
-    std::fs::write(out.join("recording.toml"), &manifest).expect("written");
-    let read = Recording::read(&out).unwrap_or_else(|error| panic!("{error}\n{manifest}"));
+    let (manifest, read) = written_and_read(&folder, &imported, &known);
     assert_eq!(read.actuator, Some(Actuator::Motor(motor)), "{manifest}");
     assert_eq!(read.unstated, ["viscous", "coulomb", "gravity"]);
     assert!((read.model.ratio / (15.0 * 0.0538 / 10.6) - 1.0).abs() < 1e-12);

@@ -12,7 +12,7 @@ use rustix::time::{ClockId, clock_gettime};
 const MINUTE_S: u32 = 60;
 const PERIOD_CYCLES: u64 = 8_400;
 const CYCLES_PER_US: f64 = 168.0;
-/// What is streamed at full load; the capture of a fault waits by itself.
+/// The stream at full load. The board arms the capture of a fault by itself.
 const STREAM: &str = "stream setpoint,encoder,hall,velocity,torque,current 2000";
 
 fn main() {

@@ -42,7 +42,7 @@ impl Format {
         }
     }
 
-    /// What it is, in one line.
+    /// The simulator or program that reads the format, in one line.
     pub fn description(self) -> &'static str {
         match self {
             Self::Mjcf => "MuJoCo's XML",

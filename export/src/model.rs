@@ -1,4 +1,4 @@
-//! What is written.
+//! The corrected model that an export writes.
 
 use host_sim::device::Device;
 

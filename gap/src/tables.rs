@@ -1,4 +1,4 @@
-//! What a table of the missing torque adds to a corrected model, judged on data that it was not made from.
+//! A table of the missing torque on top of a corrected model, judged on held-out stretches.
 
 use crate::diagnose::CorrectedModel;
 use crate::measure::measure;
@@ -12,7 +12,7 @@ const STRETCHES: usize = 6;
 /// Share of what the model leaves that a table must close on held-out data.
 const LEAST_SHRINK: f64 = 0.05;
 
-/// What came of a table.
+/// The outcome of a trial with a table.
 #[derive(Clone, Debug)]
 pub enum Tabulated {
     /// A table predicts held-out stretches better than the model without it.

@@ -78,7 +78,7 @@ impl<'a> Disagreement<'a> {
     }
 }
 
-/// What an effect of this `kind` shows of where the device was, sample by sample of a track.
+/// Readings that a sensor with an effect of this `kind` gives along the reference of a track, one a sample.
 pub(crate) fn read(track: &Track, kind: &Kind, values: &[f64]) -> Vec<f64> {
     let mut device = Device::nominal(&Model::new(1.0));
     kind.install(&mut device, values);
@@ -95,7 +95,8 @@ pub(crate) fn read(track: &Track, kind: &Kind, values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// What `kind` leaves, sample by sample over all tracks, less the mean: the columns' zeros may differ.
+/// Residuals of the shown column if `kind` acts on the reference, one a sample over all tracks, less their mean: the columns' zeros may
+/// differ.
 pub(crate) fn residuals(tracks: &[Track], kind: &Kind, values: &[f64]) -> Vec<f64> {
     let residuals = tracks.iter().flat_map(|track| {
         let pairs = track.shown.iter().zip(read(track, kind, values));

@@ -49,7 +49,7 @@ fn beside(
         if found.as_ref().is_none_or(|(_, least)| left < *least) {
             found = Some(([first.clone(), other.clone()], left));
         }
-        // What the second one adds is taken from what is shown.
+        // Subtract the part of the second effect from the shown column, so that the first one is fitted to the rest.
         let without_second = mapped(columns, |track| {
             let seen = Track {
                 reference: read(track, first.kind, &first.values),

@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_episode_that_comes_again_may_be_what_comes_and_goes() {
+    fn an_episode_that_comes_again_may_be_what_comes_and_goes() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let taken = |effect: &str| {
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn a_episode_that_stays_for_most_of_a_run_may_be_whatever_is_another_there() {
+    fn an_episode_that_stays_for_most_of_a_run_may_be_whatever_is_another_there() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let run = |episode: &str| most_of_run(&problem, &made::written(episode));

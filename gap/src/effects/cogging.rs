@@ -134,7 +134,7 @@ struct Peak {
 }
 
 impl Peak {
-    /// What is free of it where its numbers begin at some place.
+    /// Coordinates of amplitude, wave number and phase of this wave, whose parameters begin at `place`.
     fn coordinates(&self, e: &Evidence<'_>, place: usize) -> [Coordinate; 3] {
         [
             log(place, self.amplitude),

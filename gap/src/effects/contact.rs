@@ -150,7 +150,7 @@ impl Episode for Contact {
     }
 }
 
-/// What is free of a stay whose parameters begin at some place.
+/// Coordinates of position, start and end of a stay, whose parameters begin at `place`.
 fn stay_coordinates(stay: &Stay, place: usize) -> Vec<Coordinate> {
     let position = linear(place + POSITION, stay.position, PLACE_SCALE * stay.span);
     let instants = instant_coordinates(INSTANTS, [stay.from_s, stay.to_s], place);

@@ -1,4 +1,4 @@
-//! What a reader wants to know of an effect, gathered from its definition.
+//! The description of an effect for its page in the documentation, gathered from its definition.
 
 use super::identification::Identification;
 use super::{ALL, all};
@@ -10,19 +10,19 @@ use host_sim::effects::Kind;
 pub struct Description {
     /// Equation, parameters, bounds and typical sizes.
     pub kind: &'static Kind,
-    /// What it is called in a sentence, without its numbers.
+    /// The noun for the effect in a sentence, without its parameters.
     pub noun: &'static str,
     /// The axis along which its torque is seen best.
     pub axis: Axis,
-    /// What it is for some values of its parameters.
+    /// Effects that this one equals for some values of its parameters.
     pub special_cases: Vec<&'static str>,
-    /// What it is a special case of.
+    /// Effects that equal this one for some values of their parameters.
     pub special_case_of: Vec<&'static str>,
     /// Simpler effects that are named in its place where they explain nearly as much.
     pub simpler_substitutes: Vec<&'static str>,
-    /// What does nearly the same on small, slow motion.
+    /// Effects that cannot be told apart from this one on small, slow motion.
     pub near_equivalents: Vec<&'static str>,
-    /// How it is told apart from these, and which recording decides.
+    /// Which evidence separates the effect from those that it is confused with, and which recording shows it.
     pub tell_apart: &'static str,
 }
 

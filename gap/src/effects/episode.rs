@@ -11,17 +11,17 @@ use std::ops::Range;
 /// Scale of the instants at which one comes and goes, over the time meanwhile.
 const TIME_SCALE: f64 = 0.1;
 
-/// What is special to one effect that comes and goes.
+/// The parts of the search that differ between effects that come and go.
 pub(crate) trait Episode: Debug + Sync {
     /// Place of the number without which nothing is there.
     fn strength(&self) -> usize;
 
-    /// The same with each other form of its last stay.
+    /// The terms with each other form of its last stay.
     fn otherwise(&self, _term: &Term) -> Vec<Term> {
         Vec::new()
     }
 
-    /// The same with one more stay, during some windows of a series.
+    /// The term with one more stay, during some windows of a series.
     fn returning(&self, term: &Term, series: &Series, windows: Range<usize>) -> Term;
 }
 
@@ -39,7 +39,7 @@ pub(super) fn phrase_between(found: &Found<'_>, template: &'static str) -> Optio
     })
 }
 
-/// What is free of the instants of a stay whose numbers begin at some place.
+/// Coordinates of start and end of a stay, whose parameters begin at `place`; `places` are those of the two within a stay.
 pub(super) fn instant_coordinates(
     places: [usize; 2],
     instants_s: [f64; 2],
@@ -49,7 +49,7 @@ pub(super) fn instant_coordinates(
     [0, 1].map(|end| linear(place + places[end], instants_s[end], scale))
 }
 
-/// How often it is there.
+/// Number of its stays.
 pub(crate) fn stays(term: &Term) -> usize {
     term.kind.event_count(&term.values)
 }
@@ -83,13 +83,13 @@ pub(crate) fn moves(term: &Term, moved: &Term) -> Vec<[f64; 2]> {
     between.filter(|[from_s, to_s]| from_s < to_s).collect()
 }
 
-/// The same whose last stay begins (0) or ends (1) later by some time.
+/// A term whose last stay begins (0) or ends (1) later by `by_s`.
 pub(crate) fn moved(term: &Term, which: usize, by_s: f64) -> Term {
     let place = last_instants(term)[which];
     term.begun(&[(place, term.values[place] + by_s)])
 }
 
-/// The same with its last stay cut to either half.
+/// Two terms, with the first and the second half of the last stay.
 pub(crate) fn halves(term: &Term) -> [Term; 2] {
     let [from_s, to_s] = instants(term);
     let half_s = 0.5 * (to_s - from_s);
@@ -106,8 +106,8 @@ pub(crate) fn lasting(term: &Term) -> Term {
     lasting
 }
 
-/// The same with one more stay: during the run of windows that cost most together, and during the window that costs most. None if
-/// it has as many stays as it may have.
+/// A term with one more stay: in the run of windows with the largest sum of costs, and in the window with the largest cost. Empty if it
+/// has its largest number of stays.
 pub(crate) fn returns(
     episode: &dyn Episode,
     term: &Term,

@@ -41,7 +41,7 @@ pub(crate) trait Identification: Debug + Sync {
         Vec::new()
     }
 
-    /// The same effect with one more of the parts that it may consist of, as the evidence beyond it, where it is `fitted`, suggests.
+    /// Terms with one part more than the `fitted` one, such as another wave of a ripple, from the evidence that is left beyond it.
     fn with_another_part(&self, _fitted: &Term, _beyond: &Evidence<'_>) -> Vec<Term> {
         Vec::new()
     }
@@ -177,10 +177,10 @@ pub(crate) trait Identification: Debug + Sync {
     /// makes none there.
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form>;
 
-    /// What it is called in a sentence, without its numbers.
+    /// The noun for the effect in a sentence, without its parameters.
     fn noun(&self) -> &'static str;
 
-    /// How it is told apart from what it is confused with, and which recording decides; empty where nothing is known.
+    /// Which evidence separates the effect from those that it is confused with, and which recording shows it; empty if not known.
     fn tell_apart(&self) -> &'static str {
         ""
     }

@@ -1,4 +1,4 @@
-//! What acts of the input changes no faster than a rate.
+//! A limited rate of change of the acting input.
 
 use super::identification::{Family, Identification};
 use super::phrase::Found;

@@ -197,7 +197,7 @@ impl Linearization {
         &self.slopes
     }
 
-    /// What the windows say of the coordinates, and the tolerances of the first `priors`, in inverse squares of standard
+    /// Information of the windows on the coordinates, and of the tolerances of the first `priors`, in inverse squares of standard
     /// deviations: what is left of a window is no noise, so that a whole one counts little.
     pub(crate) fn information(&self, priors: usize) -> DMatrix<f64> {
         let known = self.x.len();

@@ -38,12 +38,12 @@ fn size(factor: f64) -> String {
     }
 }
 
-/// What the other sign of a column makes of a model.
+/// Turns a model into the one for a column of the other sign.
 pub(super) type Turn = fn(Model) -> Model;
 
 /// How else the columns may be meant.
 pub(super) enum Meant {
-    /// With the other sign of one of them: what that makes of a model.
+    /// A column has the other sign; with the function that turns the model accordingly.
     Turned(Turn, Oddity),
     /// In another unit.
     Scaled(UnitMistake),

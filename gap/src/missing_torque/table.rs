@@ -13,7 +13,7 @@ const BEYOND: f64 = 0.01;
 /// Weight that holds a knot to its neighbours, over that of all points: where there are none it is a straight line.
 const STIFFNESS: f64 = 1e-4;
 
-/// What a table is over.
+/// The quantity of which a table is a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TableAxis {
@@ -26,7 +26,7 @@ pub enum TableAxis {
 }
 
 impl TableAxis {
-    /// That which holds a function of an axis of the missing torque, if one does.
+    /// The axis of a table for an axis of the missing torque, if a table may be over it.
     pub(super) fn of(axis: Axis) -> Option<Self> {
         match axis {
             Axis::Velocity | Axis::VelocityOdd | Axis::VelocityEven => Some(Self::Velocity),
@@ -58,7 +58,7 @@ impl TableAxis {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table {
-    /// What it is over.
+    /// The quantity of which it is a function.
     pub axis: TableAxis,
     /// Knots, ascending.
     pub at: Vec<f64>,

@@ -65,7 +65,7 @@ fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     best_of(problem, fit, returns, iterations)
 }
 
-/// How a term comes and goes.
+/// The episode that a term is; none if its effect does not come and go.
 fn kind(term: &Term) -> Option<&'static dyn Episode> {
     effects::of(term.kind.name).episode()
 }

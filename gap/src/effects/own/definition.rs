@@ -16,11 +16,11 @@ pub(super) const MOST_PARAMETERS: usize = 4;
 pub(super) struct Definition {
     /// Its name, as it stands in results.
     pub name: String,
-    /// What it is, in a sentence.
+    /// The effect in a sentence.
     pub about: String,
     /// Its torque at the joint, N m, as an expression of `x`, `v`, `u`, `t` and the parameters.
     pub torque: String,
-    /// What its torque mainly goes with.
+    /// The quantity on which its torque mainly depends.
     #[serde(default)]
     pub axis: OwnAxis,
     /// By name.
@@ -36,12 +36,12 @@ pub(super) struct OwnParameter {
     /// For its unit.
     #[serde(default)]
     pub quantity: OwnQuantity,
-    /// What it means.
+    /// Its meaning, for the report.
     #[serde(default)]
     pub about: String,
 }
 
-/// What a torque may mainly go with.
+/// The quantity on which the torque mainly depends.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum OwnAxis {
@@ -63,7 +63,7 @@ impl From<OwnAxis> for Axis {
     }
 }
 
-/// What a number may measure.
+/// The quantity that a parameter measures, for its unit.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum OwnQuantity {

@@ -1,4 +1,4 @@
-//! What is wrong with a user's effect.
+//! Errors in the definition of a user's effect.
 
 use host_sim::effects::own::NameTaken;
 

@@ -12,12 +12,11 @@ pub(super) const VARIABLES: [&str; 4] = ["x", "v", "u", "t"];
 pub(super) struct Expression {
     text: String,
     compiled: FlatEx<f64>,
-    /// What stands at each of its names.
+    /// The variable or parameter behind each name, in the order in which the crate takes values.
     places: Vec<Place>,
 }
 
-/// The same expression with a minus at the start of a part as a difference from 0. The crate takes a sign before a power otherwise: it
-/// reads `-x^2` as `(-x)^2`.
+/// Writes a leading minus as a difference from 0, `0-x^2` for `-x^2`: the crate would read `-x^2` as `(-x)^2`.
 fn with_usual_signs(text: &str) -> String {
     let mut usual = String::with_capacity(text.len() + 8);
     let mut begins = true;

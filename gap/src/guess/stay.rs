@@ -33,11 +33,16 @@ pub(crate) struct Stay {
 
 /// What could push back to some `sides` in the stretch that is worst.
 pub(crate) fn stays(e: &Evidence<'_>, sides: &[f64]) -> Vec<Stay> {
-    let counts: Vec<usize> = e.series.iter().map(|s| s.windows.len()).collect();
-    stretches(&counts, e.window_costs)
+    worst(e)
         .into_iter()
         .flat_map(|(series, windows)| stays_during(e, sides, series, windows))
         .collect()
+}
+
+/// The stretches of windows in which the model is worst, by index of the series.
+fn worst(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
+    let counts: Vec<usize> = e.series.iter().map(|s| s.windows.len()).collect();
+    stretches(&counts, e.window_costs)
 }
 
 /// Missing torque that is more than chance, from its rms.
@@ -45,14 +50,13 @@ fn strongly(rms_nm: f64) -> f64 {
     1.5 * rms_nm
 }
 
-/// The stretches of time in which something may have come and gone: those that are worst, each from the first to the last sample
-/// that misses much, and whole; s of the session.
+/// The times in which something may have come and gone, s of the session: of each of the worst stretches, from the first to the last
+/// sample with much missing torque, and the whole stretch.
 pub(crate) fn worst_times(e: &Evidence<'_>) -> Vec<[f64; 2]> {
-    let counts: Vec<usize> = e.series.iter().map(|s| s.windows.len()).collect();
-    let worst = stretches(&counts, e.window_costs).into_iter();
-    worst
-        .flat_map(|(series, windows)| Worst::of(e, series, &windows).edges)
-        .collect()
+    let edges = worst(e)
+        .into_iter()
+        .flat_map(|(series, windows)| Worst::of(e, series, &windows).edges);
+    edges.collect()
 }
 
 /// A stretch of time in which much torque is missing.

@@ -19,7 +19,7 @@ pub struct Imported {
     pub recording: Recording,
     /// What was taken for what, line by line.
     pub roles: Vec<String>,
-    /// Whether a role was told from names rather than by the recipe.
+    /// True if a role was guessed from names instead of given by the recipe.
     pub is_guessed: bool,
     /// What was left out, worked around, or is odd.
     pub notes: Vec<String>,
@@ -33,8 +33,8 @@ pub struct Imported {
 
 /// Makes a recording of `logs`.
 ///
-/// # Errors
-/// [`ImportError`] where a role cannot be told, a column is not there or of another kind, and where no run is left.
+/// # Errors [`ImportError`] where a role cannot be guessed, a column is not there or of another kind, and where no run
+/// is left.
 pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
     let title = recipe.title.clone().unwrap_or_else(|| {
         logs.iter()

@@ -33,7 +33,7 @@ pub(crate) struct Times {
     pub origin_s: f64,
     /// Unit, for people.
     pub unit: String,
-    /// Whether the unit was told by the sizes alone.
+    /// True if the unit was guessed from the sizes of the numbers alone.
     pub is_guessed: bool,
 }
 

@@ -122,7 +122,7 @@ fn left_over(points: &[Point]) -> f64 {
     let (dm, sm) = (sum(&|p| p.driven * p.moved), sum(&|p| p.slowed * p.moved));
     let determinant = dd * ss - ds * ds;
     let alone = (if dd > 0.0 { dm / dd } else { 0.0 }, 0.0);
-    // Of ways that are alike the two are not told apart.
+    // Two laws that predict the input equally well are not told apart.
     const ALIKE: f64 = 1e-9;
     let (drive, friction) = if determinant > ALIKE * dd * ss {
         let both = (

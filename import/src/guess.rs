@@ -1,4 +1,4 @@
-//! Which column is what, told from names and from whether they change.
+//! The roles of columns, guessed from their names and from whether their values change.
 
 use crate::clock;
 use crate::log::{Cells, Column, Log};

@@ -17,7 +17,7 @@ pub enum Kind {
     Pendulum,
     /// It slides.
     Linear,
-    /// It follows a position that it is told.
+    /// It follows a commanded position.
     Servo,
 }
 
@@ -32,7 +32,7 @@ pub struct Known {
     pub lever_m: Option<f64>,
     /// The motor's data sheet, with the gear behind it.
     pub motor: Motor,
-    /// Of the motor's rotor, kg m².
+    /// Inertia of the motor's rotor, kg m².
     pub rotor_inertia: Option<f64>,
     /// Numbers of `[model]` that are stated as they are.
     pub numbers: BTreeMap<String, f64>,

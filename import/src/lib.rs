@@ -28,7 +28,6 @@ mod clock;
 mod controller;
 mod counter;
 mod error;
-mod formula;
 mod guess;
 mod known;
 mod log;
@@ -47,7 +46,6 @@ mod unit;
 
 pub use assemble::{Imported, import};
 pub use error::ImportError;
-pub use formula::Formula;
 pub use known::{Kind, Known};
 pub use log::{Cells, Column, Log};
 pub use manifest::manifest;

@@ -34,7 +34,7 @@ const MEANINGS: [(&str, &str); 14] = [
     ("travel", "hard stops, [lower, upper]"),
 ];
 
-/// The same of `[motor]`.
+/// The lines of `[motor]`.
 const MOTOR: [(&str, &str); 4] = [
     ("kt", "torque constant, N m/A"),
     ("resistance", "of the winding, Ohm"),

@@ -1,6 +1,6 @@
 //! What the user says of a log, in whole or in part.
 
-/// How a log becomes a recording. What is left out is told from the log.
+/// How a log becomes a recording. What the recipe leaves out is guessed from the log.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recipe {
     /// Column or formula of time: `NAME`, `NAME:UNIT`, `FORMULA` in s.
@@ -45,7 +45,7 @@ pub struct Recipe {
     pub split_gap_s: Option<f64>,
     /// A new run begins where this column changes.
     pub split_by: Option<String>,
-    /// The input is a controller's, whatever else is told.
+    /// The input is a controller's, whatever else the recipe says.
     pub is_closed_loop: bool,
     /// Length of a prediction window, s.
     pub horizon_s: Option<f64>,

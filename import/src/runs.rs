@@ -13,7 +13,7 @@ const ANEW: f64 = 0.5;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Span {
     pub rows: Vec<usize>,
-    /// Value of the column by which runs were told apart.
+    /// Value of the column by which runs were separated.
     pub label: Option<String>,
 }
 

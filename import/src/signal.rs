@@ -1,9 +1,9 @@
 //! One quantity of a log: a column, or a formula of columns, and its unit.
 
 use crate::error::ImportError;
-use crate::formula::Formula;
 use crate::log::{Column, Log};
 use crate::unit;
+use formula::Formula;
 
 /// What the user asks for: `NAME`, `NAME:UNIT`, `FORMULA` or `FORMULA:UNIT`.
 #[derive(Clone, Debug)]
@@ -47,7 +47,10 @@ impl<'a> Choice<'a> {
         if !is_formula || !matches!(named, Err(ImportError::NoColumn { .. })) {
             return named;
         }
-        let formula = Formula::parse(body)?;
+        let formula = Formula::parse(body).map_err(|why| ImportError::Formula {
+            text: body.to_owned(),
+            why,
+        })?;
         let columns = formula
             .names()
             .iter()
@@ -113,7 +116,7 @@ pub(crate) fn numbers(column: &Column, log: &Log) -> Result<Vec<f64>, ImportErro
     }
 }
 
-/// The same with empty cells as the last one before them.
+/// The values of a column of numbers. An empty cell has the last value before it.
 pub(crate) fn held(column: &Column, log: &Log) -> Result<Vec<f64>, ImportError> {
     let mut last = f64::NAN;
     let held = numbers(column, log)?.into_iter().map(|value| {
@@ -132,4 +135,26 @@ fn is_unit(text: &str) -> bool {
         || (!text.is_empty()
             && text.len() <= 8
             && !text.contains(['(', ')', '+', '*', '^', '[', ']']))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_formula_of_columns_has_the_usual_signs_row_by_row() {
+        let log = Log {
+            name: "a.csv".into(),
+            columns: vec![
+                Column::numbers("sp", vec![1.0, 2.0]),
+                Column::numbers("q[2]", vec![3.0, -3.0]),
+            ],
+            notes: Vec::new(),
+        };
+        let values = |text: &str| Choice::of(text, &log).unwrap().values(&log).unwrap();
+        assert_eq!(values("-{q[2]}^2"), [-9.0, -9.0]);
+        assert_eq!(values("2*-{q[2]}^2 + sp"), [-17.0, -16.0]);
+        let milli = values("1e3*sp:rad");
+        assert_eq!(milli, [1000.0, 2000.0]);
+    }
 }

@@ -1,4 +1,4 @@
-//! A log with what its columns are, told by the recipe or guessed.
+//! A log with the roles of its columns, given by the recipe or guessed.
 
 use crate::clock;
 use crate::counter;

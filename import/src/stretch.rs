@@ -2,7 +2,6 @@
 
 use crate::controller::{self, Gains};
 use crate::error::ImportError;
-use crate::formula::Formula;
 use crate::log::Column;
 use crate::rates::Samples;
 use crate::recipe::SwitchOn;
@@ -11,6 +10,7 @@ use crate::signal::{Choice, held};
 use crate::source::{Reading, Source};
 use crate::ticks::Ticks;
 use crate::unit::{self, Quantity};
+use formula::Formula;
 use recording::{Drive, InputSampling, Pid, Run, low_pass_gain};
 
 /// Rows that a run has at least.

@@ -31,7 +31,7 @@ impl Identification for TorqueGain {
     }
 
     fn sets_in_model(&self) -> Option<&'static str> {
-        // The gain multiplies the ratio that is stated: moving both would move one number twice.
+        // The gain multiplies the stated ratio. Moving both would move one number twice.
         Some("ratio")
     }
 
@@ -79,6 +79,6 @@ impl Identification for TorqueGain {
     }
 
     fn template(&self, _found: &Found<'_>) -> &'static str {
-        "a torque of {gain} times what was told"
+        "a torque of {gain} times the commanded one"
     }
 }

@@ -127,7 +127,7 @@ impl Layout {
         let numbers: usize = fitting
             .map(|row| row.iter().filter(|cell| is_number(cell, decimal)).count())
             .sum();
-        // Of layouts that read the same share of cells the one with more columns tells more, if only a little.
+        // If two layouts read the same share of cells, the one with more columns is slightly preferred.
         let score = numbers as f64 / all.max(1) as f64 + 1e-3 * (width as f64).min(50.0) / 50.0;
         let layout = Self {
             delimiter,

@@ -24,7 +24,7 @@ use std::path::Path;
 /// First bytes of a gzip file.
 const GZIP: &[u8] = &[0x1F, 0x8B];
 
-/// Reads a log, whatever its format: told by its first bytes, else taken as text in columns.
+/// Reads a log of any format. The first bytes give the format; other logs are read as text in columns.
 ///
 /// # Errors
 /// [`ImportError`] for a file that cannot be read or understood.
@@ -65,7 +65,7 @@ fn name(path: &Path) -> String {
     }
 }
 
-/// Formats that are told apart by their first bytes.
+/// Formats that are recognised by their first bytes.
 enum Format {
     Text,
     Numpy,

@@ -313,8 +313,8 @@ mod tests {
                 &labels(),
             )
         };
-        assert_eq!(phrase(1.0298), "a torque of 1.03 times what was told");
-        assert_eq!(phrase(0.7312), "a torque of 0.73 times what was told");
+        assert_eq!(phrase(1.0298), "a torque of 1.03 times the commanded one");
+        assert_eq!(phrase(0.7312), "a torque of 0.73 times the commanded one");
     }
 
     #[test]

@@ -119,7 +119,7 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     sentences.join(" ")
 }
 
-/// Of which model the floor is, where the nominal one has another.
+/// The model of the floor, if the nominal model has another floor.
 pub fn floors(diagnosis: &Diagnosis) -> Option<String> {
     let gap = &diagnosis.gap;
     let display = Display::of(&gap.unit, gap.before);
@@ -183,7 +183,7 @@ fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
     ))
 }
 
-/// What cannot be told apart, and what would.
+/// The effects that cannot be told apart, and the experiment that would separate them.
 fn open_ends(diagnosis: &Diagnosis, labels: &Labels) -> Vec<String> {
     let next = diagnosis.next_experiment.as_ref();
     let mut sentences = Vec::new();

@@ -14,7 +14,7 @@ pub(super) const MOST_PARAMETERS: usize = 4;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Definition {
-    /// Its name, as it stands in results.
+    /// Its name in results.
     pub name: String,
     /// The effect in a sentence.
     pub about: String,
@@ -23,17 +23,17 @@ pub(super) struct Definition {
     /// The quantity on which its torque mainly depends.
     #[serde(default)]
     pub axis: OwnAxis,
-    /// By name.
+    /// Its parameters, by name.
     pub parameters: BTreeMap<String, OwnParameter>,
 }
 
-/// A number of it.
+/// A parameter of an effect.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct OwnParameter {
-    /// Lowest and highest value that is usual: a fit starts between them. Where both are positive the number stays positive.
+    /// Lowest and highest usual value. A fit starts between them. If both are positive, the number stays positive.
     pub typical: [f64; 2],
-    /// For its unit.
+    /// The quantity, which gives its unit.
     #[serde(default)]
     pub quantity: OwnQuantity,
     /// Its meaning, for the report.
@@ -102,8 +102,7 @@ impl From<OwnQuantity> for Quantity {
 impl Definition {
     /// Reads a table.
     ///
-    /// # Errors
-    /// [`OwnEffectError`] of what is not as it must be; the expression is not looked at.
+    /// # Errors [`OwnEffectError`] for the first fault. The expression is not checked here.
     pub(super) fn read(text: &str) -> Result<Self, OwnEffectError> {
         let own: Self = toml::from_str(text).map_err(|error| {
             let line = error.span().map_or(1, |span| {
@@ -143,7 +142,7 @@ impl Definition {
 }
 
 impl OwnParameter {
-    /// True if it stays positive and is searched by ratios.
+    /// True if its value stays positive and is varied by ratios.
     fn is_positive(&self) -> bool {
         self.typical[0] > 0.0
     }

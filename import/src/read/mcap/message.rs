@@ -4,7 +4,7 @@ use super::definition::{Count, Definitions, Field};
 
 /// What of a message is a number.
 pub(super) struct Message {
-    /// Of its header, ns.
+    /// Time in its header, ns.
     pub stamp_ns: Option<i64>,
     /// By path; those of arrays beside a list of names by these, as in `sensor_msgs/JointState`.
     pub fields: Vec<(String, f64)>,

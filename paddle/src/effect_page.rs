@@ -1,12 +1,11 @@
 //! The page of each effect in `docs/effects`, generated from the effect's own definition.
 
 use crate::failure::Failure;
-use crate::plot::Cloud;
+use crate::plot::{Cloud, Scatter};
 use crate::report::missing_torque::scatter;
-use gap::effects::{Description, descriptions};
-use gap::missing_torque::Axis;
+use gap::effects::{Demonstration, Description, Multisine, descriptions};
+use gap::missing_torque::{Axis, Point};
 use gap::{Device, MissingTorque};
-use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::{Excitation, Shape};
 use haptic_paddle::settings::Settings;
 use host_sim::closed_loop::{ClosedLoop, LoopSetup};
@@ -18,15 +17,15 @@ use std::fmt::Write;
 /// Units of the paddle.
 const POSITION: &str = "rad";
 const INPUT: &str = "N m";
-/// The motion of every picture: the paddle follows a multisine.
-const AMPLITUDE_DEG: f64 = 15.0;
-const FREQUENCY_HZ: f64 = 0.5;
+/// Duration of the experiment of every picture, s.
 const DURATION_S: f64 = 8.0;
 const LOG_HZ: f64 = 1000.0;
 /// Prediction window that the recording states, s.
 const HORIZON_S: f64 = 0.5;
 /// Points of either direction in a picture, which must stay small.
 const MOST_POINTS: usize = 60;
+/// Share of the largest missing torque from which on an effect explains some of it.
+const LEAST_EXPLAINED: f64 = 1e-3;
 const GENERATED: &str = "<!-- Generated: cargo paddle effects --docs docs/effects -->\n\n";
 
 /// All files, by their names in the folder.
@@ -38,8 +37,10 @@ pub fn files() -> Result<Vec<(String, String)>, Failure> {
     let mut files = vec![("index.md".to_owned(), index(&all))];
     for effect in &all {
         let name = effect.kind.name;
-        files.push((format!("{name}.md"), page(effect)));
-        files.push((format!("{name}.svg"), picture(effect)?));
+        let scatter = picture(effect)?;
+        let has_line = !scatter.explained_by.is_empty();
+        files.push((format!("{name}.md"), page(effect, has_line)));
+        files.push((format!("{name}.svg"), scatter.svg()?));
     }
     Ok(files)
 }
@@ -62,7 +63,7 @@ fn index(all: &[Description]) -> String {
     text
 }
 
-fn page(effect: &Description) -> String {
+fn page(effect: &Description, has_line: bool) -> String {
     let kind = effect.kind;
     let name = kind.name;
     let mut text = format!(
@@ -76,29 +77,128 @@ fn page(effect: &Description) -> String {
     for parameter in kind.parameters {
         text.push_str(&row(parameter));
     }
-    let torque_over = over(effect.axis);
+    let demonstration = &effect.demonstration;
     let _ = write!(
         text,
         "\nThe typical sizes are for the paddle. {}\n\n## The missing torque\n\n\
          ![The torque that a model without {name} lacks]({name}.svg)\n\n\
-         The simulated paddle follows a multisine of {AMPLITUDE_DEG}° and {FREQUENCY_HZ} Hz with the effect at its default \
-         numbers. Each point is an instant at which the paddle moves: the torque that the nominal model lacks there, {torque_over}. \
-         The line is the mean of what the effect adds to the model.\n\n## What it is confused with\n\n{}\n{}\n\n## Try it\n\n\
-         ```\npaddle sim multisine --amplitude {AMPLITUDE_DEG} --frequency {FREQUENCY_HZ} --seconds {DURATION_S} --log-rate {LOG_HZ} \
+         {} Each point is an instant at which the paddle moves: the torque that the nominal model lacks there, {}. \
+         {}\n\n## What it is confused with\n\n{}\n{}\n\n## Try it\n\n\
+         ```\npaddle sim multisine {} --seconds {DURATION_S} --log-rate {LOG_HZ} \
          --with {} --recording my-recording\npaddle gap look my-recording --report look.html\n```\n",
         kind.sizes_from,
+        shown_by(kind, demonstration),
+        over(effect.axis),
+        line(has_line),
         confused_with(effect),
         effect.tell_apart,
-        switched_in(kind),
+        options(demonstration.multisine),
+        switched_in(kind, demonstration),
     );
     text
 }
 
-/// The effect with its first number, as `--with` takes it.
-fn switched_in(kind: &Kind) -> String {
-    let first = kind.parameters.first();
-    let setting = first.map_or(String::new(), |p| format!(":{}={}", p.name, p.default));
-    format!("{}{setting}", kind.name)
+/// What the line of a picture is, or why there is none.
+fn line(has_line: bool) -> &'static str {
+    match has_line {
+        true => "The line is the mean of what the effect adds to the model.",
+        false => {
+            "No line is drawn, because the effect is no torque of the instant alone: the points show the torque that a model \
+             without it needs in its place."
+        }
+    }
+}
+
+/// What moves the paddle of a picture, and the numbers of its effect.
+fn shown_by(kind: &Kind, demonstration: &Demonstration) -> String {
+    let moved = match demonstration.multisine {
+        Multisine::Position {
+            amplitude_deg,
+            frequency_hz,
+        } => format!(
+            "The simulated paddle follows a multisine of {amplitude_deg}° and {frequency_hz} Hz"
+        ),
+        Multisine::Torque {
+            amplitude_nm,
+            frequency_hz,
+        } => format!(
+            "The motor of the simulated paddle gives a multisine of {amplitude_nm} N m and {frequency_hz} Hz, without a controller,"
+        ),
+    };
+    let numbers = demonstration.numbers.iter().map(|(name, value)| {
+        let parameter = kind.parameters.iter().find(|p| p.name == *name);
+        let unit = parameter.map_or(String::new(), |p| p.quantity.unit(POSITION, INPUT));
+        match unit.as_str() {
+            "1" => format!("`{name}` {value}"),
+            unit => format!("`{name}` {value} {unit}"),
+        }
+    });
+    let numbers: Vec<String> = numbers.collect();
+    if numbers.is_empty() {
+        return format!("{moved} with the effect at its default numbers.");
+    }
+    format!(
+        "{moved} with the effect at {} and its other default numbers.",
+        numbers.join(", ")
+    )
+}
+
+/// What moves the paddle, as `paddle sim multisine` takes it.
+fn options(multisine: Multisine) -> String {
+    match multisine {
+        Multisine::Position {
+            amplitude_deg,
+            frequency_hz,
+        } => format!("--amplitude {amplitude_deg} --frequency {frequency_hz}"),
+        Multisine::Torque {
+            amplitude_nm,
+            frequency_hz,
+        } => format!("--torque --amplitude {amplitude_nm} --frequency {frequency_hz}"),
+    }
+}
+
+/// The multisine as an experiment.
+fn experiment(multisine: Multisine) -> Experiment {
+    let excitation = |amplitude, frequency_hz: f64| Excitation {
+        shape: Shape::Multisine,
+        amplitude,
+        offset: 0.0,
+        frequency_hz: frequency_hz as f32,
+        end_frequency_hz: 0.0,
+        duration_s: 0.0,
+    };
+    let experiment = match multisine {
+        Multisine::Position {
+            amplitude_deg,
+            frequency_hz,
+        } => {
+            let amplitude_rad = amplitude_deg.to_radians() as f32;
+            Experiment::position(excitation(amplitude_rad, frequency_hz), DURATION_S)
+        }
+        Multisine::Torque {
+            amplitude_nm,
+            frequency_hz,
+        } => Experiment::torque(excitation(amplitude_nm as f32, frequency_hz), DURATION_S),
+    };
+    Experiment {
+        log_hz: LOG_HZ,
+        ..experiment
+    }
+}
+
+/// The effect with the numbers of its demonstration or else its first number, as `--with` takes it.
+fn switched_in(kind: &Kind, demonstration: &Demonstration) -> String {
+    let first = kind.parameters.first().map(|p| (p.name, p.default));
+    let numbers = match demonstration.numbers {
+        [] => first.as_slice(),
+        numbers => numbers,
+    };
+    let settings: Vec<String> = numbers
+        .iter()
+        .map(|(name, value)| format!("{name}={value}"))
+        .collect();
+    let colon = if settings.is_empty() { "" } else { ":" };
+    format!("{}{colon}{}", kind.name, settings.join(","))
 }
 
 fn row(parameter: &Parameter) -> String {
@@ -161,27 +261,21 @@ fn confused_with(effect: &Description) -> String {
     text
 }
 
-/// The torque that the nominal model lacks of a paddle with the effect.
-fn picture(effect: &Description) -> Result<String, Failure> {
+/// The torque that the nominal model lacks of a paddle with the effect; with a line if the effect explains some of it.
+fn picture(effect: &Description) -> Result<Scatter, Failure> {
     let kind = effect.kind;
-    let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
+    let value = |parameter: &Parameter| {
+        let mut numbers = effect.demonstration.numbers.iter();
+        let shown = numbers.find(|(name, _)| *name == parameter.name);
+        shown.map_or(parameter.default, |(_, value)| *value)
+    };
+    let values: Vec<f64> = kind.parameters.iter().map(value).collect();
     let model = presets::nominal();
     let mut device = Device::nominal(&model);
     kind.install(&mut device, &values);
     let setup = LoopSetup::ideal(device.clone(), Settings::default());
-    let excitation = Excitation {
-        shape: Shape::Multisine,
-        amplitude: AMPLITUDE_DEG.to_radians() as f32,
-        offset: 0.0,
-        frequency_hz: FREQUENCY_HZ as f32,
-        end_frequency_hz: 0.0,
-        duration_s: 0.0,
-    };
-    let experiment = Experiment {
-        log_hz: LOG_HZ,
-        ..Experiment::position(excitation, DURATION_S)
-    };
-    let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
+    let experiment = experiment(effect.demonstration.multisine);
+    let mut closed_loop = ClosedLoop::armed(&setup, experiment.mode)?;
     let trace = experiment.run(&mut closed_loop)?;
     let mut recording = experiment::recording(kind.name, HORIZON_S, model, &setup);
     recording.runs.push(trace.to_run("multisine.csv", &setup));
@@ -189,14 +283,23 @@ fn picture(effect: &Description) -> Result<String, Failure> {
     let mut look = missing.look(Some((&device, vec![kind.name])));
     look.axis = effect.axis;
     let mut scatter = scatter(&look, kind.name, POSITION);
+    let size = |of: fn(&Point) -> f64| look.points.iter().map(of).fold(0.0, |a, b| b.abs().max(a));
+    let has_line = size(|point| point.explained) > LEAST_EXPLAINED * size(|point| point.torque);
+    if !has_line {
+        scatter.explained_by.clear();
+    }
     for cloud in &mut scatter.clouds {
         *cloud = Cloud {
             points: thinned(&cloud.points),
+            explained: match has_line {
+                true => std::mem::take(&mut cloud.explained),
+                false => Vec::new(),
+            },
             rest: Vec::new(),
             ..std::mem::take(cloud)
         };
     }
-    Ok(scatter.svg()?)
+    Ok(scatter)
 }
 
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {

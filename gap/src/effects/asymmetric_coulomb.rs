@@ -48,7 +48,7 @@ impl Identification for AsymmetricCoulomb {
     }
 
     fn simpler_substitutes(&self) -> &'static [&'static dyn Identification] {
-        // While it slides, a push is less friction one way and more the other.
+        // While the joint slides, a constant torque is less friction in one direction and more in the other.
         &[&TorqueOffset]
     }
 
@@ -60,7 +60,7 @@ impl Identification for AsymmetricCoulomb {
         let SmallMotion::Push { torque_nm } = other else {
             return None;
         };
-        // What pushes forward is less friction that way and more the other way.
+        // A torque forwards is less friction forwards and more backwards.
         let levels = [-1.0, 1.0].map(|way| model.coulomb + way * torque_nm);
         let is_friction = levels.iter().all(|level| *level > 0.0);
         is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]))

@@ -16,16 +16,17 @@ use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use host_sim::effects::backlash::KIND;
 
-/// How wide a play may be, over the span of the motion, and the ratio of those that are tried; narrower ones where a run
-/// moves less than all do together.
+/// Narrowest and widest play over the span of the motion, and the ratio of the widths that are tried. If a run moves
+/// less than all runs together, narrower ones are tried as well.
 const PLAYS: [f64; 2] = [0.0027, 0.15];
 const PLAY_RATIO: f64 = 1.78;
-/// Natural frequency of the flanks of a play, over the coarse sampling rate: an impact lasts some samples, and harder
-/// flanks do nearly the same.
+/// Natural frequency of the flanks of a play, over the coarse sampling rate. An impact then lasts some samples; harder
+/// flanks act nearly alike.
 const FLANK_FREQUENCY: f64 = 0.06;
-/// Relative damping of the flanks: a rebound has half the speed.
+/// Damping ratio of the flanks: a rebound has half the speed.
 const FLANK_DAMPING: f64 = 0.22;
-/// Shares of the inertia and of the friction beyond a play that are tried with each: a side that flies free tells them.
+/// Shares of the inertia and of the friction on the load side that are tried with each width. A side that moves freely
+/// reveals them.
 const FREE_SHARES: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
 const FREE_FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// Half of the play over half of the span, as screened for the missing torque.
@@ -76,8 +77,8 @@ impl Identification for Backlash {
         &[&Compliance]
     }
 
-    /// Without a spring that comes back through its damper within a prediction it is a lag; and where one side weighs nothing,
-    /// its friction bends.
+    /// If the spring does not relax through its damper within a prediction, the effect is a lag. If one side has no
+    /// inertia, its friction bends.
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
         is_no_link(fit.device, fit.horizon_s)
     }
@@ -113,11 +114,11 @@ impl Identification for Backlash {
     }
 }
 
-/// Torque that the load does not take while the play is passed, and that with which it strikes where it ends, per step. `carried`
-/// is what a transmission without play would carry to the load.
+/// Torque that does not reach the load while it crosses the play, and the torque of the impact at the end, per step.
+/// `carried` is the torque that a transmission without play would carry to the load.
 fn floats_and_strikes(path: &Path<'_>, carried: &[f64], half_play: f64) -> [Vec<f64>; 2] {
     let inertia = path.device.mechanics.inertia;
-    // Side on which the load lies, way of the motor since it left, and velocity of the load then.
+    // Side on which the load lies, way of the motor since contact was lost, and velocity of the load at that instant.
     let (mut side, mut passed, mut speed, mut free) = (0.0, 0.0, 0.0, false);
     let n = carried.len();
     let [mut floats, mut strikes] = [vec![0.0; n], vec![0.0; n]];

@@ -19,11 +19,11 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 use host_sim::effects::Kind;
 use host_sim::effects::cogging::KIND;
 
-/// Wave numbers from which a fit starts, of those that most of the motion follows and of finer ones.
+/// Number of starts of a fit among the wave numbers that most of the motion follows, and again among finer ones.
 const PEAKS: usize = 3;
 /// Share of the moments that are slow.
 const SLOW_SHARE: f64 = 0.25;
-/// Waves that were travelled at least for a ripple to be seen to repeat.
+/// Fewest waves within the motion with which a ripple is seen to repeat.
 const LEAST_WAVES: f64 = 1.0;
 /// Place of the wave number among its parameters.
 const WAVE_NUMBER: usize = 1;
@@ -160,7 +160,7 @@ fn peaks(e: &Evidence<'_>) -> Vec<Peak> {
         waves::strongest(some.collect(), range, s.span())
     };
     let all = strongest(f64::INFINITY, s.wave_numbers());
-    // What passes too fast most of the time shows where the motion is slow.
+    // A ripple that mostly passes too fast for the sampling shows where the motion is slow.
     let finest = s.finest_wave_number();
     let told_apart = waves::last_told_apart(finest, s.span());
     let finer = s.finest_wave_number_at(slow).min(told_apart);
@@ -170,13 +170,13 @@ fn peaks(e: &Evidence<'_>) -> Vec<Peak> {
     let peaks = peaks.map(|(wave_number, [a, b])| Peak {
         amplitude: a.hypot(b).max(1e-3 * s.torque),
         wave_number,
-        // A missing torque is what the motion needed: that of the ripple itself.
+        // The missing torque is the torque that the motion needed: the ripple itself.
         phase: b.atan2(a),
     });
     peaks.collect()
 }
 
-/// Waves of a ripple between the lowest and the highest of some positions, if they are too few to see it repeat.
+/// Number of waves between the lowest and the highest position, if they are too few to show that the ripple repeats.
 fn waves_short(wave_number: f64, [low, high]: [f64; 2]) -> Option<f64> {
     let travelled = wave_number * (high - low) / TAU;
     (travelled < LEAST_WAVES).then_some(travelled)

@@ -15,18 +15,19 @@ use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use host_sim::effects::compliance::KIND;
 
-/// Where a twisting transmission may ring, over the frequency of the motion, and how many resonances are tried: what rings
-/// is found within some percent of its frequency only.
+/// Lowest and highest resonance over the frequency of the motion, and the number of resonances that are tried. A fit
+/// converges only from within some percent of the resonance.
 const RESONANCES: [f64; 2] = [1.0, 100.0];
 const RESONANCE_STARTS: usize = 90;
-/// And the highest frequency that samples follow, over their rate.
+/// Highest frequency that samples follow, over their rate.
 const HIGHEST_RESONANCE: f64 = 0.2;
-/// Its relative damping.
+/// Damping ratio of the resonance.
 const TWIST_DAMPING: f64 = 0.05;
-/// The side on which most of the friction is decides how it rings while one side sticks: shares beyond the twist.
+/// Shares of the friction on the load side that are tried. The side with most of the friction decides how the
+/// transmission rings while one side sticks.
 const TWIST_FRICTIONS: [f64; 2] = [0.2, 0.8];
-/// Resonance over the rate of the motion, lowest and highest, as screened for the missing torque, and how many are tried by equal
-/// ratios; those that explain most become forms. And its damping.
+/// Lowest and highest resonance over the rate of the motion that are screened for the missing torque, their number at
+/// equal ratios, the number of forms among them, and their damping ratio.
 const RESONANCES_SCREENED: [f64; 2] = [1.5, 40.0];
 const RESONANCES_TRIED: usize = 70;
 const RESONANCES_KEPT: usize = 2;
@@ -67,8 +68,8 @@ impl Identification for Compliance {
         true
     }
 
-    /// Without a spring that comes back through its damper within a prediction it is a lag; and where one side weighs nothing,
-    /// its friction bends.
+    /// If the spring does not relax through its damper within a prediction, the effect is a lag. If one side has no
+    /// inertia, its friction bends.
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
         is_no_link(fit.device, fit.horizon_s)
     }
@@ -81,7 +82,7 @@ impl Identification for Compliance {
         let carried = path.carried();
         let inertia = path.device.mechanics.inertia;
         let [lowest, highest] = RESONANCES_SCREENED.map(|part| part * path.scale.rate());
-        // The smoother does not follow faster ones.
+        // The smoother does not follow faster resonances.
         let highest = highest.min(target.corner).max(1.1 * lowest);
         let rates = geometric([lowest, highest], RESONANCES_TRIED);
         let tried = rates.map(|rate| {
@@ -95,8 +96,8 @@ impl Identification for Compliance {
         let mut tried: Vec<(f64, f64, Vec<f64>)> = tried.collect();
         tried.sort_by(|a, b| b.0.total_cmp(&a.0));
         tried.truncate(RESONANCES_KEPT);
-        // The masses swing against each other: of two masses and a spring between them, `J s² x/T − 1` is `s²/(s² + ω²)` times
-        // the ratio of the masses on the motor's side, and −1 times that on the load's.
+        // The masses swing against each other. For two masses and a spring between them, `J s² x/T − 1` is `s²/(s² +
+        // ω²)` times the ratio of the masses on the motor's side, and −1 times that on the load's.
         let forms = tried.into_iter().map(|(_, rate, column)| {
             Form::new(vec![column], move |c| {
                 let load = if c[0] > 0.0 { c[0] / (1.0 + c[0]) } else { 0.5 };
@@ -122,7 +123,7 @@ impl Identification for Compliance {
     }
 }
 
-/// What of a torque is above a resonance, per step.
+/// The part of a torque above a resonance, per step.
 fn above_resonance(path: &Path<'_>, torque: &[f64], rate: f64) -> Vec<f64> {
     let (mut y, mut w) = (0.0, 0.0);
     let steps = torque.iter().zip(&path.samples.step_s);

@@ -22,18 +22,18 @@ use host_sim::effects::Kind;
 use host_sim::effects::contact::KIND;
 use std::ops::Range;
 
-/// Sides to which it pushes back: what comes from below, what comes from above, and both, which is to hold.
+/// Sides: against motion from below, against motion from above, and 0, which holds against both.
 const SIDES: [f64; 3] = [1.0, -1.0, 0.0];
 /// Places among its numbers of the stiffness and of the damping.
 const STIFFNESS: usize = 0;
 const DAMPING: usize = 1;
-/// And after that of a stay those of the side, of the position, and of when it comes and goes.
+/// Places within a stay of the side, of the position, and of the two instants.
 const SIDE: usize = 0;
 const POSITION: usize = 1;
 const INSTANTS: [usize; 2] = [2, 3];
-/// Scale of where it is, over the span of the motion meanwhile.
+/// Scale of the position over the span of the motion during the stay.
 const PLACE_SCALE: f64 = 0.1;
-/// Where it begins, between the ends of the motion while it is there, as screened for the missing torque.
+/// Positions that are screened for the missing torque, between the ends of the motion during the stay.
 const PLACES_SCREENED: [f64; 9] = [0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85];
 
 #[derive(Debug)]
@@ -207,7 +207,7 @@ fn instants_s(path: &Path<'_>, during: &Range<usize>) -> [f64; 2] {
     [during.start, during.end - 1].map(|row| path.samples.session_s[row])
 }
 
-/// The numbers of a contact with a stiffness and a damping that stays once.
+/// The numbers of a contact of one stay, with this stiffness and damping.
 fn stay([stiffness, damping]: [f64; 2], side: f64, at: f64, [from_s, to_s]: [f64; 2]) -> Vec<f64> {
     let place = KIND.event_place(0);
     let values = [

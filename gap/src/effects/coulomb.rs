@@ -31,7 +31,7 @@ impl Identification for Coulomb {
         let level = e.device.mechanics.friction.level_nm;
         let guess = regress(e, |m| [-m.velocity.signum()]);
         let guess = guess.map(|[f]| vec![log(0, (level[0] + f).max(0.05 * s.friction))]);
-        // A friction that is not there at all is at the end of a linear scale only.
+        // Only a linear scale contains the level 0.
         let none = vec![linear(0, 0.02 * s.friction, 0.1 * s.friction)];
         let [less, more] = [0.6, 1.4].map(|f| vec![log(0, f * s.friction)]);
         terms(&KIND, guess, [less, more, none])

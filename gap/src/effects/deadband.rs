@@ -12,15 +12,16 @@ use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::deadband::KIND;
 
-/// Widths of a dead band that lets all through beyond it, over the input's root mean square, and how many of them are tried.
+/// Narrowest and widest dead band with a jump at its edge, over the input's root mean square, and the number of widths
+/// that are tried.
 const GATES: [f64; 2] = [0.03, 1.5];
 const GATE_STARTS: usize = 40;
-/// Place of the parameter that says whether it comes before the limit of the input.
+/// Place of the parameter `first`.
 const BEFORE_LIMIT: usize = 2;
-/// Place of the parameter that says how far it lies off zero, and one unit of its coordinate.
+/// Place of the parameter `skew`, and one unit of its coordinate.
 const SKEW: usize = 3;
 const SKEWED: f64 = 0.5;
-/// Parts of the largest input up to which nothing happens, that are screened for the missing torque.
+/// Widths over the largest input that are screened for the missing torque.
 const WIDTHS_SCREENED: [f64; 8] = [0.03, 0.06, 0.1, 0.15, 0.21, 0.28, 0.36, 0.46];
 
 #[derive(Debug)]
@@ -55,7 +56,7 @@ impl Identification for Deadband {
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
         let widths = WIDTHS_SCREENED.iter().map(|part| part * path.scale.input);
         let forms = widths.flat_map(|width| {
-            // The torque starts from zero beyond it, or with all of the input.
+            // Beyond the dead band the torque starts from zero or with a jump to the whole input.
             [(0.0, Some(0)), (1.0, None)].map(|(jump, size)| {
                 let values = with_defaults(&KIND, &[(0, width), (1, jump)]);
                 Form::whole(path, &KIND, values, size).positive()
@@ -77,7 +78,7 @@ impl Identification for Deadband {
     }
 }
 
-/// Dead bands that let all through beyond them: each sample comes through at a width of its own.
+/// Dead bands with a jump at their edge: each sample passes up to a width of its own.
 fn gates(e: &Evidence<'_>) -> Vec<Term> {
     let widths = geometric(GATES, GATE_STARTS).map(|f| f * e.scales.input);
     widths

@@ -31,7 +31,7 @@ impl Identification for Delay {
     }
 
     fn indistinguishable(&self, fitted: &Term) -> &'static [&'static dyn Identification] {
-        // A reading that comes late by a dead time is that of a device that is driven late.
+        // A reading that is late by a dead time is that of a device whose drive is late.
         match fitted.values[0] > 0.0 {
             true => &[&SensorLag],
             false => &[],

@@ -5,6 +5,45 @@ use super::{ALL, all};
 use crate::missing_torque::Axis;
 use host_sim::effects::Kind;
 
+/// An experiment in which the simulated paddle shows an effect on its page in the documentation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demonstration {
+    /// What moves the paddle.
+    pub multisine: Multisine,
+    /// Numbers of the effect that differ from their defaults, by their names, in the units of the paddle.
+    pub numbers: &'static [(&'static str, f64)],
+}
+
+/// A sum of six harmonics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Multisine {
+    /// The position that the controller follows.
+    Position {
+        /// Largest position, °.
+        amplitude_deg: f64,
+        /// Frequency of the fundamental, Hz.
+        frequency_hz: f64,
+    },
+    /// The torque of the motor, without a controller.
+    Torque {
+        /// Largest torque, N m.
+        amplitude_nm: f64,
+        /// Frequency of the fundamental, Hz.
+        frequency_hz: f64,
+    },
+}
+
+impl Demonstration {
+    /// Shows most effects at their default numbers.
+    pub(super) const USUAL: Self = Self {
+        multisine: Multisine::Position {
+            amplitude_deg: 15.0,
+            frequency_hz: 0.5,
+        },
+        numbers: &[],
+    };
+}
+
 /// An effect as its page in the documentation describes it. Other effects are given by their names.
 #[derive(Clone, Debug)]
 pub struct Description {
@@ -24,6 +63,8 @@ pub struct Description {
     pub near_equivalents: Vec<&'static str>,
     /// Which evidence separates the effect from those that it is confused with, and which recording shows it.
     pub tell_apart: &'static str,
+    /// The experiment that shows it.
+    pub demonstration: Demonstration,
 }
 
 /// All effects of the library, in the order of the vocabulary.
@@ -50,6 +91,7 @@ impl Description {
             simpler_substitutes: names(effect.simpler_substitutes()),
             near_equivalents: near.map(|other| other.name()).collect(),
             tell_apart: effect.tell_apart(),
+            demonstration: effect.demonstration(),
         }
     }
 }

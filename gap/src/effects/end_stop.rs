@@ -1,5 +1,6 @@
 //! Hard stops on either side.
 
+use super::description::Demonstration;
 use super::gravity::Gravity;
 use super::identification::{Fitted, Identification};
 use super::phrase::{Found, Part, Phrase};
@@ -19,17 +20,17 @@ use host_sim::effects::end_stop::KIND;
 use host_sim::plant::Mechanics;
 use recording::Model;
 
-/// Shares of the samples that may lie beyond a stop: none where it is touched once.
+/// Shares of the samples that may lie beyond a stop; 0 for a stop that is touched once.
 const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
 /// Stiffness of a stop over torque by span of the motion.
 const HARDNESS: [f64; 2] = [20.0, 200.0];
-/// Its relative damping.
+/// Damping ratio of a stop.
 const STOP_DAMPING: f64 = 0.1;
-/// Shares of the span of the motion by which a stop of the model's is moved.
+/// Unit of the coordinate of a stop of the model that is moved, over the span of the motion.
 const MOVED: f64 = 0.1;
-/// Spans of the motion beyond it at which a stop is none.
+/// Distance from the motion at which a stop is out of reach, in spans of the motion.
 const OUT_OF_REACH: f64 = 10.0;
-/// How far from the end of the motion a stop begins, over half of the span, as screened for the missing torque.
+/// Distances of a stop from the end of the motion that are screened for the missing torque, over half of the span.
 const WAYS_SCREENED: [f64; 11] = [
     0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.07, 0.11, 0.18, 0.3, 0.5,
 ];
@@ -42,7 +43,8 @@ impl Identification for EndStop {
         &KIND
     }
 
-    /// One stop at a time, the other out of reach, then both; those of the model farther out, where the device went past them.
+    /// One stop at a time with the other out of reach, then both. Stops of the model that the device passed are tried
+    /// farther out.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let s = e.scales;
         let inertia = e.device.mechanics.inertia;
@@ -129,6 +131,13 @@ impl Identification for EndStop {
         "The torque is zero up to a position and steep beyond. A spring pulls everywhere. A contact is there for a while only. Record motion that reaches both ends of the travel slowly."
     }
 
+    fn demonstration(&self) -> Demonstration {
+        Demonstration {
+            numbers: &[("lower", -0.15), ("upper", 0.15)],
+            ..Demonstration::USUAL
+        }
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "a hard stop"
     }
@@ -155,7 +164,7 @@ impl Identification for EndStop {
     }
 }
 
-/// One stop where the motion ends, the other `far`, then both there: beyond a stop that is known is no other.
+/// One stop at an end of the motion and the other `far`, then both at the ends. No stop is tried beyond a known one.
 fn places([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
     let (low, high) = (low.max(far[0]), high.min(far[1]));
     let mut places = vec![[far[0], high], [low, far[1]], [low, high]];
@@ -164,7 +173,7 @@ fn places([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
     places
 }
 
-/// The model's own stops out of reach or where the motion ended, one or both, if that went past them.
+/// The model's own stops, one or both, out of reach or at the ends of the motion, if the motion passed them.
 fn farther(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
     let Some(travel) = model.travel else {
         return Vec::new();
@@ -189,10 +198,10 @@ fn farther(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
     stops.collect()
 }
 
-/// What pushes back for a while, as a stop, which does whenever the device comes there; the other one is `far`.
+/// Stops at the positions at which something pushes back for a while; the other stop is `far`.
 fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
     let mut pushes = stays(e, &[1.0, -1.0]);
-    // How long it was takes no part.
+    // The duration does not matter for a stop.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
     let stops = pushes.into_iter().map(|push| {
         let upper = usize::from(push.side > 0.0);
@@ -206,21 +215,22 @@ fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
     stops.collect()
 }
 
-/// Where stops are that a motion between `extremes` did not show: those of the nominal model, or out of reach.
+/// Positions of the stops that a motion between `extremes` does not show: those of the nominal model, or out of reach.
 fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
     let [low, high] = extremes;
     let away = OUT_OF_REACH * (high - low);
     travel.unwrap_or([low - away, high + away])
 }
 
-/// True if stops push at most of some positions: what does so all along is none.
+/// True if the stops push at most of the positions: such a torque is no stop.
 fn push_at_most(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
     let [lower, upper] = [stops.values[0], stops.values[1]];
     let pushes = |x: f64| if (lower..=upper).contains(&x) { -1 } else { 1 };
     positions.map(pushes).sum::<i64>() > 0
 }
 
-/// Two stops, fitted at `x`, as either of them with the other left at its place in `untouched`, each with its coordinates.
+/// From two stops, fitted at `x`, each of them alone, with the other at its position in `untouched`; each with its
+/// coordinates.
 fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
     let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
     let (Some(lower), Some(upper)) = (place(0), place(1)) else {

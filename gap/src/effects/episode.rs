@@ -8,12 +8,12 @@ use crate::windows::series::Series;
 use std::fmt::Debug;
 use std::ops::Range;
 
-/// Scale of the instants at which one comes and goes, over the time meanwhile.
+/// Scale of the instants at which a stay begins and ends, over its duration.
 const TIME_SCALE: f64 = 0.1;
 
 /// The parts of the search that differ between effects that come and go.
 pub(crate) trait Episode: Debug + Sync {
-    /// Place of the number without which nothing is there.
+    /// Place of the number that is 0 if the effect does nothing.
     fn strength(&self) -> usize;
 
     /// The terms with each other form of its last stay.
@@ -25,8 +25,8 @@ pub(crate) trait Episode: Debug + Sync {
     fn returning(&self, term: &Term, series: &Series, windows: Range<usize>) -> Term;
 }
 
-/// A template with its numbers, of which `{from}` and `{to}` are as exact as what lies between them asks for; `None` if one of them was
-/// not found.
+/// A template with its numbers; `None` if one of them was not found. `{from}` and `{to}` are written as exactly as the
+/// time between them asks for.
 pub(super) fn phrase_between(found: &Found<'_>, template: &'static str) -> Option<Phrase> {
     let ends = found.value("to").zip(found.value("from"));
     let lasts = ends.map_or(0.0, |(to, from)| (to - from).abs());

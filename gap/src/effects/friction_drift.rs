@@ -17,10 +17,10 @@ use host_sim::effects::friction_drift::KIND;
 
 /// Time constants with which a friction settles, over the duration.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
-/// Places among the parameters of whether every run starts with it, and whether it settles at the model's level.
+/// Places of the parameters `anew` and `settled`.
 const ANEW: usize = 2;
 const SETTLED: usize = 3;
-/// And of a step of its level, and of when that comes; and instants at which one is looked for.
+/// Places of the parameters `step` and `step_at`, and the number of instants at which a step is tried.
 const STEP: usize = 4;
 const STEP_AT: usize = 5;
 const STEPS: usize = 48;
@@ -38,9 +38,9 @@ impl Identification for FrictionDrift {
         &KIND
     }
 
-    /// A friction that grows or falls all the time, that settles as something warms up, or that steps: over the session, or in
-    /// every run where the clock starts anew. One run cannot tell; what it shows is then taken for what every run will show, so
-    /// that no other is predicted from beyond what was seen.
+    /// A friction that grows or falls all the time, that settles as the device warms up, or that steps: over the
+    /// session, or anew in every run whose clock starts anew. A single run cannot tell. It is then assumed to start
+    /// anew, so that no other run is predicted from a time beyond the recorded one.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         if !is_dry(e) {
             return Vec::new();
@@ -100,7 +100,7 @@ impl Identification for FrictionDrift {
     fn template(&self, found: &Found<'_>) -> &'static str {
         match (found.fitted("step"), found.fitted("step_at")) {
             (Some(_), Some(_)) => "dry friction that steps by {step} at {step_at}",
-            // No sample tells when.
+            // No sample shows the instant.
             (Some(_), None) => "dry friction that steps by {step} between two runs",
             (None, _) => "dry friction that changes by {rate}",
         }
@@ -117,14 +117,14 @@ impl Identification for FrictionDrift {
     }
 }
 
-/// The same drift in every run whose clock starts anew.
+/// The fitted drift, anew in every run whose clock starts anew.
 fn anew(drift: Term) -> Term {
     drift.begun(&[(ANEW, 1.0)])
 }
 
 fn drifts_since(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Vec<Term> {
     let duration_s = e.scales.duration_s;
-    // Another level is an effect of its own, but must not bend the drift.
+    // A change of the level is an effect of its own, but it must not distort the drift.
     let guess = regress(e, |m| {
         let friction = friction_nm(e, m);
         [friction * since_s(m), friction]
@@ -150,7 +150,7 @@ fn drifts_since(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Vec<Term>
     steady.into_iter().chain(settling).chain(stepping).collect()
 }
 
-/// Another level from an instant on, where one explains most.
+/// A step of the level at the instant at which it explains most.
 fn step(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Option<Term> {
     let apart_s = e.scales.duration_s / STEPS as f64;
     let instants = (1..STEPS).map(|k| k as f64 * apart_s);

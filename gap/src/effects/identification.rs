@@ -1,5 +1,6 @@
 //! What may be known of an effect beside its equation: how it is identified, mistaken and described.
 
+use super::description::Demonstration;
 use super::episode::Episode;
 use crate::columns::Disagreement;
 use crate::guess::Evidence;
@@ -17,7 +18,7 @@ use std::fmt::Debug;
 
 use super::phrase::{Found, Phrase};
 
-/// A number without which no axis is described.
+/// A number without which the model of an axis is incomplete.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MainNumber {
     /// Its name in the model.
@@ -73,7 +74,7 @@ pub(crate) trait Identification: Debug + Sync {
         self.main_number().map(|number| number.name)
     }
 
-    /// A term of it begun where the balance of torques along the motion puts its number.
+    /// A start of its fit at the number that the balance of torques along the motion gives.
     fn balanced(&self, own: &Term, _balance: &Balance) -> Term {
         own.clone()
     }
@@ -104,7 +105,7 @@ pub(crate) trait Identification: Debug + Sync {
         None
     }
 
-    /// True if no device such as the recorded one can have it.
+    /// True if a device such as the recorded one cannot have it.
     fn is_impossible(&self, _recording: &Recording) -> bool {
         false
     }
@@ -125,27 +126,28 @@ pub(crate) trait Identification: Debug + Sync {
         None
     }
 
-    /// What it does on small motion where it is `fitted` in place of a number of `model`.
+    /// Its action on small motion, `fitted` in place of a number of `model`.
     fn on_small_motion(&self, _fitted: &Term, _model: &Model) -> Option<SmallMotion> {
         None
     }
 
-    /// Its own term begun where it does the same on small motion as another effect.
+    /// A start of its fit at the values with which it acts like another effect on small motion.
     fn begun_from(&self, _own: &Term, _other: SmallMotion, _model: &Model) -> Option<Term> {
         None
     }
 
-    /// Effects that no recording can tell from it where it is `fitted`.
+    /// Effects that no recording can tell from it with its `fitted` values.
     fn indistinguishable(&self, _fitted: &Term) -> &'static [&'static dyn Identification] {
         &[]
     }
 
-    /// True if its fit has come to where it no longer acts as its name says.
+    /// True if its fit has ended at values with which it no longer acts as its name says.
     fn is_degenerate(&self, _fit: &Fitted<'_>) -> bool {
         false
     }
 
-    /// Periods of it between the `extremes` of the positions, if it repeats over position and these are too few to see it repeat.
+    /// Number of its periods between the `extremes` of the positions, if it repeats over position and they are too few
+    /// to show that.
     fn too_few_periods(&self, _fitted: &Term, _extremes: [f64; 2]) -> Option<f64> {
         None
     }
@@ -155,7 +157,7 @@ pub(crate) trait Identification: Debug + Sync {
         false
     }
 
-    /// True if it only formulates the model's dry friction otherwise: two simulations of one device may differ so.
+    /// True if it is only another formula for the model's dry friction. Two simulations of one device may differ in it.
     fn reformulates_friction(&self) -> bool {
         false
     }
@@ -165,7 +167,7 @@ pub(crate) trait Identification: Debug + Sync {
         Vec::new()
     }
 
-    /// How many numbers such values take.
+    /// Number of fitted numbers among such values.
     fn count_in_columns(&self, values: &[f64]) -> usize {
         values.iter().filter(|value| **value != 0.0).count()
     }
@@ -173,8 +175,8 @@ pub(crate) trait Identification: Debug + Sync {
     /// The axis along which its torque is seen best.
     fn axis(&self) -> Axis;
 
-    /// The torques that it may make along the motion of `path`, those that may explain the missing torque `target`; none if it
-    /// makes none there.
+    /// Its possible torques along the motion of `path` that may explain the missing torque `target`; none if it makes
+    /// no torque there.
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form>;
 
     /// The noun for the effect in a sentence, without its parameters.
@@ -185,10 +187,15 @@ pub(crate) trait Identification: Debug + Sync {
         ""
     }
 
-    /// What it was found to be, each `{parameter}` standing for its number.
+    /// The experiment that shows it in the documentation.
+    fn demonstration(&self) -> Demonstration {
+        Demonstration::USUAL
+    }
+
+    /// The sentence part that describes a finding. Each `{parameter}` stands for its number.
     fn template(&self, found: &Found<'_>) -> &'static str;
 
-    /// What it was found to be, with its numbers.
+    /// The description of a finding with its numbers.
     fn phrase(&self, found: &Found<'_>) -> Phrase {
         self.filled_template(found)
     }
@@ -222,9 +229,9 @@ impl dyn Identification {
 /// What the cost looks like over the free parameters of an effect, which decides how its fit is searched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Landscape {
-    /// Its slopes lead from the starts that promise most to first order.
+    /// Gradients lead to the optimum from the starts with the largest first-order gain.
     Smooth,
-    /// It acts through a hidden state that builds up: what a start promises to first order says nothing.
+    /// It acts through a hidden state that builds up, so that the first-order gain of a start says nothing.
     Hysteretic,
     /// Many optima: the lowest points of a scan over sizes are fitted.
     Resonant,
@@ -242,15 +249,15 @@ impl Landscape {
 /// Effects that cannot be told apart on small, slow motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
-    /// They push to one side.
+    /// A push to one side.
     Push,
-    /// They resist motion the more the faster it is.
+    /// A resistance that grows with speed.
     Drag,
-    /// They pull back to a place.
+    /// A torque towards one position.
     Restoring,
-    /// They make the motion come late.
+    /// A motion that comes late.
     Lateness,
-    /// They make the motion larger or smaller.
+    /// A motion that is larger or smaller.
     Size,
 }
 
@@ -274,6 +281,6 @@ pub(crate) struct Fitted<'a> {
     /// The device with all effects.
     pub device: &'a Device,
     pub series: &'a [Series],
-    /// Of a prediction, s.
+    /// Duration of a prediction, s.
     pub horizon_s: f64,
 }

@@ -1,6 +1,7 @@
 //! A torque that is a curve of the input.
 
 use super::deadband::Deadband;
+use super::description::Demonstration;
 use super::identification::Identification;
 use super::phrase::Found;
 use super::saturation::Saturation;
@@ -23,7 +24,7 @@ const DEAD_ZONE: usize = 2;
 const REFERENCE: usize = 3;
 /// Powers and dead zones, over the reference input, from which the curve is looked for.
 const STARTS: [(f64, f64); 4] = [(0.6, 0.0), (1.6, 0.0), (0.6, 0.1), (1.2, 0.1)];
-/// Share of the inputs that the reference exceeds: what the few largest do must not set the gain of all others.
+/// Share of the inputs below the reference, so that the few largest inputs do not set the gain of all others.
 const LARGE: f64 = 0.9;
 /// Powers that are screened for the missing torque, and reference inputs over the largest.
 const POWERS_SCREENED: [f64; 4] = [0.4, 0.7, 1.5, 2.2];
@@ -87,6 +88,13 @@ impl Identification for InputNonlinearity {
 
     fn tell_apart(&self) -> &'static str {
         "The missing torque is a curve over the input and not a line. A torque gain is a line, a dead band two lines, a saturation a line with a bend. Only inputs over the whole range tell the curves apart."
+    }
+
+    fn demonstration(&self) -> Demonstration {
+        Demonstration {
+            numbers: &[("power", 0.6)],
+            ..Demonstration::USUAL
+        }
     }
 
     fn template(&self, found: &Found<'_>) -> &'static str {

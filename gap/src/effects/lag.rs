@@ -14,7 +14,7 @@ use host_sim::effects::Kind;
 use host_sim::effects::lag::KIND;
 use recording::Model;
 
-/// Place of the parameter that says that it comes behind the model's own lag, and of that which says that there are two of it.
+/// Places of the parameters `apart` and `twice`.
 const APART: usize = 1;
 const TWICE: usize = 2;
 
@@ -38,7 +38,7 @@ impl Identification for Lag {
         let SmallMotion::LateReading { time_s } = other else {
             return None;
         };
-        // Behind a lag of the model's own that of a sensor is another one.
+        // Behind a lag of the model, the lag of a sensor is another effect.
         (model.lag > 0.0).then(|| further(&own.begun(&[(0, time_s)])))
     }
 
@@ -90,7 +90,7 @@ impl Identification for Lag {
     }
 }
 
-/// A longer lag than the model's, or another one behind that, or two equal ones.
+/// A longer lag than the model's, another lag behind it, or two equal lags.
 fn longer(e: &Evidence<'_>) -> Vec<Term> {
     let longer = later(&KIND, e);
     let has_one = e.device.drive.lag_s > 0.0;
@@ -99,7 +99,7 @@ fn longer(e: &Evidence<'_>) -> Vec<Term> {
     [longer, behind, both].concat()
 }
 
-/// The same lag as another one behind the model's.
+/// The fitted lag, as another one behind the model's.
 fn further(lag: &Term) -> Term {
     lag.begun(&[(APART, 1.0)])
 }

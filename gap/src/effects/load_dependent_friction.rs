@@ -13,15 +13,14 @@ use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::load_dependent_friction::KIND;
 
-/// Part of the pull of gravity and springs that it may grow with, beside that of the drive.
+/// Values of `passive` from which a fit starts.
 const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
-/// Such parts for which a torque is compared with the missing torque.
+/// Values of `passive` that are screened for the missing torque.
 const PASSIVE_SCREENED: [f64; 3] = [0.0, 1.0, -1.0];
-/// Place of the parameter that says how many times as much friction grows where the load drives the motor, and values from which its
-/// fit begins.
+/// Place of the parameter `backdriven`, and values of it from which a fit starts.
 const BACKDRIVEN: usize = 2;
 const BACKDRIVES: [f64; 2] = [0.3, 4.0];
-/// Such values for which a torque is compared with the missing torque.
+/// Values of `backdriven` that are screened for the missing torque.
 const BACKDRIVEN_SCREENED: [f64; 2] = [1.0, 5.0];
 
 #[derive(Debug)]

@@ -38,7 +38,7 @@ mod torque_gain;
 mod torque_offset;
 mod viscous;
 
-pub use description::{Description, descriptions};
+pub use description::{Demonstration, Description, Multisine, descriptions};
 pub(crate) use episode::Episode;
 pub(crate) use identification::{Family, Fitted, Identification, Landscape};
 pub use own::{OwnEffectError, add_own};

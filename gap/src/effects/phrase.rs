@@ -3,7 +3,7 @@
 use crate::diagnosis::{Estimate, Finding};
 use std::borrow::Cow;
 
-/// Words and numbers of a sentence about what was found.
+/// Words and numbers of a sentence about a finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phrase(pub Vec<Part>);
 
@@ -14,11 +14,11 @@ pub enum Part {
     Words(Cow<'static, str>),
     /// A number, to be written with its unit.
     Number(Estimate),
-    /// An instant, to be written to a tenth of how long what begins or ends then lasts.
+    /// An instant, to be written to a tenth of the duration of the stay that begins or ends then.
     Instant {
-        /// When.
+        /// The instant.
         at: Estimate,
-        /// In the unit of the instant.
+        /// The duration, in the unit of the instant.
         lasts: f64,
     },
 }
@@ -29,14 +29,14 @@ impl Phrase {
         Self(vec![Part::Words(words.into())])
     }
 
-    /// The same with more words behind.
+    /// This phrase with more words at its end.
     pub(crate) fn then(mut self, words: &'static str) -> Self {
         self.0.push(Part::Words(words.into()));
         self
     }
 }
 
-/// What the sentences about a recording's effects need to know of its nominal model.
+/// The facts of a recording's nominal model on which sentences about its effects depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nominal {
     /// Dry friction, torque at the joint.
@@ -49,7 +49,7 @@ pub struct Nominal {
     pub has_runs: bool,
 }
 
-/// What was found of an effect.
+/// A finding, with the nominal model that it changes.
 pub(crate) struct Found<'a> {
     pub finding: &'a Finding,
     pub nominal: &'a Nominal,
@@ -71,7 +71,7 @@ impl Found<'_> {
         self.estimate(name).filter(|estimate| estimate.is_fitted)
     }
 
-    /// By how much a parameter that shortens something of the model does so; `None` if it does not.
+    /// Size of a negative parameter, which shortens something of the model; `None` if it is not negative.
     pub(crate) fn shortened_by(&self, name: &str) -> Option<Estimate> {
         let shorter = self
             .estimate(name)
@@ -82,7 +82,7 @@ impl Found<'_> {
         })
     }
 
-    /// Parameters whose names begin with `name`: how often something happens.
+    /// Number of parameters whose names begin with `name`: how often an event happens.
     pub(crate) fn count(&self, name: &str) -> usize {
         let names = self.finding.parameters.keys();
         names.filter(|n| n.starts_with(name)).count()
@@ -93,7 +93,7 @@ impl Found<'_> {
         self.filled_by(template, |_, estimate| Part::Number(estimate.clone()))
     }
 
-    /// The same with each number as it is `said`, by the name of its parameter.
+    /// A template with its numbers, each as `said` by the name of its parameter; `None` if one of them was not found.
     pub(crate) fn filled_by(
         &self,
         template: &'static str,

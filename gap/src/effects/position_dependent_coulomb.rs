@@ -18,13 +18,13 @@ use host_sim::effects::Kind;
 use host_sim::effects::position_dependent_coulomb::KIND;
 use host_sim::plant::Spot;
 
-/// Periods of a ripple over the span of the motion, and how many of more periods are tried.
+/// Periods of a ripple over the span of the motion that are tried, and the number of ripples with more periods.
 const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
 const FINE_RIPPLES: usize = 2;
-/// Places of a spot that rubs, and its width over the span of the motion.
+/// Number of positions of a spot that rubs that are tried, and its widths over the span of the motion.
 const SPOT_PLACES: usize = 16;
 const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
-/// Places among the parameters of its height and of how steep its flanks are, and flanks between a bell's and a wall.
+/// Places of the parameters `spot` and `spot_exponent`, and an exponent between a bell and a band.
 const SPOT: usize = 6;
 const SPOT_EXPONENT: usize = 9;
 const STEEP: f64 = 4.0;
@@ -40,8 +40,8 @@ impl Identification for PositionDependentCoulomb {
         &KIND
     }
 
-    /// A friction that rises along the way, that is least or most somewhere, or that comes and goes with the turns of something
-    /// that is not round.
+    /// A friction that rises with the position, that has a minimum or a maximum, or that ripples with the turns of a
+    /// part that is not round.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         if !is_dry(e) {
             return Vec::new();
@@ -162,7 +162,7 @@ impl Identification for PositionDependentCoulomb {
     }
 }
 
-/// A spot that rubs, where one explains most.
+/// A spot that rubs, at the position at which it explains most.
 fn spot(e: &Evidence<'_>) -> Option<Term> {
     let [low, high] = e.scales.position;
     let places = (0..SPOT_PLACES).map(|k| (k as f64 + 0.5) / SPOT_PLACES as f64);

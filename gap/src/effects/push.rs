@@ -18,10 +18,10 @@ use host_sim::effects::Kind;
 use host_sim::effects::push::KIND;
 use std::ops::Range;
 
-/// Place of the torque among the numbers of a push, and those of when it comes and goes.
+/// Places of the torque and of the two instants among the numbers of a push.
 const TORQUE: usize = 0;
 const INSTANTS: [usize; 2] = [1, 2];
-/// Torque of a start where none is known, over that of the drive.
+/// Torque of a start over that of the drive, where no other torque is known.
 const USUAL: f64 = 0.3;
 
 #[derive(Debug)]

@@ -1,5 +1,6 @@
 //! A limited rate of change of the acting input.
 
+use super::description::{Demonstration, Multisine};
 use super::identification::{Family, Identification};
 use super::phrase::Found;
 use crate::guess::Evidence;
@@ -12,8 +13,8 @@ use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::rate_limit::KIND;
 
-/// Times in which the limited input goes through the largest one, over the time of a radian of the motion: from where the limit is
-/// hardly met to where it is met all the time.
+/// Shortest and longest time in which the limited input passes the largest input, over the time of a radian of the
+/// motion. The limit is hardly met with the shortest, and met all the time with the longest.
 const SWING: [f64; 2] = [0.1, 10.0];
 const STARTS: usize = 6;
 
@@ -55,12 +56,23 @@ impl Identification for RateLimit {
         "The torque is late where the input changes fast, whatever its size. A lag delays slow changes too. A saturation goes with the size of the input. Record steps of several heights: under a rate limit the delay grows with the height."
     }
 
+    /// Without a controller: a controller reacts to the late torque with more torque, and the paddle would swing up.
+    fn demonstration(&self) -> Demonstration {
+        Demonstration {
+            multisine: Multisine::Torque {
+                amplitude_nm: 0.006,
+                frequency_hz: 2.0,
+            },
+            numbers: &[],
+        }
+    }
+
     fn template(&self, _found: &Found<'_>) -> &'static str {
         "an input that acts no faster than {rate}"
     }
 }
 
-/// Rates at which a motion of so many rad/s may meet a limit, in units of input a second.
+/// Limits that a motion of this rate, rad/s, may meet, in units of input a second.
 fn rates(input: f64, rate: f64) -> impl Iterator<Item = f64> {
     geometric(SWING, STARTS).map(move |swing| (input * rate / swing).max(f64::MIN_POSITIVE))
 }

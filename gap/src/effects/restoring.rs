@@ -1,10 +1,10 @@
-//! Torques that pull back to a place: on small motion a weight is a spring.
+//! Torques towards one position: on small motion a weight acts like a spring.
 
 use super::identification::SmallMotion;
 use crate::term::Term;
 
-/// What an effect does on small motion that is `fitted` with the slope of a torque and the place where it vanishes as its first
-/// parameters, in place of those that are `stated`.
+/// The action on small motion of an effect whose first two parameters are the slope of a torque and the position at
+/// which it vanishes. They are `fitted` in place of the `stated` ones.
 pub(super) fn small_motion(fitted: &Term, stated: [f64; 2]) -> SmallMotion {
     SmallMotion::Restoring {
         fitted: [fitted.values[0], fitted.values[1]],
@@ -12,8 +12,8 @@ pub(super) fn small_motion(fitted: &Term, stated: [f64; 2]) -> SmallMotion {
     }
 }
 
-/// A term of such an effect begun where it does the same as another one, in place of what is `stated` of its own; `None` if that
-/// would push away, or if the other is of another family.
+/// A start of such an effect at the values with which it acts like another one on small motion, in place of its own
+/// `stated` values. `None` if it would push away from its position, or if the other effect is of another family.
 pub(super) fn begun(own: &Term, other: SmallMotion, stated: [f64; 2]) -> Option<Term> {
     let SmallMotion::Restoring {
         fitted,

@@ -1,5 +1,6 @@
 //! An input that is clipped.
 
+use super::description::{Demonstration, Multisine};
 use super::identification::Identification;
 use super::phrase::{Found, Phrase};
 use crate::guess::Evidence;
@@ -13,19 +14,19 @@ use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
 use host_sim::effects::saturation::KIND;
 
-/// Knee from which that of a clipping that sets in little by little is looked for.
+/// Knee from which a fit of a gradual saturation starts.
 const KNEE: f64 = 0.5;
-/// Place of the parameter that says at which speed nothing acts any more, and that speed over the fastest: what is as fast for
-/// all but a few samples.
+/// Place of the parameter `no_load`, its starts over the fastest speed, and the quantile of the speeds that counts as
+/// the fastest.
 const NO_LOAD_SPEED: usize = 2;
 const NO_LOAD: [f64; 2] = [1.2, 3.0];
 const FASTEST: f64 = 0.99;
-/// Shares of the way from the model's limit to the largest input at which another limit is looked for, and how many of the
-/// largest inputs a limit is none.
+/// Starts of a limit above the model's: shares of the way from the model's limit to the largest input, and a multiple
+/// of the largest input that is never reached.
 const RAISED: [f64; 2] = [0.3, 0.9];
 const OUT_OF_REACH: f64 = 10.0;
-/// Parts of the largest input from which on it may be clipped, that are screened for the missing torque; and limits over the
-/// model's own, where that is too low.
+/// Limits that are screened for the missing torque: over the largest input, and over the model's limit if that may be
+/// too low.
 const LOWER_SCREENED: [f64; 8] = [0.92, 0.84, 0.76, 0.67, 0.58, 0.49, 0.4, 0.3];
 const HIGHER_SCREENED: [f64; 3] = [1.15, 1.5, 2.2];
 
@@ -39,9 +40,9 @@ impl Identification for Saturation {
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let inputs = e.series.iter().flat_map(|s| &s.input);
-        // What the drive clips as it is cannot show where else it does.
+        // An input that the model's drive clips cannot show another limit.
         let inputs: Vec<f64> = inputs.map(|u| e.device.drive.taken(*u)).collect();
-        // Where it would clip the largest, a few, many.
+        // Limits that clip the largest input, a few inputs, or many.
         let limits = [1.0, 0.99, 0.95, 0.8, 0.5].map(|share| quantile(&inputs, share));
         let limits = limits.map(|limit| log(0, 0.9 * limit.max(0.1 * e.scales.input)));
         let clipped = limits.map(|limit| term(&KIND, vec![limit], &[(1, 0.0)]));
@@ -82,6 +83,16 @@ impl Identification for Saturation {
         "Nothing lacks below the limit. A torque gain lacks in proportion at all inputs. Record one run with small and one with large inputs."
     }
 
+    fn demonstration(&self) -> Demonstration {
+        Demonstration {
+            multisine: Multisine::Torque {
+                amplitude_nm: 0.006,
+                frequency_hz: 2.0,
+            },
+            numbers: &[("limit", 0.003)],
+        }
+    }
+
     fn template(&self, found: &Found<'_>) -> &'static str {
         match found.fitted("no_load") {
             Some(_) => "an input that saturates at {limit} at rest, and at nothing at {no_load}",
@@ -110,7 +121,7 @@ fn falling(e: &Evidence<'_>, limits: &[Coordinate]) -> Vec<Term> {
     falling.collect()
 }
 
-/// Limits beyond the model's, where that clips what was commanded.
+/// Limits above the model's, if the model's limit clips the commanded input.
 fn raised(e: &Evidence<'_>) -> Vec<Term> {
     let largest = e.largest_input();
     let limit = e.device.drive.taken(largest);

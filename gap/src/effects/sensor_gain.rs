@@ -1,4 +1,4 @@
-//! A reading that is another multiple of the way gone.
+//! A reading that is another multiple of the true motion.
 
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::Found;
@@ -16,7 +16,7 @@ use host_sim::effects::sensor_gain::KIND;
 use host_sim::plant::Mechanics;
 use recording::Model;
 
-/// How far from the middle of the motion it may well read right, over the span of the motion.
+/// Usual distance of the position at which it reads right from the middle of the motion, over the span of the motion.
 const RIGHT: f64 = 0.2;
 
 #[derive(Debug)]
@@ -69,7 +69,7 @@ impl Identification for SensorGain {
         if !path.device.mechanics.is_pulled() {
             return vec![alone];
         }
-        // It may read right elsewhere than at zero.
+        // The position at which it reads right may differ from zero.
         let half = path.scale.half_span();
         let shift = misread(path, |_| [STEP * half, 0.0, 0.0]);
         let elsewhere = Form::new(vec![gain, shift], move |c| {
@@ -97,7 +97,7 @@ impl Identification for SensorGain {
     }
 }
 
-/// True if the device moves otherwise where it stands elsewhere.
+/// True if the dynamics of the device depend on its position.
 fn depends_on_place(mechanics: &Mechanics) -> bool {
     let meets = mechanics.barriers.iter().any(Option::is_some);
     mechanics.is_pulled() || mechanics.cogging.is_some() || meets

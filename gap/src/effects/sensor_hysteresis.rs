@@ -1,4 +1,4 @@
-//! A reading that stays behind after a turn.
+//! A reading that stays behind after a reversal.
 
 use super::identification::Identification;
 use super::phrase::Found;
@@ -13,17 +13,17 @@ use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::sensor_hysteresis::KIND;
 
-/// How wide it may be: down to so many noises, or where there is next to none to a share of the widest, and up to a share of
-/// the span; and the ratio of the widths that are tried.
+/// Limits of the width and the ratio of the widths that are tried. The narrowest is a multiple of the noise, or a share
+/// of the widest if there is almost no noise; the widest is a share of the span.
 const LEAST_PLAY: f64 = 3.0;
 const LEAST_PLAY_SHARE: f64 = 1e-4;
 const WIDEST_PLAY: f64 = 0.2;
 const PLAY_RATIO: f64 = 2.0;
-/// Way after a turn, over that width, within which a reading softly comes to stay behind: at first it moves by a third.
+/// Way after a reversal over which a gradual hysteresis builds up, over its width.
 const SOFT_REACH: f64 = 1.5;
 /// Widths between two columns, over the span of the motion.
 const WIDTHS: [f64; 2] = [1e-4, 0.5];
-/// Ways after a turn within which a column comes to stay behind, over that width; none for play.
+/// Ways after a reversal over which the hysteresis of a column builds up, over its width; 0 for play.
 const REACHES: [f64; 3] = [0.0, 1.5, 3.0];
 /// Half of the play over half of the span, as screened for the missing torque.
 const HALF_PLAYS_SCREENED: [f64; 7] = [0.005, 0.01, 0.02, 0.035, 0.06, 0.1, 0.16];
@@ -78,14 +78,14 @@ impl Identification for SensorHysteresis {
     }
 }
 
-/// A reading that stays behind by half of the play. At a reversal it rests until the position has crossed the play, as the device
-/// itself says how fast it does, and is then suddenly as fast as the position.
+/// A reading that stays behind by half of the play. At a reversal it rests until the position has crossed the play, and
+/// then suddenly follows the position.
 fn behind(path: &Path<'_>, half_play: f64) -> Form {
     let m = &path.device.mechanics;
     let n = path.position.len();
     let mut reading = vec![0.0; n];
     let mut torques = vec![0.0; n];
-    // Side to which the reading is off, and way and velocity of the position since the reading rests.
+    // Sign of the reading's error, and way and velocity of the position since the reading rests.
     let (mut side, mut way, mut speed) = (0.0, 0.0, 0.0);
     for i in 0..n {
         let shown = path.at(i);
@@ -104,7 +104,7 @@ fn behind(path: &Path<'_>, half_play: f64) -> Form {
             let acceleration = torque(m, path.drive[i], &is) / m.inertia;
             speed += acceleration * step_s;
             way = (way + speed * side * step_s).clamp(0.0, 2.0 * half_play);
-            // On the old side the position goes on; then it comes back through the play.
+            // The position first moves on and then comes back through the play.
             reading[i] = side * (half_play - way);
         }
         let is = Moment {

@@ -16,7 +16,7 @@ use host_sim::effects::lag;
 use host_sim::effects::sensor_lag::KIND;
 use recording::Model;
 
-/// Place of the parameter that says that there are two of it.
+/// Place of the parameter `twice`.
 const TWICE: usize = 1;
 /// Lags between two columns, over the duration of a window.
 const LAGS: [f64; 2] = [1e-4, 1.0];
@@ -58,7 +58,7 @@ impl Identification for SensorLag {
     }
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
-        // As a drive that is late, with the friction as late as the drive.
+        // It acts like a drive that is late, with the friction late by the same time.
         let late = late(path, target, &lag::KIND, 0.0);
         let form = late.map(|form| {
             let late_s = (form.values)(&[1.0])[0];
@@ -86,8 +86,8 @@ impl Identification for SensorLag {
     }
 }
 
-/// The torque of a drive that is late by a time, s, with the friction as late: the position is ahead of its reading, and so is its
-/// friction, of which the reading shows a lagging part.
+/// The torque of a drive and of a friction that are late by a time, s. The position is ahead of its reading, and so is
+/// the friction.
 fn with_late_friction(path: &Path<'_>, mut drive: Vec<f64>, late_s: f64) -> Vec<f64> {
     let friction = &path.device.mechanics.friction;
     let held = |i: usize| friction.level(path.direction[i]) * path.direction[i];

@@ -19,7 +19,7 @@ use host_sim::effects::Kind;
 use host_sim::effects::sensor_nonlinearity::KIND;
 use nalgebra::{Matrix2, Vector2};
 
-/// Square and cube by which a curve departs at the ends of the motion, over half of its span.
+/// Quadratic and cubic deviation of a curve at the ends of the motion, over half of its span.
 const BENDS: [[f64; 2]; 5] = [
     [0.0, 0.0],
     [0.2, 0.0],
@@ -36,7 +36,8 @@ const RIPPLES: [f64; 3] = [0.5, 1.0, 2.0];
 /// Periods over the span of the motion are tried at this spacing, up to so many.
 const TURNS_APART: f64 = 0.25;
 const MOST_TURNS: f64 = 150.0;
-/// Moments that are looked at for that, wave numbers from which a fit starts, and how much of the slope a ripple is.
+/// Number of samples for the search of ripples, number of wave numbers from which a fit starts, and slope of such a
+/// ripple.
 const MOST_MOMENTS: usize = 1500;
 const PEAKS: usize = 2;
 const MOST_SLOPE: f64 = 0.5;
@@ -51,12 +52,12 @@ impl Identification for SensorNonlinearity {
         &KIND
     }
 
-    /// Curves that bend, and an eccentric disk or poles, which show as a ripple of which one period or a few are passed.
+    /// Bent curves, and the ripples of an eccentric disk or of poles, of which the motion passes one period or a few.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let s = e.scales;
         let reach = s.position[0].abs().max(s.position[1].abs());
         let middle = s.middle();
-        // A curve that is right at zero, or in the middle of what is passed.
+        // A curve that is right at zero, or in the middle of the motion.
         let bent = |middle: f64, reach: f64, [square, cube]: [f64; 2]| {
             let free = vec![
                 linear(0, square / reach, 0.2 / reach),
@@ -152,7 +153,7 @@ impl Identification for SensorNonlinearity {
             let wave = |shift: f64| {
                 misread(path, |x| {
                     let (sin, cos) = (n * x + shift).sin_cos();
-                    // As steep as a gain of that size would be.
+                    // The steepest slope of the ripple is that of a gain of this size.
                     [STEP * sin / n, STEP * cos, -STEP * n * sin]
                 })
             };
@@ -180,8 +181,8 @@ impl Identification for SensorNonlinearity {
     }
 }
 
-/// A ripple from the amplitudes of its sine and its cosine. Where a torque depends on the position it shows what a sensor
-/// reads at zero.
+/// A ripple from the amplitudes of its sine and its cosine. Only a torque that depends on the position can show what
+/// the sensor reads at zero.
 fn ripple(e: &Evidence<'_>, [sine, cosine]: [f64; 2], scale: f64, waves: Coordinate) -> Term {
     let m = &e.device.mechanics;
     let mut free = vec![linear(2, sine, scale), linear(3, cosine, scale), waves];

@@ -1,4 +1,4 @@
-//! A spring to some place, which may harden.
+//! A spring towards a position, which may harden.
 
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::Found;
@@ -16,10 +16,10 @@ use host_sim::effects::Kind;
 use host_sim::effects::spring::KIND;
 use recording::Model;
 
-/// Place of the parameter that says how it hardens, and the share by which it may at the ends of the motion.
+/// Place of the parameter `hardening`, and the share by which the spring hardens at the ends of the motion in a start.
 const HARDENING: usize = 2;
 const HARDENED: f64 = 0.3;
-/// The same of one that hardens strongly.
+/// These values for a spring that hardens strongly.
 const STEEP: f64 = 3.0;
 
 #[derive(Debug)]
@@ -127,7 +127,7 @@ fn stated(model: &Model) -> [f64; 2] {
     [model.stiffness, model.stiffness_zero]
 }
 
-/// A spring that hardens as strongly as it pulls about the middle of the motion, about there.
+/// A start of a spring that hardens away from the middle of the motion.
 fn hardening(e: &Evidence<'_>, stiffness: f64) -> Option<Term> {
     let s = e.scales;
     let half_span = 0.5 * s.span();

@@ -15,21 +15,23 @@ use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
 use host_sim::effects::stribeck::KIND;
 
-/// How suddenly it may fall with speed, and the places of that and of its tail among its parameters.
+/// Exponents from which a fit starts, and the places of the parameters `exponent` and `tail`.
 const FALLS: [f64; 2] = [2.0, 1.0];
 const EXPONENT: usize = 2;
 const TAIL: usize = 3;
 /// Half way from an exponential to a hyperbola.
 const SOME_TAIL: f64 = 0.5;
-/// Its rise over the sliding level, and its velocity over that of the motion.
+/// Starts of the excess over the sliding level, and of the velocity over that of the motion.
 const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
-/// Velocities of what is read off rests, likewise, and how far its rise goes beyond what was held.
+/// Starts of the velocity over that of the motion where rests show the static level, and factor of the excess that they
+/// show.
 const HELD_FALLS: [f64; 2] = [0.03, 0.15];
 const HELD_MARGIN: f64 = 1.05;
-/// Share of the rests that held no more, and of the friction that inertia may take there: at a reversal nothing rests.
+/// Quantile of the torque that rests held, and largest torque of inertia at a rest, as a share of the friction: at a
+/// reversal nothing rests.
 const HELD: f64 = 0.98;
 const RESTS: f64 = 0.1;
-/// Velocities over which it falls that are screened for the missing torque, over the rms one.
+/// Velocities of the fall that are screened for the missing torque, over the rms velocity.
 const VELOCITIES_SCREENED: [f64; 6] = [0.02, 0.04, 0.08, 0.15, 0.3, 0.6];
 
 #[derive(Debug)]
@@ -101,7 +103,8 @@ impl Identification for Stribeck {
     }
 }
 
-/// Rise of static friction over the sliding level without which what was seen at rest would have slid.
+/// Excess of static friction over the sliding level without which the joint would have slid at the rests that were
+/// seen.
 fn held_rise(e: &Evidence<'_>) -> Option<f64> {
     let m = &e.device.mechanics;
     let level = m.friction.highest_nm();
@@ -121,7 +124,7 @@ mod tests {
     use crate::made;
     use crate::windows::motion::Motion;
 
-    /// What is said of static friction where so much was held, N m, while the joint was accelerated so.
+    /// Lower bound of static friction from a torque, N m, that was held at this acceleration.
     fn told(held: &[(f64, f64)]) -> Option<f64> {
         let hold = |motions: &mut [Motion]| {
             for motion in motions.iter_mut() {
@@ -142,7 +145,7 @@ mod tests {
         assert_eq!(told(&[(0.9 * level, 0.0)]), None);
         let rise = told(&[(1.6 * level, 0.0), (-1.6 * level, 0.0), (0.2 * level, 0.0)]).unwrap();
         assert!((rise + 1.0 - 1.6 * HELD_MARGIN).abs() < 1e-9, "{rise}");
-        // Where it turns, more than friction holds.
+        // At a reversal, inertia takes part of the torque.
         assert_eq!(told(&[(0.9 * level, 0.0), (3.0 * level, 50.0)]), None);
     }
 }

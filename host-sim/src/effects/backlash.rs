@@ -11,7 +11,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "Play between motor and load",
     equation: "T = 0 within the play, K d beyond",
-    sizes_from: "Judgement: from ten steps of the paddle's encoder (0.21 mrad) to 6°.",
+    sizes_from: "No play was measured on the paddle; all sizes are assumptions. The play goes from ten steps of the paddle's encoder (0.21 mrad each) to 6°.",
     parameters: &[
         Parameter {
             name: "play",
@@ -27,7 +27,7 @@ pub const KIND: Kind = Kind {
             range: INERTIA_SHARE,
             default: 0.4,
             typical: [0.1, 0.9],
-            about: "of the inertia behind the play",
+            about: "share of the inertia behind the play",
         },
         Parameter {
             name: "stiffness",
@@ -35,7 +35,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 50.0,
             typical: [5.0, 500.0],
-            about: "of the flanks",
+            about: "stiffness of the flanks",
         },
         Parameter {
             name: "damping",
@@ -43,7 +43,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.01,
             typical: [0.0, 0.1],
-            about: "of the flanks, in contact",
+            about: "damping of the flanks in contact",
         },
         LOAD_FRICTION,
     ],

@@ -23,7 +23,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "The torque ripples with position",
     equation: "T = A sin θ + a sin 2θ + b cos 2θ + A2 sin(n2 x + φ2) + …, θ = n x + φ",
-    sizes_from: "The waves seen on a recording of the lab's paddle have up to 3 mN m. A wave number of 360 is a motor with 24 waves a turn behind the gear of 15.",
+    sizes_from: "The waves seen on a recording of the lab's paddle have up to 3 mN m; the range beyond is an assumption. A wave number of 360 is a motor with 24 waves a turn behind the gear of 15.",
     parameters: &[
         Parameter {
             name: "amplitude",
@@ -31,7 +31,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.004,
             typical: [0.0005, 0.02],
-            about: "of the ripple",
+            about: "amplitude of the ripple",
         },
         Parameter {
             name: "wave_number",
@@ -39,7 +39,7 @@ pub const KIND: Kind = Kind {
             range: POSITIVE,
             default: 90.0,
             typical: [6.0, 360.0],
-            about: "2π over the period",
+            about: "2π over the period of the ripple",
         },
         Parameter {
             name: "phase",
@@ -47,7 +47,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-3.2, 3.2],
-            about: "at position zero",
+            about: "phase at position zero",
         },
         Parameter {
             name: "second_sine",
@@ -55,7 +55,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.002, 0.002],
-            about: "of the second harmonic of the first wave",
+            about: "sine part of the first wave's second harmonic",
         },
         Parameter {
             name: "second_cosine",
@@ -63,7 +63,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.002, 0.002],
-            about: "of the second harmonic of the first wave",
+            about: "cosine part of the first wave's second harmonic",
         },
     ],
     events: Some(Events {

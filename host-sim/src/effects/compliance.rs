@@ -11,7 +11,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "A transmission that twists between motor and load",
     equation: "T = K d + D d'",
-    sizes_from: "Judgement: with half of the paddle's inertia on either side these are resonances of 9 to 133 Hz.",
+    sizes_from: "The stiffness of the paddle's cable was not measured; all sizes are assumptions. With half of the paddle's inertia on either side the range is that of resonances of 9 to 133 Hz.",
     parameters: &[
         Parameter {
             name: "stiffness",
@@ -19,7 +19,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 5.0,
             typical: [0.5, 100.0],
-            about: "of the transmission",
+            about: "stiffness of the transmission",
         },
         Parameter {
             name: "damping",
@@ -27,7 +27,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 1e-3,
             typical: [0.0, 1e-2],
-            about: "of the twist",
+            about: "damping of the twist",
         },
         Parameter {
             name: "load_share",
@@ -35,7 +35,7 @@ pub const KIND: Kind = Kind {
             range: INERTIA_SHARE,
             default: 0.4,
             typical: [0.1, 0.9],
-            about: "of the inertia behind the twist",
+            about: "share of the inertia behind the twist",
         },
         LOAD_FRICTION,
     ],

@@ -18,7 +18,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Surroundings,
     about: "Something outside pushes back for a while, or holds",
     equation: "T = −max(0, K d + D d') while it is there; −K d − D d' if it holds",
-    sizes_from: "Judgement: from a light touch to a hard edge, within the travel of the paddle, ±0.61 rad.",
+    sizes_from: "The sizes are assumptions: from the light touch of a finger to a hard edge, anywhere within the travel of the paddle, ±0.61 rad.",
     parameters: &[
         Parameter {
             name: "stiffness",
@@ -26,7 +26,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 2.0,
             typical: [0.05, 50.0],
-            about: "of what pushes",
+            about: "stiffness of the outside object",
         },
         Parameter {
             name: "damping",
@@ -34,7 +34,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.01,
             typical: [0.0, 0.1],
-            about: "of what pushes",
+            about: "damping of the outside object",
         },
         Parameter {
             name: "side",
@@ -42,7 +42,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 1.0,
             typical: [-1.0, 1.0],
-            about: "+1 against positive motion, -1 against negative, 0 holds against both",
+            about: "+1 if it stops positive motion, -1 if negative, 0 if it holds against both",
         },
         Parameter {
             name: "position",
@@ -50,7 +50,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.1,
             typical: [-0.6, 0.6],
-            about: "where it begins, or holds",
+            about: "position at which contact begins, or at which it holds",
         },
         instant("from", 0.2),
         instant("to", 0.8),

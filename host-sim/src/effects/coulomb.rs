@@ -15,7 +15,7 @@ pub const KIND: Kind = Kind {
         range: NOT_NEGATIVE,
         default: 0.02,
         typical: [0.0, 0.05],
-        about: "sliding and static, both directions",
+        about: "sliding and static level in both directions",
     }],
     install: |device, p| {
         device.mechanics.friction.level_nm = [p[0]; 2];

@@ -8,7 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "Small inputs do nothing",
     equation: "T = ratio · (u − (1 − j) (s ± 1) w) beyond (s ± 1) w, else 0",
-    sizes_from: "Judgement: up to 3 % of the paddle's torque limit, 32.3 mN m at the motor.",
+    sizes_from: "The width is an assumption: 0.15 to 3 % of the paddle's torque limit, 32.3 mN m at the motor.",
     parameters: &[
         Parameter {
             name: "width",
@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 2e-4,
             typical: [5e-5, 1e-3],
-            about: "input up to which nothing happens, half of what lies between its edges",
+            about: "largest input without torque: half of the width between the edges",
         },
         share(
             "jump",
@@ -32,7 +32,7 @@ pub const KIND: Kind = Kind {
             range: [-1.0, 1.0],
             default: 0.0,
             typical: [-1.0, 1.0],
-            about: "share of the width by which its middle lies off zero",
+            about: "distance of the middle from zero, as a share of the width",
         },
     ],
     install: |device, p| {

@@ -8,14 +8,14 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "The torque follows the input later, or sooner, than the model knows",
     equation: "T(t) = ratio · u(t − d)",
-    sizes_from: "Judgement: a delay below 0.5 ms is about one control period of the lab's board (0.35 ms); 20 ms is a slow bus.",
+    sizes_from: "The shortest is near one control period of the lab's board, 0.35 ms. The longest is an assumption for a slow bus.",
     parameters: &[Parameter {
         name: "time",
         quantity: Quantity::Time,
         range: ANY,
         default: 0.003,
         typical: [0.0005, 0.02],
-        about: "delay on top of the model's; below 0, what that has too much, down to none",
+        about: "delay in addition to the model's; negative if the model's is too long",
     }],
     install: |device, p| {
         device.drive.delay_s = (device.drive.delay_s + p[0]).max(0.0);

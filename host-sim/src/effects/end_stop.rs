@@ -8,7 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "A hard stop within the travel",
     equation: "T = −max(0, K d + D d') beyond the stop",
-    sizes_from: "Within the travel of the paddle, ±0.61 rad. The stiffness is judgement.",
+    sizes_from: "The places are assumptions within the travel of the paddle, which is ±0.61 rad by the lab's report. The stiffness and the damping are assumptions, too.",
     parameters: &[
         Parameter {
             name: "lower",
@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: -0.4,
             typical: [-0.6, -0.1],
-            about: "of the lower stop",
+            about: "position of the lower stop",
         },
         Parameter {
             name: "upper",
@@ -24,7 +24,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.4,
             typical: [0.1, 0.6],
-            about: "of the upper stop",
+            about: "position of the upper stop",
         },
         Parameter {
             name: "stiffness",
@@ -32,7 +32,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 20.0,
             typical: [1.0, 100.0],
-            about: "of both; a stop where the model has one already stays that one",
+            about: "stiffness of both stops; a stop at the same place as one of the model keeps the model's",
         },
         Parameter {
             name: "damping",
@@ -40,7 +40,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.02,
             typical: [0.0, 0.1],
-            about: "of both, in contact",
+            about: "damping of both stops in contact",
         },
     ],
     install: |device, p| {

@@ -9,7 +9,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction that changes over the session",
     equation: "F = F_c (1 + d τ (1 − exp(−t/τ))) sign(v), settled F_c (1 − d τ exp(−t/τ)) sign(v), without τ F_c (1 + d t) sign(v); with a step s F_c more from its instant on",
-    sizes_from: "Judgement: a recording of a minute shows no slower drift.",
+    sizes_from: "The sizes are assumptions for recordings of up to a minute: from friction that halves within 5 s to friction that grows by half each second.",
     parameters: &[
         Parameter {
             name: "rate",
@@ -41,7 +41,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.5, 0.5],
-            about: "growth at once, relative to the model's level",
+            about: "height of a step, relative to the model's level",
         },
         Parameter {
             name: "step_at",
@@ -49,7 +49,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [0.0, 20.0],
-            about: "when that comes, after the start",
+            about: "time of the step after the start",
         },
     ],
     install: |device, p| {

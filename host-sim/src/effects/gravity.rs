@@ -8,7 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "Another weight, or another angle at which it hangs",
     equation: "T = −G sin(x − x_G)",
-    sizes_from: "Judgement: up to seven times the weight times lever of the paddle's model, 14.6 mN m.",
+    sizes_from: "The range is an assumption: up to seven times the weight times lever of the paddle's model, 14.6 mN m.",
     parameters: &[
         Parameter {
             name: "weight",

@@ -8,14 +8,14 @@ pub const KIND: Kind = Kind {
     channel: Channel::Mechanics,
     about: "Another inertia",
     equation: "J x'' = T",
-    sizes_from: "Half to twice the inertia of the paddle's model, 5.755e-4 kg m².",
+    sizes_from: "The range is an assumption: half to twice the inertia of the paddle's model, 5.755e-4 kg m².",
     parameters: &[Parameter {
         name: "inertia",
         quantity: Quantity::Inertia,
         range: POSITIVE,
         default: 7e-4,
         typical: [3e-4, 1.2e-3],
-        about: "in place of the model's",
+        about: "inertia that replaces the model's",
     }],
     install: |device, p| {
         device.mechanics.inertia = p[0];

@@ -10,7 +10,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "The torque is a curve of the input",
     equation: "T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p",
-    sizes_from: "Judgement: the powers run from a cube root to a cube; the reference input is a tenth of the paddle's torque limit.",
+    sizes_from: "The sizes are assumptions: powers from a cube root to a cube (the thrust of a propeller is a square), and reference inputs of 3 to 30 % of the paddle's torque limit, 32.3 mN m at the motor.",
     parameters: &[
         Parameter {
             name: "gain",
@@ -18,7 +18,7 @@ pub const KIND: Kind = Kind {
             range: POSITIVE,
             default: 1.0,
             typical: [0.2, 5.0],
-            about: "torque at the reference input over what it would be",
+            about: "torque at the reference input over the model's torque there",
         },
         Parameter {
             name: "power",
@@ -34,7 +34,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.0,
             typical: [0.0, 1e-3],
-            about: "input up to which nothing happens",
+            about: "largest input without torque",
         },
         Parameter {
             name: "reference",
@@ -42,7 +42,7 @@ pub const KIND: Kind = Kind {
             range: POSITIVE,
             default: 5e-3,
             typical: [1e-3, 1e-2],
-            about: "input at which the gain is told",
+            about: "input to which the gain refers",
         },
     ],
     install: |device, p| {

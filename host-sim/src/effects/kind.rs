@@ -48,14 +48,14 @@ pub struct Kind {
     pub equation: &'static str,
     /// Where the typical sizes of its numbers come from.
     pub sizes_from: &'static str,
-    /// Its numbers, in the order in which `install` takes them; values beyond them repeat some of them, where something
-    /// happens more than once.
+    /// Its numbers, in the order in which `install` takes them. Further values repeat those of [`Events`], once for
+    /// each further event.
     pub parameters: &'static [Parameter],
     /// Puts it into a device, with numbers in their ranges.
     pub(super) install: fn(&mut Device, &[f64]),
-    /// Of what happens at moments of a session.
+    /// The parameters that may be repeated; `None` if there are none.
     pub(super) events: Option<Events>,
-    /// Its torque, of one that is written down as a law.
+    /// Its torque, if it is given as a law.
     pub(super) law: Option<&'static dyn TorqueLaw>,
 }
 
@@ -163,7 +163,7 @@ impl Kind {
     pub fn value_names(&self, wanted: &[&str]) -> Vec<String> {
         let number = |name: &&str| name.rsplit_once('_')?.1.parse().ok();
         let told = wanted.iter().filter_map(number).max().unwrap_or(1);
-        // Of each time something must be said, so that no number is taken for more than there can be.
+        // Each event needs a number of its own, so that there are no more events than numbers.
         let most = self.most_events().min(wanted.len()).max(1);
         let count = self.event_place(told.clamp(1, most));
         let places = 0..count;

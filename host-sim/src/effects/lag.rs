@@ -8,7 +8,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Actuation,
     about: "The torque follows the input through a first-order lag, or two",
     equation: "τ T' + T = ratio · u, or (τ d/dt + 1)² T = ratio · u",
-    sizes_from: "Judgement: a lag below 0.5 ms is about one control period of the lab's board (0.35 ms); 20 ms is a slow drive.",
+    sizes_from: "The shortest is near one control period of the lab's board, 0.35 ms. The longest is an assumption for a slow drive.",
     parameters: &[
         Parameter {
             name: "time",
@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.003,
             typical: [0.0005, 0.02],
-            about: "time constant on top of the model's; below 0, what that has too much, down to none",
+            about: "time constant in addition to the model's; negative if the model's is too long",
         },
         share(
             "apart",

@@ -9,7 +9,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction that grows with the torque that is transmitted",
     equation: "F = (F_c + µ |T + p P(x)|) sign(v), with b µ where T + p P acts against v",
-    sizes_from: "Judgement: these shares are efficiencies of the transmission of 98 to 50 %.",
+    sizes_from: "The shares are an assumption: a transmission with an efficiency of 98 to 50 %.",
     parameters: &[
         Parameter {
             name: "share",
@@ -17,7 +17,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.15,
             typical: [0.02, 0.5],
-            about: "of the torque that is transmitted, which is added to the level",
+            about: "share of the transmitted torque that is added to the level",
         },
         Parameter {
             name: "passive",
@@ -25,7 +25,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-1.0, 1.0],
-            about: "part of the pull of gravity and springs that is transmitted beside the drive",
+            about: "part of the torque of gravity and springs that counts as transmitted beside the drive",
         },
         Parameter {
             name: "backdriven",
@@ -33,7 +33,7 @@ pub const KIND: Kind = Kind {
             range: POSITIVE,
             default: 1.0,
             typical: [0.2, 20.0],
-            about: "the share where the load drives the motor, over that where the motor drives",
+            about: "share where the load drives the motor, over the share where the motor drives",
         },
     ],
     install: |device, p| {

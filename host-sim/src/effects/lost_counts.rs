@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Sensing,
     about: "The sensor jumps and stays off, or falls behind at speed",
     equation: "y = x + Δ from t on, y' = x' − q (x' − v sgn x') where |x'| > v",
-    sizes_from: "Judgement: a jump may be as large as half of the paddle's travel.",
+    sizes_from: "The sizes are assumptions: jumps of up to half of the way from the middle of the paddle's travel to its end, 0.61 rad.",
     parameters: &[
         Parameter {
             name: "time",
@@ -24,7 +24,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.5,
             typical: [0.0, 1000.0],
-            about: "of the session at which it jumps",
+            about: "time of the jump in the session",
         },
         Parameter {
             name: "jump",
@@ -40,7 +40,7 @@ pub const KIND: Kind = Kind {
             range: SHARE,
             default: 0.0,
             typical: [0.0, 0.5],
-            about: "lost of the speed beyond",
+            about: "share of the speed beyond `speed` that is lost",
         },
         Parameter {
             name: "speed",
@@ -48,7 +48,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.0,
             typical: [1.0, 20.0],
-            about: "up to which it counts all",
+            about: "speed up to which nothing is lost",
         },
     ],
     events: Some(Events {

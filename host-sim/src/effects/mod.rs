@@ -47,9 +47,9 @@ const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
 const POSITIVE: [f64; 2] = [f64::MIN_POSITIVE, f64::INFINITY];
 const SHARE: [f64; 2] = [0.0, 1.0];
-/// Of the share of the inertia on either side of a transmission.
+/// Range of the share of the inertia on either side of a transmission.
 const INERTIA_SHARE: [f64; 2] = [0.01, 0.99];
-/// Of the level of a dry friction that varies, over the model's.
+/// Range of the level of a dry friction that varies, relative to the model's.
 const LEVEL: [f64; 2] = [0.01, f64::INFINITY];
 
 /// A share of something, or a choice between none and all of it, that is none by default.
@@ -84,13 +84,13 @@ const fn instant(name: &'static str, default: f64) -> Parameter {
         range: ANY,
         default,
         typical: [0.0, 1000.0],
-        about: "of the session",
+        about: "time of the session",
     }
 }
 
-/// Of a transmission between two masses.
+/// Share of the friction on the load side of a transmission between two masses.
 const LOAD_FRICTION: Parameter = share("load_friction", "share of the friction on the load side");
-/// Of a [`Ripple`](crate::ripple::Ripple).
+/// Wave number of a [`Ripple`](crate::ripple::Ripple).
 const WAVE_NUMBER: Parameter = Parameter {
     name: "wave_number",
     quantity: Quantity::PerPosition,
@@ -194,7 +194,7 @@ pub enum EffectError {
         kind: &'static str,
         /// As written.
         name: String,
-        /// Those it has.
+        /// The parameters that the kind has.
         known: String,
     },
     /// Two of one kind, of which the second would silently replace the first.
@@ -205,7 +205,7 @@ pub enum EffectError {
     ParameterTwice {
         /// The kind.
         kind: &'static str,
-        /// Of the parameter, as written.
+        /// Name of the parameter, as written.
         name: String,
     },
     /// Not a finite number.
@@ -216,7 +216,7 @@ pub enum EffectError {
     Range {
         /// The kind.
         kind: &'static str,
-        /// Of the parameter, as written.
+        /// Name of the parameter, as written.
         name: String,
         /// As written.
         value: f64,

@@ -13,7 +13,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction that depends on the position",
     equation: "F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−|(x − c)/w|^m)) sign(v)",
-    sizes_from: "Judgement. On one paddle of the lab dry friction grows with the angle.",
+    sizes_from: "On one paddle of the lab dry friction grows with the angle. The sizes are assumptions: at the end of the travel, 0.61 rad, the slope alone more than doubles the level or takes all of it.",
     parameters: &[
         Parameter {
             name: "slope",
@@ -29,7 +29,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [0.0, 10.0],
-            about: "growth with its square, likewise",
+            about: "growth with the square of the position, relative to the model's level",
         },
         Parameter {
             name: "level",
@@ -37,7 +37,7 @@ pub const KIND: Kind = Kind {
             range: LEVEL,
             default: 1.0,
             typical: [0.5, 2.0],
-            about: "at position zero, over the model's",
+            about: "level at position zero, over the model's",
         },
         Parameter {
             name: "ripple_sine",
@@ -45,7 +45,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.5, 0.5],
-            about: "of a pulley that is not round, relative to the model's level",
+            about: "sine part of a ripple, as of a pulley that is not round, relative to the model's level",
         },
         Parameter {
             name: "ripple_cosine",
@@ -53,7 +53,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.5, 0.5],
-            about: "likewise",
+            about: "cosine part of the ripple, relative to the model's level",
         },
         WAVE_NUMBER,
         Parameter {
@@ -62,7 +62,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.5, 3.0],
-            about: "of a spot that rubs, relative to the model's level",
+            about: "height of a spot that rubs, relative to the model's level",
         },
         Parameter {
             name: "spot_position",
@@ -70,7 +70,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.6, 0.6],
-            about: "its middle",
+            about: "position of the middle of the spot",
         },
         Parameter {
             name: "spot_width",
@@ -78,7 +78,7 @@ pub const KIND: Kind = Kind {
             range: POSITIVE,
             default: 0.1,
             typical: [0.02, 0.3],
-            about: "half of it, down to 1/e",
+            about: "half of the width of the spot, down to 1/e",
         },
         Parameter {
             name: "spot_exponent",
@@ -86,7 +86,7 @@ pub const KIND: Kind = Kind {
             range: SPOT_EXPONENTS,
             default: Spot::BELL,
             typical: [2.0, 10.0],
-            about: "m, how steep its flanks are: 2 a bell, more a band",
+            about: "m, steepness of the flanks of the spot: 2 for a bell, more for a band",
         },
     ],
     install: |device, p| {

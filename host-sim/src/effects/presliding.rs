@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
     about: "Dry friction that bends before it slides",
     equation: "z' = v (1 − s)^n, F = F_c z / z_s + σ z', s = z sgn v / z_s, \
                with e above 0 max(0, (z sgn v / z_s − e) / (1 − e))",
-    sizes_from: "Judgement: from two steps of the paddle's encoder (0.21 mrad) to 1.7°. The exponent 1 is that of the LuGre model (Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40, 1995).",
+    sizes_from: "The distance is an assumption: from two steps of the paddle's encoder (0.21 mrad each) to 1.7°. The exponent 1 is that of the LuGre model (Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40, 1995).",
     parameters: &[
         Parameter {
             name: "distance",
@@ -32,7 +32,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 1e-3,
             typical: [0.0, 2e-2],
-            about: "of the deflection",
+            about: "damping of the deflection",
         },
         Parameter {
             name: "exponent",

@@ -14,7 +14,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Surroundings,
     about: "Something outside pushes for a moment",
     equation: "T = T0 from one instant to another",
-    sizes_from: "Judgement: 1 N m is a hand that pushes with 15 N at the paddle's lever of 65 mm.",
+    sizes_from: "The torque is an assumption: 1 N m is a hand that pushes with 15 N at the paddle's lever of 65 mm.",
     parameters: &[
         Parameter {
             name: "torque",
@@ -22,7 +22,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.05,
             typical: [-1.0, 1.0],
-            about: "of the push",
+            about: "torque of the push",
         },
         instant("from", 0.2),
         instant("to", 0.4),

@@ -36,7 +36,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Of a number of the nominal model, by its name there; `None` for its ratio, which is torque over input.
+    /// The quantity of a number of the nominal model, by its name there; `None` for its ratio, which is torque over
+    /// input.
     pub fn of_model(number: &str) -> Option<Self> {
         Some(match number {
             "inertia" => Self::Inertia,

@@ -6,16 +6,16 @@ use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 pub const KIND: Kind = Kind {
     name: "rate_limit",
     channel: Channel::Actuation,
-    about: "What acts of the input changes no faster than a rate",
+    about: "The acting input changes no faster than a rate",
     equation: "T = ratio · w, where w follows u with |w'| ≤ rate",
-    sizes_from: "Judgement: the whole torque limit of the paddle, 32.3 mN m at the motor, within 3 s or within 3 ms.",
+    sizes_from: "The rate is an assumption: the motor comes from rest to the paddle's torque limit, 32.3 mN m, within 3 s at the slowest and within 3 ms at the fastest.",
     parameters: &[Parameter {
         name: "rate",
         quantity: Quantity::InputRate,
         range: POSITIVE,
         default: 0.05,
         typical: [0.01, 10.0],
-        about: "fastest change of what acts of the input",
+        about: "fastest change of the acting input",
     }],
     install: |device, p| {
         device.drive.rate_limit = p[0];

@@ -9,9 +9,9 @@ use crate::drive::Saturation;
 pub const KIND: Kind = Kind {
     name: "saturation",
     channel: Channel::Actuation,
-    about: "Large inputs are clipped elsewhere than the model knows",
+    about: "Large inputs are clipped at another limit than the model's",
     equation: "T = ratio · clamp(u, ±limit), rounded off within ±knee · limit of the limit, which falls to 0 at no_load",
-    sizes_from: "A tenth of the paddle's torque limit, 32.3 mN m at the motor, up to all of it.",
+    sizes_from: "The limit is an assumption: from a tenth of the paddle's torque limit, 32.3 mN m at the motor, to nearly all of it. At 24 V the paddle's motor, of 53.8 mN m/A, turns the paddle by at most 30 rad/s.",
     parameters: &[
         Parameter {
             name: "limit",
@@ -31,7 +31,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.0,
             typical: [0.0, 100.0],
-            about: "speed at which nothing acts, as under a limited voltage; 0 if the limit is the same at any speed",
+            about: "speed at which the limit is 0, as under a limited voltage; 0 if the limit is the same at any speed",
         },
     ],
     install: |device, p| {

@@ -6,9 +6,9 @@ use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, zero};
 pub const KIND: Kind = Kind {
     name: "sensor_gain",
     channel: Channel::Sensing,
-    about: "The sensor shows more or less than the way gone",
+    about: "The sensor shows more or less than the true motion",
     equation: "y = z + g (x − z)",
-    sizes_from: "The lab's Hall sensor showed 1.12 times the way gone. The range is judgement.",
+    sizes_from: "The lab's Hall sensor showed 1.12 times the way gone. The range beyond is an assumption.",
     parameters: &[
         Parameter {
             name: "gain",
@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 1.1,
             typical: [0.8, 1.2],
-            about: "shown over true",
+            about: "shown motion over true motion",
         },
         zero("z, where it reads right all the same"),
     ],

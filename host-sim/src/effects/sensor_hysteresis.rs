@@ -7,9 +7,9 @@ use crate::hysteresis::Hysteresis;
 pub const KIND: Kind = Kind {
     name: "sensor_hysteresis",
     channel: Channel::Sensing,
-    about: "The sensor stays behind where the motion turns",
+    about: "The sensor stays behind where the motion reverses",
     equation: "y = x − h, |h| ≤ w/2 for r = 0, or else h' = |x'| (sgn(x') w/2 − h)/r",
-    sizes_from: "Judgement: from two steps of the paddle's encoder (0.21 mrad) to 1.7°.",
+    sizes_from: "The width is an assumption: from two steps of the paddle's encoder (0.21 mrad each) to 1.7°.",
     parameters: &[
         Parameter {
             name: "width",
@@ -17,7 +17,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.005,
             typical: [0.0005, 0.03],
-            about: "w, from one side to the other",
+            about: "w, distance between the curves of the two directions",
         },
         Parameter {
             name: "reach",
@@ -25,7 +25,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.0,
             typical: [0.0, 0.05],
-            about: "r, way after a turn over which it comes to stay behind; 0 for play",
+            about: "r, way after a reversal over which the distance builds up; 0 for play",
         },
     ],
     install: |device, p| {

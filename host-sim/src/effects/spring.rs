@@ -6,9 +6,9 @@ use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, zero};
 pub const KIND: Kind = Kind {
     name: "spring",
     channel: Channel::Mechanics,
-    about: "A spring towards some position",
+    about: "A spring towards a position",
     equation: "T = −K (1 + h (x − x_K)²) (x − x_K)",
-    sizes_from: "Judgement: from a third of what gravity does to the paddle at rest, 15 mN m/rad, to thirty times that.",
+    sizes_from: "The stiffness is an assumption: from a third of the slope of the paddle's gravity torque at rest, 15 mN m/rad, to thirty times that slope.",
     parameters: &[
         Parameter {
             name: "stiffness",
@@ -16,7 +16,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.05,
             typical: [0.005, 0.5],
-            about: "of the spring",
+            about: "stiffness of the spring",
         },
         zero("where it is relaxed"),
         Parameter {
@@ -25,7 +25,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.0,
             typical: [0.0, 2.0],
-            about: "by how much it gets stiffer away from there",
+            about: "hardening of the spring away from its relaxed position",
         },
     ],
     install: |device, p| {

@@ -15,7 +15,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Static friction above the sliding level",
     equation: "F = F_c [1 + (r − 1) e(|v/v_s|^n)] sign(v), e(p) = exp(−p), with t exp(−ln(1 + t p)/t)",
-    sizes_from: "The refit to the lab's logs has a static friction of 1.08 times the sliding level and falls over 0.1 rad/s; the range is judgement. The exponents 1 and 2 are the two usual forms (Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994).",
+    sizes_from: "The refit to the lab's logs has a static friction of 1.08 times the sliding level and falls over 0.1 rad/s; the range beyond is an assumption. The exponents 1 and 2 are the two usual forms (Armstrong-Hélouvry, Dupont, Canudas de Wit, Automatica 30, 1994).",
     parameters: &[
         Parameter {
             name: "static_ratio",
@@ -23,7 +23,7 @@ pub const KIND: Kind = Kind {
             range: ABOVE,
             default: 1.4,
             typical: [1.05, 2.5],
-            about: "static over sliding level",
+            about: "static level over the sliding level",
         },
         Parameter {
             name: "velocity",
@@ -31,7 +31,7 @@ pub const KIND: Kind = Kind {
             range: POSITIVE,
             default: 0.1,
             typical: [0.01, 2.0],
-            about: "over which the level falls",
+            about: "speed over which the level falls",
         },
         Parameter {
             name: "exponent",
@@ -39,7 +39,7 @@ pub const KIND: Kind = Kind {
             range: EXPONENTS,
             default: 2.0,
             typical: [1.0, 2.0],
-            about: "n, how suddenly it falls, 1 or more",
+            about: "n, steepness of the fall, 1 or more",
         },
         share(
             "tail",

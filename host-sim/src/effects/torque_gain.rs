@@ -1,4 +1,4 @@
-//! The actuator gives more or less than it was told.
+//! The actuator gives more or less torque than commanded.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 
@@ -6,16 +6,16 @@ use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 pub const KIND: Kind = Kind {
     name: "torque_gain",
     channel: Channel::Actuation,
-    about: "The actuator gives more or less than it was told",
+    about: "The actuator gives more or less torque than commanded",
     equation: "T = g · ratio · u",
-    sizes_from: "Judgement: a torque constant and a gear are known to some 10 %; a wrong unit or gear goes further.",
+    sizes_from: "The range is an assumption: a torque constant and a gear are known to some 10 %, and some errors are larger.",
     parameters: &[Parameter {
         name: "gain",
         quantity: Quantity::Ratio,
         range: ANY,
         default: 0.85,
         typical: [0.6, 1.4],
-        about: "torque that comes, as a share of what was told",
+        about: "torque over the commanded torque",
     }],
     install: |device, p| {
         device.drive.ratio *= p[0];

@@ -15,7 +15,7 @@ pub const KIND: Kind = Kind {
         range: NOT_NEGATIVE,
         default: 4e-3,
         typical: [0.0, 2e-2],
-        about: "in place of the model's",
+        about: "coefficient that replaces the model's",
     }],
     install: |device, p| {
         device.mechanics.viscous = p[0];

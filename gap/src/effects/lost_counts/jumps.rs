@@ -20,7 +20,7 @@ const TIED: f64 = 0.8;
 /// More jumps than this are noise of another kind, or motion, but for those this many times larger than the next.
 const MOST_JUMPS: usize = 40;
 const OUTSTANDING: f64 = 3.0;
-/// Of more than this the heights alone are fitted.
+/// Most jumps whose instants are fitted. Of more jumps the heights alone are fitted.
 const MOST_TIMED: usize = 12;
 /// Between two columns more jumps than this are no lost counts.
 const MOST_IN_COLUMNS: usize = 12;
@@ -92,7 +92,7 @@ pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
             anew.push((start, start, -sum));
         }
     }
-    // Of a jump that a low-pass has gone over, the first sample shows a part.
+    // The first sample after a jump that went through a low-pass shows a part of it.
     let shown = low_pass_gain(e.cutoff_hz, e.series[0].period_s.max(e.series[0].span_s));
     let parts = if shown < 1.0 {
         &[1.0, shown][..]

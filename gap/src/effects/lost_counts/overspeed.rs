@@ -11,32 +11,32 @@ use crate::windows::series::Series;
 use crate::windows::statistics::{quantile, rms};
 use host_sim::effects::lost_counts::KIND;
 
-/// Shares of the windows that begin no faster than what is counted in full.
+/// Starts of the speed, as quantiles of the speeds at the beginning of windows.
 const SLOWER: [f64; 3] = [0.4, 0.7, 0.9];
-/// Lost beyond.
+/// Start of the share of the speed that is lost.
 const LOST: f64 = 0.1;
-/// Places of the share that is lost, and of the speed beyond which it is.
+/// Places of the parameters `share` and `speed`.
 const SHARE_LOST: usize = 2;
 const FROM_SPEED: usize = 3;
-/// A jump that is none: its instant and its height, among the numbers.
+/// The numbers of a jump of height 0.
 const NO_JUMP: [(usize, f64); 2] = [(0, 0.0), (1, 0.0)];
-/// Speeds between two columns, over the fastest motion.
+/// Speeds that are tried between two columns, over the fastest motion.
 const SPEEDS: [f64; 2] = [0.02, 0.98];
 
 /// Speeds beyond which counts are lost that are screened for the missing torque, over the rms one, and the share that is lost then
 /// for a unit of the coefficient.
 const SPEEDS_SCREENED: [f64; 6] = [0.3, 0.5, 0.7, 0.9, 1.15, 1.45];
 const SHARE_STEP: f64 = 0.1;
-/// Share of its root mean square speed below which no motion is to be seen.
+/// Share of the root mean square speed below which nothing counts as motion.
 const STANDSTILL: f64 = 0.05;
 
-/// True if counts are lost of any motion at these speeds: what loses all along is a scale.
+/// True if counts are lost at every speed of a motion: a sensor that always loses a share has another gain.
 pub(super) fn loses_all_along(lost: &Term, speeds: &[f64]) -> bool {
     let [share, from] = [SHARE_LOST, FROM_SPEED].map(|place| lost.values[place]);
     share > 0.0 && from < STANDSTILL * rms(speeds)
 }
 
-/// Speeds from which on it may lose counts; none where nothing moves.
+/// Speeds beyond which the counter may lose counts; none if nothing moves.
 pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
     let speeds = e.series.iter().flat_map(Series::restart_speeds);
     let speeds: Vec<f64> = speeds.collect();
@@ -53,7 +53,7 @@ pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
         .collect()
 }
 
-/// What a counter loses that cannot follow fast motion.
+/// The way that a counter loses beyond a speed.
 pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
     let fastest = columns.columns.tracks.iter().flat_map(Track::rates);
     let fastest = fastest.fold(0.0f64, |fastest, rate| fastest.max(rate.abs()));
@@ -63,7 +63,7 @@ pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
         values
     };
     let difference = less_mean(columns.difference.clone());
-    // The share that suits best, as what is lost is in proportion to it, and what it leaves.
+    // The best share, by least squares since the loss is proportional to it, and the squares that are left.
     let suited = |speed: f64| {
         let all = residuals(&columns.columns.tracks, &KIND, &values(speed, 1.0));
         let lost: Vec<f64> = all.iter().zip(&difference).map(|(a, d)| a - d).collect();
@@ -83,7 +83,7 @@ pub(super) fn torque_forms(path: &Path<'_>) -> Vec<Form> {
     speeds.map(|speed| slips(path, speed)).into()
 }
 
-/// Beyond a speed, a share of the way is lost: the reading goes slower, from there at once.
+/// Beyond a speed a share of the way is lost, so that the speed of the reading jumps there.
 fn slips(path: &Path<'_>, beyond: f64) -> Form {
     let m = &path.device.mechanics;
     let net = path.torque(path.device);
@@ -121,7 +121,7 @@ mod tests {
             loses_all_along(&term(&KIND, Vec::new(), &numbers), &speeds)
         };
         assert!(lost(0.1, 0.02) && !lost(0.1, 0.5));
-        // Of jumps there is neither.
+        // Jumps have neither number.
         assert!(!lost(0.0, 0.0));
     }
 }

@@ -1,5 +1,6 @@
 //! The firmware image: built, checked, measured, flashed.
 
+use std::fmt;
 use std::fs;
 use std::path::Path;
 
@@ -19,23 +20,23 @@ const SERVED: [(usize, &str); 6] = [
 ];
 
 /// Most that the image may take of the flash, bytes.
-const FLASH_LIMIT_BYTES: u64 = 128 * 1024;
+pub const FLASH_LIMIT_BYTES: u64 = 128 * 1024;
 
 /// Most that its variables and its stack together may take of the RAM, bytes.
-const RAM_LIMIT_BYTES: u64 = 96 * 1024;
+pub const RAM_LIMIT_BYTES: u64 = 96 * 1024;
 
 /// Builds and checks the image, with its lints.
 pub fn check() -> Result<(), Failure> {
     ensure(say)?;
     run(firmware("clippy").args(["--quiet", "--", "--deny", "warnings"]))?;
-    println!("{}", measure()?);
+    println!("{}", measured()?);
     Ok(())
 }
 
 /// Builds the image and prints what it takes.
 pub fn size() -> Result<(), Failure> {
     ensure(say)?;
-    println!("{}", measure()?);
+    println!("{}", measured()?);
     Ok(())
 }
 
@@ -64,36 +65,65 @@ fn sha256(bytes: &[u8]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Builds the image and says what it takes, once it is found sound.
-fn measure() -> Result<String, Failure> {
+/// What an image takes.
+pub struct Size {
+    /// Of flash, bytes.
+    pub flash_bytes: u64,
+    /// RAM of variables, bytes.
+    pub statics_bytes: u64,
+    /// RAM of the deepest stack, bytes.
+    pub stack_bytes: u64,
+    /// Of the file, as `sha256sum` writes it.
+    sha256: String,
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            flash_bytes,
+            statics_bytes,
+            stack_bytes,
+            sha256,
+        } = self;
+        let ram_bytes = statics_bytes + stack_bytes;
+        write!(
+            f,
+            "firmware: flash {flash_bytes} of {FLASH_LIMIT_BYTES} bytes, RAM {ram_bytes} of {RAM_LIMIT_BYTES} bytes \
+             (variables {statics_bytes}, worst stack {stack_bytes})\nSHA-256 {sha256}"
+        )
+    }
+}
+
+/// Builds the image and measures it, once it is found sound.
+pub fn measured() -> Result<Size, Failure> {
     run(firmware("build").arg("--quiet"))?;
     let bytes = bytes(&image_path())?;
     let image = Image::read(&bytes)?;
     image.check_vectors(&SERVED)?;
     image.check_settings_are_spared()?;
     image.check_single_precision()?;
-    let flash = image.flash_bytes();
-    if flash > FLASH_LIMIT_BYTES {
+    let flash_bytes = image.flash_bytes();
+    if flash_bytes > FLASH_LIMIT_BYTES {
         return Err(ImageError::TooLarge {
-            bytes: flash,
+            bytes: flash_bytes,
             limit: FLASH_LIMIT_BYTES,
         }
         .into());
     }
-    let stack = stack::worst(&image, SERVED.map(|(_, name)| name))?;
-    let statics = image.static_ram_bytes();
-    if statics + stack > RAM_LIMIT_BYTES {
+    let stack_bytes = stack::worst(&image, SERVED.map(|(_, name)| name))?;
+    let statics_bytes = image.static_ram_bytes();
+    if statics_bytes + stack_bytes > RAM_LIMIT_BYTES {
         return Err(ImageError::TooMuchRam {
-            statics,
-            stack,
+            statics: statics_bytes,
+            stack: stack_bytes,
             limit: RAM_LIMIT_BYTES,
         }
         .into());
     }
-    Ok(format!(
-        "firmware: flash {flash} of {FLASH_LIMIT_BYTES} bytes, RAM {} of {RAM_LIMIT_BYTES} bytes \
-         (variables {statics}, worst stack {stack})\nSHA-256 {}",
-        statics + stack,
-        sha256(&bytes),
-    ))
+    Ok(Size {
+        flash_bytes,
+        statics_bytes,
+        stack_bytes,
+        sha256: sha256(&bytes),
+    })
 }

@@ -125,7 +125,7 @@ enum Failure {
 }
 
 impl Failure {
-    /// Of a file.
+    /// A failure to read or write a file.
     fn file(path: &Path, source: std::io::Error) -> Self {
         Self::File {
             path: path.to_owned(),
@@ -133,7 +133,7 @@ impl Failure {
         }
     }
 
-    /// Of a command that cannot be run.
+    /// A command that cannot be run.
     fn spawn(command: &Command, source: std::io::Error) -> Self {
         Self::Spawn {
             command: shown(command),

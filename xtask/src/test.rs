@@ -12,6 +12,10 @@ const MAY_SKIP: &[(&str, &str)] = &[
         "python_formats",
         "Python with the packages that write the formats of other programs",
     ),
+    (
+        "image_figures",
+        "the compiler that the figures of the firmware image name",
+    ),
     ("python_package", "Python with numpy and maturin"),
     ("mujoco", "Python with numpy and mujoco"),
 ];

@@ -15,7 +15,7 @@ pub struct Checkout {
 }
 
 impl Checkout {
-    /// Of this repository, with changes that are not committed, at `folder`.
+    /// A copy of this repository at `folder`, with changes that are not committed.
     ///
     /// # Errors
     /// [`Failure`] if git does not answer.

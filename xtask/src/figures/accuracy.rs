@@ -15,11 +15,14 @@ use crate::Failure;
 const FOLDER: &str = "docs/figures";
 /// With which the names of their files begin.
 const PREFIX: &str = "blind-";
+/// Rows that the summary has, by their names in the result.
+const CONFIDENT: &str = "names given 0.9 or more that are right";
+const TIME: &str = "time of a diagnosis, 95th percentile, s";
 
 /// One set of cases.
 #[derive(Debug, Serialize, Deserialize)]
 struct Set {
-    /// Of its cases, or of several sets that are scored as one.
+    /// Seed of its cases, or seeds of several sets that are scored as one.
     seeds: Vec<u64>,
     cases: u64,
     /// With several causes in each device.
@@ -29,7 +32,7 @@ struct Set {
 }
 
 /// One row of its table.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Measured {
     what: String,
     goal: Value,
@@ -56,6 +59,31 @@ struct Drawn {
 #[derive(Debug, Deserialize)]
 struct Summary {
     rows: Vec<Measured>,
+    calibration: Calibration,
+}
+
+#[derive(Debug, Deserialize)]
+struct Calibration {
+    confident: Confident,
+}
+
+/// Names that were given with a confidence of 0.9 or more.
+#[derive(Debug, Deserialize)]
+struct Confident {
+    given: u64,
+    right: u64,
+}
+
+impl From<Confident> for Measured {
+    fn from(names: Confident) -> Self {
+        Self {
+            what: CONFIDENT.into(),
+            goal: Value::Null,
+            measured: (names.given > 0).then(|| names.right as f64 / names.given as f64),
+            cases: names.given,
+            percent: true,
+        }
+    }
 }
 
 /// Keeps the result of a blind check; the file that holds it.
@@ -66,12 +94,16 @@ pub fn keep(path: &Path) -> Result<PathBuf, Failure> {
     let text = fs::read_to_string(path).map_err(|e| Failure::file(path, e))?;
     let json = |e| Failure::Json(path.display().to_string(), e);
     let answer: Answer = serde_json::from_str(&text).map_err(json)?;
+    let Summary { rows, calibration } = answer.summary;
     let set = Set {
         seeds: answer.sets.iter().map(|set| set.seed).collect(),
         cases: answer.sets.iter().map(|set| set.cases).sum(),
         is_messy: answer.sets.iter().any(|set| set.messy),
         origin: Origin::now(&answer.commit)?,
-        rows: answer.summary.rows,
+        rows: rows
+            .into_iter()
+            .chain([calibration.confident.into()])
+            .collect(),
     };
     let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
     let kept = firmware_build::root().join(format!("{FOLDER}/{PREFIX}{}.json", seeds.join("-")));
@@ -110,29 +142,137 @@ impl Sets {
         Ok(Self(sets.collect::<Result<_, _>>()?))
     }
 
-    /// The table of all clean, or of all messy sets.
-    ///
-    /// # Errors
-    /// [`Failure`] for another kind.
-    pub fn table(&self, kind: &str) -> Result<String, Failure> {
-        let is_messy = match kind {
-            "clean" => false,
-            "messy" => true,
-            other => return Err(Failure::NoFigures(format!("accuracy {other}"))),
-        };
-        let sets: Vec<&Set> = self
-            .0
-            .iter()
-            .filter(|set| set.is_messy == is_messy)
-            .collect();
-        Ok(table(&sets))
+    /// The table of all sets of a kind; `None` if there is none.
+    pub fn table(&self, kind: Kind) -> Option<String> {
+        table(&self.of(kind))
+    }
+
+    fn of(&self, kind: Kind) -> Vec<&Set> {
+        let sets = self.0.iter();
+        sets.filter(|set| set.is_messy == (kind == Kind::Messy))
+            .collect()
+    }
+
+    /// The questions that a newcomer asks, over all sets of either kind; `None` if one of the kinds is missing.
+    pub fn summary(&self) -> Option<String> {
+        let [clean, messy] = [Kind::Clean, Kind::Messy].map(|kind| self.of(kind));
+        if clean.is_empty() || messy.is_empty() {
+            return None;
+        }
+        let cases = |sets: &[&Set]| sets.iter().map(|set| set.cases).sum::<u64>();
+        let [clean_cases, messy_cases] = [&clean, &messy].map(|sets| cases(sets));
+        let latest = clean.iter().chain(&messy).map(|set| set.origin.date());
+        let mut text = format!(
+            "By `cargo paddle gap blind` on {}: {clean_cases} clean devices, and {messy_cases} with several small causes and wrong numbers \
+             beside the dominant cause.\n\n",
+            latest.max().unwrap_or_default()
+        );
+        text.push_str(&row(&["question", "clean devices", "devices with mess"]));
+        text.push_str("|---|---|---|\n");
+        for [question, of_clean, of_messy] in QUESTIONS {
+            let answer =
+                |sets: &[&Set], what: &str| counted(sets, what).unwrap_or(NOT_ASKED.into());
+            text.push_str(&row(&[
+                question,
+                &answer(&clean, of_clean),
+                &answer(&messy, of_messy),
+            ]));
+        }
+        Some(text)
+    }
+
+    /// How long a diagnosis takes, by kind; `None` if no set is kept.
+    pub fn times(&self) -> Option<String> {
+        let mut text = row(&["what", "goal", "measured", "command"]);
+        text.push_str("|---|---|---|---|\n");
+        for set in &self.0 {
+            let time = set.rows.iter().find(|row| row.what == TIME)?;
+            let (kind, option) = match set.is_messy {
+                true => ("device with several causes", " --messy"),
+                false => ("clean device", ""),
+            };
+            let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
+            text.push_str(&row(&[
+                &format!("{kind}, 95th percentile of {}, {}", time.cases, set.origin),
+                &format!("{} s", goal(time)),
+                &format!("{} s", value(time)),
+                &format!(
+                    "`cargo paddle gap blind{option} --cases {} --seed {}`",
+                    set.cases,
+                    seeds.join(",")
+                ),
+            ]));
+        }
+        (!self.0.is_empty()).then_some(text)
+    }
+
+    /// The longest 95th percentile of the time of a diagnosis over the sets of a kind, s.
+    pub fn longest_s(&self, kind: Kind) -> Option<f64> {
+        let sets = self.of(kind).into_iter();
+        let rows = sets.filter_map(|set| set.rows.iter().find(|row| row.what == TIME));
+        rows.filter_map(|row| row.measured).reduce(f64::max)
     }
 }
 
-fn table(sets: &[&Set]) -> String {
-    let Some(first) = sets.first() else {
-        return "No set of this kind has been kept.\n".into();
-    };
+/// Devices with one or two causes, or with several small ones beside the dominant one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// One or two causes, all numbers right.
+    Clean,
+    /// Several causes and wrong numbers.
+    Messy,
+}
+
+/// Questions of the summary, with the rows that answer them for clean and for messy sets.
+const QUESTIONS: [[&str; 3]; 6] = [
+    [
+        "Is the first name the true (dominant) cause?",
+        "first name is the true one",
+        "messy: first finding is the dominant cause",
+    ],
+    [
+        "Is it named, or listed as not separable?",
+        "true one named or not separable",
+        "messy: dominant named or not separable",
+    ],
+    [
+        "Is no confident name given beside a cause that has no name?",
+        "outside the vocabulary: no confident wrong name",
+        "messy: no name, dominant one outside vocabulary",
+    ],
+    [
+        "In how many cases is a name of 0.7 or more not there?",
+        "",
+        "messy: cases with a name >= 0.7 not there",
+    ],
+    [
+        "Nothing wrong: does it say so?",
+        "nothing wrong: no_gap",
+        "",
+    ],
+    [
+        "Two effects: are both named?",
+        "two effects: both named",
+        "",
+    ],
+];
+const NOT_ASKED: &str = "not in these sets";
+
+/// The row `what` over all sets, as a count of the cases; `None` if no case is in it.
+fn counted(sets: &[&Set], what: &str) -> Option<String> {
+    let rows = sets
+        .iter()
+        .flat_map(|set| set.rows.iter().filter(|row| row.what == what));
+    let (mut right, mut cases) = (0.0, 0);
+    for row in rows {
+        right += row.measured.unwrap_or(0.0) * row.cases as f64;
+        cases += row.cases;
+    }
+    (cases > 0).then(|| format!("{right:.0} of {cases}"))
+}
+
+fn table(sets: &[&Set]) -> Option<String> {
+    let first = sets.first()?;
     let headings = sets.iter().map(|set| {
         let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
         format!("seed {}", seeds.join(", "))
@@ -162,7 +302,7 @@ fn table(sets: &[&Set]) -> String {
             set.origin
         );
     }
-    text
+    Some(text)
 }
 
 fn goal(of: &Measured) -> String {
@@ -209,6 +349,56 @@ mod tests {
         let expected = "|  | goal | seed 7, 8 |\n|---|---|---|\n| first | ≥ 95 % | 27 of 30 |\n\
                         | time, s | ≤ 3 | 11.9 |\n| pairs |  | no case |\n\n\
                         Seed 7, 8: 40 cases, 2026-01-02, commit 0123456789ab, a processor, 2 cores.\n";
-        assert_eq!(table(&[&set]), expected);
+        assert_eq!(table(&[&set]).as_deref(), Some(expected));
+    }
+
+    fn set(is_messy: bool, what: &str, [right, cases]: [u64; 2]) -> Set {
+        let row = |what: &str, measured: f64, percent| Measured {
+            what: what.into(),
+            goal: Value::Null,
+            measured: Some(measured),
+            cases,
+            percent,
+        };
+        Set {
+            seeds: vec![cases],
+            cases,
+            is_messy,
+            origin: serde_json::from_str(
+                r#"{"date":"2026-01-02","machine":"m","commit":"0123456789abcdef"}"#,
+            )
+            .unwrap(),
+            rows: vec![
+                row(what, right as f64 / cases as f64, true),
+                row(TIME, cases as f64, false),
+            ],
+        }
+    }
+
+    #[test]
+    fn the_summary_adds_the_cases_of_all_sets_of_a_kind() {
+        let clean = [[9, 10], [19, 20]].map(|n| set(false, "first name is the true one", n));
+        let messy = set(true, "messy: first finding is the dominant cause", [3, 4]);
+        let sets = Sets(clean.into_iter().chain([messy]).collect());
+        let summary = sets.summary().unwrap();
+        let first = "| Is the first name the true (dominant) cause? | 28 of 30 | 3 of 4 |\n";
+        assert!(summary.contains(first), "{summary}");
+        assert!(
+            summary.contains("30 clean devices, and 4 with"),
+            "{summary}"
+        );
+        assert!(summary.contains(NOT_ASKED), "{summary}");
+        assert_eq!(sets.longest_s(Kind::Clean), Some(20.0));
+        let times = sets.times().unwrap();
+        assert!(times.contains("--messy --cases 4 --seed 4"), "{times}");
+    }
+
+    #[test]
+    fn a_table_without_sets_is_none() {
+        let sets = Sets(vec![set(false, "first name is the true one", [1, 1])]);
+        assert!(sets.table(Kind::Clean).is_some());
+        assert_eq!(sets.table(Kind::Messy), None);
+        assert_eq!(sets.summary(), None);
+        assert_eq!(Sets(Vec::new()).times(), None);
     }
 }

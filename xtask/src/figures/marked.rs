@@ -20,24 +20,25 @@ const OPEN: &str = "<!-- figures: ";
 const CLOSE: &str = " -->\n";
 const END: &str = "<!-- end -->";
 
-/// The page with every marked part as `made` by its name.
+/// The page with every marked part as `made` by its name and present text; `None` leaves a part as it is.
 ///
 /// # Errors
 /// [`MarkError`] for the first part that cannot be made.
 pub fn replaced<E: ToString>(
     page: &str,
-    made: impl Fn(&str) -> Result<String, E>,
+    made: impl Fn(&str, &str) -> Result<Option<String>, E>,
 ) -> Result<String, MarkError> {
     let mut parts = page.split(OPEN);
     let mut text = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let (name, rest) = part.split_once(CLOSE).unwrap_or((part, ""));
         let open = || MarkError::Open(name.lines().next().unwrap_or_default().into());
-        let (_, rest) = rest.split_once(END).ok_or_else(open)?;
-        let made = made(name).map_err(|error| MarkError::Part {
+        let (present, rest) = rest.split_once(END).ok_or_else(open)?;
+        let made = made(name, present).map_err(|error| MarkError::Part {
             name: name.into(),
             error: error.to_string(),
         })?;
+        let made = made.unwrap_or_else(|| present.to_owned());
         text.push_str(&format!("{OPEN}{name}{CLOSE}{made}{END}{rest}"));
     }
     Ok(text)
@@ -47,9 +48,11 @@ pub fn replaced<E: ToString>(
 mod tests {
     use super::*;
 
-    fn counted(name: &str) -> Result<String, String> {
+    fn counted(name: &str, present: &str) -> Result<Option<String>, String> {
         match name {
-            "length" => Ok("6\n".into()),
+            "length" => Ok(Some("6\n".into())),
+            "unknown" => Ok(None),
+            "twice" => Ok(Some(present.repeat(2))),
             other => Err(format!("nobody measures {other}")),
         }
     }
@@ -61,6 +64,10 @@ mod tests {
         assert_eq!(made, "a\n<!-- figures: length -->\n6\n<!-- end -->\nb\n");
         assert_eq!(replaced(&made, counted).unwrap(), made);
         assert_eq!(replaced("no marks", counted).unwrap(), "no marks");
+        let kept = "<!-- figures: unknown -->\n5\n<!-- end -->\n";
+        assert_eq!(replaced(kept, counted).unwrap(), kept);
+        let twice = replaced("<!-- figures: twice -->\n5\n<!-- end -->", counted).unwrap();
+        assert_eq!(twice, "<!-- figures: twice -->\n5\n5\n<!-- end -->");
     }
 
     #[test]

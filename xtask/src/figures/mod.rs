@@ -1,12 +1,14 @@
 //! `cargo xtask figures`: the tables of README and docs that hold numbers, written by what measures them.
 //!
 //! A page marks a table by `<!-- figures: NAME -->` and `<!-- end -->`. Some figures are the same on every machine: they are made anew
-//! each time, and `--check` says which pages hold others. All other results are kept in `docs/figures`, with date, machine and commit,
-//! and the tables come from there: the sets of the blind check, which take hours (`figures accuracy FILE...`), and speeds (`figures
-//! performance`).
+//! each time, and `--check` says which pages hold others. Those of the firmware image depend on the compiler alone, which their tables
+//! name. All other results are kept in `docs/figures`, with date, machine and commit, and the tables come from there: the sets of the
+//! blind check, which take hours (`figures accuracy FILE...`), and speeds (`figures performance`). A table whose results nobody kept
+//! stays as it is.
 
 mod accuracy;
 mod exact;
+mod image;
 mod marked;
 mod origin;
 mod performance;
@@ -16,13 +18,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::{Failure, documentation, run};
-use accuracy::Sets;
+use accuracy::{Kind, Sets};
 use exact::Exact;
+use image::{Compiled, Image};
+use performance::Performance;
 
 /// Writes every table that is not as measured.
 pub fn write() -> Result<(), Failure> {
     let program = built_program()?;
-    for page in changed_pages(&program)? {
+    for page in changed_pages(&program, Compiled::Anew)? {
         let name = page.path.display().to_string();
         let path = firmware_build::root().join(&page.path);
         fs::write(&path, page.text).map_err(|e| Failure::file(&path, e))?;
@@ -36,13 +40,13 @@ pub fn check() -> Result<(), Failure> {
     compare(&built_program()?)
 }
 
-/// The same with the program that the tests have built, which may have other features than a build of its own.
+/// Checks with the program that the tests have built, which may have other features than a build of its own.
 pub fn check_built() -> Result<(), Failure> {
     compare(&program())
 }
 
 fn compare(program: &Path) -> Result<(), Failure> {
-    let old = changed_pages(program)?;
+    let old = changed_pages(program, Compiled::AsOnThePage)?;
     if old.is_empty() {
         return Ok(());
     }
@@ -70,17 +74,24 @@ struct Page {
     text: String,
 }
 
-fn changed_pages(program: &Path) -> Result<Vec<Page>, Failure> {
+fn changed_pages(program: &Path, compiled: Compiled) -> Result<Vec<Page>, Failure> {
     let exact = Exact::new(program)?;
     let sets = Sets::kept()?;
+    let kept = Performance::kept()?;
+    let image = Image::new(compiled);
     let mut changed = Vec::new();
     for path in documentation::pages()? {
         let full = firmware_build::root().join(&path);
         let before = fs::read_to_string(&full).map_err(|e| Failure::file(&full, e))?;
-        let text = marked::replaced(&before, |name| match name.split_once(' ') {
-            Some(("accuracy", kind)) => sets.table(kind),
-            None if name == "performance" => performance::table(),
-            _ => exact.table(name),
+        let text = marked::replaced(&before, |name, present| match name {
+            "accuracy clean" => Ok(sets.table(Kind::Clean)),
+            "accuracy messy" => Ok(sets.table(Kind::Messy)),
+            "accuracy summary" => Ok(sets.summary()),
+            "accuracy time" => Ok(sets.times()),
+            "performance" => Ok(kept.as_ref().map(Performance::table)),
+            "performance summary" => Ok(kept.as_ref().map(|kept| kept.summary(&sets))),
+            "image" | "control-interrupt" => image.table(name, present),
+            name => exact.table(name).map(Some),
         });
         let text = text.map_err(|error| Failure::Figures {
             page: path.display().to_string(),

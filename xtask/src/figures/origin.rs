@@ -31,6 +31,11 @@ impl Origin {
             commit: commit.to_owned(),
         })
     }
+
+    /// The day, as in 2026-01-02.
+    pub fn date(&self) -> &str {
+        &self.date
+    }
 }
 
 impl fmt::Display for Origin {

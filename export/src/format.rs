@@ -30,7 +30,7 @@ impl Format {
         Self::Console,
     ];
 
-    /// As it is called on a command line.
+    /// Its name on a command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mjcf => "mjcf",

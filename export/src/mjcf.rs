@@ -212,7 +212,7 @@ fn contact([low, high]: [f64; 2], stiffness: f64, damping: f64, inertia: f64) ->
     )
 }
 
-/// Of a limit that is a spring; MuJoCo takes none below 0.0001.
+/// Smallest time constant of a limit that is a spring: MuJoCo takes none below 0.0001.
 const IMPEDANCE: f64 = 0.001;
 
 /// The range of the load side between the stops, if there are any.

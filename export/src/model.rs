@@ -5,7 +5,7 @@ use host_sim::device::Device;
 /// A device to be written for a simulator.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// Of the device, for names and comments.
+    /// Title of the device, for names and comments.
     pub name: String,
     /// The device with its effects, in SI units.
     pub device: Device,

@@ -22,7 +22,7 @@ const SHARE: f64 = 0.5;
 const MASS_KG: f64 = 1.0;
 
 impl Pendulum {
-    /// Of an inertia whose weight torque is the device's.
+    /// The pendulum of an inertia that has the device's weight torque.
     pub fn of(device: &Device, inertia: f64) -> Self {
         let mechanics = &device.mechanics;
         let torque = mechanics.gravity.abs();

@@ -17,7 +17,7 @@ const SUITES: [&str; 3] = ["trixie", "trixie-backports", "sid"];
 #[derive(Debug, thiserror::Error)]
 pub enum TargetError {
     /// A program that is needed is not there.
-    #[error("cannot run `{program}`: {source}")]
+    #[error("cannot run `{program}`: {source}; install it, or add its folder to PATH")]
     Spawn {
         /// The program.
         program: String,
@@ -33,7 +33,7 @@ pub enum TargetError {
         message: String,
     },
     /// A file or a folder.
-    #[error("cannot read or write {}: {source}", path.display())]
+    #[error("cannot read or write {}: {source}; check its permissions and the free space", path.display())]
     File {
         /// Which.
         path: PathBuf,

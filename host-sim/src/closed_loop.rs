@@ -47,9 +47,9 @@ impl Rates {
 /// Everything that a closed loop is made from.
 #[derive(Clone, Debug)]
 pub struct LoopSetup {
-    /// Of the core.
+    /// Settings of the control core.
     pub settings: Settings,
-    /// Of the core.
+    /// Rates of the control core.
     pub rates: Rates,
     /// What the core is connected to.
     pub paddle: PaddleSetup,
@@ -172,7 +172,7 @@ impl ClosedLoop {
         tick
     }
 
-    /// Of the next tick, since the start of the session by the board's clock, s.
+    /// Time of the next tick since the start of the session by the board's clock, s.
     pub fn time_s(&self) -> f64 {
         self.start_s + self.ticks as f64 * self.rates.tick_s
     }

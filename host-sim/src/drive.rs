@@ -1,4 +1,4 @@
-//! From the input that the actuator was told to the torque at the joint.
+//! From the commanded input of the actuator to the torque at the joint.
 
 use crate::plant::{Plant, State, Torque};
 use std::collections::VecDeque;
@@ -23,7 +23,7 @@ impl Saturation {
         no_load_velocity: f64::INFINITY,
     };
 
-    /// The same for what moves the way of the input at a velocity.
+    /// The saturation at a velocity in the direction of the input, which lowers the limit.
     #[inline]
     fn moving(self, velocity: f64) -> Self {
         if self.no_load_velocity.is_infinite() {
@@ -163,7 +163,7 @@ impl Drive {
         self.taken_at(input, 0.0)
     }
 
-    /// The same at a velocity.
+    /// Magnitude of the effective input at a velocity, in units of input.
     #[inline]
     fn taken_at(&self, input: f64, velocity: f64) -> f64 {
         let pushed = (self.ratio * input).signum();
@@ -250,17 +250,18 @@ impl DriveLine {
         }
     }
 
-    /// From `now_s` on the drive, which turns at `velocity`, is told `input`; call with times that do not go back.
+    /// Commands `input` from `now_s` on, while the drive turns at `velocity`. Times must not decrease from call to
+    /// call.
     #[inline]
     pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64, velocity: f64) {
         let settled_nm = drive.settled_at(input, velocity);
         self.receive(now_s, Torque::held(settled_nm));
     }
 
-    /// As [`Self::command`], with a motor that makes the torque `made` of the `input` that it is told.
+    /// As [`Self::command`], with a motor that makes the torque `made` of the commanded `input`.
     ///
-    /// Limit and dead band go by what it is told, as they do without a motor. A lag behind the motor's own is taken as
-    /// one of the two time constants together.
+    /// Limit and dead band act on the commanded input, as they do without a motor. A lag behind the motor's own is
+    /// taken as one of the two time constants together.
     #[inline]
     pub fn command_through(
         &mut self,
@@ -342,7 +343,7 @@ impl DriveLine {
         (self.torque, piece_s)
     }
 
-    /// Carries a plant over `dt_s` under what comes of the commands, which are told on the clock of its `state`.
+    /// Carries a plant over `dt_s` under the torque of the commands, whose times are on the clock of its `state`.
     #[inline]
     pub fn carry(&mut self, plant: &Plant, state: &mut State, dt_s: f64) {
         let mut left_s = dt_s;

@@ -133,15 +133,15 @@ pub enum ExperimentError {
 
 /// What an experiment logged; all columns have one length.
 ///
-/// Positions are what each sensor read at the row's instant, unfiltered. The input is what the actuator, on average, was
-/// told to make from this row until the next.
+/// Positions are what each sensor read at the row's instant, unfiltered. The input is the mean of the commanded torque
+/// from this row until the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     /// Torque or position.
     pub mode: Mode,
     /// Since the start of the session by the board's clock, s.
     pub time_s: Vec<f64>,
-    /// Torque told to the actuator, N m at the motor.
+    /// Commanded torque, N m at the motor.
     pub input_nm: Vec<f64>,
     /// True position, rad.
     pub position_rad: Vec<f64>,

@@ -53,7 +53,7 @@ pub struct PaddleSetup {
 }
 
 impl PaddleSetup {
-    /// `device` at rest at 0 rad, driven by exactly the torque that it is told, with the sensors that `settings` expect.
+    /// `device` at rest at 0 rad, driven by exactly the commanded torque, with the sensors that `settings` expect.
     pub fn new(device: Device, settings: &Settings) -> Self {
         Self {
             device,
@@ -79,7 +79,7 @@ pub struct Paddle {
     state: State,
     drive: Drive,
     line: DriveLine,
-    /// `None` makes exactly the torque that it is told.
+    /// `None` makes exactly the commanded torque.
     winding: Option<Winding>,
     bridge_top: Option<u16>,
     amperes_per_nm: f64,

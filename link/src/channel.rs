@@ -112,7 +112,7 @@ impl Channels {
         self.len() == 0
     }
 
-    /// Those that a text names, with commas between them: `encoder,torque`, or `all`.
+    /// The channels that a text names, with commas between them: `encoder,torque`, or `all`.
     ///
     /// # Errors
     /// [`ChannelsError`] for a name that no channel has.

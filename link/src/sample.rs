@@ -16,7 +16,7 @@ pub struct Sample {
     pub velocity_rad_s: f32,
     /// That the controller asks for, N m at the motor.
     pub torque_nm: f32,
-    /// Of the motor, A.
+    /// Current of the motor, A.
     pub current_a: f32,
     /// Share of the supply on the motor, -1 to 1.
     pub duty: f32,
@@ -59,7 +59,7 @@ const TORQUE_MODE: u8 = 2;
 pub struct ShortSample([i16; SAMPLE_BYTES / 2]);
 
 impl ShortSample {
-    /// Of no control period, to fill a memory with.
+    /// An empty sample that fills a memory.
     pub const NONE: Self = Self([0; SAMPLE_BYTES / 2]);
 
     /// For the wire.

@@ -63,7 +63,7 @@ impl Splitter {
             // Two zeros in a row: the second one begins.
             return Heard::Nothing;
         }
-        // Of bytes that are no frame, the zero behind them may begin one.
+        // The zero behind bytes that are no frame may begin a frame.
         self.length = Some(0);
         let Some(frame) = self.bytes.get_mut(..length).and_then(frame::decode) else {
             return Heard::Corrupt;

@@ -14,7 +14,7 @@ pub enum Failure {
     /// A log cannot be imported.
     #[error(transparent)]
     Import(#[from] import::ImportError),
-    /// The user does not agree with what was told from a log.
+    /// The user does not agree with the roles that were guessed from a log.
     #[error("nothing was written; say what the columns are by --time, --input and --position")]
     NotConfirmed,
     /// A column of it is in another unit than its model.
@@ -78,7 +78,7 @@ pub enum Failure {
     #[error(transparent)]
     Experiment(#[from] host_sim::experiment::ExperimentError),
     /// The controller stopped an experiment whose end is needed.
-    #[error("the paddle stopped at {:.0} ms: {fault}", 1e3 * .time_s)]
+    #[error("the paddle stopped at {:.0} ms: {fault}; ask for a smaller amplitude, or for lower gains", 1e3 * .time_s)]
     Stopped {
         /// When, s.
         time_s: f64,
@@ -98,7 +98,7 @@ pub enum Failure {
     /// Rows of the reproduced report that miss their bars.
     #[error("{missed} of {barred} rows with a bar miss it")]
     Missed {
-        /// Those that do.
+        /// Number of rows that miss their bar.
         missed: usize,
         /// All with a bar.
         barred: usize,
@@ -118,7 +118,7 @@ pub enum Failure {
     /// Some recordings of a batch could not be used.
     #[error("{failed} of {all} recordings could not be used; the others are done")]
     Batch {
-        /// Those that could not.
+        /// Number of recordings that could not be used.
         failed: usize,
         /// All.
         all: usize,

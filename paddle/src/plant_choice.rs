@@ -61,7 +61,7 @@ pub struct Plant {
     pub device: Device,
     /// What a recording of it states as its nominal model.
     pub model: Model,
-    /// Of the control core.
+    /// Settings of the control core.
     pub settings: Settings,
     /// What of a file could not be used, lines ended.
     pub warnings: String,

@@ -19,14 +19,14 @@ static SPINNER: LazyLock<ProgressBar> = LazyLock::new(|| {
         .with_message("working")
 });
 
-/// Of which a part is done, and since when.
+/// A stage, the part of it that is done, and its start.
 static WORK: Mutex<Option<Work>> = Mutex::new(None);
 
 /// Work of which it is known how much of it is done.
 #[derive(Clone, Copy)]
 struct Work {
     begun: Instant,
-    /// Of the whole, 0 to 1, at the time `seen`.
+    /// Share of the whole that was done at the time `seen`, 0 to 1.
     done: f64,
     seen: Instant,
 }
@@ -69,7 +69,7 @@ pub fn shown<T>(work: impl FnOnce() -> T) -> T {
     })
 }
 
-/// What is being done, as it was told last.
+/// The stage that was reported last.
 static DOING: Mutex<String> = Mutex::new(String::new());
 
 /// What is shown now.

@@ -13,13 +13,14 @@ const MANIFEST: &str = "recording.toml";
 /// Where a result comes from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Provenance {
-    /// Of this program.
+    /// Version of this program.
     pub version: &'static str,
-    /// That the program was built from, with `-dirty` behind it where files differed; `unknown` outside a repository.
+    /// The commit from which the program was built, with `-dirty` behind it if files differed; `unknown` outside a
+    /// repository.
     pub commit: &'static str,
-    /// As it was typed, quoted for a shell.
+    /// The command as it was typed, quoted for a shell.
     pub command: String,
-    /// When, in UTC (RFC 3339).
+    /// Time of the call, in UTC (RFC 3339).
     pub time: String,
     /// What was read.
     pub files: Vec<InputFile>,
@@ -28,14 +29,14 @@ pub struct Provenance {
 /// A file that was read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InputFile {
-    /// Within the folder of the recording.
+    /// Its name within the folder of the recording.
     pub file: String,
-    /// Of its bytes, in hexadecimal digits.
+    /// SHA-256 of its bytes, in hexadecimal digits.
     pub sha256: String,
 }
 
 impl Provenance {
-    /// Of a result of this call on the recording in `folder`.
+    /// The provenance of a result of this call on the recording in `folder`.
     ///
     /// # Errors
     /// [`Failure::Read`] for a file that cannot be read.
@@ -52,7 +53,7 @@ impl Provenance {
         })
     }
 
-    /// The same, if a file beside the recording was read, too.
+    /// This provenance with a further file that was read.
     ///
     /// # Errors
     /// [`Failure::Read`] if it cannot be read.

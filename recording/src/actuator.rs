@@ -25,7 +25,7 @@ pub struct Motor {
     /// Torque constant, N m/A, which is the speed constant in V s/rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kt: Option<f64>,
-    /// Of the winding, Ω.
+    /// Resistance of the winding, Ω.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resistance: Option<f64>,
     /// Turns of the motor per turn of the joint, of a linear axis rad per m; 1 if left out.
@@ -185,7 +185,7 @@ fn told(units: &Units) -> Result<Told, NoRatio> {
 }
 
 impl Actuator {
-    /// Those of the model's numbers that it stands for.
+    /// The numbers of the model that this actuator gives.
     pub(crate) fn stands_for(&self) -> &'static [&'static str] {
         match self {
             Self::Motor(_) => &["ratio"],

@@ -28,7 +28,7 @@ pub(crate) struct Columns {
     pub supply: Option<Vec<f32>>,
     pub temperature: Option<Vec<f32>>,
     pub ignored: Vec<String>,
-    /// Those of the ignored whose cells never change.
+    /// The ignored columns whose cells never change.
     pub frozen: Vec<String>,
 }
 
@@ -122,7 +122,7 @@ pub(crate) fn read(mut source: impl Read + Seek) -> Result<Columns, Error> {
     })
 }
 
-/// Whether the text is UTF-16; the source is then where it was. What cannot be read is told when it is read as a whole.
+/// Whether the text is UTF-16; the source is then where it was. An error is reported when the whole text is read.
 fn is_utf16(source: &mut (impl Read + Seek)) -> std::io::Result<bool> {
     let head = text::head(source)?;
     source.rewind()?;

@@ -1,8 +1,8 @@
 //! The recording format: a folder of one `recording.toml` and one CSV file a run.
 //!
-//! A [`Recording`] is what a device was told and where it went, together with the [`Model`] whose gap to the device is
-//! asked about. A simulator fills one and writes it; a diagnosis reads one. Bad input is an [`Error`] of one line that
-//! names the file, the row and the mend; what is merely odd is collected in [`Recording::oddities`].
+//! A [`Recording`] holds the input of a device and its measured position, together with the [`Model`] whose gap to the
+//! device is asked about. A simulator fills one and writes it; a diagnosis reads one. Bad input is an [`Error`] of one
+//! line that names the file, the row and the mend; what is merely odd is collected in [`Recording::oddities`].
 //!
 //! ```
 //! use recording::{Drive, Model, Recording, Run, Sensor};
@@ -72,7 +72,7 @@ pub struct Recording {
     pub actuator: Option<Actuator>,
     /// How well the model's numbers are known.
     pub tolerance: Tolerance,
-    /// Those of [`Model::ESSENTIAL`] that the recording does not state; `model` holds what is assumed for them.
+    /// The numbers of [`Model::ESSENTIAL`] that the recording does not state; `model` holds the assumed values.
     pub unstated: Vec<&'static str>,
     /// Sensors by the name of their column; `position` is always there after reading.
     pub sensors: BTreeMap<String, Sensor>,
@@ -104,7 +104,7 @@ impl Recording {
         }
     }
 
-    /// The same of other runs; those that it has are not copied, as they may be long.
+    /// This recording with other runs. The present runs, which may be long, are not copied.
     #[must_use]
     pub fn with_runs(&self, runs: Vec<Run>) -> Self {
         Self {

@@ -213,7 +213,7 @@ impl Model {
             .is_some()
     }
 
-    /// The same with limits of the input that were absent before.
+    /// Sets a number as [`set`](Self::set) does, including limits of the input that were absent before.
     #[must_use]
     pub fn state(&mut self, name: &str, value: f64) -> bool {
         match name {
@@ -248,7 +248,7 @@ impl Model {
 
 /// Relative standard deviation of the model's numbers, by name; what is left out is known exactly.
 ///
-/// That of `travel` holds for both of its ends.
+/// The one of `travel` holds for both of its ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Tolerance(BTreeMap<String, f64>);

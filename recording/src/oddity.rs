@@ -158,11 +158,11 @@ pub enum Oddity {
         column: &'static str,
         /// Root mean square of what the model leaves as it is given, in units of position.
         told: f64,
-        /// The same without any input.
+        /// Root mean square that the model leaves without any input, in units of position.
         mute: f64,
-        /// The same with the other sign.
+        /// Root mean square that the model leaves with the other sign, in units of position.
         turned: f64,
-        /// Of position.
+        /// Unit of position.
         unit: String,
     },
     /// Two runs claim the same stretch of session time.

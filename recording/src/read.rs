@@ -21,7 +21,8 @@ impl Recording {
         Self::read_watched(folder, &|_| {})
     }
 
-    /// The same, with `watch` told now and then which share of the bytes of all its CSV files is read.
+    /// Reads and validates the recording in `folder`. Calls `watch` now and then with the share of the bytes of all CSV
+    /// files that is read.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -153,7 +154,7 @@ fn read_run(
     Ok((run, columns.frozen))
 }
 
-/// A file of which somebody is told how much is read.
+/// A file that reports how much of it is read.
 struct Watched<'a> {
     file: File,
     bytes: u64,

@@ -22,7 +22,7 @@ pub fn sixth_differences(column: &[f64]) -> impl Iterator<Item = f64> {
     column.windows(SIXTH.len()).map(difference)
 }
 
-/// Of all steps from sample to sample so many are no larger than the smallest ones.
+/// Share of all steps from sample to sample that count as the smallest ones.
 const SMALL: f64 = 0.1;
 
 /// A typical one of the smallest steps from sample to sample; 0 where there is none.

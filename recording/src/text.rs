@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::error::{Error, Fault};
 
-/// Bytes from which the encoding is told.
+/// Number of bytes from which the encoding is guessed.
 pub(crate) const HEAD_BYTES: usize = 64;
 /// Share of every second byte that is 0 in UTF-16 text of mostly Latin letters.
 const ZEROS: f64 = 0.75;

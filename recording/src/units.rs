@@ -52,7 +52,7 @@ const LENGTHS: [&str; 14] = [
     "meters",
     "millimetres",
 ];
-/// Those of SI.
+/// Units of position in SI.
 const SI: [&str; 8] = [
     "rad", "radian", "radians", "m", "metre", "metres", "meter", "meters",
 ];

@@ -24,7 +24,7 @@ impl Recording {
         sensors(self, &lines).map_err(|error| error.in_file(manifest::FILE.as_ref()))
     }
 
-    /// The same of what stands in its manifest alone, whose lines are returned.
+    /// Validates the manifest alone and returns its lines.
     pub(crate) fn validate_manifest(&self) -> Result<Lines, Error> {
         let failed = |error: Error| error.in_file(manifest::FILE.as_ref());
         let text = manifest::text(self)

@@ -24,7 +24,7 @@ pub enum DeviceError {
     /// The board refuses a command.
     #[error("the board refuses `{line}`: {answer}")]
     Refused {
-        /// As it was sent.
+        /// The line that was sent.
         line: String,
         /// What it said.
         answer: String,
@@ -48,7 +48,7 @@ pub enum DeviceError {
     Lost {
         /// How many.
         lost: u64,
-        /// Of how many.
+        /// Number of all.
         all: u64,
     },
     /// A run of which too little is left.

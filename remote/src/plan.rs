@@ -32,7 +32,7 @@ pub struct Plan {
 pub struct PlanError(String);
 
 impl Plan {
-    /// The same with another amplitude.
+    /// This experiment with another amplitude.
     #[must_use]
     pub fn scaled(&self, factor: f32) -> Self {
         let mut plan = self.clone();

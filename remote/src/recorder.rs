@@ -26,7 +26,7 @@ pub struct Session {
     pub model: Model,
     /// How well its numbers are known.
     pub tolerance: Tolerance,
-    /// Of the board.
+    /// Settings of the board.
     pub settings: Settings,
 }
 

@@ -132,7 +132,7 @@ impl fmt::Display for Line<'_> {
     }
 }
 
-/// Of the firmware, with the commit that it was made from.
+/// Version of the firmware, with the commit from which it was built.
 pub const VERSION: &str = concat!(
     "haptic paddle ",
     env!("CARGO_PKG_VERSION"),

@@ -144,7 +144,7 @@ pub fn execute(
         Command::Timing => return Ok(Answer::Timing(device.timing())),
         // A session has procedures.
         Command::Procedure(_) => {}
-        // Of the greeting this is what needs no session.
+        // The part of the greeting that needs no session.
         Command::Version | Command::Hello => return Ok(Answer::Version),
         Command::Reboot => {
             disarmed(device)?;

@@ -199,7 +199,7 @@ extern "C" fn HardFault() {
 
 /// `frame` is where the stack pointer was, at what the processor had stacked if that worked.
 extern "C" fn unserved(frame: *const u32) -> ! {
-    /// Of the stacked r0 to r3, r12, lr, pc, xpsr.
+    /// Places in the stacked r0 to r3, r12, lr, pc, xpsr.
     const PROGRAM_COUNTER: usize = 6;
     // SAFETY: these registers are only read.
     let scb = unsafe { &*SCB::PTR };

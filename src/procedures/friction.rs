@@ -98,9 +98,9 @@ impl fmt::Display for Level {
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionFinding {
-    /// Of the positive direction.
+    /// Level in the positive direction.
     pub forward: Level,
-    /// Of the negative direction.
+    /// Level in the negative direction.
     pub backward: Level,
     /// Torque that holds the paddle against gravity and springs, for each angle, N m/rad at the paddle.
     pub pull_nm_per_rad: f32,

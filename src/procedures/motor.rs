@@ -32,9 +32,9 @@ const PATIENCE_S: f32 = 3.0;
 /// What was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorFinding {
-    /// Of the winding, ohm.
+    /// Resistance of the winding, ohm.
     pub resistance_ohm: f32,
-    /// Of the winding, H.
+    /// Inductance of the winding, H.
     pub inductance_h: f32,
     /// Reading of the current amplifier at no current, A, against half scale.
     pub offset_a: f32,

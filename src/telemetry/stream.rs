@@ -122,7 +122,7 @@ impl Row {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stream {
     plan: Option<StreamPlan>,
-    /// Of the row that is being made.
+    /// Sums of the row that is being made.
     begun: Option<Begun>,
     dropped: u32,
 }

@@ -26,7 +26,9 @@ pub enum ImageError {
     #[error("the image is for another processor; give one for thumbv7em-none-eabihf")]
     Processor,
     /// Part of it goes where this board has no flash.
-    #[error("{bytes} bytes of the image go to {address:#010x}, where the board has no flash")]
+    #[error(
+        "{bytes} bytes of the image go to {address:#010x}, where the board has no flash; link it by memory.x"
+    )]
     OutsideFlash {
         /// Where to.
         address: u64,

@@ -6,10 +6,10 @@ use super::stiff;
 use super::stribeck::Stride;
 use super::{Phase, Plant, State, Torque, Touch};
 
-/// Share of a step that rest takes at least: a plant that breaks away at once would hold it for ever.
+/// Shortest rest, as a share of a step. Without it, a plant that breaks away at once would stop the step for ever.
 const LEAST_HOLD: f64 = 1e-6;
 
-/// Longest step over which a law is held, s: as the samples that predictions are compared with.
+/// Longest step over which the torque of a law is held, s. Predictions are compared with samples about as far apart.
 const LAW_STEP_S: f64 = 1e-3;
 
 impl Plant {
@@ -23,7 +23,7 @@ impl Plant {
         }
     }
 
-    /// The same with laws, each held over steps that are short.
+    /// Carries `state` over `dt_s`. The torque of each law is held over steps of [`LAW_STEP_S`] at most.
     fn advance_under_laws(&self, state: &mut State, mut torque: Torque, dt_s: f64) {
         let steps = (dt_s / LAW_STEP_S).ceil().max(1.0);
         let step_s = dt_s / steps;
@@ -38,7 +38,7 @@ impl Plant {
         }
     }
 
-    /// The same with all that the plant has parts for.
+    /// Carries `state` over `dt_s` under everything but the laws.
     #[inline]
     fn advance_by_parts(&self, state: &mut State, torque: Torque, dt_s: f64) {
         let rests = !self.is_timed && self.stays_at_rest(state, torque.bounds(dt_s), dt_s);
@@ -112,8 +112,7 @@ impl Plant {
         state.time_s = end_s;
     }
 
-    /// Time to the next coming or going of a barrier or step of a friction, `left` at most; what has just come or gone is
-    /// taken in.
+    /// Time until a barrier next comes or goes or the friction steps, s, `left` at most. Updates the contacts first.
     #[inline]
     pub(super) fn until_change(&self, state: &mut State, left: f64) -> f64 {
         if !self.is_timed {
@@ -128,11 +127,11 @@ impl Plant {
         let drift = self.mechanics.friction.drift.as_ref();
         let step = drift.map(|d| d.next_step(state.time_s));
         let next = changes.chain(step).fold(f64::INFINITY, f64::min);
-        // An instant that rounding cannot tell from now is stepped over.
+        // The step passes an instant that rounding cannot tell from now.
         left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
     }
 
-    /// True if both masses are stepped in closed form, as far as the link goes: all else is slow then.
+    /// True if the motion of the two masses on their link is stepped in closed form. Everything else is slow then.
     #[inline]
     fn is_closed<const N: usize>(&self, state: &State) -> bool {
         self.pace.closed_link
@@ -141,7 +140,8 @@ impl Plant {
             && !state.touch.contains(&Touch::Pushing)
     }
 
-    /// In motion: until `h` or the first event; the time taken, and whether by an event.
+    /// Steps a moving plant by `h` or to the first event. Returns the time that passed, s, and true if an event ended
+    /// it.
     #[inline]
     fn flow<const N: usize>(
         &self,
@@ -195,7 +195,7 @@ impl Plant {
         (step.taken, step.event)
     }
 
-    /// Takes bristles that have bent all the way for sliding, if they would relax faster than a step of `step_s` follows.
+    /// Treats fully bent bristles as sliding if they would relax faster than a step of `step_s` can follow.
     #[inline]
     pub(super) fn slides_on(&self, state: &mut State, step_s: f64) -> bool {
         let bristles = &self.parts.bristles;
@@ -207,7 +207,7 @@ impl Plant {
         slides
     }
 
-    /// The longest step that follows how friction falls with speed, s.
+    /// The longest step that follows the fall of friction with speed, s.
     #[inline]
     pub(super) fn longest_on_slope(&self, state: &State, drive_nm: f64, stride: Stride) -> f64 {
         let Some([motor, load]) = &self.slopes else {
@@ -223,8 +223,8 @@ impl Plant {
         of_motor.min(load.longest_step(state.load_velocity.abs(), pull, stride))
     }
 
-    /// How what moves is stepped over the next `piece_s` at most, in steps no shorter than `shortest_s`, and the longest step that
-    /// its stiffest part allows then, s.
+    /// The scheme for the next `piece_s` of the motion, and the longest step that the stiffest part allows with it, s.
+    /// No step is shorter than `shortest_s`.
     #[inline]
     fn scheme<const N: usize>(
         &self,
@@ -235,7 +235,7 @@ impl Plant {
     ) -> (Scheme, f64) {
         let closed = self.is_closed::<N>(state);
         let longest_s = self.longest_step(state, torque, closed);
-        // One mass takes no longer for an exact step than for two classical ones.
+        // For one mass an exact step costs no more than two classical ones.
         let least_s = if self.pace.closed_link && !is_linked(N) {
             stiff::BEYOND_CLASSICAL * piece_s
         } else {
@@ -273,7 +273,7 @@ impl Plant {
         if state.phase == Phase::Bristle {
             let level = m.friction.highest_nm();
             let holding = level * m.friction.stribeck.ratio;
-            // The bristles' own relaxation is slower than a step, or they count as sliding.
+            // The bristles relax more slowly than a step, or they count as sliding.
             let motor_inertia = self.inverse_inertia[0].recip();
             let rate = self.parts.bristles.fastest_rate(motor_inertia, holding);
             longest = longest.min(2.0 * self.pace.rate_step / rate);

@@ -1,24 +1,24 @@
-//! A spring and damper in the way: a hard stop, or something outside that pushes back, holds or pushes.
+//! A spring with a damper that acts on the joint: a hard stop, or something outside that resists, holds or pushes it.
 
-/// Pushes back once the joint is past `at`; never pulls, and damps only while in contact. Without a side it holds the joint
-/// there: it pulls as well.
+/// Pushes back once the joint is past `at`. It never pulls, and it damps only while in contact. With `side` 0 it holds
+/// the joint at `at`: it pulls as well.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Barrier {
-    /// Where it begins, rad.
+    /// Position at which contact begins, rad.
     pub at: f64,
-    /// +1 if it is in the way of positive motion, -1 of negative, 0 of both.
+    /// +1 if it stops positive motion, -1 if negative, 0 if both.
     pub side: f64,
-    /// N m/rad.
+    /// Stiffness, N m/rad.
     pub stiffness: f64,
-    /// N m s/rad.
+    /// Damping in contact, N m s/rad.
     pub damping: f64,
-    /// Torque that it has beside these, wherever the joint is, N m.
+    /// Constant torque in addition, at any position of the joint, N m.
     pub torque_nm: f64,
-    /// Interval of the session during which it is there, s; `None` = always.
+    /// Interval of the session in which it acts, s; `None` = always.
     pub during_s: Option<[f64; 2]>,
 }
 
-/// How the joint stands to a barrier; within one of these the torque is smooth.
+/// The contact between joint and barrier. The torque is smooth as long as it stays the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touch {
     /// Not reached.
@@ -30,14 +30,14 @@ pub enum Touch {
 }
 
 impl Barrier {
-    /// True if it is there at `time_s` of the session.
+    /// True if it acts at `time_s` of the session.
     #[inline]
     pub fn is_there(&self, time_s: f64) -> bool {
         self.during_s
             .is_none_or(|[from, to]| time_s >= from && time_s < to)
     }
 
-    /// The next instant after `time_s` at which it comes or goes.
+    /// The next instant after `time_s` at which it begins or ceases to act, s of the session.
     #[inline]
     pub(super) fn next_change(&self, time_s: f64) -> f64 {
         match self.during_s {
@@ -62,13 +62,13 @@ impl Barrier {
         self.stiffness * self.depth(position) + self.damping * self.side * velocity
     }
 
-    /// Rate of an inertia on it, 1/s.
+    /// Natural frequency plus damping of an inertia on the barrier, 1/s.
     #[inline]
     pub(super) fn rate(&self, inverse_inertia: f64) -> f64 {
         (self.stiffness.abs() * inverse_inertia).sqrt() + self.damping * inverse_inertia
     }
 
-    /// How the joint stands to it at this position and velocity.
+    /// The contact at this position and velocity.
     pub fn touch(&self, position: f64, velocity: f64) -> Touch {
         if self.holds() {
             return Touch::Pushing;
@@ -97,7 +97,7 @@ impl Barrier {
     /// Positive while `touch` lasts.
     #[inline]
     pub fn guard(&self, touch: Touch, position: f64, velocity: f64) -> f64 {
-        // Torques are made positions by the stiffness, so that both guards have one unit.
+        // A torque over the stiffness is a position, so that both guards have one unit.
         let depth = self.depth(position);
         let push = || self.push(position, velocity) / self.stiffness.max(f64::MIN_POSITIVE);
         match touch {

@@ -3,24 +3,24 @@
 use super::Torque;
 use super::torque::Impulse;
 
-/// Relaxing to a constant target through both lags:
-/// `T(t) = target + b e^(−t/τ₁) + c e^(−t/τ₂)`.
+/// A torque that relaxes to a constant target through both lags: `T(t) = target + b e^(−t/τ₁) + c e^(−t/τ₂)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cascade {
-    /// What both relax to, N m.
+    /// Torque to which both lags relax, N m.
     pub target_nm: f64,
-    /// Behind the first lag, N m.
+    /// Torque behind the first lag, N m.
     between_nm: f64,
-    /// Behind both, N m.
+    /// Torque behind both lags, N m.
     acting_nm: f64,
     lags_s: [f64; 2],
 }
 
-/// Share by which two lags differ at least, as partial fractions of equal ones have no end: what that changes is as small.
+/// Smallest relative difference of the two lags. Equal lags have no partial fractions; the error of this shift is as
+/// small.
 const LEAST_APART: f64 = 1e-4;
 
 impl Cascade {
-    /// At rest at a torque, behind lags of which the second is not zero, s.
+    /// A constant torque, N m, behind two lags, s. The second lag is not zero.
     pub fn at_rest(torque_nm: f64, [first_s, second_s]: [f64; 2]) -> Self {
         let apart_s = LEAST_APART * second_s;
         let is_apart = (first_s - second_s).abs() >= apart_s;
@@ -43,7 +43,7 @@ impl Cascade {
         self.lags_s
     }
 
-    /// b and c.
+    /// The coefficients b and c, N m.
     #[inline]
     fn transients_nm(&self) -> [f64; 2] {
         let [first_s, second_s] = self.lags_s;
@@ -51,7 +51,7 @@ impl Cascade {
         [first_nm, self.acting_nm - self.target_nm - first_nm]
     }
 
-    /// What is left of it after a time over which what is behind each lag decays to a share.
+    /// The cascade after a time over which the transient of each lag decays to the given share.
     #[inline]
     pub fn after(&self, decays: [f64; 2]) -> Self {
         let [first_nm, second_nm] = self.transients_nm();
@@ -62,7 +62,7 @@ impl Cascade {
         }
     }
 
-    /// What it comes to over `lasts_s`, likewise.
+    /// The impulse over `lasts_s`, over which the transient of each lag decays to the given share.
     #[inline]
     pub(super) fn impulse(&self, lasts_s: f64, decays: [f64; 2]) -> Impulse {
         let transients_nm = self.transients_nm();
@@ -76,7 +76,7 @@ impl Cascade {
         let end = self.after(decays);
         let [now_nm, then_nm] = [self.acting_nm, end.acting_nm];
         let mut bounds_nm = [now_nm.min(then_nm), now_nm.max(then_nm)];
-        // It turns where it meets what is between the lags.
+        // The torque turns where it equals the one between the lags.
         if (self.between_nm - now_nm) * (end.between_nm - then_nm) < 0.0 {
             let [low, high] = &mut bounds_nm;
             *low = low.min(self.between_nm).min(end.between_nm);
@@ -90,7 +90,8 @@ impl Cascade {
         }
     }
 
-    /// As one torque over `lasts_s`, what is between the lags being taken as straight with the same rise and mean.
+    /// The cascade as a single lag over `lasts_s`. The torque between the lags is replaced by a straight line with the
+    /// same rise and mean.
     #[inline]
     pub(super) fn torque(&self, lasts_s: f64, decays: [f64; 2]) -> Torque {
         let [first_s, second_s] = self.lags_s;
@@ -112,7 +113,8 @@ mod tests {
         for lags_s in [[2e-3, 5e-3], [5e-3, 2e-3], [3e-3, 3e-3], [0.0, 2e-3]] {
             let mut cascade = Cascade::at_rest(0.1, lags_s);
             (cascade.target_nm, cascade.between_nm) = (-0.3, 0.4);
-            // τ₁ u' = target − u, τ₂ T' = u − T, by small steps; sums of that and of those.
+            // τ₁ u' = target − u and τ₂ T' = u − T by small explicit steps; the first and the second integral of T by
+            // sums.
             let (dt, lasts_s) = (1e-8, 4e-3);
             let [mut u, mut t, mut sum, mut twice] = [0.4, 0.1, 0.0, 0.0];
             let (mut low, mut high) = (t, t);

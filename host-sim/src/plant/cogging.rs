@@ -7,7 +7,7 @@ pub struct Cogging {
     pub first: Wave,
     /// a and b, N m.
     pub second_nm: [f64; 2],
-    /// Waves of other orders; those of no amplitude are none.
+    /// Waves of other orders; unused places have the amplitude 0.
     pub further: [Wave; FURTHER],
 }
 
@@ -26,7 +26,7 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// None at all.
+    /// No ripple.
     pub const NONE: Self = Self {
         amplitude_nm: 0.0,
         wave_number: 0.0,
@@ -40,14 +40,14 @@ impl Wave {
 }
 
 impl Cogging {
-    /// None at all.
+    /// No ripple.
     pub(super) const NONE: Self = Self {
         first: Wave::NONE,
         second_nm: [0.0; 2],
         further: [Wave::NONE; FURTHER],
     };
 
-    /// N m at a position.
+    /// Torque at a position, N m.
     #[inline]
     pub fn torque(&self, position: f64) -> f64 {
         let (sin, cos) = (self.first.wave_number * position + self.first.phase).sin_cos();

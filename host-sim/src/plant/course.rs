@@ -1,21 +1,21 @@
-//! The torque of a drive over time, cut into steps.
+//! The torque profile of a drive: its torque over time, in steps.
 
 use super::torque::Impulse;
 use super::{Cascade, Push, Torque};
 
-/// Torque in steps that follow each other, each of some pieces.
+/// A torque profile: steps that follow each other, each made of pieces.
 #[derive(Clone, Debug)]
 pub struct Course {
     pieces: Vec<(Torque, f64)>,
     steps: Vec<Step>,
-    /// Of the pieces since the last step.
+    /// Impulse of the pieces since the last step.
     open: Impulse,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Step {
     push: Push,
-    /// One past its last piece.
+    /// Index behind its last piece.
     end: usize,
 }
 
@@ -30,7 +30,7 @@ impl Default for Course {
 }
 
 impl Course {
-    /// Empty, with room for so many steps of so many pieces each.
+    /// An empty profile with room for `steps` steps of `pieces` pieces each.
     pub fn with_room(steps: usize, pieces: usize) -> Self {
         Self {
             pieces: Vec::with_capacity(steps * pieces),
@@ -39,28 +39,28 @@ impl Course {
         }
     }
 
-    /// A piece that acts for `lasts_s` after all that there is.
+    /// Appends a torque that acts for `lasts_s`.
     #[inline]
     pub fn act(&mut self, torque: Torque, lasts_s: f64) {
         self.open = self.open.then(&Impulse::of(&torque, lasts_s));
         self.pieces.push((torque, lasts_s));
     }
 
-    /// The same behind a lag, whose `decay` over `lasts_s`, exp(−t/lag), is known.
+    /// Appends a torque behind a lag that acts for `lasts_s`. `decay` is exp(−`lasts_s`/lag).
     #[inline]
     pub fn relax(&mut self, torque: Torque, lasts_s: f64, decay: f64) {
         self.open = self.open.then(&Impulse::behind(&torque, lasts_s, decay));
         self.pieces.push((torque, lasts_s));
     }
 
-    /// The same behind two lags, with the decay of each.
+    /// Appends a torque behind two lags that acts for `lasts_s`. `decays` are exp(−`lasts_s`/lag) of each.
     #[inline]
     pub fn relax_twice(&mut self, cascade: &Cascade, lasts_s: f64, decays: [f64; 2]) {
         self.open = self.open.then(&cascade.impulse(lasts_s, decays));
         self.pieces.push((cascade.torque(lasts_s, decays), lasts_s));
     }
 
-    /// Makes a step of the pieces since the last one.
+    /// Ends a step: it consists of the pieces since the last one.
     #[inline]
     pub fn close(&mut self) {
         self.steps.push(Step {
@@ -70,7 +70,7 @@ impl Course {
         self.open = Impulse::NONE;
     }
 
-    /// How many steps there are.
+    /// Number of steps.
     pub fn steps(&self) -> usize {
         self.steps.len()
     }
@@ -81,7 +81,7 @@ impl Course {
             .map_or(0, |before| self.steps[before].end)
     }
 
-    /// What the pieces of a step come to, if there is one.
+    /// Sum of the pieces of a step; `None` beyond the last one.
     #[inline(always)]
     pub(super) fn push(&self, step: usize) -> Option<&Push> {
         self.steps.get(step).map(|step| &step.push)

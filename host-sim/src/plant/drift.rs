@@ -2,34 +2,35 @@
 
 use crate::decay::Decay;
 
-/// Growth of a level as something warms up: `r τ (1 − e^(−t/τ))`, or `r t` where it never settles; from a cold device to the one
-/// that the level is of, `−r τ e^(−t/τ)`. A step, as of something that comes loose, adds to that from its instant on.
+/// Relative growth of a friction level, as of a device that warms up: `r τ (1 − e^(−t/τ))`, or `r t` if it never
+/// settles. If the level is that of the warm device, the growth is `−r τ e^(−t/τ)`. A step, as of a part that comes
+/// loose, adds to the growth from its instant on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drift {
-    /// Relative, at the start, 1/s.
+    /// Relative growth per second at the start, 1/s.
     pub rate_per_s: f64,
-    /// Time constant with which it settles, s.
+    /// Time constant with which it settles, s; `None` if it never does.
     pub settling_s: Option<f64>,
-    /// Whether the level is that where it settles, and not that at the start.
+    /// True if the level is that of the settled device, false if it is that at the start.
     pub settled: bool,
-    /// Relative growth at once.
+    /// Relative height of a step.
     pub step: f64,
-    /// When that comes, s after the start.
+    /// When the step comes, s after the start.
     pub step_s: f64,
-    /// When it starts, s of the session.
+    /// When the drift starts, s of the session.
     pub start_s: f64,
-    /// Whether it starts anew with a run whose clock does.
+    /// True if the drift starts anew with each run whose clock starts anew.
     pub anew: bool,
 }
 
 impl Drift {
-    /// The instant of the session at which it steps.
+    /// The instant of the step, s of the session.
     #[inline]
     fn steps_at_s(&self) -> f64 {
         self.start_s + self.step_s
     }
 
-    /// The same if there is a step and it is to come after `t_s`; infinite if not.
+    /// The instant of the step if it comes after `t_s`, s of the session; otherwise infinite.
     #[inline]
     pub(super) fn next_step(&self, t_s: f64) -> f64 {
         if self.step != 0.0 && t_s < self.steps_at_s() {
@@ -39,20 +40,20 @@ impl Drift {
         }
     }
 
-    /// Factor `d` of the level.
+    /// Factor of the level at `t_s` of the session.
     #[inline]
     pub(super) fn factor(&self, t_s: f64) -> f64 {
         self.factor_after(t_s, self.left(t_s))
     }
 
-    /// Share that is left of the way to where it settles.
+    /// Share of the drift that is still to come at `t_s` of the session.
     #[inline]
     fn left(&self, t_s: f64) -> f64 {
         let settling = |settling_s: f64| (-(t_s - self.start_s) / settling_s).exp();
         self.settling_s.map_or(1.0, settling)
     }
 
-    /// The same where that share is known.
+    /// Factor of the level at `t_s` of the session, where the share that is still to come is known.
     #[inline]
     fn factor_after(&self, t_s: f64, left: f64) -> f64 {
         let grown_s = match self.settling_s {
@@ -69,7 +70,7 @@ impl Drift {
     }
 }
 
-/// A drift on its way, by steps that mostly take as long.
+/// A drift that is evaluated at one instant after the other, mostly at equal distances.
 pub(super) struct Drifting {
     drift: Drift,
     t_s: f64,
@@ -87,7 +88,7 @@ impl Drifting {
         }
     }
 
-    /// Factor of the level at a time later than the last one.
+    /// Factor of the level at `t_s` of the session, which is later than the last one.
     #[inline]
     pub(super) fn factor(&mut self, t_s: f64) -> f64 {
         if let Some(settling_s) = self.drift.settling_s {

@@ -5,17 +5,19 @@ pub(super) trait Flow<const N: usize> {
     /// Time derivative of the state `x`, `t` after the start of the step.
     fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N];
 
-    /// State `t` after the start of the step, from the state and the rate at its start, and about what the rate is there.
+    /// The state `t` after the start of the step, from the state and the rate at its start, and the approximate rate
+    /// there.
     fn carried(&self, x: &[f64; N], rate: &[f64; N], t: f64) -> ([f64; N], [f64; N]);
 
     /// True if a cubic between the ends of a step of `h` follows it closely enough.
     fn is_nearly_cubic(&self, h: f64) -> bool;
 
-    /// Positive while the regime lasts, `t` after the start of the step; continuous through its end.
+    /// Positive while the regime lasts. It is evaluated `t` after the start of the step and is continuous through the
+    /// end of the regime.
     fn guard(&self, t: f64, x: &[f64; N]) -> f64;
 
-    /// True where the guard may dip below zero inside a step whose end shows nothing of it: judged
-    /// from the states and rates at both ends.
+    /// True if the guard may fall below zero within a step although it is positive at the end. Judged from the states
+    /// and rates at both ends.
     fn may_dip(&self, h: f64, x: [&[f64; N]; 2], rate: [&[f64; N]; 2]) -> bool;
 }
 
@@ -29,17 +31,18 @@ pub(super) struct Step<const N: usize> {
     pub event: bool,
 }
 
-/// Enough for the bracketing below to reach any tolerance by bisection alone.
+/// Iterations with which bisection alone reaches any tolerance.
 const LOCATE_ITERATIONS: usize = 60;
-/// Every so many iterations the bracket is halved, whatever the secant says.
+/// Number of iterations after which the bracket is bisected instead of cut by a secant.
 const HALVED_EVERY: usize = 6;
-/// Points at which a step with a suspected dip is sampled.
+/// Points at which the guard is sampled in a step that [may dip](Flow::may_dip).
 const DIP_SAMPLES: usize = 8;
 
-/// Steps by `h`, or to the first event if the guard ends before.
+/// Steps by `h`, or to the first event before that.
 ///
-/// An event is located by re-integrating to trial instants, or on a cubic where that will do, to a share `tolerance` of the step;
-/// the state returned is the first one past it. With no tolerance the step is taken whole, whatever the guard says.
+/// An event is located to a share `tolerance` of the step: on a cubic if that is close enough, else by integrating to
+/// trial instants. The returned state is the first one past the event. Without a tolerance the whole step is taken and
+/// the guard is ignored.
 #[inline]
 pub(super) fn advance<const N: usize>(
     flow: &impl Flow<N>,
@@ -78,9 +81,9 @@ pub(super) fn advance<const N: usize>(
     }
 }
 
-/// Through the states at both ends of a step with the rates there.
+/// The cubic with the states and rates at both ends of a step.
 struct Cubic<const N: usize> {
-    /// Of the powers of time from the start, the constant first.
+    /// Coefficients of the powers of time since the start, the constant first.
     coefficients: [[f64; N]; 4],
 }
 
@@ -105,14 +108,14 @@ impl<const N: usize> Cubic<N> {
     }
 }
 
-/// Of a bracket.
+/// An end of a bracket.
 #[derive(PartialEq)]
 enum End {
     Low,
     High,
 }
 
-/// The step up to the first state past the regime's end, before one that is `past` it.
+/// The step to the first state past the regime's end. `past` is a later state past that end.
 #[cold]
 fn cut_short<const N: usize>(
     flow: &impl Flow<N>,
@@ -146,10 +149,10 @@ pub(super) fn locate<T>(
     let (h, (g_end, mut x_high)) = past;
     let (mut low, mut high) = (0.0, h);
     let g_start = g_start.max(0.0);
-    // It is sought as far past the end as it may miss, so that what comes from before it will do as well.
+    // The search aims past the end by the tolerance, so that a slightly early result is past the end, too.
     let within = 0.5 * tolerance * (g_start - g_end);
     let (mut g_low, mut g_high) = (g_start + within, g_end + within);
-    // The end that the last iteration moved, if any: one that stays twice is weighed down.
+    // The end that the last iteration moved, if any. The value of an end that stays twice is halved.
     let mut moved = None;
     for iteration in 1..=LOCATE_ITERATIONS {
         if high - low <= tolerance * h {

@@ -9,8 +9,8 @@ use crate::ripple::Ripple;
 ///
 /// `F(x, v, t, T) = s · p(x) · d(t) · [1 + (r − 1) e^−|v/v_s|ⁿ] + µ |T|`
 ///
-/// with the level `s` of the direction of motion, a [`Stribeck`] factor and a share µ of the torque T that is transmitted: another
-/// one where T acts against the motion, as the load drives the motor then.
+/// with the level `s` of the direction of motion, a [`Stribeck`] factor and a share µ of the transmitted torque T.
+/// Where T acts against the motion, the load drives the motor, and µ is another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
     /// Sliding level against positive and against negative motion, N m.
@@ -19,24 +19,24 @@ pub struct Friction {
     pub stribeck: Stribeck,
     /// Dependence on position: `p = max(0, 1 + slope x + curve x² + r sin(n x) + s (cos(n x) − 1) + h exp(−|(x − c)/w|^m))`.
     pub position_slope: f64,
-    /// Likewise, 1/rad².
+    /// Curvature of the dependence on position, 1/rad².
     pub position_curve: f64,
-    /// Likewise, the terms of r and s.
+    /// The ripple of the dependence on position: the terms of r and s.
     pub position_ripple: Ripple,
-    /// Likewise, the last term.
+    /// The spot of the dependence on position: the term of h.
     pub position_spot: Spot,
-    /// Share of the torque that is transmitted, which is added to the level, where the motor drives.
+    /// Share µ of the transmitted torque that is added to the level, where the motor drives.
     pub load_share: f64,
-    /// The share where the load drives, over that.
+    /// The share µ where the load drives, over that where the motor drives.
     pub load_backdriven: f64,
-    /// Part of what gravity and springs pull that is transmitted beside the driving torque.
+    /// Part of the torque of gravity and springs that is transmitted in addition to the driving torque.
     pub load_passive: f64,
     /// Dependence on time, if any: `d = max(0, 1 + growth(t))`.
     pub drift: Option<Drift>,
 }
 
 impl Friction {
-    /// The same level in both directions, at rest and sliding.
+    /// Coulomb friction: one level in both directions, at rest and sliding.
     pub fn coulomb(level_nm: f64) -> Self {
         Self {
             level_nm: [level_nm; 2],
@@ -52,12 +52,12 @@ impl Friction {
         }
     }
 
-    /// Multiplies the level in both directions.
+    /// This friction with the level in both directions multiplied by `factor`.
     pub fn scale(&mut self, factor: f64) {
         self.level_nm = self.level_nm.map(|level| factor * level);
     }
 
-    /// Sliding level against motion in `direction` (±1) without what it depends on, N m.
+    /// Sliding level against motion in `direction` (±1) before any dependence on position, speed, time or load, N m.
     #[inline]
     pub fn level(&self, direction: f64) -> f64 {
         self.level_nm[usize::from(direction < 0.0)]
@@ -69,7 +69,7 @@ impl Friction {
         self.level_nm[0].max(self.level_nm[1])
     }
 
-    /// True if there is none at all.
+    /// True if there is no dry friction.
     pub fn is_none(&self) -> bool {
         self.level_nm == [0.0; 2] && self.load_share == 0.0
     }
@@ -105,7 +105,7 @@ impl Friction {
             + self.by_load(direction, transmitted_nm)
     }
 
-    /// What the load adds against motion in `direction` (±1), N m.
+    /// Friction that the transmitted torque adds against motion in `direction` (±1), N m.
     #[inline]
     fn by_load(&self, direction: f64, transmitted_nm: f64) -> f64 {
         let added_nm = self.load_share * transmitted_nm.abs();

@@ -1,12 +1,11 @@
-//! Sliding with nothing stiff in action, which most steps are: the midpoint rule, without a look for what may happen
-//! within.
+//! Most steps: sliding, with nothing stiff in action, by the midpoint rule and without a search for events.
 
 use super::pace::MIDPOINT_ON_SLOPE;
 use super::{Barrier, Plant, State, Torque, Touch};
 
 impl Plant {
-    /// Carries `state` over `dt_s` if nothing but gentle sliding happens meanwhile; false, and where it was, if anything
-    /// does.
+    /// Carries `state` over `dt_s` if the plant only slides meanwhile. Otherwise returns false and leaves `state` as it
+    /// was.
     #[inline]
     pub(super) fn glides(&self, state: &mut State, torque: &Torque, dt_s: f64) -> bool {
         if dt_s > self.longest_glide_s {
@@ -26,7 +25,7 @@ impl Plant {
         }
         let m = &self.mechanics;
         let [drive_nm, early_nm] = torque.means(dt_s);
-        // On the falling slope of friction the midpoint misses too much.
+        // Where friction falls with speed, the error of the midpoint rule is too large.
         if dt_s > self.longest_on_slope(state, drive_nm, MIDPOINT_ON_SLOPE) {
             return false;
         }
@@ -44,7 +43,7 @@ impl Plant {
         let half_s = 0.5 * dt_s;
         let first = acceleration(state.position, state.velocity, 0.0);
         let midway = state.velocity + half_s * first;
-        // A torque that comes early moves it farther.
+        // A torque early in the step moves the joint farther than one late in the step.
         let ahead = half_s * (early_nm - drive_nm) * self.inverse_inertia[0];
         let position = state.position + dt_s * (midway + ahead);
         let halfway = acceleration(state.position + half_s * state.velocity, midway, half_s);
@@ -58,8 +57,8 @@ impl Plant {
         true
     }
 
-    /// True if what carries the barriers has come into one, or out of one, since it was in a state; or if it has turned round, so that it
-    /// was farther in between and may have touched one.
+    /// True if a contact with a barrier has begun or ended since a state, or if the motion has reversed: the joint was
+    /// then farther in between and may have touched a barrier.
     #[inline]
     pub(super) fn meets_barrier(&self, state: &State, position: f64, velocity: f64) -> bool {
         let before = if self.parts.has_link {

@@ -1,4 +1,4 @@
-//! A torque that is written down as a law of the motion and the input, not built into the plant.
+//! A torque that is given as a law of the motion and the input instead of being built into the plant.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ pub struct Moment {
     pub position: f64,
     /// Velocity, that unit a second.
     pub velocity: f64,
-    /// The input as it acts: the torque of the drive over its ratio.
+    /// The acting input: the torque of the drive over its ratio.
     pub input: f64,
     /// Time of the session, s.
     pub time_s: f64,
@@ -18,10 +18,10 @@ pub struct Moment {
 
 /// A torque as a function of a moment and of parameters.
 pub trait TorqueLaw: Debug + Send + Sync {
-    /// N m; what is not finite counts as none.
+    /// The torque, N m. A value that is not finite counts as 0.
     fn torque_nm(&self, at: &Moment, parameters: &[f64]) -> f64;
 
-    /// The law written down: two laws of one text are the same.
+    /// The law as text. Two laws with the same text are equal.
     fn text(&self) -> String;
 }
 
@@ -35,7 +35,7 @@ impl<T: TorqueLaw + ?Sized> TorqueLaw for &T {
     }
 }
 
-/// A law with its parameters. The plant evaluates it in the middle of each step and holds it over that.
+/// A law with its parameters. The plant evaluates it in the middle of each step and holds its torque over the step.
 #[derive(Clone, Debug)]
 pub struct Law {
     law: Arc<dyn TorqueLaw>,
@@ -45,7 +45,7 @@ pub struct Law {
 }
 
 impl Law {
-    /// A law on a device whose drive has a ratio.
+    /// A law on a device whose drive has this `ratio`, N m per unit of input.
     pub fn new(law: Arc<dyn TorqueLaw>, parameters: Vec<f64>, ratio: f64) -> Self {
         Self {
             law,
@@ -54,12 +54,12 @@ impl Law {
         }
     }
 
-    /// Takes the drive's ratio as so many times as large.
+    /// Multiplies the drive's ratio.
     pub(crate) fn scale_ratio(&mut self, factor: f64) {
         self.ratio *= factor;
     }
 
-    /// N m, of a device that moves like this under a drive.
+    /// Torque at this motion and drive torque, N m.
     pub fn torque_nm(&self, position: f64, velocity: f64, drive_nm: f64, time_s: f64) -> f64 {
         let at = Moment {
             position,

@@ -1,17 +1,17 @@
-//! Torque on the load side that is linear in its position and velocity: of the spring, and of barriers that push.
+//! Torque on the load side that is linear in its position and velocity: that of the spring and of barriers in contact.
 
 use super::{Barrier, Plant, State, Touch};
 
 /// `T = constant − stiffness · x − damping · v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LinearLoad {
-    /// N m.
+    /// Torque at position 0 and velocity 0, N m.
     pub(super) constant_nm: f64,
-    /// N m/rad.
+    /// Stiffness, N m/rad.
     pub(super) stiffness: f64,
-    /// N m s/rad.
+    /// Damping, N m s/rad.
     pub(super) damping: f64,
-    /// True if a barrier pushes.
+    /// True if a barrier is in contact.
     pub(super) pushes: bool,
 }
 
@@ -38,7 +38,7 @@ impl LinearLoad {
         }
     }
 
-    /// Fastest rate of an inertia under this load, 1/s.
+    /// Natural frequency plus damping of an inertia under this load, 1/s.
     pub(super) fn rate(&self, inverse_inertia: f64) -> f64 {
         (self.stiffness.abs() * inverse_inertia).sqrt() + self.damping * inverse_inertia
     }

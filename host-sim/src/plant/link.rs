@@ -7,9 +7,9 @@
 pub struct Link {
     /// Share of the inertia on the load side, between 0 and 1.
     pub load_share: f64,
-    /// N m/rad.
+    /// Stiffness of the spring, N m/rad.
     pub stiffness: f64,
-    /// N m s/rad.
+    /// Damping of the spring, N m s/rad.
     pub damping: f64,
     /// Free travel between the two contacts, rad.
     pub play: f64,
@@ -19,19 +19,19 @@ pub struct Link {
     pub sensor_on_load: bool,
 }
 
-/// How the two sides of a link touch; within one of these its torque is linear.
+/// The contact between the two sides of a link. Its torque is linear as long as the contact stays the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Flank {
-    /// They do not.
+    /// No contact.
     Apart,
-    /// They push each other and never pull, on the side of this sign of the twist.
+    /// Contact on one flank, on the side of this sign of the twist. The sides push each other and never pull.
     Pushing(f64),
-    /// Without play they also pull.
+    /// No play: the sides push and pull each other.
     Bound,
 }
 
 impl Link {
-    /// None at all.
+    /// No link.
     pub(super) const NONE: Self = Self {
         load_share: 0.0,
         stiffness: 0.0,
@@ -41,16 +41,16 @@ impl Link {
         sensor_on_load: false,
     };
 
-    /// How far one side stands into the other past the play, and how far their torque would bend the spring, rad.
+    /// The twist beyond the play, and the twist at which the spring alone would have the present torque, rad.
     #[inline]
     fn depth_and_push(&self, side: f64, twist: f64, rate: f64) -> (f64, f64) {
-        // Torques are made positions by the stiffness, so that both have one unit.
+        // A torque over the stiffness is a position, so that both have one unit.
         let follows_s = self.damping / self.stiffness.max(f64::MIN_POSITIVE);
         let depth = side * twist - 0.5 * self.play;
         (depth, depth + follows_s * side * rate)
     }
 
-    /// At a relative position and velocity.
+    /// The flank at a relative position and velocity.
     #[inline]
     pub(super) fn flank(&self, twist: f64, rate: f64) -> Flank {
         if self.play == 0.0 {
@@ -107,7 +107,8 @@ impl Link {
         inertia * self.load_share * (1.0 - self.load_share)
     }
 
-    /// The same no stiffer and no more damped than what rings at `rate`, in rad/s, and is critically damped there.
+    /// The link with its stiffness and damping limited to those of a link that rings at `rate`, rad/s, and is
+    /// critically damped.
     pub fn bounded(self, inertia: f64, rate: f64) -> Self {
         let reduced = self.reduced(inertia);
         Self {
@@ -117,7 +118,7 @@ impl Link {
         }
     }
 
-    /// Time constant with which a ringing of the two sides dies away, s; infinite without damping.
+    /// Time constant with which an oscillation of the two sides decays, s; infinite without damping.
     pub fn memory_s(&self, inertia: f64) -> f64 {
         2.0 * self.reduced(inertia) / self.damping
     }

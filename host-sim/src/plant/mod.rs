@@ -59,36 +59,35 @@ pub use stribeck::Stribeck;
 use torque::Push;
 pub use torque::Torque;
 
-/// Most barriers that a plant can have: two stops, something outside that pushes back four times, and something that pushes three
-/// times.
+/// Number of barriers that a plant can have: two stops, four contacts and three pushes.
 pub const BARRIERS: usize = 9;
 
 /// Everything that acts on the joint. Angles in rad (or the recording's unit of position).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mechanics {
-    /// Of the joint, motor rotor included, kg m².
+    /// Inertia of the joint with the motor's rotor, kg m².
     pub inertia: f64,
-    /// N m s/rad.
+    /// Viscous friction, N m s/rad.
     pub viscous: f64,
-    /// N m s²/rad².
+    /// Quadratic drag, N m s²/rad².
     pub drag: f64,
     /// Weight times lever, N m.
     pub gravity: f64,
-    /// Where it hangs at rest, rad.
+    /// Position at which the joint hangs at rest, rad.
     pub gravity_zero: f64,
     /// Angle of one unit of position, rad.
     pub angle_rad: f64,
-    /// N m/rad.
+    /// Stiffness of the spring, N m/rad.
     pub stiffness: f64,
-    /// Where the spring is relaxed, rad.
+    /// Position at which the spring is relaxed, rad.
     pub stiffness_zero: f64,
-    /// Share by which the spring pulls more the square of a unit away from there, 1/rad².
+    /// Hardening of the spring: at a distance d its torque is 1 + `hardening` d² times the linear one, 1/rad².
     pub hardening: f64,
     /// Constant torque, N m.
     pub offset_nm: f64,
     /// Dry friction.
     pub friction: Friction,
-    /// Elastic part of the dry friction, if any: it then never sticks, it bends.
+    /// Elastic part of the dry friction, if any. The friction then bends bristles instead of sticking.
     pub presliding: Option<Presliding>,
     /// Transmission that is not rigid, if any.
     pub link: Option<Link>,
@@ -96,7 +95,7 @@ pub struct Mechanics {
     pub cogging: Option<Cogging>,
     /// Hard stops and contacts.
     pub barriers: [Option<Barrier>; BARRIERS],
-    /// Torques that are written down as laws.
+    /// Torques that are given as laws.
     pub laws: Vec<Law>,
 }
 
@@ -123,20 +122,21 @@ impl Mechanics {
         }
     }
 
-    /// Of the smooth part, the link apart, 1/s: natural frequencies plus dampings.
+    /// Natural frequencies plus damping of the smooth part without the link, 1/s.
     fn fastest_rate(&self) -> f64 {
         let stiffness = self.stiffness.abs() + self.bent_stiffness();
         (stiffness / self.inertia).sqrt() + self.viscous.abs() / self.inertia
     }
 
-    /// Of spring and viscous friction alone, on sides of these inverse inertias and with these shares of the friction, 1/s.
+    /// Natural frequency plus damping by the spring and viscous friction alone, 1/s. The two sides have these inverse
+    /// inertias, 1/(kg m²), and shares of the friction.
     fn spring_rate(&self, inverse_inertia: [f64; 2], friction_share: [f64; 2]) -> f64 {
         let damped =
             |side: usize| friction_share[side] * self.viscous.abs() * inverse_inertia[side];
         (self.stiffness.abs() * inverse_inertia[1]).sqrt() + damped(0).max(damped(1))
     }
 
-    /// Torque of the laws halfway through the next `dt_s` of a motion under a drive, N m.
+    /// Torque of all laws in the middle of the next `dt_s`, N m.
     pub(crate) fn by_laws(
         &self,
         [position, velocity]: [f64; 2],
@@ -162,7 +162,8 @@ impl Mechanics {
         self.gravity != 0.0 || self.stiffness != 0.0
     }
 
-    /// Of what does not pull in proportion, N m/rad: what a spring has hardened by is taken to be less than the spring.
+    /// Largest slope of the nonlinear torques, N m/rad. The hardening of a spring is assumed to add less than its
+    /// stiffness.
     fn bent_stiffness(&self) -> f64 {
         let cogging = self.cogging.map_or(0.0, |cogging| cogging.stiffness());
         let hardened = if self.hardening == 0.0 {
@@ -179,7 +180,7 @@ impl Mechanics {
         self.angle_rad * (position - self.gravity_zero)
     }
 
-    /// What the spring pulls at a position beyond what it would in proportion, N m.
+    /// Nonlinear part of the spring's torque at a position, N m.
     #[inline]
     fn hardened(&self, position: f64) -> f64 {
         if self.hardening == 0.0 {
@@ -188,7 +189,7 @@ impl Mechanics {
         -self.stiffness * self.hardening * (position - self.stiffness_zero).powi(3)
     }
 
-    /// What the spring pulls at a position, N m.
+    /// Torque of the spring at a position, N m.
     #[inline]
     pub fn spring(&self, position: f64) -> f64 {
         -self.stiffness * (position - self.stiffness_zero) + self.hardened(position)
@@ -202,14 +203,14 @@ pub enum Phase {
     Stick,
     /// On bristles that bend.
     Bristle,
-    /// Sliding the positive way.
+    /// Sliding in the positive direction.
     Forward,
-    /// Sliding the negative way.
+    /// Sliding in the negative direction.
     Backward,
 }
 
 impl Phase {
-    /// At a velocity, without bristles.
+    /// The phase at a velocity, without bristles.
     fn sliding(velocity: f64) -> Self {
         if velocity > 0.0 {
             Self::Forward
@@ -220,7 +221,7 @@ impl Phase {
         }
     }
 
-    /// Of sliding: ±1; 0 for none.
+    /// Direction of sliding: ±1; 0 if nothing slides.
     #[inline]
     fn direction(self) -> f64 {
         match self {
@@ -234,28 +235,28 @@ impl Phase {
 /// State of the joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// Since the start of the session, s.
+    /// Time since the start of the session, s.
     pub time_s: f64,
-    /// Of the motor side (the whole joint, where the transmission is rigid), rad.
+    /// Position of the motor side, rad. With a rigid transmission it is that of the joint.
     pub position: f64,
-    /// Likewise, rad/s.
+    /// Velocity of the motor side, rad/s.
     pub velocity: f64,
-    /// Of the load side, where the transmission is not rigid, rad.
+    /// Position of the load side, rad, where the transmission is not rigid.
     pub load_position: f64,
-    /// Likewise, rad/s.
+    /// Velocity of the load side, rad/s.
     pub load_velocity: f64,
     /// Deflection of the bristles, rad.
     pub deflection: f64,
-    /// Of the dry friction, on the motor side.
+    /// State of the dry friction on the motor side.
     pub phase: Phase,
-    /// Likewise, on the load side.
+    /// State of the dry friction on the load side.
     pub load_phase: Phase,
     touch: [Touch; BARRIERS],
     pendulum: Pendulum,
     rest: Rest,
 }
 
-/// What pulls on a joint that rests, the drive apart: it changes with the position alone.
+/// Torque on a resting joint without the drive. It changes with the position alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rest {
     position: f64,
@@ -263,7 +264,7 @@ struct Rest {
 }
 
 impl Rest {
-    /// Of no position at all.
+    /// The torque has not been computed yet.
     const UNKNOWN: Self = Self {
         position: f64::INFINITY,
         pull_nm: 0.0,
@@ -277,18 +278,18 @@ pub struct Plant {
     dry: bool,
     /// Share of the friction on the motor side and on the load side of the link.
     friction_share: [f64; 2],
-    /// Whether it depends on direction and time alone, and whether on the direction alone.
+    /// `is_level`: dry friction depends on direction and time alone. `plain`: it depends on the direction alone.
     is_level: bool,
     plain: bool,
     parts: Parts,
-    /// Whether barriers come and go, or a friction steps, at instants.
+    /// True if barriers come and go, or friction steps, at known instants.
     is_timed: bool,
-    /// Whether what pulls at a joint at rest depends on position and drive alone, barriers that come and go apart.
+    /// True if the torque on a resting joint depends on position and drive alone, apart from barriers that come and go.
     rest_is_steady: bool,
     inverse_inertia: [f64; 2],
     link_modes: Modes,
     pace: Pace,
-    /// Of friction on motor side and load side.
+    /// Fall of friction with speed on the motor side and on the load side.
     slopes: Option<[Slope; 2]>,
     /// Fastest rate of spring and viscous friction, 1/s.
     spring_rate: f64,
@@ -298,13 +299,13 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// Steps as long as the mechanics allow.
+    /// A plant that steps as far as the mechanics allow.
     pub fn new(mechanics: Mechanics) -> Self {
         Self::with_pace(mechanics, EXACT)
     }
 
-    /// Takes longer steps where something is stiff, for what is compared with a noisy sensor: they err
-    /// by 1e-3 of what changes within them.
+    /// A plant that takes longer steps where something is stiff, for comparison with a noisy sensor. Their error is
+    /// 1e-3 of the change within a step.
     pub fn quick(mechanics: Mechanics) -> Self {
         Self::with_pace(mechanics, QUICK)
     }
@@ -362,7 +363,7 @@ impl Plant {
         }
     }
 
-    /// Steps of at most `longest_step_s`, for studies of convergence.
+    /// A plant with steps of at most `longest_step_s`, for studies of convergence.
     pub fn with_longest_step(mechanics: Mechanics, longest_step_s: f64) -> Self {
         let plant = Self::new(mechanics);
         Self {
@@ -376,8 +377,8 @@ impl Plant {
         &self.mechanics
     }
 
-    /// The state at a position and velocity of the position sensor, with everything relaxed that
-    /// the sensor does not see.
+    /// The state at a position and velocity of the position sensor. Link and bristles, which the sensor does not see,
+    /// are relaxed.
     pub fn state(&self, time_s: f64, position: f64, velocity: f64) -> State {
         let mut state = State {
             time_s,
@@ -396,8 +397,8 @@ impl Plant {
         state
     }
 
-    /// The state at a newly measured position and velocity, with what the sensor does not see carried
-    /// over from `before`: the twist of the transmission and the deflection of the bristles.
+    /// The state at a newly measured position and velocity. The twist of the link and the deflection of the bristles,
+    /// which the sensor does not see, are taken from `before`.
     pub fn restart(&self, before: &State, time_s: f64, position: f64, velocity: f64) -> State {
         let (seen, seen_rate) = self.seen(before);
         let (shift, shift_rate) = (position - seen, velocity - seen_rate);
@@ -413,7 +414,7 @@ impl Plant {
         state
     }
 
-    /// Position and velocity where the position sensor sits, rad and rad/s.
+    /// Position and velocity on the side that has the position sensor, rad and rad/s.
     #[inline]
     pub fn seen(&self, state: &State) -> (f64, f64) {
         if self.parts.has_link && self.parts.link.sensor_on_load {
@@ -423,7 +424,7 @@ impl Plant {
         }
     }
 
-    /// Finds phase and contacts for positions and velocities that were set from outside.
+    /// Sets phase and contacts after positions and velocities were set from outside.
     fn enter(&self, state: &mut State) {
         let slid = state.deflection * state.velocity.signum();
         let Parts {
@@ -431,7 +432,7 @@ impl Plant {
             bristles,
             ..
         } = &self.parts;
-        // At rest bristles bend, however far they are bent: there is no sliding to go on with.
+        // At rest the bristles bend, whatever their deflection: the joint does not slide yet.
         let bends = *has_bristles && (state.velocity == 0.0 || slid < bristles.distance);
         state.phase = if bends {
             Phase::Bristle

@@ -1,30 +1,31 @@
-//! How exactly a plant is stepped.
+//! The accuracy with which a plant is stepped.
 
 use super::stribeck::Stride;
 
-/// How finely stiff parts are stepped.
+/// Limits of a step and of the search for events.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     /// Product of the fastest rate of a regime and the step.
     pub rate_step: f64,
-    /// How far a step may go where friction falls with speed: it then misses 1e-4 of the fall.
+    /// Longest step where friction falls with speed.
     pub on_slope: Stride,
     /// A step is never divided further than this, however stiff the plant.
     pub most_divisions: f64,
-    /// How closely an event is located, as a share of the step.
+    /// Accuracy of the instant of an event, as a share of the step.
     pub event_tolerance: f64,
-    /// Whether an event is located on a cubic through the ends of the step.
+    /// True if an event is located on a cubic through the ends of the step.
     pub cubic_events: bool,
-    /// More events than this within one step are chatter of a degenerate plant (a static level below
-    /// the sliding one, say): the rest of the step is then taken without looking for more.
+    /// Most events within one step. More of them are chatter of a degenerate plant, such as one with a static level
+    /// below the sliding one; the rest of the step is then taken without a search.
     pub most_events: usize,
-    /// Whether a link is stepped in closed form.
+    /// True if a link is stepped in closed form.
     pub closed_link: bool,
-    /// Product of the fastest rate and the step up to which the midpoint rule suffices, if it ever does.
+    /// Largest product of the fastest rate and the step for which the midpoint rule is used; `None` if it is never
+    /// used.
     pub glide_rate_step: Option<f64>,
 }
 
-/// A fourth-order step then errs by less than 1e-7 of what changes within it.
+/// The error of a fourth-order step is below 1e-7 of the change within it.
 pub(super) const EXACT: Pace = Pace {
     rate_step: 0.1,
     on_slope: Stride {
@@ -38,7 +39,7 @@ pub(super) const EXACT: Pace = Pace {
     closed_link: false,
     glide_rate_step: None,
 };
-/// The same where 1e-3 is enough, and what is stiffer than a sensor can show may go astray.
+/// The error of a step is below 1e-3 of the change within it. A motion that is too fast for a sensor may be wrong.
 pub(super) const QUICK: Pace = Pace {
     rate_step: 0.8,
     on_slope: Stride {
@@ -50,14 +51,15 @@ pub(super) const QUICK: Pace = Pace {
     cubic_events: true,
     most_events: 6,
     closed_link: true,
-    // The midpoint's frequency is off by a 24th of the square.
+    // The relative error of the midpoint rule's frequency is the square of this, over 24.
     glide_rate_step: Some(0.05),
 };
-/// Product of the fastest rate of all but a link and the step, where the link is stepped in closed form.
+/// Product of the step and the fastest rate without the link, where the link is stepped in closed form.
 pub(super) const CLOSED_RATE_STEP: f64 = 0.2;
-/// Of the link's natural rate and the step then: in a quarter of a period its flanks meet once at most.
+/// Product of the step and the link's natural rate, where the link is stepped in closed form. In a quarter of a period
+/// the flanks meet once at most.
 pub(super) const CLOSED_LINK_STEP: f64 = 0.5 * core::f64::consts::PI;
-/// How far a step of the midpoint rule may go where friction falls with speed.
+/// Longest step of the midpoint rule where friction falls with speed.
 pub(super) const MIDPOINT_ON_SLOPE: Stride = Stride {
     rate_step: 0.05,
     share: 0.1,

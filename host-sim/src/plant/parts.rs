@@ -2,8 +2,8 @@
 
 use super::{Barrier, Cogging, Link, Mechanics, Presliding};
 
-/// The optional parts, where there are any. One that is absent is all zeros, and not a payload left as it happens to be,
-/// of which compilers compute in advance what they may need: where that is subnormal, at a hundred times the cost.
+/// The optional parts of a plant. An absent part is all zeros: compilers compute with it in advance, and arithmetic
+/// with leftover subnormal numbers takes a hundred times as long.
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
     pub has_link: bool,

@@ -1,10 +1,9 @@
 //! Gravity on the joint.
 
-/// Up to this angle from its centre the expansion errs by less than 3e-9.
+/// Reach of the expansion, rad: its error is below 3e-9 up to this angle from its centre.
 const REACH_RAD: f64 = 0.05;
 
-/// Sine and cosine of an angle, expanded about a centre that follows the motion, so that a step needs
-/// no call of a sine.
+/// Sine and cosine of an angle, expanded about a centre that follows the motion. A step then needs no call of a sine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pendulum {
     centre: f64,
@@ -13,7 +12,7 @@ pub(super) struct Pendulum {
 }
 
 impl Pendulum {
-    /// Expanded about `angle`, rad.
+    /// The expansion about `angle`, rad.
     #[inline]
     pub(super) fn about(angle: f64) -> Self {
         Self {
@@ -23,16 +22,16 @@ impl Pendulum {
         }
     }
 
-    /// Moves the centre to `angle` if that has come too far from it.
+    /// Moves the centre to `angle`, rad, if the two are too far apart.
     #[inline]
     pub(super) fn follow(&mut self, angle: f64) {
-        // Half the reach is left to the step that follows.
+        // The other half of the reach is left for the next step.
         if (angle - self.centre).abs() > 0.5 * REACH_RAD {
             *self = Self::about(angle);
         }
     }
 
-    /// Sine of `angle`, to the fourth power of the way from the centre.
+    /// Sine of `angle`, rad, by the expansion to the fourth power.
     #[inline]
     pub(super) fn sin(&self, angle: f64) -> f64 {
         let d = angle - self.centre;

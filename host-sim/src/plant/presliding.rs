@@ -1,7 +1,7 @@
 //! The elastic part of dry friction.
 
-/// Bristles that bend before they slide, in place of stick, after Dahl ("A solid friction model", 1968)
-/// with the damping of the LuGre model of Canudas de Wit, Olsson, Åström and Lischinsky (IEEE TAC 40, 1995),
+/// Bristles that bend before they slide and replace sticking, after Dahl ("A solid friction model", 1968) with the
+/// damping of the LuGre model of Canudas de Wit, Olsson, Åström and Lischinsky (IEEE TAC 40, 1995),
 ///
 /// `z' = v (1 − z sgn v / z_s)ⁿ`, `F = (z / z_s) F_sliding + σ₁ z'`.
 ///
@@ -17,19 +17,20 @@ pub struct Presliding {
     pub damping: f64,
     /// Dahl's exponent n.
     pub exponent: f64,
-    /// Share e of `z_s` up to which they are purely elastic, below 1; with 0 they are on no part of their way.
+    /// Share e of `z_s` up to which they are purely elastic, below 1; 0 if they never are.
     pub elastic: f64,
 }
 
-/// Share of its sliding deflection at which a bristle counts as sliding.
+/// Share of the sliding deflection at which bristles count as sliding.
 const SLID: f64 = 0.98;
-/// Share of the way to sliding by which a step too long may overshoot: bristles spring back no faster than they are bent.
+/// Lowest share of the way to sliding that a too long step may leave. Bristles then spring back no faster than they
+/// bend.
 const FARTHEST_BACK: f64 = -1.0;
-/// Share that is left of the way to sliding below which the exponent is one: no solver follows a root to its end.
+/// Share of the way to sliding below which the exponent counts as 1, because no solver can follow a root to its end.
 const LAST: f64 = 0.02;
 
 impl Presliding {
-    /// None at all.
+    /// No bristles.
     pub(super) const NONE: Self = Self {
         distance: 0.0,
         damping: 0.0,
@@ -62,8 +63,8 @@ impl Presliding {
         (level_nm / self.distance / inertia).sqrt()
     }
 
-    /// Longest step over which a deflection follows a velocity, s: to the end of the elastic part, then once as long as it
-    /// relaxes.
+    /// Longest step over which the deflection follows a velocity, s: to the end of the elastic part, or one time
+    /// constant of the relaxation if that is longer.
     #[inline]
     pub(super) fn longest_step(&self, velocity: f64, deflection: f64) -> f64 {
         let bent = deflection * velocity.signum();
@@ -71,46 +72,46 @@ impl Presliding {
         elastic.max((1.0 - self.elastic) * self.distance) / velocity.abs()
     }
 
-    /// True where the deflection has settled and would relax faster than a step of `step_s` follows.
+    /// True if the deflection has settled and would relax faster than a step of `step_s` can follow.
     #[inline]
     pub(super) fn has_slid(&self, velocity: f64, deflection: f64, step_s: f64) -> bool {
         self.may_slide(velocity, step_s) && deflection * velocity.signum() > SLID * self.distance
     }
 
-    /// True where, had the deflection settled, it would.
+    /// True if a settled deflection would relax faster than a step of `step_s` can follow.
     #[inline]
     pub(super) fn may_slide(&self, velocity: f64, step_s: f64) -> bool {
         velocity.abs() * step_s > (1.0 - self.elastic) * self.distance
     }
 
-    /// Fastest rate of an inertia on bristles of this sliding level, 1/s.
+    /// Natural rate plus damping of an inertia on bristles of this sliding level, 1/s.
     pub(super) fn fastest_rate(&self, inertia: f64, level_nm: f64) -> f64 {
         self.natural_rate(inertia, level_nm) + self.damping / inertia
     }
 }
 
-/// Terms of the binomial series that a short way takes in place of a power, and what a change that it is taken of may be at
-/// most: what is left out is below 1e-9.
+/// Terms of the binomial series that replaces a power on a short way, and the largest argument of that series. Its
+/// error is below 1e-9.
 const TERMS: usize = 6;
 const SHORT: f64 = 0.15;
 
-/// Bristles as they are bent on and on.
+/// Bristles that are bent by one way after the other.
 #[derive(Clone, Copy)]
 pub(super) struct Bending<'a> {
     bristles: &'a Presliding,
     deflection: f64,
     last: Option<Way>,
-    /// Of (1 − u)^p with p = 1/(1 − n): each term over the one before it and u.
+    /// Ratios of the terms of (1 − u)^p, with p = 1/(1 − n): each term over the one before it, over u.
     ratios: [f64; TERMS],
-    /// |u| up to which the series is taken.
+    /// Largest |u| for which the series is used.
     short: f64,
 }
 
-/// Where a way to one side has led.
+/// The end of a way in one direction.
 #[derive(Clone, Copy)]
 struct Way {
     side: f64,
-    /// Share that is left of the yielding part, and its power of 1 − n, from which the next way goes on.
+    /// Share of the yielding part that is left, and that share to the power 1 − n, from which the next way continues.
     left: f64,
     power: f64,
 }
@@ -139,7 +140,7 @@ impl<'a> Bending<'a> {
         self.deflection
     }
 
-    /// Bends them on by a `way` to one side: they know no time. In closed form, for all that is left.
+    /// Bends the bristles by a further `way`, rad, in closed form. Time does not matter.
     #[inline]
     pub(super) fn go(&mut self, way: f64) {
         if way == 0.0 {
@@ -183,7 +184,7 @@ impl<'a> Bending<'a> {
         self.deflection = side * distance * (1.0 - yields * left);
     }
 
-    /// Deflection per way on a way to the side of `velocity`.
+    /// Derivative of the deflection over the way, in the direction of `velocity`.
     #[inline]
     pub(super) fn bends(&self, velocity: f64) -> f64 {
         match self.last {
@@ -228,7 +229,7 @@ mod tests {
                 exponent,
                 elastic,
             };
-            // There, back past the middle, and there again.
+            // Forwards, back past the middle, and forwards again.
             let mut bending = Bending::from(&bristles, 0.0);
             let mut z = 0.0;
             for way in [0.008, -0.013, 0.002, 0.009, 0.009] {
@@ -287,7 +288,8 @@ mod tests {
             exponent: 1.0,
             elastic: 0.4,
         };
-        // All of the way below its share and back, half of it halfway between there and where it slides.
+        // The deflection follows the motion below the elastic share and on the way back, and half of it in the middle
+        // between the elastic share and sliding.
         assert_eq!(bristles.rate(2.0, 0.0039), 2.0);
         assert_eq!(bristles.rate(-2.0, 0.0099), -2.0);
         assert!((bristles.rate(2.0, 0.007) - 1.0).abs() < 1e-12);

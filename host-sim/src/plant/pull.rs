@@ -1,10 +1,10 @@
-//! What pulls on the motor side and on the load side of the joint, dry friction apart.
+//! The torques on the motor side and on the load side of the joint, without dry friction.
 
 use super::pendulum::Pendulum;
 use super::{BARRIERS, Mechanics, Plant, State, Touch};
 
 impl Mechanics {
-    /// Friction that grows with velocity, N m.
+    /// Viscous friction and quadratic drag, N m.
     #[inline(always)]
     pub(super) fn drag(&self, velocity: f64) -> f64 {
         (self.viscous + self.drag * velocity.abs()) * velocity
@@ -33,7 +33,7 @@ impl Mechanics {
             .holding(direction, position, time_s, transmitted_nm)
     }
 
-    /// What is transmitted under a drive, by which dry friction may grow, N m.
+    /// Torque that the transmission carries under a drive, N m. Dry friction may grow with it.
     #[inline]
     fn transmitted(&self, drive_nm: f64, position: f64) -> f64 {
         let passive = self.friction.load_passive;
@@ -43,7 +43,7 @@ impl Mechanics {
         drive_nm + passive * self.passive(position)
     }
 
-    /// What gravity and springs pull at a position, N m.
+    /// Torque of gravity and springs at a position, N m.
     #[inline]
     pub fn passive(&self, position: f64) -> f64 {
         self.spring(position) - self.gravity * self.from_hanging_rad(position).sin()
@@ -51,7 +51,7 @@ impl Mechanics {
 }
 
 impl Plant {
-    /// What acts where the motor is, dry friction apart, N m.
+    /// Torque on the motor side without friction and link, N m.
     #[inline(always)]
     pub(super) fn motor_side(&self, drive_nm: f64, position: f64) -> f64 {
         let torque = drive_nm + self.mechanics.offset_nm;
@@ -62,7 +62,7 @@ impl Plant {
         }
     }
 
-    /// What acts where the load is, N m.
+    /// Torque on the load side without friction and link, N m.
     #[inline(always)]
     pub(super) fn load_side(
         &self,
@@ -82,7 +82,7 @@ impl Plant {
         torque
     }
 
-    /// Through the link, if there is one, from the motor side on the load side, N m.
+    /// Torque from the motor side on the load side, N m; 0 without a link.
     #[inline]
     pub(super) fn through(&self, state: &State) -> f64 {
         if !self.parts.has_link {
@@ -93,7 +93,7 @@ impl Plant {
         self.parts.link.torque(twist, rate)
     }
 
-    /// On the motor side, all but dry friction, with what goes `through` the link, N m.
+    /// Torque on the motor side without dry friction, N m. `through` is the torque of the link.
     #[inline]
     pub(super) fn pull(&self, state: &State, drive_nm: f64, through: f64) -> f64 {
         let m = &self.mechanics;
@@ -107,7 +107,7 @@ impl Plant {
             }
     }
 
-    /// Likewise, on the load side, N m.
+    /// Torque on the load side without dry friction, N m. `through` is the torque of the link.
     #[inline]
     pub(super) fn load_pull(&self, state: &State, through: f64) -> f64 {
         let (position, velocity) = (state.load_position, state.load_velocity);

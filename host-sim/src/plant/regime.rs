@@ -1,4 +1,4 @@
-//! A regime: stick, slip and contact as they are, and the smooth flow of the state until one of them changes.
+//! A regime: the smooth flow of the state as long as stick, slip and contact stay the same.
 
 use super::event::Flow;
 use super::link::Flank;
@@ -9,45 +9,45 @@ use super::stiff::{self, Linear};
 use super::two_mass::TwoMass;
 use super::{BARRIERS, Phase, Plant, Rest, State, Torque, Touch};
 
-/// Angle of an oscillation that a cubic follows within a thousandth.
+/// Angle of an oscillation up to which the error of a cubic is below a thousandth, rad.
 const MOST_ON_A_CUBIC: f64 = 0.8;
 
-/// Within one regime. The state is `[position, velocity]` of the motor side, then, for N of 4 and 5,
-/// those of the load side, then, for odd N, the deflection of the bristles.
+/// One regime. Its state is `[position, velocity]` of the motor side, then, for N of 4 and 5, those of the load side,
+/// then, for odd N, the deflection of the bristles.
 pub(super) struct Regime<'a, const N: usize> {
     plant: &'a Plant,
     torque: &'a Torque,
     pendulum: Pendulum,
     time_s: f64,
-    /// By which velocities are made positions, s.
+    /// Length of the step, s. Guards multiply velocities by it, so that they are positions.
     step_s: f64,
-    /// Of sliding: ±1; 0 where dry friction has no kink here.
+    /// Direction of sliding: ±1; 0 where dry friction has no kink.
     direction: f64,
     held: bool,
     load: LoadSide,
     constant_friction_nm: Option<f64>,
-    /// The link, where it is stepped in closed form.
+    /// The link, if it is stepped in closed form.
     closed: Option<Closed<'a>>,
-    /// What is stepped exactly, where that is stiff.
+    /// The linear part, if it is stiff and stepped exactly.
     stiff: Option<Linear>,
     touch: &'a [Touch; BARRIERS],
 }
 
-/// The load side of a link as far as dry friction goes.
+/// The dry friction on the load side of a link.
 struct LoadSide {
     direction: f64,
     held: bool,
     constant_friction_nm: Option<f64>,
 }
 
-/// A link that bounds the regime by its flanks, and is linear within.
+/// A link on one flank. It is linear there, and the regime ends with the flank.
 struct Closed<'a> {
     flank: Flank,
     masses: &'a TwoMass,
 }
 
 impl<'a> Closed<'a> {
-    /// Within the present flank, `held` on the motor side or the load side.
+    /// The link on its present flank. Friction holds the motor side or the load side if `held` says so.
     #[inline]
     fn of(plant: &'a Plant, state: &State, held: [bool; 2]) -> Self {
         let flank = plant.parts.link.flank(
@@ -61,14 +61,14 @@ impl<'a> Closed<'a> {
     }
 }
 
-/// How a regime is stepped.
+/// The method by which a regime is stepped.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scheme {
-    /// By Runge and Kutta.
+    /// The classical Runge-Kutta method.
     Classical,
-    /// The link in closed form: all else is slow.
+    /// The link in closed form. Everything else is slow.
     ClosedLink,
-    /// All that is linear exactly.
+    /// The linear part exactly.
     Stiff,
 }
 
@@ -105,7 +105,7 @@ pub(super) fn unpack<const N: usize>(x: &[f64; N], state: &mut State) {
 }
 
 impl<'a, const N: usize> Regime<'a, N> {
-    /// That of `state` under `torque`, for a step of `step_s`.
+    /// The regime of `state` under `torque`, for a step of `step_s`.
     #[inline]
     pub(super) fn of(
         plant: &'a Plant,
@@ -147,13 +147,13 @@ impl<'a, const N: usize> Regime<'a, N> {
         }
     }
 
-    /// In which motor side and load side slide: ±1; 0 where dry friction has no kink.
+    /// Directions in which motor side and load side slide: ±1; 0 where dry friction has no kink.
     #[inline]
     pub(super) fn directions(&self) -> [f64; 2] {
         [self.direction, self.load.direction]
     }
 
-    /// Dry friction while sliding or on bristles, N m; and the rate of the bristles.
+    /// Dry friction on the motor side while it slides or bends bristles, N m, and the rate of the bristles, rad/s.
     #[inline(always)]
     fn friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> (f64, f64) {
         let m = &self.plant.mechanics;
@@ -177,7 +177,7 @@ impl<'a, const N: usize> Regime<'a, N> {
         (friction, 0.0)
     }
 
-    /// Dry friction of the load side while sliding, N m.
+    /// Dry friction on the load side while it slides, N m.
     #[inline]
     fn load_friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> f64 {
         self.load.constant_friction_nm.unwrap_or_else(|| {
@@ -206,7 +206,7 @@ impl<'a, const N: usize> Regime<'a, N> {
         state
     }
 
-    /// Position and velocity of what carries the barriers.
+    /// Position and velocity of the side on which barriers act.
     #[inline]
     fn load(x: &[f64; N]) -> (f64, f64) {
         if is_linked(N) {
@@ -216,8 +216,8 @@ impl<'a, const N: usize> Regime<'a, N> {
         }
     }
 
-    /// Through the link, if there is one, from the motor side on the load side, N m: in closed form that of the flank of
-    /// this regime, also past its end, where it jumps.
+    /// Torque from the motor side on the load side, N m; 0 without a link. In closed form it is that of the regime's
+    /// flank, even past the end of the regime, where the true torque jumps.
     #[inline(always)]
     fn through(&self, x: &[f64; N]) -> f64 {
         match &self.closed {
@@ -227,8 +227,8 @@ impl<'a, const N: usize> Regime<'a, N> {
         }
     }
 
-    /// What acts on motor side and load side, the link apart, N m, and the rate of the bristles. Without a link
-    /// all of it acts on the motor side.
+    /// Torques on motor side and load side without the link, N m, and the rate of the bristles, rad/s. Without a link
+    /// everything acts on the motor side.
     #[inline(always)]
     fn forces(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> ([f64; 2], f64) {
         let m = &self.plant.mechanics;
@@ -248,8 +248,8 @@ impl<'a, const N: usize> Regime<'a, N> {
         ([motor - friction, load], bristle_rate)
     }
 
-    /// The link in closed form, what else acts as it does halfway: the exponential midpoint rule (Hochbruck and
-    /// Ostermann, Acta Numerica 19, 2010).
+    /// A step of `t` with the link in closed form. All other torques are held at their values in the middle of the
+    /// step: the exponential midpoint rule (Hochbruck and Ostermann, Acta Numerica 19, 2010).
     #[inline]
     fn in_closed_form(
         &self,
@@ -304,7 +304,7 @@ impl<'a, const N: usize> Regime<'a, N> {
         rate
     }
 
-    /// What is linear exactly, what else acts as it does halfway.
+    /// A step of `t` with the linear part exact. All other torques are held at their values in the middle of the step.
     #[inline(never)]
     fn exactly<const D: usize, const S: usize>(
         &self,
@@ -368,7 +368,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
 
     #[inline(always)]
     fn guard(&self, t: f64, x: &[f64; N]) -> f64 {
-        // All in one unit, or the smallest would hide the others until the end.
+        // All guards have one unit. Otherwise the smallest would hide the others.
         let far = |velocity: f64| self.step_s * velocity;
         let mut guard = if self.direction == 0.0 {
             f64::INFINITY

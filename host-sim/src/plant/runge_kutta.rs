@@ -5,8 +5,8 @@ fn offset<const N: usize>(x: &[f64; N], h: f64, k: &[f64; N]) -> [f64; N] {
     core::array::from_fn(|i| x[i] + h * k[i])
 }
 
-/// One classical Runge-Kutta step of length `h` from the rate `k1` at `x`; the state at the end and
-/// the last stage's rate there.
+/// One classical Runge-Kutta step of length `h` from `x`, where the rate is `k1`. Returns the state at the end and the
+/// rate of the last stage.
 #[inline]
 pub(super) fn rk4<const N: usize>(
     rate: impl Fn(f64, &[f64; N]) -> [f64; N],

@@ -1,20 +1,20 @@
-//! A place at which something rubs.
+//! Dry friction that is higher or lower around one position.
 
 /// `h exp(−|(x − c)/w|ᵐ)`: a bell with m of 2, a band with more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// h: relative to the level around it, negative where less rubs.
+    /// h: height relative to the level around it, negative where friction is lower.
     pub height: f64,
-    /// c, rad.
+    /// c: position of the middle, rad.
     pub position: f64,
-    /// w, rad; positive.
+    /// w: half of the width, rad; positive.
     pub width: f64,
-    /// m, how steep its flanks are, 2 or more.
+    /// m: steepness of the flanks, 2 or more.
     pub exponent: f64,
 }
 
 impl Spot {
-    /// No such place.
+    /// No spot.
     pub const NONE: Self = Self {
         height: 0.0,
         position: 0.0,

@@ -1,10 +1,10 @@
-//! Dry friction at rest: what holds a joint, and what breaks it away.
+//! Dry friction at rest: the level that holds a joint, and the drive that breaks it away.
 
 use super::event::locate;
 use super::{Phase, Plant, Rest, State, Torque};
 
 impl Plant {
-    /// The phase that follows on rest under this drive.
+    /// The phase of the motor side after a rest under this drive torque, N m.
     #[inline]
     pub(super) fn phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
         let pull = self.pull(state, drive_nm, self.through(state));
@@ -15,7 +15,7 @@ impl Plant {
         }
     }
 
-    /// Likewise, of the load side.
+    /// The phase of the load side after a rest under this drive torque, N m.
     #[inline]
     pub(super) fn load_phase_at_rest(&self, state: &State, drive_nm: f64) -> Phase {
         let pull = self.load_pull(state, self.through(state));
@@ -43,7 +43,7 @@ impl Plant {
         self.dry && self.friction_share[1] > 0.0
     }
 
-    /// Level that holds against `pull` at rest, N m.
+    /// Level that holds the motor side against `pull` at rest, N m.
     #[inline]
     pub(super) fn holding(&self, state: &State, pull: f64, drive_nm: f64) -> f64 {
         self.holding_at(state.position, state.time_s, pull, drive_nm)
@@ -67,20 +67,21 @@ impl Plant {
         (self.plain || direction == 0.0).then(|| self.level_nm(side, direction))
     }
 
-    /// The same without what it depends on beside the direction, N m.
+    /// Dry friction on the motor side (0) or the load side (1) while sliding, before any dependence on anything but the
+    /// direction, N m.
     #[inline]
     pub(super) fn level_nm(&self, side: usize, direction: f64) -> f64 {
         self.friction_share[side] * direction * self.mechanics.friction.level(direction)
     }
 
-    /// True if the joint is at rest, and what pulls at it there is the same as long as it is.
+    /// True if the joint is at rest and the torque on it, without the drive, stays the same while it rests.
     #[inline]
     pub(super) fn rests(&self, state: &State) -> bool {
         self.rest_is_steady && state.phase == Phase::Stick && state.velocity == 0.0
     }
 
-    /// True if the joint is at rest and no drive between two bounds breaks it away by the end of the next `within_s`: what
-    /// drifts has drifted farthest then.
+    /// True if the joint is at rest and no drive between two bounds, N m, breaks it away within the next `within_s`.
+    /// Friction is taken at their end, where it has drifted farthest.
     #[inline]
     pub(super) fn stays_at_rest(
         &self,
@@ -93,7 +94,8 @@ impl Plant {
         self.rests(state) && self.is_held_by(state, bounds_nm, holding)
     }
 
-    /// True if a level, of a pull under a drive, holds the joint that rests under any drive between two bounds.
+    /// True if friction holds the resting joint under any drive between two bounds, N m. `holding` is its level by
+    /// torque and drive, N m.
     #[inline]
     pub(super) fn is_held_by(
         &self,
@@ -114,7 +116,7 @@ impl Plant {
         holds(low) && (low == high || holds(high))
     }
 
-    /// At rest: until the end of the step, or until a drive that grows within it breaks away.
+    /// Time for which the joint stays at rest, s: `left`, or until the drive breaks it away.
     pub(super) fn hold(&self, state: &State, torque: &Torque, left: f64) -> f64 {
         let still_nm = self.pull(state, 0.0, self.through(state));
         let left_to_break_nm = |t: f64| {
@@ -126,7 +128,7 @@ impl Plant {
         if at_end >= 0.0 {
             return left;
         }
-        // The drive is monotone within a step, so that it breaks away once at most.
+        // The drive is monotonic within a step, so that it breaks the joint away once at most.
         let (breaks, ()) = locate(
             |t| (left_to_break_nm(t), ()),
             left_to_break_nm(0.0),

@@ -1,31 +1,31 @@
-//! A regime that is too stiff for a classical step. What acts in proportion to where the masses are and how fast they move, and the
-//! drive, are stepped exactly; what else acts does so as it does halfway (the exponential Rosenbrock midpoint rule: Hochbruck and
-//! Ostermann, Acta Numerica 19, 2010).
+//! A regime that is too stiff for a classical step. The drive and all torques that are linear in the positions and
+//! velocities are stepped exactly. All others are held at their values in the middle of the step (the exponential
+//! Rosenbrock midpoint rule: Hochbruck and Ostermann, Acta Numerica 19, 2010).
 
 use super::linear_load::LinearLoad;
 use super::link::Flank;
 use super::zero_order_hold::{ZeroOrderHold, combined};
 use super::{Phase, Plant, State, Torque};
 
-/// A step is never divided further than this. What turns faster than [`TURN`] in such a part is not followed: its rows do not show
-/// it either.
+/// Most parts of a step. An oscillation faster than [`TURN`] in such a part is not followed; the rows of a log do not
+/// show it either.
 pub(super) const MOST_DIVISIONS: f64 = 64.0;
-/// More events than this within one step are chatter.
+/// Most events within one step. More of them are chatter.
 pub(super) const MOST_EVENTS: usize = 64;
-/// Times that a quick classical step must be longer than the step for the phase of what turns fast: it then errs by 1e-4 of the
-/// turn, and not by 3e-3.
+/// Factor by which a classical step must be longer than the step to be used for a fast oscillation. Its phase error is
+/// then 1e-4 instead of 3e-3 of the angle.
 pub(super) const BEYOND_CLASSICAL: f64 = 2.5;
-/// How closely an event is located, as a share of the step: what turns fast does so many times in a log.
+/// Accuracy of the instant of an event, as a share of the step. A fast oscillation has many events in a log.
 pub(super) const EVENT_TOLERANCE: f64 = 1e-9;
-/// Product of the fastest rate of what is not linear and the step.
+/// Product of the fastest rate of the nonlinear part and the step.
 const BENT_RATE_STEP: f64 = 0.2;
-/// The same of bristles, which yield as they bend.
+/// Product of the rate of an inertia on bristles and the step. Bristles yield as they bend.
 const BRISTLE_ANGLE: f64 = 0.2;
-/// Angle, rad, that a mass turns through on its springs in a step at most where it may stop or strike: it does so once at most then.
+/// Largest angle of an oscillation in a step, rad, where a mass may stop or strike: it then does so once at most.
 pub(super) const TURN: f64 = 0.5 * core::f64::consts::PI;
 
-/// Rates of a linear flow, by columns. Its state is position and velocity of each mass, then the drive: what decays of it and what
-/// grows evenly, N m.
+/// Rates of a linear flow, by columns. Its state is position and velocity of each mass, then the two parts of the
+/// drive: the one that decays and the one that grows evenly, N m.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Linear {
     One([[f64; 4]; 4]),
@@ -33,7 +33,8 @@ pub(super) enum Linear {
 }
 
 impl Linear {
-    /// Of a plant in a state; the flank of its link and what is held, if there is a link.
+    /// The linear flow of a plant in a state. `linked` is the flank of the link and the sides that friction holds;
+    /// `None` without a link.
     pub(super) fn of(
         plant: &Plant,
         state: &State,
@@ -73,7 +74,7 @@ impl Linear {
     }
 }
 
-/// The rates of some masses with those of the drive, which pushes the first.
+/// The rates of masses, extended by the drive, which acts on the first mass.
 fn driven<const M: usize, const D: usize>(
     masses: &[[f64; M]; M],
     motor: f64,
@@ -90,20 +91,20 @@ fn driven<const M: usize, const D: usize>(
     rates
 }
 
-/// A step of a linear flow under what else acts.
+/// A step of a linear flow under nonlinear torques.
 pub(super) struct Step<const D: usize, const S: usize> {
     hold: ZeroOrderHold<D, S>,
     from: [f64; D],
-    /// How fast the drive grows, N m/s.
+    /// Rate at which the drive grows, N m/s.
     grows: f64,
 }
 
 impl<const D: usize, const S: usize> Step<D, S> {
-    /// From the positions and velocities of the masses, over `step_s`.
+    /// A step over `step_s` from these positions and velocities of the masses.
     pub(super) fn new(rates: &[[f64; D]; D], masses: &[f64], torque: &Torque, step_s: f64) -> Self {
         let mut inputs = [[0.0; D]; S];
         for (mass, input) in inputs.iter_mut().enumerate() {
-            // The last is the growth of the drive.
+            // The last input is the growth of the drive.
             let acts_on = if mass + 1 < S { 2 * mass + 1 } else { D - 1 };
             input[acts_on] = 1.0;
         }
@@ -118,7 +119,7 @@ impl<const D: usize, const S: usize> Step<D, S> {
         }
     }
 
-    /// What the linear flow accelerates the masses by, under a drive, rad/s².
+    /// Accelerations of the masses by the linear flow, under a drive, rad/s².
     fn pulled(&self, rates: &[[f64; D]; D], at: &[f64; D], drive_nm: f64) -> [f64; D] {
         let mut at = *at;
         (at[D - 2], at[D - 1]) = (0.0, drive_nm);
@@ -135,8 +136,8 @@ impl<const D: usize, const S: usize> Step<D, S> {
         })
     }
 
-    /// The masses halfway and at the end, and what they are accelerated by there. `total` is what all that acts accelerates
-    /// them by: at the start, and under a drive at the masses halfway.
+    /// The state of the masses and their accelerations in the middle and at the end of the step. `total` is the
+    /// acceleration by all torques: at the start, and under a drive in the middle.
     pub(super) fn taken(
         &self,
         rates: &[[f64; D]; D],
@@ -168,17 +169,17 @@ impl<const D: usize, const S: usize> Step<D, S> {
     }
 }
 
-/// Of bristles about where they are bent to.
+/// Spring and damper of bristles at their present deflection.
 #[derive(Clone, Copy, Default)]
 struct BristleSpring {
-    /// N m/rad.
+    /// Stiffness, N m/rad.
     stiffness: f64,
-    /// N m s/rad.
+    /// Damping, N m s/rad.
     damping: f64,
 }
 
 impl Plant {
-    /// Resistance to motion of motor side and load side, about their velocities, N m s/rad.
+    /// Damping of motor side and load side at their present velocities, N m s/rad.
     #[inline]
     fn damping(&self, state: &State) -> [f64; 2] {
         let m = &self.mechanics;
@@ -191,7 +192,7 @@ impl Plant {
             return BristleSpring::default();
         }
         let bristles = &self.parts.bristles;
-        // At rest they bend whichever way it goes.
+        // At rest the bristles bend in either direction.
         let bends = match state.velocity {
             0.0 => 1.0,
             velocity => bristles.rate(velocity, state.deflection) / velocity,
@@ -203,8 +204,7 @@ impl Plant {
         }
     }
 
-    /// At which drag that grows with the square of the speed slows a side, at the speed that it has or at that to which it is
-    /// pulled, 1/s.
+    /// Rate at which quadratic drag slows a side, 1/s, at its present speed or at the speed to which it is pulled.
     pub(super) fn drag_rate(&self, state: &State, drive_nm: f64) -> f64 {
         let drag = self.mechanics.drag;
         let pull_nm = self.pull(state, drive_nm, self.through(state)).abs();
@@ -227,7 +227,7 @@ impl Plant {
             let stiffness = linear_load.stiffness.abs() + bristles;
             let damping = m.viscous + linear_load.damping;
             if bristles > 0.0 {
-                // As long as a mass on them takes to bend them, against its inertia or through what damps it.
+                // The time in which a mass bends the bristles, limited by its inertia or by its damping.
                 let natural_s = (bristles * mobility).sqrt().recip();
                 longest = longest.min(BRISTLE_ANGLE * natural_s.max(damping / bristles));
             }
@@ -236,8 +236,8 @@ impl Plant {
         longest
     }
 
-    /// Rate at which the masses turn on a linear load of some stiffness, N m/rad, and damping, N m s/rad, and on their link, rad/s: a velocity
-    /// changes its sign once in a part of a turn at most.
+    /// Angular frequency of the masses on a linear load and on their link, rad/s. A velocity changes its sign once in a
+    /// part of a turn at most.
     pub(super) fn turning_rate(&self, stiffness: f64, damping: f64) -> f64 {
         let mobility = self.highest_mobility();
         if self.parts.has_link {

@@ -4,25 +4,26 @@
 ///
 /// `1 + (r − 1) (1 + t p)^(−1/t)`, p = |v/v_s|ⁿ
 ///
-/// With t of 0 it is `1 + (r − 1) e^−p` of Bo and Pavelescu (Wear 82, 1982), with n of 2 then that of Armstrong-Hélouvry,
-/// Dupont and Canudas de Wit (Automatica 30, 1994), with n of 1 that of Tustin (IEE 94, 1947); with t of 1 and n of 2 that of
-/// Hess and Soom (Journal of Tribology 112, 1990).
+/// With t = 0 it is `1 + (r − 1) e^−p` of Bo and Pavelescu (Wear 82, 1982): with n = 2 that of Armstrong-Hélouvry,
+/// Dupont and Canudas de Wit (Automatica 30, 1994), with n = 1 that of Tustin (IEE 94, 1947). With t = 1 and n = 2 it
+/// is that of Hess and Soom (Journal of Tribology 112, 1990).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stribeck {
     /// Static level over the sliding level, r.
     pub ratio: f64,
     /// Speed over which the level falls, `v_s`, rad/s.
     pub velocity: f64,
-    /// How suddenly it falls, n, 1 or more.
+    /// Steepness n of the fall, 1 or more.
     pub exponent: f64,
-    /// How slowly the last of it goes, t: 0 as an exponential, up to 1 as a hyperbola.
+    /// Tail t of the fall: 0 for an exponential, up to 1 for a hyperbola.
     pub tail: f64,
 }
 
-/// Logarithms of how many times gentler than where it is steepest the curve is in a tail, and where it is flat: 10 and 1e4.
+/// Logarithms of the ratio of the steepest slope to the slope in the tail and where the curve counts as flat: 10 and
+/// 1e4.
 const IN_TAIL: f64 = 2.3;
 const FLAT: f64 = 9.2;
-/// Power of the exponential from which nothing of it is left: exp(−36) is 2e-16.
+/// Power from which the exponential is 0 in double precision: exp(−36) is 2e-16.
 const GONE_FROM: f64 = 36.0;
 impl Stribeck {
     /// One level at rest and sliding.
@@ -39,10 +40,10 @@ impl Stribeck {
         self.ratio == 1.0
     }
 
-    /// Of the sliding level, at a speed in rad/s.
+    /// Factor of the sliding level at a speed in rad/s.
     #[inline]
     pub fn factor(&self, speed: f64) -> f64 {
-        // Most of the motion is beyond the reach of double precision.
+        // At most speeds of a motion the exponential is 0 in double precision.
         let is_gone = self.tail == 0.0 && speed >= GONE_FROM * self.velocity;
         if is_gone || self.is_none() {
             return 1.0;
@@ -50,7 +51,7 @@ impl Stribeck {
         1.0 + (self.ratio - 1.0) * self.left(self.power(speed / self.velocity))
     }
 
-    /// Share of the rise that is left at a power.
+    /// Share of the static friction's excess that is left at `power`.
     #[inline]
     fn left(&self, power: f64) -> f64 {
         match self.tail {
@@ -61,7 +62,7 @@ impl Stribeck {
         }
     }
 
-    /// Speed from which it is `gentler` than where it is steepest, as a logarithm, rad/s.
+    /// Speed from which the slope is below the steepest one by a factor e^`gentler`, rad/s.
     fn gentle_from(&self, gentler: f64) -> f64 {
         let power = match self.tail {
             0.0 => gentler,
@@ -70,7 +71,7 @@ impl Stribeck {
         self.root(power) * self.velocity
     }
 
-    /// `xⁿ`, at little cost for the usual n.
+    /// `xⁿ`, without a power function for the usual n.
     #[inline]
     fn power(&self, x: f64) -> f64 {
         match self.exponent {
@@ -80,7 +81,7 @@ impl Stribeck {
         }
     }
 
-    /// Of which `power` is the n-th power.
+    /// The n-th root of `power`.
     #[inline]
     fn root(&self, power: f64) -> f64 {
         match self.exponent {
@@ -106,32 +107,34 @@ impl Stribeck {
     }
 }
 
-/// How friction falls with the speed of an inertia.
+/// The fall of friction with speed, for one inertia.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slope {
-    /// Speed over which it falls, from which that is the tail's, and beyond which it is flat, rad/s.
+    /// Speeds, rad/s: over which friction falls, from which the fall is that of the tail, and from which it counts as
+    /// flat.
     velocity: f64,
     tail_from: f64,
     flat_from: f64,
-    /// At which the speed grows where it is steepest, and in the tail, 1/s.
+    /// Rates at which a speed grows by the fall, 1/s: on the steepest part and in the tail.
     rate: f64,
     tail_rate: f64,
     inertia: f64,
-    /// At most, N m.
+    /// Highest level, N m.
     level_nm: f64,
 }
 
-/// How far a step may go on a slope.
+/// Limits of a step on a slope.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stride {
     /// Product of the slope's rate and the step.
     pub rate_step: f64,
-    /// Share of the Stribeck velocity that the speed may change by.
+    /// Largest change of the speed, as a share of the Stribeck velocity.
     pub share: f64,
 }
 
 impl Slope {
-    /// The longest step, s, where `pull_nm` is all but dry friction: neither long for the slope nor a leap over it.
+    /// The longest step, s, that neither is long for the slope nor leaps over it. `pull_nm` is the torque without dry
+    /// friction.
     #[inline]
     pub(super) fn longest_step(&self, speed: f64, pull_nm: f64, stride: Stride) -> f64 {
         let reaching = |from: f64| {

@@ -1,16 +1,16 @@
 //! The torque that drives the joint over one step.
 
-/// Joint torque over one step: held, or relaxing exponentially, as behind a first-order lag, to a target that may move
-/// at a constant rate.
+/// Torque on the joint over one step. It is held, or it relaxes behind a first-order lag to a target that may move at a
+/// constant rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torque {
-    /// At the start of the step, N m.
+    /// Torque at the start of the step, N m.
     pub start_nm: f64,
-    /// What it relaxes to, at the start of the step, N m.
+    /// Target at the start of the step, N m.
     pub target_nm: f64,
-    /// How fast that moves, N m/s.
+    /// Rate of the target, N m/s.
     pub target_rate_nm_s: f64,
-    /// Time constant of the relaxation, s; 0 = at the target at once.
+    /// Time constant of the lag, s; with 0 the torque is the target.
     pub lag_s: f64,
 }
 
@@ -26,7 +26,7 @@ impl Torque {
         }
     }
 
-    /// From `start_nm` to a constant target.
+    /// A torque that relaxes from `start_nm` to a constant target.
     #[inline]
     pub fn relaxing(start_nm: f64, target_nm: f64, lag_s: f64) -> Self {
         Self {
@@ -37,7 +37,7 @@ impl Torque {
         }
     }
 
-    /// With a constant torque beside it, N m.
+    /// The sum with a constant torque, N m.
     #[inline]
     pub fn beside(&self, torque_nm: f64) -> Self {
         Self {
@@ -47,7 +47,7 @@ impl Torque {
         }
     }
 
-    /// `gain` times as much.
+    /// The torque times `gain`.
     #[inline]
     pub fn scaled(&self, gain: f64) -> Self {
         Self {
@@ -58,8 +58,8 @@ impl Torque {
         }
     }
 
-    /// What a lag at `start_nm` makes of the next `t_s` of it, over which its own lag's `decay`, exp(−t/lag), is known, taken as
-    /// straight with the same rise and mean.
+    /// This torque behind another lag, which starts at `start_nm`, over the next `t_s`. The torque in front of that lag
+    /// is replaced by a straight line with the same rise and mean. `decay` is exp(−`t_s`/lag) of this torque's own lag.
     #[inline]
     pub fn behind(&self, start_nm: f64, lag_s: f64, t_s: f64, decay: f64) -> Self {
         if self.is_held() || t_s <= 0.0 {
@@ -81,13 +81,13 @@ impl Torque {
         self.target_rate_nm_s == 0.0 && (self.lag_s == 0.0 || self.start_nm == self.target_nm)
     }
 
-    /// What it is ahead of the target that trails its own by the lag, at the start, N m.
+    /// The part that decays, at the start, N m: the distance from the target as it was one lag before.
     #[inline]
     fn transient_nm(&self) -> f64 {
         self.start_nm - self.target_nm + self.target_rate_nm_s * self.lag_s
     }
 
-    /// What fades of it and what goes evenly, at the start, N m, and how fast the latter does, N m/s.
+    /// The part that decays and the part that grows evenly, at the start, N m, and the rate of the latter, N m/s.
     #[inline]
     pub(super) fn parts(&self) -> (f64, f64, f64) {
         if self.is_held() {
@@ -120,8 +120,7 @@ impl Torque {
         }
     }
 
-    /// Torque at the end of the next `t_s`, and its mean over them, N m, where the lag's `decay` over them,
-    /// exp(−t/lag), is known.
+    /// Torque at the end of the next `t_s` and its mean over them, N m. `decay` is exp(−`t_s`/lag).
     #[inline]
     pub fn end_and_mean(&self, t_s: f64, decay: f64) -> (f64, f64) {
         let left = self.transient_nm() * decay;
@@ -132,20 +131,21 @@ impl Torque {
         )
     }
 
-    /// Mean over the next `t_s`, and the mean that counts the earlier the more, as the way that an inertia goes does, N m.
+    /// Mean over the next `t_s`, and the mean weighted by the time that is left, N m. The latter sets how far an
+    /// inertia goes.
     #[inline]
     pub(super) fn means(&self, t_s: f64) -> [f64; 2] {
         if self.is_held() {
             return [self.target_nm; 2];
         }
         let (_, mean) = self.end_and_mean(t_s, (-t_s / self.lag_s).exp());
-        // What the transient has lost in the mean, it has given to the way.
+        // The transient adds to the way what it loses in the mean.
         let lost = self.transient_nm() - (mean - self.trailing_nm(0.5 * t_s));
         let early = self.trailing_nm(t_s / 3.0) + 2.0 * self.lag_s / t_s * lost;
         [mean, early]
     }
 
-    /// Least and greatest torque that are possible within the next `t_s`, N m: between start and target.
+    /// Bounds of the torque within the next `t_s`, N m: those of start and target.
     #[inline]
     pub(super) fn bounds(&self, t_s: f64) -> [f64; 2] {
         let later = self.target_nm + self.target_rate_nm_s * t_s;
@@ -156,7 +156,7 @@ impl Torque {
         [low.min(self.start_nm), high.max(self.start_nm)]
     }
 
-    /// What is left of this torque after `t_s`.
+    /// The torque from `t_s` after the start on.
     #[inline]
     pub fn after(&self, t_s: f64) -> Self {
         Self {
@@ -166,8 +166,8 @@ impl Torque {
         }
     }
 
-    /// The longest step that follows the relaxation, s: a fourth-order step over half a time
-    /// constant misses 1e-5 of it.
+    /// The longest step that follows the relaxation, s: the error of a fourth-order step over half a time constant is
+    /// 1e-5 of it.
     #[inline]
     pub(super) fn longest_step(&self) -> f64 {
         if !self.is_held() && self.lag_s > 0.0 {
@@ -178,19 +178,19 @@ impl Torque {
     }
 }
 
-/// What pieces of torque that follow each other come to over a step.
+/// The sum of successive pieces of torque over a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Push {
-    /// Of the step, s.
+    /// Duration of the step, s.
     pub(super) lasts_s: f64,
-    /// As [`Torque::means`], N m.
+    /// The two means of [`Torque::means`], N m.
     pub(super) means_nm: [f64; 2],
-    /// Least and greatest torque that are possible within it, N m.
+    /// Bounds of the torque within the step, N m.
     pub(super) bounds_nm: [f64; 2],
 }
 
 impl Push {
-    /// With a constant torque beside it, N m.
+    /// The sum with a constant torque, N m.
     pub(super) fn beside(&self, torque_nm: f64) -> Self {
         Self {
             lasts_s: self.lasts_s,
@@ -199,7 +199,7 @@ impl Push {
         }
     }
 
-    /// `gain` times as much, which is not negative.
+    /// The push times a `gain` that is not negative.
     #[inline(always)]
     pub(super) fn scaled(&self, gain: f64) -> Self {
         let scaled = |nm: [f64; 2]| nm.map(|nm| gain * nm);
@@ -211,19 +211,19 @@ impl Push {
     }
 }
 
-/// Pieces of torque that follow each other, added up.
+/// Successive pieces of torque, integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Impulse {
     pub(super) lasts_s: f64,
-    /// Integral of the torque, N m s, and of that, N m s².
+    /// Integral of the torque, N m s, and its second integral, N m s².
     pub(super) impulse_nms: f64,
     pub(super) way_nms2: f64,
-    /// Least and greatest torque that are possible, N m.
+    /// Bounds of the torque, N m.
     pub(super) bounds_nm: [f64; 2],
 }
 
 impl Impulse {
-    /// Of no time at all.
+    /// The impulse of no piece.
     pub(super) const NONE: Self = Self {
         lasts_s: 0.0,
         impulse_nms: 0.0,
@@ -231,7 +231,7 @@ impl Impulse {
         bounds_nm: [f64::INFINITY, f64::NEG_INFINITY],
     };
 
-    /// Of one piece that acts for `lasts_s`.
+    /// The impulse of one piece that acts for `lasts_s`.
     #[inline]
     pub(super) fn of(torque: &Torque, lasts_s: f64) -> Self {
         if torque.is_held() {
@@ -247,7 +247,7 @@ impl Impulse {
         Self::behind(torque, lasts_s, (-lasts_s / torque.lag_s).exp())
     }
 
-    /// Of one piece behind a lag, whose `decay` over `lasts_s`, exp(−t/lag), is known.
+    /// The impulse of one piece behind a lag. `decay` is exp(−`lasts_s`/lag).
     #[inline]
     pub(super) fn behind(torque: &Torque, lasts_s: f64, decay: f64) -> Self {
         let transient_nm = torque.transient_nm();
@@ -268,20 +268,20 @@ impl Impulse {
         }
     }
 
-    /// With a piece after it.
+    /// The impulse with a further piece at the end.
     #[inline]
     pub(super) fn then(&self, next: &Self) -> Self {
         let [low, high] = self.bounds_nm;
         Self {
             lasts_s: self.lasts_s + next.lasts_s,
             impulse_nms: self.impulse_nms + next.impulse_nms,
-            // What acts before has all of the later time, too, to move what it has set in motion.
+            // The earlier impulse moves the joint during the later piece, too.
             way_nms2: self.way_nms2 + self.impulse_nms * next.lasts_s + next.way_nms2,
             bounds_nm: [low.min(next.bounds_nm[0]), high.max(next.bounds_nm[1])],
         }
     }
 
-    /// What the pieces come to; nothing of no time.
+    /// The sum of the pieces; zero if there is none.
     #[inline]
     pub(super) fn push(&self) -> Push {
         if self.lasts_s == 0.0 {

@@ -2,26 +2,26 @@
 
 use super::link::{Flank, Link};
 
-/// How the two sides of a link move relative to each other, and how the load is shared by what moves.
+/// The relative motion of the two sides of a link, and the share of each side in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TwoMass {
     mobility: [f64; 2],
     stiffness: f64,
     damping: f64,
     relaxed: f64,
-    /// Of each side in the sum of both mobilities.
+    /// Share of each side in the sum of both mobilities.
     share: [f64; 2],
-    /// Of the relative motion: half its damping, the square of its rate without damping, 1/s and 1/s².
+    /// The relative motion: its decay rate, 1/s, and the square of its undamped angular frequency, 1/s².
     decay_rate: f64,
     rate_squared: f64,
-    /// Square of its rate with damping, negative where it creeps, 1/s².
+    /// Square of the damped angular frequency, 1/s²; negative if the motion is overdamped.
     discriminant: f64,
-    /// Root of that, and one over it.
+    /// Root of the discriminant's size, 1/s, and its inverse, s.
     rate: f64,
     rate_s: f64,
 }
 
-/// What becomes of a twist and of its rate over some time.
+/// The free relative motion over some time.
 #[derive(Clone, Copy)]
 pub(super) struct Propagator {
     cosine: f64,
@@ -29,11 +29,11 @@ pub(super) struct Propagator {
     time_s: f64,
 }
 
-/// What a link makes of its two sides, by flank and by what is held.
+/// The relative motions of a link, by flank and by the sides that friction holds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Modes(Vec<TwoMass>);
 
-/// In the order of [`Modes`].
+/// Flanks and held sides in the order of [`Modes`].
 const FLANKS: [Flank; 4] = [
     Flank::Apart,
     Flank::Pushing(-1.0),
@@ -41,10 +41,10 @@ const FLANKS: [Flank; 4] = [
     Flank::Bound,
 ];
 const HELD: [[bool; 2]; 4] = [[false, false], [true, false], [false, true], [true, true]];
-/// How many they are together.
+/// Number of combinations of flank and held sides.
 pub(super) const FLOWS: usize = FLANKS.len() * HELD.len();
 
-/// Place of a flank with motor side or load side held among the flows of two masses.
+/// Index of a flank with motor side or load side held.
 #[inline]
 pub(super) fn flow_index(flank: Flank, held: [bool; 2]) -> usize {
     let flank = match flank {
@@ -56,7 +56,7 @@ pub(super) fn flow_index(flank: Flank, held: [bool; 2]) -> usize {
 }
 
 impl Modes {
-    /// Of a link between two sides of these inverse inertias, 1/(kg m²).
+    /// The motions of a link between two sides of these inverse inertias, 1/(kg m²).
     pub(super) fn of(link: &Link, inverse_inertia: [f64; 2]) -> Self {
         let mode = |flank: Flank, held: [bool; 2]| {
             let (stiffness, damping, relaxed) = link.spring(flank);
@@ -75,7 +75,7 @@ impl Modes {
         Self(modes.collect())
     }
 
-    /// Within a flank, with motor side or load side held.
+    /// The motion on a flank, with motor side or load side held.
     #[inline]
     pub(super) fn within(&self, flank: Flank, held: [bool; 2]) -> &TwoMass {
         &self.0[flow_index(flank, held)]
@@ -83,8 +83,9 @@ impl Modes {
 }
 
 impl TwoMass {
-    /// Of inverse inertias of motor side and load side, 1/(kg m²), zero for one that is held; of a spring and a damper
-    /// between them, N m/rad and N m s/rad, zero inside a play; and of the twist at which the spring is relaxed, rad.
+    /// `mobility` is the inverse inertia of motor side and load side, 1/(kg m²), 0 for one that is held. `stiffness`, N
+    /// m/rad, and `damping`, N m s/rad, are those between the sides, 0 inside a play. `relaxed` is the twist at which
+    /// the spring is relaxed, rad.
     fn new(mobility: [f64; 2], stiffness: f64, damping: f64, relaxed: f64) -> Self {
         let sum = mobility[0] + mobility[1];
         let rate_squared = sum * stiffness;
@@ -105,13 +106,13 @@ impl TwoMass {
         }
     }
 
-    /// How far the relative motion turns in a time, without its damping, rad.
+    /// Angle of the undamped relative oscillation over a time, rad.
     #[inline]
     pub(super) fn angle(&self, time_s: f64) -> f64 {
         self.rate_squared.sqrt() * time_s
     }
 
-    /// Of the free relative motion over `time_s`: the impulse response of a damped oscillator and its derivative.
+    /// The free relative motion over `time_s`: the impulse response of a damped oscillator and its derivative.
     #[inline]
     pub(super) fn propagator(&self, time_s: f64) -> Propagator {
         let Self {
@@ -145,7 +146,7 @@ impl TwoMass {
         }
     }
 
-    /// That over twice the time.
+    /// The free relative motion over twice the time.
     #[inline]
     pub(super) fn twice(&self, over: &Propagator) -> Propagator {
         let Propagator {
@@ -166,7 +167,7 @@ impl TwoMass {
         self.stiffness * (x[0] - x[2] - self.relaxed) + self.damping * (x[1] - x[3])
     }
 
-    /// By which torques on motor side and load side accelerate them, rad/s².
+    /// Accelerations by torques on motor side and load side, rad/s².
     #[inline]
     pub(super) fn pushed(&self, torques_nm: [f64; 2]) -> [f64; 2] {
         [
@@ -175,15 +176,15 @@ impl TwoMass {
         ]
     }
 
-    /// By which the link alone does.
+    /// Accelerations by the link alone, rad/s².
     #[inline]
     pub(super) fn accelerations(&self, x: &[f64; 4]) -> [f64; 2] {
         let torque = self.torque(x);
         self.pushed([-torque, torque])
     }
 
-    /// State `[position, velocity]` of motor and load side after the time of a `propagator`, where all but the link
-    /// accelerates them by `acceleration`.
+    /// State `[position, velocity]` of motor and load side after the time of a `propagator`. All torques but the link's
+    /// accelerate them by `acceleration`, rad/s².
     #[inline]
     pub(super) fn carried(
         &self,
@@ -210,7 +211,7 @@ impl TwoMass {
         ]
     }
 
-    /// Twist out of the relaxed one, and its rate, under a constant relative acceleration.
+    /// Twist from the relaxed one and its rate, under a constant relative acceleration.
     #[inline]
     fn relative(&self, over: &Propagator, [twist, rate]: [f64; 2], acceleration: f64) -> [f64; 2] {
         let falling = over.cosine - 2.0 * self.decay_rate * over.sine_s;
@@ -235,7 +236,7 @@ impl TwoMass {
     }
 }
 
-/// Angle of an oscillation up to which its expansion errs by less than 1e-9.
+/// Angle of an oscillation up to which the error of its expansion is below 1e-9, rad.
 const SMALL_ANGLE: f64 = 1e-2;
 
 #[cfg(test)]
@@ -244,7 +245,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The same in a thousand steps of Runge and Kutta.
+    /// The motion in a thousand steps of Runge and Kutta.
     fn stepped(link: &TwoMass, mut x: [f64; 4], acceleration: [f64; 2], time_s: f64) -> [f64; 4] {
         const STEPS: usize = 1000;
         let h = time_s / STEPS as f64;

@@ -1,32 +1,32 @@
 //! A linear flow under forces that are held over a step, stepped exactly (Van Loan, IEEE Transactions on Automatic Control 23,
 //! 1978).
 
-/// `x' = R x + I f` for a state of D numbers and S forces, over a step that recurs and over half of it.
+/// `x' = R x + I f` for a state of D numbers and S forces, over a step and over half of it.
 #[derive(Clone, Debug)]
 pub(super) struct ZeroOrderHold<const D: usize, const S: usize> {
-    /// Over half a step.
+    /// The map over half a step.
     pub half: Map<D, S>,
-    /// Over a step.
+    /// The map over a step.
     pub whole: Map<D, S>,
     rates: [[f64; D]; D],
     inputs: [[f64; D]; S],
 }
 
-/// What becomes of a state under forces over some time, column by column.
+/// The map of a state under forces over some time, by columns.
 #[derive(Clone, Debug)]
 pub(super) struct Map<const D: usize, const S: usize> {
     state: [[f64; D]; D],
     forces: [[f64; D]; S],
 }
 
-/// Norm of what a series of [`TERMS`] is taken of: it then errs by 1e-12.
+/// Largest norm of the argument of a series of [`TERMS`]: the error is then 1e-12.
 const SMALL: f64 = 0.25;
 const TERMS: u32 = 8;
-/// Halvings of a step at most: what moves faster than that is gone within it.
+/// Most halvings of a step. A motion that is faster decays within the step.
 const MOST_HALVINGS: i32 = 30;
 
 impl<const D: usize, const S: usize> ZeroOrderHold<D, S> {
-    /// Of the columns of R and of I.
+    /// The maps for the columns of R and of I.
     pub(super) fn new(rates: [[f64; D]; D], inputs: [[f64; D]; S], step_s: f64) -> Self {
         let sum = |row: usize| rates.iter().map(|column| column[row].abs()).sum::<f64>();
         let norm = step_s * (0..D).map(sum).fold(0.0, f64::max);
@@ -43,7 +43,7 @@ impl<const D: usize, const S: usize> ZeroOrderHold<D, S> {
         }
     }
 
-    /// Of a state under forces a little later, or earlier: to second order.
+    /// The state under forces by the short time `by_s` later or earlier, to second order.
     #[inline(always)]
     pub(super) fn soon(&self, x: &[f64; D], forces: &[f64; S], by_s: f64) -> [f64; D] {
         if by_s == 0.0 {
@@ -58,7 +58,7 @@ impl<const D: usize, const S: usize> ZeroOrderHold<D, S> {
 }
 
 impl<const D: usize, const S: usize> Map<D, S> {
-    /// Over a short time, by the series of the exponential and of its integral.
+    /// The map over a short time, by the series of the exponential and of its integral.
     fn over(rates: &[[f64; D]; D], inputs: &[[f64; D]; S], time_s: f64) -> Self {
         let mut state = [[0.0; D]; D];
         let mut held = [[0.0; D]; D];
@@ -82,7 +82,7 @@ impl<const D: usize, const S: usize> Map<D, S> {
         }
     }
 
-    /// The same over twice the time.
+    /// The map over twice the time.
     fn twice(&self) -> Self {
         let sum = |a: [f64; D], b: &[f64; D]| core::array::from_fn(|i| a[i] + b[i]);
         Self {
@@ -93,7 +93,7 @@ impl<const D: usize, const S: usize> Map<D, S> {
         }
     }
 
-    /// Of a state under forces.
+    /// The image of a state under forces.
     #[inline(always)]
     pub(super) fn of(&self, x: &[f64; D], forces: &[f64; S]) -> [f64; D] {
         let free = combined(&self.state, x);
@@ -102,7 +102,7 @@ impl<const D: usize, const S: usize> Map<D, S> {
     }
 }
 
-/// Sum of columns in these shares.
+/// Sum of columns with these factors.
 #[inline(always)]
 pub(super) fn combined<const D: usize, const N: usize>(
     columns: &[[f64; D]; N],

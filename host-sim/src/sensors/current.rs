@@ -8,7 +8,7 @@ use haptic_paddle::sensing::current::CurrentSensor;
 pub struct CurrentAmplifier {
     idle_counts: f64,
     counts_per_a: f64,
-    /// Of the mean over a tick, A rms.
+    /// Noise of the mean over a tick, A rms.
     pub noise_a: f64,
 }
 

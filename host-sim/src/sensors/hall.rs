@@ -43,7 +43,7 @@ impl Hall {
     }
 }
 
-/// Of the converter, at the Hall sensor's output.
+/// Volts of one count of the converter, at the Hall sensor's output.
 fn volts_per_count() -> f64 {
     f64::from(volts(ADC_FULL_SCALE) - volts(0)) / f64::from(ADC_FULL_SCALE)
 }

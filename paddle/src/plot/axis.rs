@@ -78,7 +78,7 @@ impl Axis {
         }
     }
 
-    /// The same with these ticks, each with what is written at it.
+    /// This axis with these ticks, each with its label.
     pub fn with_ticks(self, ticks: &[(f64, String)]) -> Self {
         let (ticks, names) = ticks.iter().cloned().unzip();
         Self {
@@ -88,12 +88,12 @@ impl Axis {
         }
     }
 
-    /// Of `values`, from the lowest to the highest.
+    /// The axis from the lowest to the highest of `values`.
     pub fn tight(values: impl Iterator<Item = f64>, scale: Scale, ticks: usize) -> Self {
         Self::around(values.map(|v| scale.place(v)), scale, 0.0, ticks)
     }
 
-    /// Of `values`, with some room at either end.
+    /// The axis of `values`, with some room at either end.
     pub fn roomy(values: impl Iterator<Item = f64>, scale: Scale, ticks: usize) -> Self {
         Self::around(values.map(|v| scale.place(v)), scale, MARGIN, ticks)
     }

@@ -258,7 +258,7 @@ impl Panel {
 }
 
 impl Figure {
-    /// The same for those who do not see it.
+    /// A description for readers who do not see the picture.
     fn words(&self) -> Words {
         let has_values = self.x_ticks.is_empty();
         let panels = self.panels.iter().map(|panel| panel.in_words(has_values));

@@ -38,7 +38,7 @@ impl Ink {
         }
     }
 
-    /// Of a line, px.
+    /// Width of a line, px.
     pub(super) fn width(self) -> f64 {
         match self {
             // It shows behind a model that is right.

@@ -334,7 +334,7 @@ fn measure_in_words(measured_by: MeasuredBy) -> &'static str {
     }
 }
 
-/// The same by run, those that stand out most.
+/// Bars by run, for the runs that stand out most.
 fn run_bars(profile: &Profile) -> Bars {
     let [from, to] = profile.marked;
     let mut parts: Vec<_> = profile.parts.iter().collect();

@@ -27,7 +27,7 @@ struct View {
     labels: [&'static str; 2],
     /// Which of them a point has.
     second: fn(&Point) -> bool,
-    /// Of a point on the axis.
+    /// Place of a point on the axis.
     place: Box<dyn Fn(&Point) -> f64>,
     /// Factor of the torque: 1, or against the motion.
     sign: fn(&Point) -> f64,
@@ -100,7 +100,7 @@ pub fn picture(look: &Look, title: &str, position_unit: &str) -> Result<String, 
     scatter(look, title, position_unit).svg()
 }
 
-/// The same, not yet drawn.
+/// The picture as data, before it is drawn.
 pub fn scatter(look: &Look, title: &str, position_unit: &str) -> Scatter {
     let view = View::of(look, position_unit);
     let is_explained = !look.explained_by.is_empty();

@@ -14,7 +14,7 @@ const PLAIN: std::ops::Range<i32> = -5..7;
 pub struct Display {
     /// From the unit of the format to this one.
     pub factor: f64,
-    /// As it is written after the number, with a space before it where one belongs.
+    /// The unit as it is written after the number, with a space in front where one belongs.
     suffix: String,
 }
 

@@ -24,7 +24,7 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// Those of `recording`.
+    /// The labels of `recording`.
     pub fn of(recording: &Recording) -> Self {
         Self {
             position: recording.units.position.clone(),

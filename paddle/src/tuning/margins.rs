@@ -15,7 +15,8 @@ pub struct Margins {
 }
 
 impl Margins {
-    /// Of the open loop `L` (the closed one is `L / (1 + L)`) at rising frequencies; `None` if its gain is never 1.
+    /// The margins of the open loop `L` (the closed one is `L / (1 + L)`) at rising frequencies; `None` if its gain is
+    /// never 1.
     pub fn of(omega_rad_s: &[f64], open: impl Iterator<Item = Complex64>) -> Option<Self> {
         let mut unwrapped = f64::NAN;
         // Logarithm of frequency and gain, and phase.

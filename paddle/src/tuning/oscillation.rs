@@ -3,7 +3,7 @@
 /// The cycles between upward crossings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Oscillation {
-    /// Of each cycle, s.
+    /// Period of each cycle, s.
     pub periods_s: Vec<f64>,
     /// Highest minus lowest position within each cycle, in the unit of the position.
     pub swings: Vec<f64>,
@@ -13,7 +13,7 @@ pub struct Oscillation {
 pub const SUSTAINED: f64 = 0.9;
 
 impl Oscillation {
-    /// Of `position` over `time_s` about a level; crossings are interpolated between samples.
+    /// The oscillation of `position` over `time_s` about a level. Crossings are interpolated between samples.
     pub fn about(level: f64, time_s: &[f64], position: &[f64]) -> Self {
         let beyond: Vec<_> = position.iter().map(|x| x - level).collect();
         let upward: Vec<_> = (1..beyond.len().min(time_s.len()))

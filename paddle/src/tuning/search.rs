@@ -13,7 +13,7 @@ const DERIVATIVE_S: [f64; 2] = [0.002, 0.1];
 const INTEGRAL_PER_S: [f64; 2] = [0.3, 60.0];
 /// Points of the grid along each.
 const GRID: [usize; 3] = [11, 8, 4];
-/// Of each plane, refined.
+/// Number of points of each plane that are refined.
 const STARTS: usize = 2;
 /// Ratios of the compass steps.
 const FIRST_RATIO: f64 = 1.25;

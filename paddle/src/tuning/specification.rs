@@ -7,7 +7,7 @@ use haptic_paddle::metrics::StepReport;
 /// Upper bounds on a step, lower bounds on margins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specification {
-    /// Of the height of the step.
+    /// Share of the height of the step.
     pub overshoot_share: f64,
     /// s.
     pub rise_s: f64,

@@ -15,7 +15,7 @@ const SAMPLES_PER_HORIZON: f64 = 3.0;
 const TRAVELS: f64 = 10.0;
 /// The median input is this many times the stated limit.
 const LIMITS: f64 = 20.0;
-/// The same for the input of a loop, which may be logged before it is limited and swing far beyond.
+/// This limit for the input of a loop, which may be logged before it is limited and swing far beyond.
 const LOOP_LIMITS: f64 = 200.0;
 /// The median acceleration is this many times what twice the model's torques together give.
 const ACCELERATIONS: f64 = 10.0;

@@ -5,20 +5,20 @@ use super::super::{Phase, Touch};
 use super::integration::Integration;
 use super::{Follower, is_answered};
 
-/// Angle of an oscillation on bristles that a part of a step takes, parts of a step at most, and product of the rate on springs and
-/// dampers and of a part above which it is too stiff for that.
+/// Angle of an oscillation on bristles in one part of a step, rad; most parts of a step; and largest product of a part
+/// and the rate on springs and dampers.
 const BRISTLE_ANGLE: f64 = 0.2;
 const MOST_PARTS: f64 = 6.0;
 pub(super) const STIFF_RATE_STEP: f64 = 1.0;
 
-/// Parts of a step for the angle that an oscillation goes through within it.
+/// Number of parts of a step for the angle of an oscillation within it.
 #[inline]
 pub(super) fn parts_of(angle: f64) -> f64 {
     (angle / BRISTLE_ANGLE).ceil().clamp(1.0, MOST_PARTS)
 }
 
 impl Follower<'_> {
-    /// Of an oscillation on bristles, at what bends otherwise, 1/s.
+    /// Angular frequency of an oscillation on bristles of this sliding level, 1/s.
     pub(super) fn bristle_rate(&self) -> f64 {
         let friction = &self.plant.mechanics.friction;
         let holding = friction.highest_nm() * friction.stribeck.ratio;
@@ -26,8 +26,8 @@ impl Follower<'_> {
         self.plant.parts.bristles.natural_rate(inertia, holding) + self.bent_rate
     }
 
-    /// As bristles know the way and no time, a step goes half of its way, is pushed there, and goes the rest, by which they are
-    /// bent with the first half of the next step.
+    /// Bristles depend on the way and not on time. A step goes half of its way, is pushed there, and goes the rest. The
+    /// bristles bend by that rest together with the first half of the next step.
     pub(super) fn bend(&self, integration: &mut Integration<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
@@ -76,7 +76,7 @@ impl Follower<'_> {
                 way_due = half_s * v;
                 x += way_due;
             }
-            // A torque that comes early moves it farther.
+            // A torque early in the step moves the mass farther than one late in the step.
             x += 0.5 * push.lasts_s * push.lasts_s * (early_nm - mean_nm) / inertia;
             if plant.meets_barrier(state, x, v) {
                 break;

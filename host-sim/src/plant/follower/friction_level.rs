@@ -4,13 +4,13 @@ use super::super::Plant;
 use super::super::drift::Drifting;
 
 pub(super) struct FrictionLevel {
-    /// Without drift, N m, positive against positive motion.
+    /// Level without drift, N m, positive against positive motion.
     settled_nm: f64,
     drifting: Option<Drifting>,
 }
 
 impl FrictionLevel {
-    /// Zero if the level depends on position or speed.
+    /// The level, 0 if it depends on position or speed.
     pub(super) fn of(plant: &Plant, side: usize, direction: f64, time_s: f64) -> Self {
         let is_level = plant.is_level && direction != 0.0;
         let drift = plant.mechanics.friction.drift.filter(|_| is_level);

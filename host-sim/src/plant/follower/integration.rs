@@ -62,7 +62,7 @@ impl<'a> Integration<'a> {
         Some(push.beside(by_laws))
     }
 
-    /// Ends the next step, after which the sensor is at the position `seen`.
+    /// Ends the next step. `seen` is the sensor's position after it.
     #[inline]
     pub(super) fn step(&mut self, push: &Push, seen: f64) {
         self.state.time_s += push.lasts_s;

@@ -86,7 +86,7 @@ impl Follower<'_> {
         let is_held = held[0] || held[1];
         let rate = plant.spring_rate + linear_load.rate(plant.inverse_inertia[1]);
         let linked_rate = rate + link.fastest_rate(m.inertia);
-        // The nonlinear torque of the step before is near enough for the first half of this one.
+        // For the first half of this step the nonlinear torque of the step before is close enough.
         let mut before_nm = None;
         let from = integration.next();
         while let Some(push) = integration.push() {
@@ -145,7 +145,7 @@ impl Follower<'_> {
                 }
             }
             if !held[0] {
-                // A torque that comes early moves the motor farther.
+                // A torque early in the step moves the motor side farther than one late in the step.
                 let ahead = (early_nm - mean_nm) * plant.inverse_inertia[0];
                 end[0] += 0.5 * step_s * step_s * ahead;
             }

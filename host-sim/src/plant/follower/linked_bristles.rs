@@ -9,11 +9,11 @@ use super::integration::Integration;
 use super::nonlinear::Nonlinear;
 use super::{Follower, LATE_RATE_STEP, is_answered, is_usual, late_s};
 
-/// The bristles hold the motor side at no time, and nothing holds the load side.
+/// Bristles never hold the motor side, and nothing holds the load side.
 const NONE_HELD: [bool; 2] = [false; 2];
 
 impl Follower<'_> {
-    /// Within one flank. In each part of a step the bristles act as they do halfway on what is linear.
+    /// Integrates steps on one flank. In each part of a step the bristles have their torque in the middle of the part.
     pub(super) fn bend_linked(&mut self, integration: &mut Integration<'_>) {
         let plant = self.plant;
         let m = &plant.mechanics;
@@ -53,7 +53,7 @@ impl Follower<'_> {
         let mut pendulum = state.pendulum;
         let mut bending = Bending::from(bristles, state.deflection);
         let mut due = 0.0;
-        // Near what acted over the part before, which is near enough for the way halfway.
+        // For the way to the middle the torque of the part before is close enough.
         let mut before_nm = [0.0; 2];
         while let Some(push) = integration.push() {
             let state = &mut *integration.state;
@@ -95,7 +95,7 @@ impl Follower<'_> {
             }
             let on_time = end[0];
             end = flow.soon(&end, &forces(bent_nm), late_s);
-            // A torque that comes early moves the motor farther.
+            // A torque early in the step moves the motor side farther than one late in the step.
             end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
             way_due += end[0] - on_time;
             let leaves = link.guard(flank, end[0] - end[2], end[1] - end[3]) < 0.0;

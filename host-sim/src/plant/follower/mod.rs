@@ -33,7 +33,7 @@ pub struct Follower<'a> {
     free: Flows,
     /// While a barrier pushes, with its linear load.
     pushed: Option<(LinearLoad, Flows)>,
-    /// Over parts of a step, where one of two masses is on bristles.
+    /// Solutions over parts of a step, where one of two masses is on bristles.
     on_bristles: Flows,
 }
 
@@ -41,27 +41,29 @@ pub struct Follower<'a> {
 #[derive(Debug, Default)]
 struct Flows {
     one_mass: Option<ZeroOrderHold<2, 1>>,
-    /// By flank and by what is held.
+    /// By flank and by the sides that friction holds.
     two_masses: [Option<Box<ZeroOrderHold<4, 2>>>; FLOWS],
 }
 
-/// Product of the fastest rate of what is not linear and the step: the midpoint's frequency is off by a 24th of the square. On one
-/// of two masses it acts beside the link, which is stepped exactly, or on no more than its play.
+/// Largest product of the fastest rate of the nonlinear part and the step. The relative error of the midpoint rule's
+/// frequency is the square of this, over 24. With two masses the nonlinear part acts beside the link, which is stepped
+/// exactly, or within its play.
 const MIDPOINT_RATE_STEP: f64 = 0.1;
 const LINKED_RATE_STEP: f64 = 0.5;
-/// Product of the rate on a barrier and the step: whoever leaves it does not come back within one.
+/// Largest product of the rate on a barrier and the step. A joint that leaves the barrier does not come back within one
+/// step.
 const PUSHED_RATE_STEP: f64 = 1.0;
-/// Share by which a step may differ from the one that recurs, and from which on that makes a difference.
+/// Relative difference up to which a step counts as the usual one, and from which on the difference matters.
 const NEAR_USUAL: f64 = 0.3;
 const SAME: f64 = 1e-9;
-/// Product of the fastest linear rate and what a step takes more or less than the one that recurs, up to which a parabola follows
-/// that: it errs by a sixth of the cube. Beyond, the step has a flow of its own.
+/// Largest product of the fastest linear rate and the difference from the usual step that a parabola follows. Its error
+/// is a sixth of the cube. Beyond, the step gets a solution of its own.
 const LATE_RATE_STEP: f64 = 0.1;
 /// Product of the fastest linear rate and the step up to which a torque that changes within the step moves a mass as if it were free.
 const EARLY_RATE_STEP: f64 = 0.05;
 
 impl<'a> Follower<'a> {
-    /// Of a plant whose usual step takes `step_s`.
+    /// A follower of a plant whose usual step takes `step_s`.
     pub fn new(plant: &'a Plant, step_s: f64) -> Self {
         let m = &plant.mechanics;
         let rate = |mobility: f64| (m.bent_stiffness() * mobility).sqrt();
@@ -84,8 +86,8 @@ impl<'a> Follower<'a> {
         }
     }
 
-    /// Carries `state` through the steps of a course, whose torque is multiplied by a `gain` that is not negative; where the
-    /// position sensor is after each of them goes into `seen`.
+    /// Carries `state` through the steps of a torque profile, multiplied by a `gain` that is not negative. `seen` gets
+    /// the sensor's position after each step, rad.
     pub fn follow(&mut self, state: &mut State, course: &Course, gain: f64, seen: &mut [f64]) {
         let mut integration = Integration::new(self.plant, state, course, gain, seen);
         while !integration.is_over() {

@@ -39,7 +39,7 @@ impl Follower<'_> {
         let mut level = FrictionLevel::of(plant, 0, direction, state.time_s);
         let bent = Nonlinear::of(plant, 0, direction);
         let mut x = [state.position, state.velocity];
-        // The nonlinear torque of the step before is near enough for the first half of this one.
+        // For the first half of this step the nonlinear torque of the step before is close enough.
         let mut bent_nm = None;
         while let Some(push) = integration.push() {
             let state = &mut *integration.state;
@@ -80,7 +80,7 @@ impl Follower<'_> {
             let forces = [force];
             let mut end = flow.whole.of(&x, &forces);
             end = flow.soon(&end, &forces, late_s);
-            // A torque that comes early moves it farther.
+            // A torque early in the step moves the joint farther than one late in the step.
             end[0] += 0.5 * step_s * step_s * (early_nm - mean_nm) * inverse;
             if !side.has(end[1]) || plant.meets_barrier(state, end[0], end[1]) {
                 break;

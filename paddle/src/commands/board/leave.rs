@@ -127,7 +127,7 @@ impl Session {
     }
 }
 
-/// Of a rate that was typed.
+/// Relative rounding of a rate that was typed.
 const ROUNDING: f64 = 1e-6;
 
 /// A line of the log for people.

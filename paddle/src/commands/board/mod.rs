@@ -80,7 +80,7 @@ pub struct Arguments {
     /// Times as fast as the clock on the wall, as far as the computer can.
     #[arg(long, default_value_t = 1.0, value_name = "TIMES", value_parser = numbers::positive)]
     pace: f64,
-    /// Of all noise.
+    /// Seed of all noise.
     #[arg(long, default_value_t = 0, value_parser = numbers::whole)]
     seed: u64,
     /// Leave what the firmware saw, and what it said, in this folder.

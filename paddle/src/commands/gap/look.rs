@@ -13,7 +13,7 @@ use gap::{Device, MissingTorque};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Of which recording, and where to.
+/// The recording, and where the result goes.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap look my-recording

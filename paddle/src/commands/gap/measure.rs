@@ -17,7 +17,7 @@ use recording::Recording;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Of which model, on which recording.
+/// The model and the recording.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap measure my-recording

@@ -12,7 +12,7 @@ pub struct Row {
     pub report: Option<f64>,
     /// What comes out here.
     pub ours: f64,
-    /// Of both.
+    /// Unit of both.
     pub unit: &'static str,
     /// Between which ours must be, if there is a bar.
     pub bar: Option<[f64; 2]>,

@@ -90,7 +90,7 @@ pub struct Trace {
 /// A gain that keys change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
-    /// Of the setting.
+    /// Name of the setting.
     pub name: &'static str,
     /// In the setting's unit.
     pub value: f32,
@@ -125,7 +125,7 @@ pub struct Scope {
     pub held: bool,
     /// The gains, and which of them the keys change.
     pub gains: [Gain; 3],
-    /// Of `gains`.
+    /// Index in `gains` of the one that the keys change.
     pub chosen: usize,
     /// A line for the console that is being typed.
     pub line: Option<String>,

@@ -33,9 +33,9 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Of the step with the gains that are found, s.
+/// Duration of the step with the gains that are found, s.
 const STEP_S: f64 = 1.0;
-/// Of the oscillation, in the plot, ms.
+/// Duration of the oscillation in the plot, ms.
 const SHOWN_MS: f64 = 1000.0;
 
 /// Tunes.

@@ -26,7 +26,7 @@ use virtual_board::wiring::Wires;
 pub struct BoardCheck<'a> {
     /// How many.
     pub cases: u64,
-    /// Of the set.
+    /// Seed of the set.
     pub seed: u64,
     /// Hidden alone in every paddle, or the dominant one of it.
     pub only: Option<&'a str>,

@@ -1,7 +1,7 @@
 //! A step of the plant, from event to event.
 
 use super::event;
-use super::regime::{Regime, Scheme, has_bristles, is_linked, pack, unpack};
+use super::regime::{Manner, Regime, Scheme, has_bristles, is_linked, pack, unpack};
 use super::stiff;
 use super::stribeck::Stride;
 use super::{Phase, Plant, State, Torque, Touch};
@@ -78,16 +78,12 @@ impl Plant {
                         .min(piece)
                 }
             } else {
-                let (scheme, longest) = self.scheme::<N>(state, &torque, piece, shortest_s);
+                let (manner, longest) = self.manner::<N>(state, &torque, piece, shortest_s);
                 let on_slope = self.longest_on_slope(state, torque.at(0.0), self.pace.on_slope);
                 let longest = longest.min(on_slope);
-                let (longest, shortest_s, most_events) = match scheme {
-                    Scheme::Stiff => (longest, dt_s / stiff::MOST_DIVISIONS, stiff::MOST_EVENTS),
-                    _ => (
-                        longest.min(torque.longest_step()),
-                        shortest_s,
-                        self.pace.most_events,
-                    ),
+                let (shortest_s, most_events) = match manner.scheme {
+                    Scheme::Stiff => (dt_s / stiff::MOST_DIVISIONS, stiff::MOST_EVENTS),
+                    _ => (shortest_s, self.pace.most_events),
                 };
                 let h = piece.min(longest.max(shortest_s));
                 let bends = if has_bristles(N) && state.phase == Phase::Bristle {
@@ -98,7 +94,7 @@ impl Plant {
                 };
                 let followed = h.min(bends.max(shortest_s));
                 let watched = events < most_events;
-                let (taken, event) = self.flow::<N>(state, &torque, followed, watched, scheme);
+                let (taken, event) = self.flow::<N>(state, &torque, followed, watched, manner);
                 let event = event || has_bristles(N) && self.slides_on(state, h);
                 events += usize::from(event);
                 taken
@@ -124,11 +120,17 @@ impl Plant {
             .barriers
             .iter()
             .map(|b| b.next_change(state.time_s));
-        let drift = self.mechanics.friction.drift.as_ref();
-        let step = drift.map(|d| d.next_step(state.time_s));
-        let next = changes.chain(step).fold(f64::INFINITY, f64::min);
+        let step_s = self.friction_steps_s(state.time_s);
+        let next = changes.fold(step_s, f64::min);
         // The step passes an instant that rounding cannot tell from now.
         left.min((next - state.time_s).max(f64::EPSILON * next.abs().min(1e9)))
+    }
+
+    /// Time of the next step of the friction level after `time_s`, s. It is infinite if there is none.
+    #[inline]
+    pub(super) fn friction_steps_s(&self, time_s: f64) -> f64 {
+        let drift = self.mechanics.friction.drift.as_ref();
+        drift.map_or(f64::INFINITY, |drift| drift.next_step(time_s))
     }
 
     /// True if the motion of the two masses on their link is stepped in closed form. Everything else is slow then.
@@ -149,7 +151,7 @@ impl Plant {
         torque: &Torque,
         h: f64,
         watch: bool,
-        scheme: Scheme,
+        manner: Manner,
     ) -> (f64, bool) {
         let load_position = if is_linked(N) {
             state.load_position
@@ -159,16 +161,17 @@ impl Plant {
         state
             .pendulum
             .follow(self.mechanics.from_hanging_rad(load_position));
-        let regime = Regime::<N>::of(self, state, torque, h, scheme);
+        let regime = Regime::<N>::of(self, state, torque, h, manner);
         let [direction, load_direction] = regime.directions();
-        let tolerance = if scheme == Scheme::Stiff {
+        let tolerance = if manner.scheme == Scheme::Stiff {
             stiff::EVENT_TOLERANCE
         } else {
             self.pace.event_tolerance
         };
         let tolerance = watch.then_some(tolerance);
-        let step = event::advance(&regime, &pack::<N>(state), h, tolerance);
-        unpack(&step.x, state);
+        let step = event::advance(&regime, &regime.given(&pack::<N>(state)), h, tolerance);
+        let end = regime.seen(&step.x, step.taken);
+        unpack(&end, state);
         if !watch {
             state.time_s += step.taken;
             self.enter(state);
@@ -223,16 +226,16 @@ impl Plant {
         of_motor.min(load.longest_step(state.load_velocity.abs(), pull, stride))
     }
 
-    /// The scheme for the next `piece_s` of the motion, and the longest step that the stiffest part allows with it, s.
-    /// No step is shorter than `shortest_s`.
+    /// How the next `piece_s` of the motion are stepped, and the longest step that the stiffest part and the drive allow
+    /// then, s. No step is shorter than `shortest_s`.
     #[inline]
-    fn scheme<const N: usize>(
+    fn manner<const N: usize>(
         &self,
         state: &State,
         torque: &Torque,
         piece_s: f64,
         shortest_s: f64,
-    ) -> (Scheme, f64) {
+    ) -> (Manner, f64) {
         let closed = self.is_closed::<N>(state);
         let longest_s = self.longest_step(state, torque, closed);
         // For one mass an exact step costs no more than two classical ones.
@@ -241,15 +244,22 @@ impl Plant {
         } else {
             piece_s.min(shortest_s)
         };
-        if longest_s < least_s || torque.longest_step() < piece_s.min(shortest_s) {
-            return (Scheme::Stiff, self.longest_stiff_step(state, torque));
+        let is_quick = torque.longest_step() < piece_s.min(shortest_s);
+        let fades = is_quick && torque.lag_s <= self.pace.short_lag * longest_s;
+        if longest_s < least_s || is_quick && !fades {
+            return (Manner::STIFF, self.longest_stiff_step(state, torque));
         }
         let scheme = if closed {
             Scheme::ClosedLink
         } else {
             Scheme::Classical
         };
-        (scheme, longest_s)
+        let of_drive_s = if fades {
+            f64::INFINITY
+        } else {
+            torque.longest_step()
+        };
+        (Manner { scheme, fades }, longest_s.min(of_drive_s))
     }
 
     /// The longest step that the stiffest part in action allows, s.

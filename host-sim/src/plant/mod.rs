@@ -17,6 +17,7 @@ mod cogging;
 mod course;
 mod drift;
 mod event;
+mod fading;
 mod follower;
 mod friction;
 mod glide;

@@ -18,6 +18,9 @@ pub(super) struct Pace {
     /// Most events within one step. More of them are chatter of a degenerate plant, such as one with a static level
     /// below the sliding one; the rest of the step is then taken without a search.
     pub most_events: usize,
+    /// Largest lag of a drive whose fading torque is given to the masses at once, as a share of the longest step that
+    /// everything else allows.
+    pub short_lag: f64,
     /// True if a link is stepped in closed form.
     pub closed_link: bool,
     /// Largest product of the fastest rate and the step for which the midpoint rule is used; `None` if it is never
@@ -36,6 +39,7 @@ pub(super) const EXACT: Pace = Pace {
     event_tolerance: 1e-13,
     cubic_events: false,
     most_events: 64,
+    short_lag: 0.0,
     closed_link: false,
     glide_rate_step: None,
 };
@@ -50,6 +54,8 @@ pub(super) const QUICK: Pace = Pace {
     event_tolerance: 1e-4,
     cubic_events: true,
     most_events: 6,
+    // The error is a twentieth of what the fading torque does in its lag. `tests/plant.rs` compares with exact steps.
+    short_lag: 0.0625,
     closed_link: true,
     // The relative error of the midpoint rule's frequency is the square of this, over 24.
     glide_rate_step: Some(0.05),

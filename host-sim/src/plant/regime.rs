@@ -1,6 +1,7 @@
 //! A regime: the smooth flow of the state as long as stick, slip and contact stay the same.
 
 use super::event::Flow;
+use super::fading::Fading;
 use super::link::Flank;
 use super::pendulum::Pendulum;
 use super::presliding::Bending;
@@ -19,6 +20,8 @@ pub(super) struct Regime<'a, const N: usize> {
     torque: &'a Torque,
     pendulum: Pendulum,
     time_s: f64,
+    /// Time of the next step of the friction level, s. The regime ends there.
+    friction_steps_s: f64,
     /// Length of the step, s. Guards multiply velocities by it, so that they are positions.
     step_s: f64,
     /// Direction of sliding: ±1; 0 where dry friction has no kink.
@@ -30,6 +33,8 @@ pub(super) struct Regime<'a, const N: usize> {
     closed: Option<Closed<'a>>,
     /// The linear part, if it is stiff and stepped exactly.
     stiff: Option<Linear>,
+    /// The fading torque of the drive, if the state that is stepped has received all of it.
+    fading: Option<Fading<N>>,
     touch: &'a [Touch; BARRIERS],
 }
 
@@ -72,6 +77,21 @@ pub(super) enum Scheme {
     Stiff,
 }
 
+/// How a regime and its drive are stepped.
+#[derive(Clone, Copy)]
+pub(super) struct Manner {
+    pub scheme: Scheme,
+    /// True if the fading torque of the drive is given to the masses at once.
+    pub fades: bool,
+}
+
+impl Manner {
+    pub(super) const STIFF: Self = Self {
+        scheme: Scheme::Stiff,
+        fades: false,
+    };
+}
+
 pub(super) const fn is_linked(n: usize) -> bool {
     n >= 4
 }
@@ -112,8 +132,9 @@ impl<'a, const N: usize> Regime<'a, N> {
         state: &'a State,
         torque: &'a Torque,
         step_s: f64,
-        scheme: Scheme,
+        manner: Manner,
     ) -> Self {
+        let Manner { scheme, fades } = manner;
         let directed = |dry: bool, phase: Phase| if dry { phase.direction() } else { 0.0 };
         let direction = directed(plant.dry, state.phase);
         let held = plant.dry && state.phase == Phase::Stick;
@@ -131,19 +152,57 @@ impl<'a, const N: usize> Regime<'a, N> {
             let linked = closed.as_ref().map(|closed| (closed.flank, held_sides));
             Linear::of(plant, state, torque, linked)
         });
-        Self {
+        let regime = Self {
             plant,
             torque,
             pendulum: state.pendulum,
             time_s: state.time_s,
+            friction_steps_s: plant.friction_steps_s(state.time_s),
             step_s,
             direction,
             held,
             closed,
             stiff,
+            fading: None,
             load,
             constant_friction_nm: plant.constant_friction_nm(0, direction),
             touch: &state.touch,
+        };
+        let fading = fades.then(|| {
+            let under = |drive_nm: f64| regime.rate_under(0.0, drive_nm, &pack(state));
+            let [all, rest] = [torque.at(0.0), torque.trailing_nm(0.0)].map(under);
+            Fading::of(torque.lag_s, &all, &rest)
+        });
+        Self { fading, ..regime }
+    }
+
+    /// The state that is stepped, from the true state at the start of the step.
+    #[inline]
+    pub(super) fn given(&self, x: &[f64; N]) -> [f64; N] {
+        self.fading.as_ref().map_or(*x, |fading| fading.given(x))
+    }
+
+    /// The true state `t` after the start of the step, from the state that is stepped.
+    #[inline]
+    pub(super) fn seen(&self, x: &[f64; N], t: f64) -> [f64; N] {
+        self.fading.as_ref().map_or(*x, |fading| fading.seen(x, t))
+    }
+
+    /// Torque of the drive that acts on the state that is stepped, `t` after the start of the step, N m.
+    #[inline]
+    fn drive_nm(&self, t: f64) -> f64 {
+        match self.fading {
+            Some(_) => self.torque.trailing_nm(t),
+            None => self.torque.at(t),
+        }
+    }
+
+    /// Mean of that torque over the first `t` of the step, N m.
+    #[inline]
+    fn mean_drive_nm(&self, t: f64) -> f64 {
+        match self.fading {
+            Some(_) => self.torque.trailing_nm(0.5 * t),
+            None => self.torque.means(t)[0],
         }
     }
 
@@ -153,13 +212,20 @@ impl<'a, const N: usize> Regime<'a, N> {
         [self.direction, self.load.direction]
     }
 
+    /// Time at which the friction level is taken, `t` after the start of the step, s. A step of the level belongs to the
+    /// next regime.
+    #[inline]
+    fn friction_time_s(&self, t: f64) -> f64 {
+        (self.time_s + t).min(self.friction_steps_s.next_down())
+    }
+
     /// Dry friction on the motor side while it slides or bends bristles, N m, and the rate of the bristles, rad/s.
     #[inline(always)]
     fn friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> (f64, f64) {
         let m = &self.plant.mechanics;
         let (position, velocity) = (x[0], x[1]);
         let sliding = |direction: f64| {
-            let (speed, time_s) = (velocity.abs(), self.time_s + t);
+            let (speed, time_s) = (velocity.abs(), self.friction_time_s(t));
             m.sliding(direction, position, speed, time_s, drive_nm)
         };
         if has_bristles(N) && self.direction == 0.0 && self.plant.dry {
@@ -182,7 +248,7 @@ impl<'a, const N: usize> Regime<'a, N> {
     fn load_friction(&self, t: f64, drive_nm: f64, x: &[f64; N]) -> f64 {
         self.load.constant_friction_nm.unwrap_or_else(|| {
             let direction = self.load.direction;
-            let (m, time_s) = (&self.plant.mechanics, self.time_s + t);
+            let (m, time_s) = (&self.plant.mechanics, self.friction_time_s(t));
             let level = m.sliding(direction, x[2], x[3].abs(), time_s, drive_nm);
             self.plant.friction_share[1] * direction * level
         })
@@ -267,7 +333,7 @@ impl<'a, const N: usize> Regime<'a, N> {
         let half = masses.propagator(0.5 * t);
         let midway = masses.carried(&half, &from, at_first);
         let midway = core::array::from_fn(|i| midway[i]);
-        let (forces, _) = self.forces(0.5 * t, self.torque.means(t)[0], &midway);
+        let (forces, _) = self.forces(0.5 * t, self.mean_drive_nm(t), &midway);
         let accelerations = masses.pushed(forces);
         let end = masses.carried(&masses.twice(&half), &from, accelerations);
         let pulled = masses.accelerations(&end);
@@ -344,7 +410,7 @@ impl<'a, const N: usize> Regime<'a, N> {
 impl<const N: usize> Flow<N> for Regime<'_, N> {
     #[inline(always)]
     fn rate(&self, t: f64, x: &[f64; N]) -> [f64; N] {
-        self.rate_under(t, self.torque.at(t), x)
+        self.rate_under(t, self.drive_nm(t), x)
     }
 
     #[inline]
@@ -368,6 +434,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
 
     #[inline(always)]
     fn guard(&self, t: f64, x: &[f64; N]) -> f64 {
+        let x = &self.seen(x, t);
         // All guards have one unit. Otherwise the smallest would hide the others.
         let far = |velocity: f64| self.step_s * velocity;
         let mut guard = if self.direction == 0.0 {
@@ -414,6 +481,14 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
 
     #[inline]
     fn may_dip(&self, h: f64, x: [&[f64; N]; 2], rate: [&[f64; N]; 2]) -> bool {
+        let ends = [(x[0], rate[0], 0.0), (x[1], rate[1], h)];
+        let [x, rate] = match &self.fading {
+            Some(fading) => [
+                ends.map(|(x, _, t)| fading.seen(x, t)),
+                ends.map(|(_, rate, t)| fading.seen_rate(rate, t)),
+            ],
+            None => [x.map(|x| *x), rate.map(|rate| *rate)],
+        };
         // The velocity can touch zero within a step only if it falls at first and rises at last; a
         // barrier can be touched and left only if the velocity turns.
         let dips = |direction: f64, v: usize| {
@@ -422,7 +497,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
             falls(0) && !falls(1) && slowest < h * rate[0][v].abs()
         };
         let dips = dips(self.direction, 1) || (is_linked(N) && dips(self.load.direction, 3));
-        let (from, to) = (Self::load(x[0]).1, Self::load(x[1]).1);
+        let (from, to) = (Self::load(&x[0]).1, Self::load(&x[1]).1);
         dips || (from * to < 0.0 && !self.plant.parts.barriers.is_empty())
     }
 }

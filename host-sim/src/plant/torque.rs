@@ -101,8 +101,9 @@ impl Torque {
         (fading_nm, self.trailing_nm(0.0), self.target_rate_nm_s)
     }
 
+    /// Torque `t_s` after the start of the step without its fading part, N m.
     #[inline]
-    fn trailing_nm(&self, t_s: f64) -> f64 {
+    pub(super) fn trailing_nm(&self, t_s: f64) -> f64 {
         self.target_nm + self.target_rate_nm_s * (t_s - self.lag_s)
     }
 

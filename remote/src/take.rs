@@ -1,6 +1,8 @@
 //! Carries an experiment out.
 
 use haptic_paddle::controller::Mode;
+use haptic_paddle::safety::Fault;
+use haptic_paddle::sensing::current::OffsetError;
 use link::{Channel, Channels};
 
 use crate::wire::Wire;
@@ -37,9 +39,17 @@ pub trait Progress {
     fn ends(&self) -> bool;
 }
 
-/// Share of its travel at which a paddle that is driven by torque is let go: it coasts on, and beyond its travel it could
-/// not be armed again.
+/// Share of its travel at which a paddle that is driven by torque is let go, and beyond which it must not come to a stand: it could
+/// not be armed again there.
 const GUARD: f32 = 0.7;
+const LAST: f32 = 0.9;
+/// Time from a row until the paddle has been braked, s, as if it had gone on as fast: a look of the console (10 ms), the line, and
+/// the time constant of the lab's paddle on a shorted motor (9.4 ms).
+const STOPS_S: f32 = 0.03;
+/// How long a paddle that moves is waited for until it can be armed, s, and between two trials. Each trial brakes it, as the bridge
+/// shorts the motor while its current is read: the lab's paddle loses all but a hundredth of its speed in one.
+const STANDS_S: f64 = 2.0;
+const TRIAL_S: f64 = 0.05;
 /// Why a run ended there.
 const TOO_FAR: &str = "the paddle came near the end of its travel";
 
@@ -71,17 +81,19 @@ fn carry_out<W: Wire>(
     progress: &mut impl Progress,
 ) -> Result<Taken, DeviceError> {
     device.command("disarm")?;
-    device.expect("arm position", "mode position")?;
+    arm_standing(device, Mode::Position, progress)?;
     device.expect("ref 0", "mode position")?;
     rest(device, CENTRE_S, progress)?;
     if plan.mode == Mode::Torque {
         device.command("disarm")?;
-        device.expect(
-            &format!("arm {}", plan.mode_name()),
-            &format!("mode {}", plan.mode_name()),
-        )?;
+        arm_standing(device, Mode::Torque, progress)?;
     }
-    let farthest_rad = GUARD * device.travel_rad();
+    let travel_rad = device.travel_rad();
+    let goes_too_far = |row: &Row| {
+        let at_rad = row.value(Channel::Encoder);
+        let stands_rad = at_rad + STOPS_S * row.value(Channel::Velocity);
+        at_rad.abs() > GUARD * travel_rad || stands_rad.abs() > LAST * travel_rad
+    };
     device.stream(Channels::ALL, rate_hz)?;
     rest(device, plan.before_s(), progress)?;
     device.expect(&plan.start_line(), &format!("mode {}", plan.mode_name()))?;
@@ -108,8 +120,7 @@ fn carry_out<W: Wire>(
             if row.value(Channel::Fault) != 0.0 {
                 fault.get_or_insert(row.period);
             }
-            too_far |=
-                plan.mode == Mode::Torque && row.value(Channel::Encoder).abs() > farthest_rad;
+            too_far |= plan.mode == Mode::Torque && goes_too_far(&row);
             if fault.is_none() && !too_far {
                 rows.push(row);
             }
@@ -124,6 +135,10 @@ fn carry_out<W: Wire>(
         }
     }
     let lost = device.lost();
+    if too_far {
+        // Brakes it before it is beyond its travel; what cannot be braked is told by the next run.
+        let _ = device.command("arm position")?;
+    }
     if fault.is_some() {
         device.let_it_speak()?;
     }
@@ -152,6 +167,27 @@ fn carry_out<W: Wire>(
         lost,
         fault,
     })
+}
+
+/// Arms a mode, again and again while nothing but the paddle's motion is against it.
+fn arm_standing<W: Wire>(
+    device: &mut Device<W>,
+    mode: Mode,
+    progress: &impl Progress,
+) -> Result<(), DeviceError> {
+    let passing = [OffsetError::Restless.to_string(), Fault::Travel.to_string()];
+    let end_s = device.time_s() + STANDS_S;
+    loop {
+        match device.expect(&format!("arm {mode}"), &format!("mode {mode}")) {
+            Err(DeviceError::Refused { answer, .. })
+                if device.time_s() < end_s && passing.iter().any(|why| answer.contains(why)) =>
+            {
+                device.command("clear")?;
+                rest(device, TRIAL_S, progress)?;
+            }
+            other => return other.map(drop),
+        }
+    }
 }
 
 /// Waits for so long, and gives signs of life.

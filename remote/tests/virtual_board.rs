@@ -203,6 +203,29 @@ fn a_paddle_that_is_driven_too_far_is_let_go_and_can_be_armed_again() {
 }
 
 #[test]
+fn a_paddle_that_is_driven_too_far_and_fast_is_braked_within_its_travel() {
+    let Some(image) = image("a_paddle_that_is_driven_too_far_and_fast") else {
+        return;
+    };
+    let mut device = ready(&image);
+    for amplitude_nm in ["0.01", "0.02", "0.03"] {
+        let told = driven_too_far(&mut device, amplitude_nm);
+        assert!(told.contains("end of its travel"), "{amplitude_nm}: {told}");
+        let next = take(
+            &mut device,
+            &plan("torque:sine:0.001,1,1"),
+            1000.0,
+            &mut Quiet(false),
+        );
+        let next = next.map(|taken| (taken.fault, taken.lost));
+        assert!(
+            matches!(next, Ok((None, 0))),
+            "after {amplitude_nm} N m: {next:?}"
+        );
+    }
+}
+
+#[test]
 fn what_a_stopped_board_says_by_itself_tears_no_command() {
     let Some(image) = image("what_a_stopped_board_says") else {
         return;

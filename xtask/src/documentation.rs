@@ -32,3 +32,25 @@ pub fn target_folder() -> PathBuf {
     let root = firmware_build::root();
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |f| root.join(f))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    const MOST_LINES: usize = 150;
+    const MOST_WORDS: usize = 80;
+
+    #[test]
+    fn the_readme_is_short_and_so_are_its_paragraphs() {
+        let readme = fs::read_to_string(firmware_build::root().join("README.md")).unwrap();
+        let lines = readme.lines().count();
+        assert!(lines <= MOST_LINES, "{lines} lines");
+        for paragraph in readme.split("\n\n") {
+            let lines = paragraph.lines();
+            // Neither tables and lists, nor what a program writes.
+            let prose = lines.filter(|line| !line.starts_with(['|', '-', '`', '<', '>', ' ']));
+            let words = prose.flat_map(str::split_whitespace).count();
+            assert!(words <= MOST_WORDS, "{words} words: {paragraph}");
+        }
+    }
+}

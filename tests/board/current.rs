@@ -242,21 +242,31 @@ fn the_converter_sees_the_signals_without_an_error_of_sampling() {
 
 #[test]
 fn after_a_halt_the_samples_are_in_step_with_the_control_periods_again() {
+    /// Time for the ring to begin anew and to fill, with a margin.
+    const RECOVERY_S: f64 = 1e-3;
+    /// No multiples of a sample (2 µs) or of a control period (50 µs). Halts then begin and end at many phases of both.
+    const BETWEEN_HALTS_S: f64 = 1.013_7e-3;
+    const LONGER_BY_S: f64 = 1.913e-6;
+
     let Some(image) = image("after_a_halt_the_samples_are_in_step") else {
         return;
     };
     let mut bench = Bench::armed(image);
-    let conversions = |bench: &mut Bench| {
+    for halt in 0..100 {
+        bench.run(BETWEEN_HALTS_S);
+        let lasts_s = 1e-3 + LONGER_BY_S * f64::from(halt);
+        bench.board.halt_core(lasts_s).unwrap();
+        bench.run(RECOVERY_S);
         bench.board.record_steps(true);
-        bench.run(0.001);
-        let steps = bench.board.take_steps();
-        (steps[10].ring_left, steps[10].current.conversions)
-    };
-    let before = conversions(&mut bench);
-    bench.board.halt_core(0.012_345_6).unwrap();
-    bench.run(0.001);
-    assert_eq!(conversions(&mut bench), before);
-    assert_eq!(before.0, before.1, "the ring holds one control period");
+        bench.run(1e-3);
+        for step in bench.board.take_steps() {
+            assert_eq!(
+                (step.ring_left, step.current.conversions),
+                (25, 25),
+                "halt {halt} of {lasts_s} s: the ring holds one control period, and begins with it"
+            );
+        }
+    }
 }
 
 #[test]

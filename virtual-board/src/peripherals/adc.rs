@@ -87,7 +87,7 @@ impl Adc {
                         || edge == RISING && matches!(field(value, 24, 4), TIM8_TRGO | TIM3_TRGO),
                     "an external trigger other than the rise of TIM8's or TIM3's",
                 )?;
-                let paced = self.paced();
+                let followed = self.paced() && self.collected();
                 const FIELDS: u32 = 0x7F7F_0F03;
                 self.cr2 = value & FIELDS & !(1 << SWSTART);
                 if self.paced() {
@@ -96,8 +96,8 @@ impl Adc {
                         "conversions without pause that a trigger paces",
                     )?;
                     self.divider = divider;
-                    if !paced {
-                        // A conversion that is under way goes on.
+                    if !followed {
+                        // Results that ended before nobody collects. A conversion that is under way goes on.
                         self.skip_to(now);
                     }
                 }

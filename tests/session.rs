@@ -244,6 +244,26 @@ fn a_fault_is_announced_once_and_asks_for_a_new_check() {
 }
 
 #[test]
+fn a_line_that_an_announcement_interrupts_is_shown_anew() {
+    let mut bench = Bench::new(SOUND);
+    bench.enter("zero");
+    bench.screen.clear();
+    bench.keys("set pid.kp 0.0");
+    bench
+        .controller
+        .report_fault(haptic_paddle::safety::Fault::Bridge);
+    bench.run(0.01);
+    assert!(
+        bench.screen.ends_with("\r\n> set pid.kp 0.0"),
+        "{:?}",
+        bench.screen
+    );
+    bench.keys("4\r");
+    assert_eq!(bench.session.settings().pid.kp_nm_per_deg, 0.04);
+    assert!(bench.screen.ends_with("\r\n> "), "{:?}", bench.screen);
+}
+
+#[test]
 fn typing_is_echoed_and_a_mistake_can_be_taken_back() {
     let mut bench = Bench::new(SOUND);
     let screen = bench.enter("set kq\x7fp 0.04");
@@ -279,7 +299,7 @@ fn tab_completes_commands_settings_and_choices() {
         bench.screen
     );
     assert!(
-        bench.screen.ends_with("\r> get pid.k\x1b[K"),
+        bench.screen.ends_with("\r\x1b[K> get pid.k"),
         "{:?}",
         bench.screen
     );

@@ -121,8 +121,14 @@ impl LineEditor {
         }
     }
 
-    /// The line as it stands.
+    /// The line as it stands; an empty one after its end.
     pub fn shown(&self) -> Edited<'_> {
+        if self.ended {
+            return Edited {
+                line: &[],
+                behind_cursor: 0,
+            };
+        }
         Edited {
             line: self.line.bytes(),
             behind_cursor: self.line.length - self.cursor,

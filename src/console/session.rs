@@ -150,11 +150,12 @@ impl Session {
         }
     }
 
-    /// Asks for the next line, unless something is still to be said or done first.
+    /// Asks for the next line, unless something is still to be said or done first. One that is being typed is shown anew.
     fn prompt(&self, out: &mut impl fmt::Write) {
-        if self.listens() {
-            put(out, format_args!("> "));
+        if !self.listens() {
+            return;
         }
+        ask(out, &self.line.shown());
     }
 
     /// Takes a typed byte. Ctrl-C stops everything at once, in every state.
@@ -547,10 +548,16 @@ fn angles(controller: &Controller) -> Angles {
     }
 }
 
-/// Shows the line that is being typed anew, with the cursor where it is.
+/// Shows the line that is being typed anew, in place of what stood there.
 fn show(out: &mut impl fmt::Write, edited: &Edited) {
+    put(out, format_args!("\r\x1b[K"));
+    ask(out, edited);
+}
+
+/// Asks for the rest of a line, with the cursor where it is.
+fn ask(out: &mut impl fmt::Write, edited: &Edited) {
     let line = core::str::from_utf8(edited.line).unwrap_or("?");
-    put(out, format_args!("\r> {line}\x1b[K"));
+    put(out, format_args!("> {line}"));
     if edited.behind_cursor > 0 {
         put(out, format_args!("\x1b[{}D", edited.behind_cursor));
     }

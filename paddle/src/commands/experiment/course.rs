@@ -11,7 +11,7 @@ use gap::diagnosis::{Diagnosis, NextExperiment, Verdict};
 use gap::{Outcome, Recording};
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::{Excitation, Shape};
-use remote::{DeviceError, Plan, Recorder, Taken, Wire};
+use remote::{DeviceError, Plan, Recorder, Wire};
 
 /// What is recorded where nothing else is asked for: first what shows most effects, then what the diagnosis did not ask
 /// for.
@@ -31,9 +31,9 @@ const SMALLER: f32 = 0.75;
 const MOST_TRIALS: usize = 4;
 /// Until the paddle stands in the middle and is armed, s.
 const READY_S: f64 = 1.5;
-/// Share of the gap that is closed on held-out data, at the lower end of its interval, beyond which further experiments
-/// have named nothing more: on a virtual board with a quadratic drag, four more said the same.
-const CLOSED: f64 = 0.95;
+/// Share of the gap that must be closed on held-out data, at the lower end of its interval. What is left then is below the
+/// smallest share of the gap that the blind check counts as a cause ([`blind::SMALL_SHARE`]).
+const CLOSED: f64 = 1.0 - blind::SMALL_SHARE[0];
 /// Torque beyond which the clamp of the firmware acts, N m at the motor, with a little to spare.
 const MOST_NM: f32 = 0.03;
 
@@ -144,7 +144,8 @@ impl<W: Wire> Course<'_, W> {
         }
     }
 
-    /// Records one, smaller if it drives the paddle too far.
+    /// Records an experiment, and once more with a smaller signal if a fault ends it. What was recorded before the fault is
+    /// kept if it is long enough.
     fn record(&mut self, plan: &Plan) -> Result<(), Failure> {
         progress::within(&format!("run {}", self.recorder.recording().runs.len() + 1));
         self.tried.push(plan.clone());
@@ -153,27 +154,24 @@ impl<W: Wire> Course<'_, W> {
             let begun_s = self.rig.device.time_s();
             let taken = self.rig.take(&plan, self.how.rate, self.interrupt);
             self.spent_s += self.rig.device.time_s() - begun_s;
-            match taken {
-                Ok(Taken {
-                    fault: Some(fault), ..
-                })
-                | Err(DeviceError::Fault(fault))
-                    if trial < MOST_TRIALS =>
-                {
-                    progress::note(&format!("{plan}: {fault}; once more, smaller"));
-                    plan = plan.scaled(SMALLER);
-                }
+            let (fault, kept) = match taken {
                 Ok(taken) => {
                     self.recorder.add(&taken);
-                    return Ok(());
+                    match taken.fault {
+                        Some(fault) => (fault, "kept up to then"),
+                        None => return Ok(()),
+                    }
                 }
-                // Others may still say something.
-                Err(DeviceError::Fault(fault)) => {
-                    progress::note(&format!("{plan}: {fault}; left out"));
-                    return Ok(());
-                }
+                Err(DeviceError::Fault(fault)) => (fault, "too short to keep"),
                 Err(other) => return Err(other.into()),
+            };
+            // Other experiments may still say something.
+            if trial == MOST_TRIALS {
+                progress::note(&format!("{plan}: {fault}; {kept}"));
+                return Ok(());
             }
+            progress::note(&format!("{plan}: {fault}; {kept}; once more, smaller"));
+            plan = plan.scaled(SMALLER);
         }
         Ok(())
     }

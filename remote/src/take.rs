@@ -30,6 +30,16 @@ pub struct Taken {
     pub fault: Option<String>,
 }
 
+impl Taken {
+    /// Whether the encoder saw the paddle move. A recording with a run in which nothing moves is refused.
+    pub fn moves(&self) -> bool {
+        let position = |row: &Row| row.value(Channel::Encoder);
+        self.rows
+            .windows(2)
+            .any(|pair| position(&pair[0]) != position(&pair[1]))
+    }
+}
+
 /// How the user follows an experiment, and ends it.
 pub trait Progress {
     /// So much of the run is done, 0 to 1.

@@ -155,6 +155,10 @@ impl<W: Wire> Course<'_, W> {
             let taken = self.rig.take(&plan, self.how.rate, self.interrupt);
             self.spent_s += self.rig.device.time_s() - begun_s;
             let (fault, kept) = match taken {
+                Ok(taken) if !taken.moves() => {
+                    progress::note(&format!("{plan}: the paddle did not move; left out"));
+                    return Ok(());
+                }
                 Ok(taken) => {
                     self.recorder.add(&taken);
                     match taken.fault {

@@ -53,7 +53,7 @@ impl BoardCheck<'_> {
     /// Draws, experiments and scores; a line a case goes to standard error as it is done.
     ///
     /// # Errors
-    /// [`Failure`] if there is no firmware, a paddle cannot be drawn, or nothing can be kept.
+    /// [`Failure`] if there is no firmware. A paddle that cannot be drawn, or whose experiments fail, is told and left out.
     pub fn run(&self) -> Result<Answer, Failure> {
         let path = firmware::build()?;
         let unusable = |source| Failure::Image {
@@ -65,9 +65,12 @@ impl BoardCheck<'_> {
         let mut cases: Vec<Case> = Vec::new();
         let mut amiss = Vec::new();
         for number in 1..=self.cases {
-            let paddle = HiddenPaddle::draw(self.seed, number, self.only, self.messy)?;
-            let board = board(&image, &paddle, number).map_err(unusable)?;
-            match self.case(number, &paddle, board, &interrupt) {
+            let drawn = HiddenPaddle::draw(self.seed, number, self.only, self.messy);
+            let done = drawn.and_then(|paddle| {
+                let board = board(&image, &paddle, number).map_err(unusable)?;
+                self.case(number, &paddle, board, &interrupt)
+            });
+            match done {
                 Ok((case, lacking)) => {
                     progress::note(&case.line(number));
                     cases.push(case);
@@ -76,7 +79,10 @@ impl BoardCheck<'_> {
                         amiss.push(failure);
                     }
                 }
-                Err(failure) => amiss.push(failure),
+                Err(failure) => {
+                    progress::note(&format!("case {number}: {failure}"));
+                    amiss.push(failure);
+                }
             }
             if interrupt.is_wished() {
                 break;

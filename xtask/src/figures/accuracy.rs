@@ -106,7 +106,10 @@ pub fn keep(path: &Path) -> Result<PathBuf, Failure> {
             .collect(),
     };
     let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
-    let kept = firmware_build::root().join(format!("{FOLDER}/{PREFIX}{}.json", seeds.join("-")));
+    // A clean and a messy set may have one seed.
+    let kind = if set.is_messy { "messy" } else { "clean" };
+    let name = format!("{PREFIX}{kind}-{}.json", seeds.join("-"));
+    let kept = firmware_build::root().join(FOLDER).join(name);
     let text = serde_json::to_string_pretty(&set).map_err(json)?;
     if let Some(folder) = kept.parent() {
         fs::create_dir_all(folder).map_err(|e| Failure::file(folder, e))?;

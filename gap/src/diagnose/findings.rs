@@ -126,7 +126,7 @@ pub(super) fn confidence(round: &Round, expected: f64) -> f64 {
     let gain = known.costs.level() - winner.fit.costs.level();
     let next = select::others(round).next();
     let next = next.map_or(known.costs.level(), |r| r.fit.costs.level());
-    let ahead = next - winner.fit.costs.level() - select::luck(&winner.fit);
+    let ahead = next - winner.fit.costs.level() - select::chance_gain(&winner.fit);
     let margin = (ahead / gain.max(1e-9)).clamp(0.0, 1.0);
     let left = ((winner.fit.costs.level() - expected)
         / (known.costs.level() - expected).max(f64::MIN_POSITIVE))

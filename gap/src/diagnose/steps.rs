@@ -1,4 +1,4 @@
-//! How far each effect in turn closes the gap, on windows that the fits have not seen.
+//! By how much each effect in turn closes the gap on held-out windows, and which effects are withdrawn because they close too little.
 
 use super::relief::is_relieved;
 use crate::effects;
@@ -9,40 +9,42 @@ use crate::floor::FLOOR_DOUBT;
 use crate::select::{self, Rival, Round, Selection};
 use crate::shrink::{resampled, shrink};
 
-/// Share of the gap that a further effect must close, or of what those before it leave.
+/// Share of the gap that a further effect must close, or share of what the effects before it leave.
 const LEAST_SHRINK: f64 = 0.05;
 const LEAST_SHRINK_OF_REST: f64 = 0.5;
-/// Share of the gap that another formulation of a right effect may leave: what makes that up is no effect of its own.
+/// Share of the gap that a right effect in another formulation may leave. An effect that closes no more than that is none.
 const FORMULATION: f64 = 0.02;
-/// Or this share of the robust excess, and surely something of the gap or nearly all that was left of the excess: a few windows
-/// in which a hidden state is wrong may be most of the gap.
+/// Share of the robust excess that it may close instead, if it surely closes something of the gap, or leaves hardly any excess: a few
+/// windows in which a hidden state is wrong may be most of the gap.
 const LEAST_TYPICAL_SHRINK: f64 = 0.2;
 
-/// Share of the gap that an episode must close, unless it leaves nothing of it: it is found in few windows, which cannot be held out,
-/// and bends to whatever they miss. Of 31 contacts on five blind and outside sets none of the eight that closed less was there, and
-/// those that were closed a third at least.
+/// Share of the gap that an episode must close, unless it closes all of it. An episode is found in few windows, which cannot be held out,
+/// and fits whatever is missing there. Of 31 contacts on five blind and outside sets eight closed less, and none of these was right; the
+/// right ones closed a third or more.
 const LEAST_EPISODE_SHRINK: f64 = 0.25;
 
-/// Share of the robust excess that an effect closes that bristles must close as well for it to be one of their forms.
+/// Share of the excess closed by an effect that bristles must close, too, for the effect to be another form of them.
 const NEARLY_ALL: f64 = 0.8;
 
-/// Iterations without an effect on which the others may not rest.
+/// Iterations of the fit without an effect, to see what it closes.
 const SPARED_ITERATIONS: usize = 8;
 
-/// Shrink by one effect and by all up to it: value and 95 % interval; and of what those before it left.
+/// Shrink by one effect, and by all effects up to it, each with its 95 % interval.
 pub(super) struct Step {
     pub own: [f64; 3],
+    /// Share of what the effects before it left.
     of_rest: f64,
     pub total: [f64; 3],
-    /// True if those before it leave no more than a right model may, and if it does.
+    /// True if the gap was at its floor without this effect.
     was_at_floor: bool,
+    /// True if the gap is at its floor with it.
     is_at_floor: bool,
-    /// True if it surely leaves less than those before it.
+    /// True if it surely closes something.
     is_sure: bool,
 }
 
 impl Step {
-    /// Holds what all steps claim together to a `most`, each to its share of it.
+    /// Limits the shrink of all steps together to `most`, and each in proportion.
     pub(super) fn bounded(steps: &mut [Self], most: f64) {
         let Some(whole) = steps.last().map(|step| step.total[0]) else {
             return;
@@ -57,30 +59,30 @@ impl Step {
         }
     }
 
-    /// True if its effect hardly closes anything by itself.
+    /// True if its effect closes less than a further effect must.
     pub(super) fn is_small(&self) -> bool {
         self.own[0] < LEAST_SHRINK
     }
 }
 
-/// The other effects, fitted on from where they stand beside the one at `place`.
+/// The fit without the effect at `place`, begun at the numbers of the others.
 fn without(problem: &Problem<'_>, selection: &Selection, place: usize) -> Fit {
     let (hypothesis, x) = selection.fit().without(selection.base() + place);
     problem.fit(&hypothesis, x, Part::All, SPARED_ITERATIONS)
 }
 
-/// The effects but the last, where that closes hardly anything and they then leave as little without it: beside it they have
-/// but come to the end of their way.
+/// The fit without the last effect, if that closes little and the others explain as much without it: the fit beside it has only had more
+/// iterations.
 fn without_needless(problem: &Problem<'_>, selection: &Selection, steps: &[Step]) -> Option<Fit> {
     let further = selection.kept().max(1)..selection.rounds.len();
     let last = further.last().filter(|&last| steps[last].is_small())?;
     let all = selection.fit();
     let others = without(problem, selection, last);
-    let enough = all.costs.level() + select::luck(all);
+    let enough = all.costs.level() + select::chance_gain(all);
     (others.costs.level() <= enough).then_some(others)
 }
 
-/// True if the others close the gap as far without the effect at `place`.
+/// True if the other effects close as much of the gap without the one at `place`.
 pub(super) fn is_spare(problem: &Problem<'_>, selection: &Selection, place: usize) -> bool {
     selection.rounds.len() > 1 && closed_beside(problem, selection, place) < LEAST_SHRINK
 }
@@ -94,13 +96,13 @@ fn closed_beside(problem: &Problem<'_>, selection: &Selection, place: usize) -> 
     shrink(&without, &with, &problem.floor_squares(all), &nominal)[0]
 }
 
-/// The steps of a selection, and the squares of each window that it leaves on data that its fit has not seen.
+/// The steps of a selection, and the squared residuals of each window on data that its fit has not seen.
 pub(super) struct Closed {
     pub steps: Vec<Step>,
     pub after: Vec<f64>,
 }
 
-/// The step of each effect that is left of a selection once those are taken back that close nothing.
+/// The step of each effect of a selection, after those that close too little were withdrawn.
 pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) -> Closed {
     let (steps, mut left) = surviving_steps(problem, selection);
     left.truncate(steps.len() + 1);
@@ -133,14 +135,14 @@ fn surviving_steps(problem: &Problem<'_>, selection: &mut Selection) -> (Vec<Ste
     if kept > 0 {
         return (steps, left);
     }
-    // What the model that explains it would leave as well is no gap, unless it is beyond what restarts do.
+    // A gap that the null could leave if it were exact is none.
     let hidden = |floors| selection.null_leaves_at_most(floors, problem);
     let closes_none = |step: &Step| step.was_at_floor || are_spared(problem, selection, &left);
-    // What shows in every window, and in the gap not at all, may be no more than how finely another simulation was computed.
+    // Excess in every window without a gap may come from the step size of another simulator.
     let is_faint =
-        || !selection.is_unambiguous || !surely_close(&steps) && hidden(select::QUIET_GAP);
+        || !selection.is_unambiguous || !surely_close(&steps) && hidden(select::ADEQUATE_GAP);
     let is_none = !selection.is_measured()
-        && hidden(select::LOUD_GAP)
+        && hidden(select::PLAIN_GAP)
         && (is_formulation(selection) || is_faint() && steps.first().is_some_and(closes_none));
     if is_none || are_vain(&steps, selection.left(selection.fit())) {
         steps.clear();
@@ -155,12 +157,12 @@ fn surely_close(steps: &[Step]) -> bool {
     steps.last().is_some_and(|step| step.total[1] > 0.0)
 }
 
-/// True if all that is found is another form of a dry friction, bristles in place of stick.
+/// True if the only effect found is another form of dry friction: bristles in place of stick.
 fn is_formulation(selection: &Selection) -> bool {
     matches!(&selection.rounds[..], [round] if is_as_bristles(round))
 }
 
-/// True if an effect is bristles, or if these explain nearly as much.
+/// True if an effect is bristles, or if bristles explain nearly as much.
 fn is_as_bristles(round: &Round) -> bool {
     let gain = |rival: &Rival| round.known.costs.level() - rival.fit.costs.level();
     let most = gain(&round.rivals[0]);
@@ -171,7 +173,7 @@ fn is_as_bristles(round: &Round) -> bool {
     bristles.any(|rival| gain(rival) >= NEARLY_ALL * most)
 }
 
-/// True if the effects hardly close more than the model's own numbers do, moved within their tolerances.
+/// True if the effects close hardly more than the numbers of the model, moved within their tolerances.
 fn are_spared(problem: &Problem<'_>, selection: &Selection, left: &[Vec<f64>]) -> bool {
     let [nominal, .., after] = left else {
         return false;
@@ -187,13 +189,12 @@ fn are_spared(problem: &Problem<'_>, selection: &Selection, left: &[Vec<f64>]) -
     )
 }
 
-/// True if what is left `after` is hardly less than `before`, down to a floor, of what the nominal model leaves.
+/// True if the squares `after` are hardly less than those `before`, above a floor and as a share of what the nominal model leaves.
 fn hardly_closes(floor: &[f64], nominal: &[f64], before: &[f64], after: &[f64]) -> bool {
     shrink(before, after, floor, nominal)[0] < LEAST_SHRINK
 }
 
-/// Squares of each window that the nominal model leaves, and that are left with each effect in turn, on windows that the fits
-/// have not seen.
+/// Squared residuals of each window: of the nominal model, and with each effect in turn on data that its fit has not seen.
 fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
     let nominal = problem.nominal_squares();
     let left = selection.rounds.iter().map(|round| {
@@ -206,7 +207,7 @@ fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
     [nominal].into_iter().chain(left).collect()
 }
 
-/// The steps of the effects in their order, down to the floor of the `fit` with all of them.
+/// The steps of the effects in their order, above the floor of the `fit` with all of them.
 fn steps(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
     if left.len() > 1 {
         steps_to(&problem.floor_squares(fit), left)
@@ -215,7 +216,7 @@ fn steps(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
     }
 }
 
-/// The same down to a floor.
+/// The same above a floor.
 fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
     let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(floor);
@@ -235,18 +236,18 @@ fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
     steps.collect()
 }
 
-/// True if the effect `i` does not close the gap by itself, however well it suits the robust cost; the first need not, unless it
+/// True if the effect `i` closes too little of the gap, whatever it gains in robust cost. The first effect need not close any, unless it
 /// is an episode.
 fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) -> bool {
     let winner = &selection.rounds[i].rivals[0];
-    // What contains another effect that is there only gives that another form.
+    // An effect that contains another one of the selection only gives that another form.
     let mut others = selection.rounds.iter().map(|round| round.rivals[0].name);
     if step.is_small() && others.any(|other| effects::of(winner.name).contains(other)) {
         return true;
     }
     let comes_and_goes = effects::of(winner.name).episode().is_some();
     if comes_and_goes && step.own[0] < LEAST_EPISODE_SHRINK && !step.is_at_floor {
-        // What comes after an episode may be most of what it leaves.
+        // The effects after an episode may close most of what it leaves.
         return closed_beside(problem, selection, i) < LEAST_EPISODE_SHRINK;
     }
     if i == 0 || !step.is_small() {
@@ -254,21 +255,20 @@ fn is_idle(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) 
     }
     let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
     let is_real = step.is_sure || after <= select::MOST_LEFT_EXPLAINED;
-    // What is at its floor already has no gap that it could close.
+    // A gap that is at its floor cannot be closed further.
     let typical = !step.was_at_floor && before - after >= LEAST_TYPICAL_SHRINK && is_real;
-    // Where a restart falls on a jump, a right model leaves as much: that window may be most of what is left.
+    // A restart on a jump leaves a residual even for a right model, and that window may be most of what is left.
     let halves = after <= (1.0 - LEAST_SHRINK_OF_REST) * before;
     let jumps = winner.is_event() && !comes_and_goes;
     let jumps = jumps && (step.is_at_floor || halves);
     let finishes = step.own[0] >= FORMULATION && step.of_rest >= LEAST_SHRINK_OF_REST;
-    // A number that lies well is not worth a gap that is larger.
+    // An effect may save numbers of the model an unlikely move, but not at the price of a larger gap.
     let relieves = step.own[0] > -LEAST_SHRINK && is_relieved(&selection.rounds[i]);
     !finishes && !typical && !jumps && !relieves
 }
 
-/// True if effects that leave `left_open` of the excess leave the gap no smaller than it was, or may do so and leave most of
-/// the excess; or if several leave much of it and each of them may close nothing: of 415 such diagnoses two did, with no right
-/// name.
+/// True if effects that leave the share `left_open` of the excess close nothing of the gap, or may close nothing and leave most of the
+/// excess; or if there are several, each may close nothing, and they leave much. Of 415 diagnoses two were such, without a right name.
 fn are_vain(steps: &[Step], left_open: f64) -> bool {
     let Some(last) = steps.last() else {
         return false;

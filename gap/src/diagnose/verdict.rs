@@ -18,7 +18,7 @@ pub(super) fn verdict(
     doubt: Option<StandIn>,
 ) -> Verdict {
     if selection.rounds.is_empty() {
-        let is_hidden = || selection.null_leaves_at_most(select::QUIET_GAP, problem);
+        let is_hidden = || selection.null_leaves_at_most(select::ADEQUATE_GAP, problem);
         return if selection.has_no_gap || (!selection.is_unambiguous && is_hidden()) {
             Verdict::NoGap
         } else {
@@ -31,7 +31,7 @@ pub(super) fn verdict(
         select::MOST_LEFT_EXPLAINED
     };
     let is_explained = closing.is_closed()
-        && closing.after <= select::LOUD_GAP * closing.floor
+        && closing.after <= select::PLAIN_GAP * closing.floor
         && selection.missing(problem, selection.fit()) <= most_missing
         && doubt.is_none();
     if is_explained {

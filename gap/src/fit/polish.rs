@@ -2,7 +2,6 @@
 
 use super::costs::Costs;
 use super::fitted::Fit;
-use super::hypothesis::Hypothesis;
 use super::part::Part;
 use super::problem::Problem;
 use super::slopes::within;
@@ -13,12 +12,9 @@ const POLLED: [f64; 10] = [-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2,
 const MOST_POLLS: usize = 3;
 /// What such a move must gain in robust cost: less is within what a window leaves by chance.
 const POLL_GAIN: f64 = 0.5;
-/// Moves of one coordinate from which fits begin anew, for how long, and how many of them go on.
-const FAR: [f64; 6] = [-3.0, -1.5, -0.7, 0.7, 1.5, 3.0];
-const FAR_ITERATIONS: usize = 3;
-const FAR_KEPT: usize = 2;
-/// Standard deviations by which a number of the model is moved to look for a better start.
+/// Standard deviations by which a number of the model is moved to look for a better start, and how many of these starts are fitted.
 const NUDGED: [f64; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
+const NUDGED_KEPT: usize = 2;
 
 impl Problem<'_> {
     /// A fit to all windows carried on until looking to both sides along each coordinate of its effects leads no further.
@@ -50,50 +46,25 @@ impl Problem<'_> {
         best
     }
 
-    /// The best of the fits to all windows that begin, on a part of them, far to both sides of one along each coordinate of its
-    /// effects: where what sticks or strikes is chaotic, neither slopes nor what a start costs say which of them leads on.
-    pub(crate) fn begun_afar(&self, fit: &Fit, part: Part<'_>, iterations: usize) -> Option<Fit> {
-        let fitted = |starts: Vec<Vec<f64>>, part, iterations| {
-            let fits = starts.into_par_iter();
-            let fits = fits.map(|x| self.fit(&fit.hypothesis, x, part, iterations));
-            let mut fits: Vec<Fit> = fits.collect();
-            fits.sort_by(|a, b| a.costs.level().total_cmp(&b.costs.level()));
-            fits
-        };
-        let near = fitted(self.beside(fit, &FAR), part, FAR_ITERATIONS).into_iter();
-        let near = near.take(FAR_KEPT).map(|fit| fit.x).collect();
-        fitted(near, Part::All, iterations).into_iter().next()
-    }
-
-    /// The nominal model fitted from where one of its own numbers lies far from what is stated, if that leaves less: friction that
-    /// holds where the stated one slides is not found by slopes.
+    /// The nominal model fitted from where one of its own numbers lies far from what is stated, if that leaves less. Slopes do not find
+    /// a friction that holds where the stated one slides.
     pub(crate) fn nominal_afar(&self, fit: &Fit, iterations: usize) -> Option<Fit> {
         let moves = (0..self.priors.len()).flat_map(|i| NUDGED.map(|z| (i, z)));
-        let starts = moves.map(|(i, z)| {
-            let mut x = vec![0.0; fit.x.len()];
-            x[i] = z;
-            x
-        });
+        let starts: Vec<Vec<f64>> = moves
+            .map(|(i, z)| {
+                let mut x = vec![0.0; fit.x.len()];
+                x[i] = z;
+                x
+            })
+            .collect();
         let below = fit.costs.level();
-        self.fit_from_lowest(&fit.hypothesis, starts.collect(), below, iterations)
-    }
-
-    /// The best fit to all windows from those of some starts that leave least, if start and fit leave less than `below`: the very
-    /// lowest may lead to where another stick and slip holds it.
-    pub(crate) fn fit_from_lowest(
-        &self,
-        hypothesis: &Hypothesis,
-        starts: Vec<Vec<f64>>,
-        below: f64,
-        iterations: usize,
-    ) -> Option<Fit> {
-        let level = |x: &[f64]| self.costs(hypothesis, x, Part::All).level();
+        let level = |x: &[f64]| self.costs(&fit.hypothesis, x, Part::All).level();
         let levels = starts.into_par_iter().map(|x| (level(&x), x));
         let mut lowest: Vec<_> = levels.filter(|(level, _)| *level < below).collect();
         lowest.sort_by(|a, b| a.0.total_cmp(&b.0));
-        lowest.truncate(FAR_KEPT);
+        lowest.truncate(NUDGED_KEPT);
         let fits = lowest.into_par_iter();
-        let fits = fits.map(|(_, x)| self.fit(hypothesis, x, Part::All, iterations));
+        let fits = fits.map(|(_, x)| self.fit(&fit.hypothesis, x, Part::All, iterations));
         let fit = fits.min_by(|a, b| a.costs.level().total_cmp(&b.costs.level()))?;
         (fit.costs.level() < below).then_some(fit)
     }
@@ -112,34 +83,5 @@ impl Problem<'_> {
         let mut points: Vec<Vec<f64>> = moved.collect();
         points.dedup();
         points
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::made;
-    use crate::term::{Coordinate, Scale};
-
-    const PLAY: f64 = 0.02;
-
-    #[test]
-    fn where_neither_slopes_nor_small_moves_lead_on_a_start_from_afar_does() {
-        let recording = made::recording(&[&format!("backlash:play={PLAY}")]);
-        let problem = made::problem(&recording);
-        let wide = Coordinate {
-            parameter: 0,
-            start: 6.0 * PLAY,
-            scale: Scale::Log,
-        };
-        let hypothesis = Hypothesis {
-            terms: vec![made::term("backlash", &[wide])],
-        };
-        let play = |fit: &Fit| fit.last_term().unwrap().values[0];
-        let near = problem.fit(&hypothesis, vec![0.0], Part::All, 8);
-        let near = problem.polished(&near, 15);
-        assert!(play(&near) > 1.5 * PLAY, "{}", play(&near));
-        let far = problem.begun_afar(&near, Part::All, 8).unwrap();
-        assert!((play(&far) / PLAY - 1.0).abs() < 0.05, "{}", play(&far));
     }
 }

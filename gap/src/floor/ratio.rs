@@ -28,7 +28,7 @@ impl Problem<'_> {
     }
 
     /// The same of the run in which that is most: one that is driven wildly hides what the others show.
-    pub(crate) fn loudest_over_floor(&self, fit: &Fit) -> f64 {
+    pub(crate) fn worst_run_over_floor(&self, fit: &Fit) -> f64 {
         let runs = self.squares_by_run(fit).into_iter();
         runs.map(ratio).fold(0.0, f64::max)
     }
@@ -69,7 +69,7 @@ mod tests {
         let null = problem.fit(&bare, Vec::new(), Part::All, 0);
         let [overall, loudest] = [
             problem.gap_over_floor(&null),
-            problem.loudest_over_floor(&null),
+            problem.worst_run_over_floor(&null),
         ];
         assert!(
             loudest > 1.3 * overall && overall > 3.0,

@@ -1,11 +1,11 @@
-//! How sure a name is: by how often the same choice falls on it when the windows are others.
+//! How sure a name is: how often it is chosen when the windows are resampled.
 
 use super::scored::Scored;
 use crate::shrink::Picks;
 
 /// Resamplings of the windows.
 const RESAMPLINGS: usize = 200;
-/// Windows in a block that is drawn whole: neighbours share what the model misses.
+/// Windows of a block that is drawn as a whole: neighbours share the error of the model.
 const BLOCK: usize = 3;
 
 /// Share of resamplings of the windows, in blocks, in which the simplest set within one standard error of the best has the name.

@@ -1,4 +1,4 @@
-//! Effects that may be what another one was taken for.
+//! Effects that may be present in place of the one that was found.
 
 use super::pool::SHORT_ITERATIONS;
 use super::start::Start;
@@ -10,11 +10,11 @@ use crate::select::Search;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Starts from which each is fitted shortly: those that leave least at once.
+/// Starts of each effect that are fitted shortly, those of the lowest cost.
 const MOST_STARTS: usize = 3;
 
-/// A set of effects with one beyond the first `kept` exchanged for each that does nearly the same on small motion, that it is a
-/// special case of or that is one of it: from where a short fit leaves least.
+/// A set of effects with one of those beyond the first `kept` exchanged: for each effect that changes small motion in nearly the same way,
+/// that contains it, or that it contains.
 pub(super) fn of(search: &Search<'_>, set: &Fit, kept: usize) -> Vec<Start> {
     let names = set.hypothesis.names();
     let places = kept..set.hypothesis.terms.len();
@@ -57,7 +57,7 @@ pub(super) fn of(search: &Search<'_>, set: &Fit, kept: usize) -> Vec<Start> {
     starts.collect()
 }
 
-/// What the effect at a place may be exchanged for beside the others that are `known`, each as starts of its fit.
+/// The effects that the one at a place may be exchanged for, each as starts of its fit beside the others, which are `known`.
 fn exchanged(search: &Search<'_>, set: &Fit, place: usize, known: &Fit) -> Vec<Vec<Term>> {
     let model = &search.problem.recording.model;
     let Some((term, x)) = set.hypothesis.parts(&set.x).nth(place) else {

@@ -1,9 +1,9 @@
 //! One measure for all sets of effects, for devices of which no single effect explains everything.
 //!
-//! Every set is fitted jointly, with the model's numbers free, and costed on windows that its fit has not seen, at one error scale
-//! that is estimated from what the best set leaves. The simplest set within one standard error of the best is taken; its effects are
-//! ordered by what each closes. Sets come from the search with the numbers as stated, and from one that begins by saying all main
-//! numbers anew.
+//! Every set is fitted jointly, with the numbers of the model free, and costed on held-out windows, at one error scale that is estimated
+//! from what the best set leaves. The simplest set within one standard error of the best is taken. Its effects are ordered by what each
+//! closes. Sets come from the search with the numbers as stated, from the missing torque, and from a search that begins with all main
+//! numbers estimated anew.
 
 mod agreement;
 mod confounders;
@@ -26,8 +26,7 @@ use crate::select::{self, Given, Search, Selection};
 use crate::stage::Stage;
 use pool::Pool;
 
-/// Measures what a search `found` against all sets that it met and against those beyond the model's numbers. None where what was
-/// found leaves nothing to explain: the device is as exact as its model.
+/// Compares what a search `found` with all sets that it met and with further ones. None if what was found explains everything.
 pub(crate) fn measured<'a>(
     problem: &Problem<'a>,
     found: &Selection,
@@ -58,7 +57,8 @@ pub(crate) fn measured<'a>(
     Some((free, selection))
 }
 
-/// Adds what the missing torque proposes, all main numbers as a set, and what is found on top of them; returns the error scale at which these alone are fitted best.
+/// Adds to the pool what the missing torque proposes, the set of all main numbers, and effects on top of that set. Returns the error scale
+/// at which the main numbers alone fit best, in units of position.
 fn on_all_numbers(
     stated: &Problem<'_>,
     free: &Problem<'_>,
@@ -84,7 +84,7 @@ fn on_all_numbers(
         return free.modelling;
     };
     pool.add(&numbers);
-    // Where the effects that were found leave less than all main numbers do, those are not what is missing most.
+    // Where the effects that were found leave less than all main numbers do, wrong numbers are not the main cause.
     let left = |problem: &Problem<'_>, fit| problem.rms(&problem.window_squares(fit, Part::All));
     if left(free, &numbers) >= left(stated, found.fit()) {
         return scale;
@@ -99,7 +99,7 @@ fn on_all_numbers(
     scale
 }
 
-/// The model with its numbers that are not stated estimated, each as a term; none where all are stated.
+/// The model with its numbers that are not stated estimated, each as a term. None if all are stated.
 pub(crate) fn with_unstated(
     problem: &Problem<'_>,
     given: &Given<'_>,
@@ -122,7 +122,7 @@ pub(crate) fn with_unstated(
     Some(problem.fit(&fit.hypothesis, fit.x, Part::All, scale::ITERATIONS))
 }
 
-/// The numbers that some effects say anew, on top of a fit, and the error scale at which they are fitted best.
+/// A fit with some numbers of the model estimated anew, each as the term of an effect, and the error scale at which it fits best.
 fn begun_anew(
     search: &Search<'_>,
     null: &Fit,

@@ -9,12 +9,12 @@ use crate::plausible::Implausible;
 use crate::select::Selection;
 use rayon::prelude::*;
 
-/// Sets that are scored on held-out data, those that cost least after a short fit to all; and again once the error scale is known
-/// from the best of them.
+/// Sets that are scored on held-out data, those that cost least after a short fit; and sets that are scored again once the error scale is
+/// known from the best of them.
 const MOST_SCORED: usize = 8;
 pub(super) const SHORT_ITERATIONS: usize = 3;
 const MOST_SCORED_AGAIN: usize = 5;
-/// Sets beside these of which a number is one that no device has: they are told, not taken.
+/// Sets beside these with a number that no device has: they are reported as tried, and never chosen.
 const MOST_IMPLAUSIBLE: usize = 2;
 /// Factor by which the scale must fall to score again.
 const OTHER_SCALE: f64 = 0.7;
@@ -25,8 +25,8 @@ pub(super) struct Pool {
 }
 
 impl Pool {
-    /// What a search met: its null, and every rival of each round. Its fits have the coordinates of `stated` numbers of the model,
-    /// those of the pool have those of `freed` ones.
+    /// The sets that a search met: its null, and every rival of each round. The fits of the search have `stated` coordinates for numbers of
+    /// the model, those of the pool have `freed`.
     pub(super) fn of_search(found: &Selection, stated: usize, freed: usize) -> Self {
         let widened = |fit: &Fit| {
             let mut x = fit.x[..stated].to_vec();
@@ -48,7 +48,7 @@ impl Pool {
         }
     }
 
-    /// The one without effects but those that numbers are made of that are not stated.
+    /// The set without effects; its terms are the numbers that are not stated.
     pub(super) fn null(&self) -> Start {
         self.starts[0].clone()
     }
@@ -64,8 +64,8 @@ impl Pool {
         });
     }
 
-    /// All sets, each fitted and costed at the scale of `problem`, and those that cost least again at the scale of what the best one
-    /// leaves; with the problem of that scale.
+    /// All sets, fitted and costed at the error scale of `problem`, and those that cost least again at the scale that the best one leaves;
+    /// with the problem at that scale.
     pub(super) fn scored_at_own_scale<'a>(self, problem: Problem<'a>) -> (Problem<'a>, ScoredPool) {
         let mut pool = ScoredPool::of(&problem, shortlist(&problem, self.starts));
         let left = pool.least_left(&problem);
@@ -142,7 +142,7 @@ pub(super) struct ScoredPool {
     pub null: Scored,
     /// By cost, the null among them; one for each set of names.
     pub sets: Vec<Scored>,
-    /// Names of those of which each effect was left out in turn.
+    /// Names of the sets from which each effect was left out in turn.
     reduced: Vec<Vec<&'static str>>,
 }
 
@@ -173,7 +173,7 @@ impl ScoredPool {
         self.sets.retain(|set| room.takes(set.is_plausible));
     }
 
-    /// The least that a set leaves of data that its fit has not seen, beyond what noise and restarts would, rms.
+    /// The least rms residual of a plausible set on held-out data, beyond its floor, in units of position.
     fn least_left(&self, problem: &Problem<'_>) -> f64 {
         let left = |set: &Scored| problem.rms(&set.squares);
         let plausible = self.sets.iter().filter(|set| set.is_plausible);
@@ -184,7 +184,7 @@ impl ScoredPool {
         (left(least).powi(2) - floor.powi(2)).max(0.0).sqrt()
     }
 
-    /// The simplest set within one standard error of the best, once every effect beyond the first `kept` was left out of it in turn.
+    /// The simplest set within one standard error of the best. Each of its effects beyond the first `kept` was left out in turn.
     pub(super) fn without_needless(mut self, problem: &Problem<'_>, kept: usize) -> (Scored, Self) {
         loop {
             let Some(set) = simplest(&self.sets).cloned() else {

@@ -1,4 +1,4 @@
-//! A set of effects and what it costs on windows that its fit has not seen.
+//! A set of effects and its cost on held-out windows.
 
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
@@ -8,7 +8,7 @@ use crate::floor::mean_and_error;
 use crate::plausible::Implausible;
 
 const ITERATIONS: usize = 5;
-/// Usual errors of a number beyond which it counts as an effect where it is stated as exact.
+/// Usual errors by which a number that is stated as exact may move without counting as an effect.
 const USUAL: f64 = 1.0;
 
 /// A set of effects, fitted jointly.
@@ -20,7 +20,7 @@ pub(super) struct Scored {
     pub unseen: Vec<f64>,
     /// Squared residual of each window, likewise, in units of position squared.
     pub squares: Vec<f64>,
-    /// Numbers of the model that moved although nothing is stated to be uncertain about them, farther than such numbers usually are off.
+    /// Numbers of the model that are stated as exact, and moved farther than such numbers usually are off.
     pub moved: usize,
     /// True if no number of its effects is one that no device has.
     pub is_plausible: bool,
@@ -60,7 +60,7 @@ impl Scored {
         (hypothesis.terms.len() + self.moved, hypothesis.free())
     }
 
-    /// Mean cost of a window, that of moving the model's own numbers included.
+    /// Mean cost of a window, with the cost of moving the numbers of the model.
     pub(super) fn cost(&self) -> f64 {
         let sum: f64 = self.unseen.iter().sum();
         (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64

@@ -152,10 +152,9 @@ fn closed(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> f64 {
     (1.0 - left / before.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// Probability that a name is right: that a share of the resampled windows chooses with the numbers free, that is agreed or not, in a
-/// set that has closed so much. It is agreed if the search with the numbers as stated named it as well and nothing does as well in its
-/// place. What is bound to moments was not held out, and bends to
-/// whatever is missing there.
+/// Probability that a name is right. It grows with the share of resampled windows that choose it, and with what its set closes. It is
+/// agreed if the search with the numbers as stated named it as well, and nothing explains as much in its place. An effect with an instant
+/// of its own was not held out, and fits whatever is missing there.
 fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
     let (least, most) = if is_agreed { (0.4, 0.95) } else { (0.3, 0.65) };
     let sure = least + (most - least) * share * closed;
@@ -166,7 +165,7 @@ fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
     }
 }
 
-/// Probability that a name is right at most that was found in few windows of a device that no single effect explains.
+/// The highest probability of a name that was found in few windows of a device that no single effect explains.
 const SURE_OF_EVENT: f64 = 0.45;
 
 /// What else was tried beside the whole set.

@@ -1,6 +1,6 @@
 //! Whether an effect is accepted: whether its gain is more than chance.
 
-use super::excess::is_quiet;
+use super::excess::is_adequate;
 use super::rival::Rival;
 use crate::effects;
 use crate::fit::Fit;
@@ -9,15 +9,15 @@ use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::{ExpectedLoss, mean_and_error};
 
-/// A gain on windows that the fit has not seen must be this many standard errors from zero. With some
-/// thirty rivals that is a chance of about 1 % for the luckiest of them.
+/// Standard errors from zero that a gain on held-out windows must have. With thirty rivals the best of them has as much by chance in
+/// about 1 % of the searches.
 const LEAST_SIGNIFICANCE: f64 = 3.3;
-/// A gain of so large a share of the excess is hardly luck, however few the windows.
+/// The same for a gain of a large share of the excess, which is hardly chance, however few the windows are.
 const LARGE_SHARE: f64 = 0.2;
 const LARGE_SIGNIFICANCE: f64 = 2.0;
-/// And must be this share of the excess over the perfect level.
+/// Share of the excess that a gain must be.
 const LEAST_SHARE: f64 = 0.1;
-/// Least gain per window in robust cost: below, it is not seen beside the uncertainty of the noise.
+/// Least gain in robust cost per window. The uncertainty of the noise of the sensor is as large.
 const LEAST_GAIN: f64 = 0.015;
 
 /// Whether an effect is accepted, and by which windows.
@@ -52,7 +52,7 @@ pub(super) fn earns_its_place(
     let [without, with] = [known, &winner.fit].map(|fit| HeldOut::of(problem, fit));
     let gains = with.gains(&without);
     let (mean, error) = mean_and_error(&gains);
-    // What the model's own numbers need no longer make up for is a gain without an error.
+    // The cost that numbers of the model save by moving less is known without an error.
     let gain = mean + (known.costs.prior - winner.fit.costs.prior) / gains.len() as f64;
     let significance = gain / error.max(f64::MIN_POSITIVE);
     let excess = (without.unseen.level() - expected.level).max(0.0);
@@ -65,8 +65,8 @@ pub(super) fn earns_its_place(
         && gain > LEAST_GAIN.max(LEAST_SHARE * excess)
         && no_worse_at_a_quarter(problem, known, &winner.fit);
     let seen = winner.fit.costs.gains(&known.costs);
-    // Where nothing seems to be missing, only what shows in a window or two is.
-    let is_missing = known.is_strained() || !is_quiet(known, expected);
+    // On top of an adequate model only an effect that shows in a few windows is accepted.
+    let is_missing = known.is_strained() || !is_adequate(known, expected);
     let by_unseen = by_unseen && !winner.is_event() && is_missing;
     let may_be_few = winner.is_event() || effects::of(winner.name).may_show_in_few_windows();
     let by_few = !by_unseen && may_be_few && stands_out(&seen, expected);
@@ -77,15 +77,14 @@ pub(super) fn earns_its_place(
     }
 }
 
-/// True if what shows in few windows, which cannot be held out, gains more there than searching many
-/// places could by luck, and takes nothing from the others. Luck includes the worst window of a perfect
-/// model.
+/// True if an effect that shows in few windows, which cannot be held out, gains more there than a search of many places gains by
+/// chance, and costs nothing in the others. The worst window of an exact model counts as chance.
 pub(super) fn stands_out(gains: &[f64], expected: &ExpectedLoss) -> bool {
     gains.iter().sum::<f64>() > EVENT_GAIN + expected.worst && harmless(gains)
 }
 
-/// True if the windows that get worse are nothing beside those that get better: luck does both alike. It
-/// finds what shows in few windows, such as a stop.
+/// True if the windows that get worse are few beside those that get better: chance makes as many of either. It accepts an effect that
+/// shows in few windows, such as a stop.
 fn harmless(gains: &[f64]) -> bool {
     let better: f64 = gains.iter().filter(|g| **g > 0.0).sum();
     let worse: f64 = gains.iter().filter(|g| **g < 0.0).sum();
@@ -93,11 +92,11 @@ fn harmless(gains: &[f64]) -> bool {
 }
 
 const HARMLESS_SHARE: f64 = 0.25;
-/// Noise alone moves the robust cost of a window by some hundredths.
+/// Noise alone changes the robust cost of a window by some hundredths.
 const HARMLESS_GAIN: f64 = 1.5;
 
-/// Sum of robust costs that an effect bound to a moment must gain: the logarithm of the number of places,
-/// instants and sizes searched, with a margin.
+/// Sum of robust costs that an effect with an instant of its own must gain: the logarithm of the number of places, instants and sizes
+/// that were searched, with a margin.
 const EVENT_GAIN: f64 = 4.0;
 
 /// Fits to two halves of the windows, and what each costs on the windows of the other.
@@ -119,8 +118,8 @@ impl HeldOut {
         }
     }
 
-    /// By how much less each window costs here than there, of those of which the other half has learned anything: numbers of
-    /// which it shows nothing stay as they were fitted to all.
+    /// By how much less each window costs here than there. A gain counts where the half that it was held out from gained as well: numbers
+    /// of which that half shows nothing stay as they were fitted to all windows.
     fn gains(&self, there: &Self) -> Vec<f64> {
         let saved = |half: usize| {
             let [own, other] = [self, there].map(|held| held.halves[half].costs.sum());
@@ -135,8 +134,8 @@ impl HeldOut {
     }
 }
 
-/// A model in which nothing moves can look good on slow motion: with restarts four times as often it
-/// must not be worse.
+/// True if a fit is no worse with restarts four times as often. A model in which nothing moves can look good on slow motion, and is
+/// worse then.
 fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool {
     problem.quarter.as_ref().is_none_or(|quarter| {
         let costs = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All);
@@ -144,7 +143,7 @@ fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool 
     })
 }
 
-/// True if luck does not lose so much, nor the uncertainty of the noise.
+/// True if the loss is more than chance and than the uncertainty of the noise.
 fn is_surely_worse(gains: &[f64]) -> bool {
     let (mean, error) = mean_and_error(gains);
     mean < -LEAST_GAIN.max(LARGE_SIGNIFICANCE * error)
@@ -156,9 +155,9 @@ mod tests {
 
     #[test]
     fn what_loses_a_little_now_and_gains_a_little_then_is_not_surely_worse() {
-        let luck = [-0.5, 0.3, -0.2, 0.2, -0.3, 0.1, -0.4, 0.4];
-        assert!(!is_surely_worse(&luck));
-        assert!(is_surely_worse(&luck.map(|gain| gain - 0.4)));
+        let chance_gain = [-0.5, 0.3, -0.2, 0.2, -0.3, 0.1, -0.4, 0.4];
+        assert!(!is_surely_worse(&chance_gain));
+        assert!(is_surely_worse(&chance_gain.map(|gain| gain - 0.4)));
         let [little, more] = [0.5, 2.0].map(|f| [-f * LEAST_GAIN; 8]);
         assert!(!is_surely_worse(&little) && is_surely_worse(&more));
     }

@@ -1,4 +1,4 @@
-//! Effects that do not act as their names say.
+//! Fitted effects that do not act as their names say.
 
 use super::episode_search;
 use super::excess::level;
@@ -9,14 +9,14 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 
-/// True if the last effect of a fit does not act as its name says, or is an episode with which something is missing and that
-/// never goes, or of which no strength can be told.
+/// True if the last effect of a fit does not act as its name says. An episode on a model that is not adequate must end, and the data must
+/// tell its strength.
 pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
     let Some(last) = fit.last_term() else {
         return false;
     };
     let effect = effects::of(last.kind.name);
-    if effect.episode().is_some() && level(fit) > search.quiet() {
+    if effect.episode().is_some() && level(fit) > search.adequate_level() {
         return !episode_search::is_there(fit)
             || episode_search::is_lasting(search.problem, fit, FITTING_ITERATIONS);
     }
@@ -28,7 +28,7 @@ pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
     })
 }
 
-/// True if the last effect of a fit does no more than a special case of it that is not to be named.
+/// True if a special case of the last effect explains as much, and is excluded from the search.
 pub(super) fn is_excluded(search: &Search<'_>, known: &Fit, fit: &Fit) -> bool {
     let Some(last) = fit.last_term() else {
         return false;
@@ -48,7 +48,7 @@ pub(super) fn is_excluded(search: &Search<'_>, known: &Fit, fit: &Fit) -> bool {
     })
 }
 
-/// False if the last effect of a fit is a ripple of which less than a wave was travelled: a pull that bends does as much.
+/// False if the last effect of a fit is a ripple of which less than a wave was travelled: a spring may explain as much.
 pub(super) fn repeats(problem: &Problem<'_>, fit: &Fit) -> bool {
     fit.last_term().is_none_or(|last| {
         let effect = effects::of(last.kind.name);

@@ -1,4 +1,4 @@
-//! When an effect comes and goes, and comes again, and in which form.
+//! Searches the instants at which an episode comes and goes, whether it comes again, and its form.
 
 use super::acceptance::stands_out;
 use super::excess::level;
@@ -16,13 +16,12 @@ const MOVES: [f64; 10] = [3.0, 1.6, 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005]
 const MOST_MOVES: usize = 12;
 /// Times that it is fitted and timed again at most.
 const MOST_ROUNDS: usize = 4;
-/// Hands that are carried on, of those that explain most at first.
+/// Episodes whose fit goes on, of those that explain most at first.
 const CARRIED_ON: usize = 2;
-/// Standard deviations by which a stiffness is above none where it is sure.
+/// Standard deviations by which a stiffness must exceed zero.
 const SURE_ERRORS: f64 = 2.0;
 
-/// The best of the terms that push to either side or hold, from the last effect of a fit on, as often as it comes: where it gains
-/// on what was `known` what no luck does, once more as long as that does so.
+/// The last effect of a fit in its best form, and as often as each further time gains more than chance on the model `known` without it.
 pub(super) fn found(
     problem: &Problem<'_>,
     expected: &ExpectedLoss,
@@ -33,7 +32,7 @@ pub(super) fn found(
     let stands_out = |fit: &Fit, on: &Fit| stands_out(&fit.costs.gains(&on.costs), expected);
     let mut best = once(problem, fit, iterations);
     if !stands_out(&best, known) {
-        // One long stay that reaches from a first to a second is neither.
+        // A long episode that spans two short ones explains neither.
         let halves = best.last_term().map(|term| episode::halves(&term));
         let halves = halves.into_iter().flatten().map(|half| {
             let (hypothesis, x) = best.with_last(half);
@@ -55,7 +54,7 @@ pub(super) fn found(
     best
 }
 
-/// The episode that is the last effect of a fit as it comes once more, where it then explains most.
+/// The last effect of a fit with one time more, the one that explains most.
 fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let windows = 0..problem.window_count();
     let costs: Vec<f64> = windows.map(|w| fit.costs.log(w)).collect();
@@ -76,7 +75,7 @@ fn otherwise(term: &Term) -> Vec<Term> {
     kind.map_or_else(Vec::new, |kind| kind.otherwise(term))
 }
 
-/// The best of the terms that push to either side or hold, from the last effect of a fit on.
+/// The last effect of a fit in its best form.
 fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
     let term = fit.last_term().into_iter().collect();
     let best = best_of(problem, fit, term, iterations);
@@ -84,7 +83,7 @@ fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
     best.unwrap_or_else(|| fit.clone())
 }
 
-/// The best of some terms and of those that push otherwise, each in the place of the last effect of a fit.
+/// The best of some terms and of their other forms, each in the place of the last effect of a fit.
 fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize) -> Option<Fit> {
     let lowest = |a: &Fit, b: &Fit| level(a).total_cmp(&level(b));
     let otherwise = terms.iter().flat_map(otherwise);
@@ -99,7 +98,7 @@ fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize
     fits.min_by(lowest)
 }
 
-/// The same episode timed and fitted again while that leads on: the longer it is found to be, the farther it is looked for.
+/// The same episode, timed and fitted again while its cost falls: the longer it is, the farther its instants are moved.
 fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     for _ in 0..MOST_ROUNDS {
         let term = best.last_term();
@@ -112,7 +111,7 @@ fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     best
 }
 
-/// A fit with another episode in the place of its last effect, there the last time as long as suits it best.
+/// A fit with another episode in the place of its last effect, whose last time begins and ends where that explains most.
 fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: usize) -> Fit {
     let (begun, x) = fit.with_last(term.clone());
     let with = |term: &Term| {
@@ -121,7 +120,7 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: us
         hypothesis.terms.push(term.clone());
         hypothesis
     };
-    // Moving an instant changes what lies between.
+    // Moving an instant changes only the windows between its two places.
     let gain = |term: &Term, moved: &Term| {
         let between = episode::moves(term, moved);
         let windows = problem.during(&between);
@@ -141,8 +140,7 @@ fn longest_s(problem: &Problem<'_>) -> f64 {
     LONGEST_SHARE * problem.duration_s()
 }
 
-/// True if the episode that is the last effect of a fit surely has a stiffness: what only drags, wherever it is, stands in for
-/// what the others leave.
+/// True if the strength of the episode that is the last effect of a fit is surely above zero.
 pub(super) fn is_there(fit: &Fit) -> bool {
     let [at, within] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
     let (Some((term, x)), Some((_, std))) = (at, within) else {
@@ -155,7 +153,7 @@ pub(super) fn is_there(fit: &Fit) -> bool {
     })
 }
 
-/// True if the episode that is the last effect of a fit explains more where it never goes: then none came.
+/// True if the episode that is the last effect of a fit explains more if it never ends: then it is none.
 pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> bool {
     let Some(term) = fit.last_term() else {
         return false;
@@ -165,8 +163,8 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     level(&lasting) < level(fit)
 }
 
-/// An episode, there for `longest_s` in all at most, with both its last instants where moving either gains nothing, by the sum of
-/// squares: the robust cost of a window is flat until that end of the episode is nearly right.
+/// An episode that acts for `longest_s` in all at most, with its last two instants moved until no move gains. The gain is that of the sum
+/// of squares: the robust cost of a window does not change until an instant is nearly right.
 fn timed(mut term: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = episode::instants(&term);
     for _ in 0..MOST_MOVES {

@@ -1,4 +1,4 @@
-//! A search among many optima, where slopes lead nowhere: a simple evolution strategy (Rechenberg, 1973).
+//! A search among many local optima: a simple evolution strategy (Rechenberg, 1973).
 
 use host_sim::sensors::Noise;
 use rayon::prelude::*;
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 const CHILDREN: usize = 12;
 /// Generations.
 const GENERATIONS: usize = 8;
-/// What becomes of the spread of the children when none is better.
+/// Factor on the spread of the children when none of them is better.
 const NARROWER: f64 = 0.75;
 const SEED: u64 = 0x6576_6f6c_7665;
 

@@ -1,4 +1,4 @@
-//! Effects that make nearly the same of a motion that is not wide or fast: each is tried from where another stands.
+//! Effects that change a small and slow motion in nearly the same way: each is fitted from where another one stands.
 
 use super::rival::Rival;
 use crate::effects;
@@ -10,8 +10,8 @@ fn is_near_equivalent(one: &str, other: &str) -> bool {
     one != other && family.is_some() && family == effects::of(other).family()
 }
 
-/// The special cases and the near-equivalents of a rival among `all`, from where it stands on top of `model`: what else is known of the
-/// device took long to find, and what both have in common, too.
+/// The special cases and the near-equivalents of a rival among `all`, begun with the numbers of the rival: those of the model, those of
+/// the effects before it, and those that both effects share.
 pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
     let Some((held, (_, known))) = to.held().zip(to.fit.hypothesis.terms.split_last()) else {
         return Vec::new();
@@ -19,7 +19,7 @@ pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<
     let beside = |terms: &[Term]| -> Vec<&str> { terms.iter().map(|t| t.kind.name).collect() };
     let moved = all.iter().filter_map(|rival| {
         let is_special = effects::of(to.name).gives_way_to(rival.name);
-        // Alone they find their own way.
+        // Without other effects a near-equivalent finds its numbers from its own starts.
         let is_near_equivalent = is_near_equivalent(rival.name, to.name) && !known.is_empty();
         let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
         let is_related = (is_special || is_near_equivalent) && beside(others) == beside(known);
@@ -38,7 +38,7 @@ pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<
     begun.flatten().collect()
 }
 
-/// A term begun where it makes of a small motion what a near-equivalent does, each in place of a number of `model`.
+/// A term begun at the numbers with which it changes a small motion as a near-equivalent does.
 fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
     let motion = effects::of(other.kind.name).on_small_motion(other, model)?;
     effects::of(own.kind.name).begun_from(own, motion, model)

@@ -1,10 +1,9 @@
-//! The next effect on top of what is known.
+//! The next effect on top of the model so far, which is called `known` here: screened, fitted, ranked and judged.
 
 use super::acceptance::{Acceptance, earns_its_place};
 use super::degenerate::{is_degenerate, is_excluded};
 use super::episode_search;
-use super::evolution::evolved;
-use super::excess::{QUIET_EXCESS, level};
+use super::excess::level;
 use super::parts::with_parts;
 use super::ranking::join_all;
 use super::rival::{Rival, best_of, extended};
@@ -13,24 +12,19 @@ use super::screening::{screened, screening_windows};
 use super::search::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
 use super::shape::{loosened, reduced};
 use super::shortlist::{refit_shortlist, related};
-use super::tie_breaking::{held_as_stated, ordered, with_specials_polished};
-use crate::effects::{self, Landscape};
+use super::tie_breaking::{held_as_stated, ordered};
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::stage::Stage;
 use crate::term::Term;
 
-/// Share of the excess that a further effect must close in screening to be fitted to all windows: as much as it must then, and
-/// where the gap is at its floor, so that it can close nothing of that, much more.
+/// Share of the excess that a further effect must close in screening to be fitted to all windows. Where the gap is at its floor already,
+/// it must close much more.
 pub(super) const LEAST_PROMISED: f64 = 0.1;
 pub(super) const LEAST_PROMISED_AT_FLOOR: f64 = 0.5;
-/// Spread, in scales, of a search around the winner where slopes lead nowhere.
-const NARROWLY: f64 = 0.15;
-/// Share of the excess that the model's own numbers alone must make up for to be taken from beside an effect.
-const LEAST_MADE_UP: f64 = 0.5;
-
-/// Tries every effect on top of `known`. Of effects with many starts, what `hints` found is the only one. None if none
-/// closes a `promised` share of the excess in screening.
+/// Tries every effect on top of `known`. An effect that would be scanned begins only where its `hint` stands, if it has one. None if no
+/// effect closes a `promised` share of the excess in screening.
 pub(crate) fn next_effect(
     search: &Search<'_>,
     known: &Fit,
@@ -48,7 +42,7 @@ pub(crate) fn next_effect(
     round_of(search, known, screened, None)
 }
 
-/// An effect that is known to be there, at a known size.
+/// The round of an effect that is known to be present, at a known size.
 pub(super) fn given_effect(search: &Search<'_>, null: &Fit, term: &Term) -> Round {
     let (hypothesis, x) = extended(null, [term]);
     let fit = search
@@ -67,7 +61,7 @@ pub(super) fn given_effect(search: &Search<'_>, null: &Fit, term: &Term) -> Roun
     }
 }
 
-/// The round of what screening left on top of `known`, and of what was `found` there otherwise.
+/// The round of the effects that passed screening on top of `known`, and of one that was `found` in another way.
 pub(super) fn round_of(
     search: &Search<'_>,
     known: &Fit,
@@ -78,44 +72,7 @@ pub(super) fn round_of(
     judged(search, known, screened, rivals)
 }
 
-/// What was known without the winner of a round, from where a rival leaves the model's own numbers, if those alone make up
-/// for much: the way there may lead through worse.
-pub(super) fn nominal_beside(search: &Search<'_>, round: &Round) -> Option<Fit> {
-    let known = &round.known;
-    let excess = level(known) - search.expected.level;
-    if excess <= QUIET_EXCESS {
-        return None;
-    }
-    let below = level(known) - LEAST_MADE_UP * excess;
-    let starts = round.rivals.iter();
-    let starts = starts.map(|rival| rival.fit.x[..known.x.len()].to_vec());
-    search.problem.fit_from_lowest(
-        &known.hypothesis,
-        starts.collect(),
-        below,
-        FITTING_ITERATIONS,
-    )
-}
-
-/// A round with its winner begun anew from far around, if that leads to less.
-pub(super) fn begun_afar(search: &Search<'_>, round: &Round) -> Option<Round> {
-    let Rival { name, fit: winner } = &round.rivals[0];
-    let of = if search.has_two_masses(winner) {
-        winner
-    } else {
-        &round.known
-    };
-    let chosen = screening_windows(search, of);
-    let fit = search
-        .problem
-        .begun_afar(winner, Part::Chosen(&chosen), FITTING_ITERATIONS);
-    let fit = fit.filter(|fit| round.leaves_more_than(fit))?;
-    let mut rivals = round.rivals.clone();
-    rivals[0] = Rival { name, fit };
-    judged(search, &round.known, round.screened.clone(), rivals)
-}
-
-/// The rivals in their order, the best one polished and judged, after what is related to it.
+/// The rivals, the best first, and whether the best one is accepted.
 pub(super) fn judged(
     search: &Search<'_>,
     known: &Fit,
@@ -124,14 +81,9 @@ pub(super) fn judged(
 ) -> Option<Round> {
     (search.progress)(Stage::Judging);
     let best = best_of(&rivals)?.name;
-    let rivals = with_specials_polished(search, known, rivals);
     let rivals = held_as_stated(search, known, rivals);
     let mut rivals = ordered(search, known, rivals)?;
     let Rival { name, fit: winner } = &mut rivals[0];
-    if effects::of(name).landscape() == Landscape::Rugged {
-        let costs = |x: &[f64]| search.problem.costs(&winner.hypothesis, x, Part::All);
-        (_, winner.x) = evolved(winner.x.clone(), NARROWLY, |x| costs(x).level());
-    }
     if effects::of(name).episode().is_some() {
         *winner = episode_search::found(
             search.problem,

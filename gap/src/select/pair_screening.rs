@@ -1,4 +1,4 @@
-//! Two effects of which neither need show much alone: pairs that promise most together.
+//! Pairs of effects that promise most together, although neither may show much alone.
 
 use super::rival::{Rival, extended};
 use super::screening::{BEGUN, soon};
@@ -12,15 +12,15 @@ use crate::fit::part::Part;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Pairs that are fitted because they promise most together.
+/// Pairs that are fitted, those that promise most.
 const PROPOSED: usize = 12;
-/// Those that go on from there.
+/// Pairs whose fit goes on.
 const PROPOSED_KEPT: usize = 4;
-/// Pairs that an effect is taken into.
+/// Pairs that one effect may be in.
 const MOST_TIMES: usize = 3;
 
-/// Pairs of which neither effect need show much alone, fitted to the chosen windows: as they promise there, and over a quarter
-/// of the horizon, where less of what they do is out of proportion to their size.
+/// Pairs fitted to the chosen windows: those that promise most there, and those that do so over a quarter of the horizon, where what an
+/// effect changes is nearer to proportional to its size.
 pub(super) fn screened_pairs(
     search: &Search<'_>,
     null: &Fit,
@@ -28,7 +28,7 @@ pub(super) fn screened_pairs(
     alone: &[Rival],
 ) -> Vec<Rival> {
     let field = ScreeningSet::new(search.problem, null, chosen);
-    // What is bound to moments makes up for anything then.
+    // An effect with an instant of its own beside another one can fit anything.
     let alone = alone.iter().filter(|rival| !rival.is_event());
     let alone = alone.filter_map(|rival| rival.fit.last_term());
     let mut starts: Vec<Term> = alone.collect();
@@ -76,8 +76,8 @@ fn fit_both(
     field.problem.fit(hypothesis, x, part, iterations)
 }
 
-/// The pairs of effects that promise most together, `kept` of them, each from the starts from which it promises most:
-/// linearly from where both stand. One that promises much with any other is not in all of them.
+/// The `kept` pairs of effects that promise most together, by a linear estimate at their starts; an effect that promises much with any
+/// other is in a few of them only.
 fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {
     let part = Part::Chosen(&field.chosen);
     let direction = |start: &Term| {
@@ -88,7 +88,7 @@ fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Ve
     };
     let directions: Vec<Direction> = starts.par_iter().map(direction).collect();
     let pairs = (0..starts.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
-    // What contains another needs no other beside it.
+    // An effect and its special case make no pair.
     let is_pair = |[i, j]: &[usize; 2]| {
         let [a, b] = [i, j].map(|i: &usize| starts[*i].kind.name);
         a != b && !effects::of(a).contains(b) && !effects::of(b).contains(a)

@@ -8,7 +8,7 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use rayon::prelude::*;
 
-/// The last effect of a fit with as many parts as each gain what no luck does.
+/// A fit with as many parts of its last effect as each gain more than chance.
 pub(super) fn with_parts(search: &Search<'_>, mut fit: Fit) -> Fit {
     while let Some(more) = with_another_part(search, &fit) {
         if !stands_out(&more.costs.gains(&fit.costs), &search.expected) {

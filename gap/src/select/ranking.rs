@@ -1,55 +1,55 @@
-//! Which of the fitted rivals comes first, and which of them this recording cannot tell from it.
+//! Ranks the fitted rivals, and says which of them this recording cannot tell from the winner.
 
-use super::excess::{QUIET_EXCESS, level};
+use super::excess::{ADEQUATE_EXCESS, level};
 use super::rival::Rival;
 use super::round::Round;
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::PRIOR_WEIGHT;
 
-/// Within this share of the gain, fewer parameters win.
+/// Share of the gain within which the rival with fewer parameters wins.
 const PARSIMONY: f64 = 0.04;
-/// Within this share of the gain, a special case wins over what contains it.
+/// Share of the gain within which a special case wins over the form that contains it.
 const SPECIAL_PARSIMONY: f64 = 0.08;
-/// A name is not separable from the winner within this share of the winner's gain: of 413 single effects on nine outside sets
-/// 99.3 % were named or among those then, with 1.28 names, and 98.8 % with half of it and 1.23.
+/// Share of the winner's gain within which another name is not separable from it. Of 413 single effects on nine outside sets 99.3 %
+/// were then named or not separable, with 1.28 names on average; with half this share 98.8 %, with 1.23 names.
 const TIE_SHARE: f64 = 0.08;
 
-/// A squared standard deviation costs half in the logarithm of a probability, and a half of that in a fit.
+/// Cost of a squared standard deviation as the logarithm of a probability, over its cost in a fit.
 const PRIOR_SHARE: f64 = 0.5 / PRIOR_WEIGHT;
 
-/// Logarithm of how much likelier than one that does with fewer parameters a rival must be, beyond what those are worth, if
-/// both leave less than a right model may: very strong evidence (Kass and Raftery, JASA 90, 1995) squared.
+/// Logarithm of the odds by which a rival must beat one with fewer parameters, beyond the price of those parameters, where both are
+/// adequate: the square of very strong evidence (Kass and Raftery, JASA 90, 1995).
 const FAR_LIKELIER: f64 = 10.0;
 
-/// Robust cost, over all windows, that a parameter must save where nothing else is missing: half the logarithm of their number
+/// Robust cost, summed over all windows, that a parameter must save in an adequate model: half the logarithm of the number of windows
 /// (Schwarz, Annals of Statistics 6, 1978).
 fn price(windows: usize) -> f64 {
     0.5 * (windows.max(1) as f64).ln()
 }
 
-/// Best first; among those that gain nearly as much as the best, fewer parameters first. Where the best leaves no more than
-/// `quiet`, what they leave beyond it must be within luck, too.
-pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<Vec<Rival>> {
+/// The rivals, the best first. Among those that gain nearly as much as the best one, the one with fewest parameters comes first. Where
+/// the best one costs no more than an `adequate` model, the difference must be within chance, too.
+pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Option<Vec<Rival>> {
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let first = &rivals.first()?.fit;
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
-    // Where neither leaves more than a right model would, less is no merit.
-    let leaves_nothing = |fit: &Fit| level(fit) <= quiet - QUIET_EXCESS;
-    // What needs fewer numbers because it bends those of the model saves none.
+    // Of two that cost no more than an exact model, the cheaper one is no better.
+    let leaves_nothing = |fit: &Fit| level(fit) <= adequate - ADEQUATE_EXCESS;
+    // A rival saves no parameters if it moves the numbers of the model instead.
     let bends = |fit: &Fit| likely && !fit.is_likely();
-    let is_luck = |rival: &Rival| {
+    let is_chance = |rival: &Rival| {
         let is_moot = || leaves_nothing(&rival.fit) && is_as_likely(rival, &rivals[0]);
-        best > quiet || is_moot() || saved(rival, &rivals[0]) <= worth(rival, &rivals[0])
+        best > adequate || is_moot() || saved(rival, &rivals[0]) <= worth(rival, &rivals[0])
     };
     let is_as_good = |i: usize, limit: f64| {
         let rival = &rivals[i];
-        level(&rival.fit) <= limit && !bends(&rival.fit) && is_luck(rival)
+        level(&rival.fit) <= limit && !bends(&rival.fit) && is_chance(rival)
     };
     let winner = (0..rivals.len())
         .filter(|&i| is_as_good(i, close))
         .min_by_key(|&i| (rivals[i].parameters(), i))?;
-    // A special case needs even less to be preferred to what contains it.
+    // A special case is preferred to the form that contains it within a larger share.
     let gain = (level(known) - best).max(0.0);
     let near = best + SPECIAL_PARSIMONY * gain;
     let special = (0..rivals.len()).filter(|&i| {
@@ -61,31 +61,31 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, quiet: f64) -> Option<
     Some(rivals)
 }
 
-/// Robust cost, over all windows, that another rival saves beside one, as the logarithm of a probability.
+/// Robust cost, summed over all windows, that another rival saves, as the logarithm of a probability.
 fn saved(one: &Rival, other: &Rival) -> f64 {
     let windows = one.fit.costs.per_sample.len() as f64;
     let prior = (PRIOR_SHARE - 1.0) * (one.fit.costs.prior - other.fit.costs.prior);
     (level(&one.fit) - level(&other.fit)) * windows + prior
 }
 
-/// Robust cost, over all windows, of the parameters that one rival saves beside another.
+/// Price of the parameters that one rival has less than another, as robust cost summed over all windows.
 fn worth(one: &Rival, other: &Rival) -> f64 {
     let saved = other.parameters().saturating_sub(one.parameters());
     saved as f64 * price(one.fit.costs.per_sample.len())
 }
 
-/// True if one rival may as well be right as another that takes more parameters and leaves less.
+/// True if one rival is as likely as another that has more parameters and costs less.
 pub(super) fn is_as_likely(one: &Rival, other: &Rival) -> bool {
     !strains_more(one, other) && !is_far_likelier(other, one)
 }
 
-/// True if one rival moves the model's own numbers farther than another by more than the parameters that it saves are worth.
+/// True if one rival moves the numbers of the model so much farther than another that this outweighs the parameters that it saves.
 fn strains_more(one: &Rival, other: &Rival) -> bool {
     PRIOR_SHARE * (one.fit.costs.prior - other.fit.costs.prior) > worth(one, other)
 }
 
-/// True if what `other` leaves more than `one` does is far beyond what its fewer parameters are worth, once the noise is taken
-/// from what they leave.
+/// True if `one` fits so much better than `other` that this is far beyond the price of its additional parameters. The residuals
+/// themselves are compared here, by the logarithm of their squares.
 pub(super) fn is_far_likelier(one: &Rival, other: &Rival) -> bool {
     let [own, its] = [one, other].map(|rival| rival.fit.costs.mean().max(f64::MIN_POSITIVE));
     let windows = one.fit.costs.per_sample.len() as f64;
@@ -93,13 +93,13 @@ pub(super) fn is_far_likelier(one: &Rival, other: &Rival) -> bool {
     0.5 * windows * (its / own).ln() + prior > worth(other, one) + FAR_LIKELIER
 }
 
-/// What one with fewer parameters than `best` may leave and win.
+/// Robust cost up to which a rival with fewer parameters than `best` wins.
 pub(super) fn enough(known: &Fit, best: &Fit) -> f64 {
     level(best) + PARSIMONY * (level(known) - level(best)).max(0.0)
 }
 
-/// What one fit may leave less than another by luck, where both are made of as much: what a parameter is worth.
-pub(crate) fn luck(fit: &Fit) -> f64 {
+/// Difference in the robust cost of two fits with as many parameters that may be chance: the price of one parameter.
+pub(crate) fn chance_gain(fit: &Fit) -> f64 {
     let windows = fit.costs.per_sample.len();
     price(windows) / windows.max(1) as f64
 }
@@ -111,10 +111,10 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     }
     let winner = &round.rivals[0];
     let gain = (level(&round.known) - level(&winner.fit)).max(0.0);
-    let close = level(&winner.fit) + luck(&winner.fit).max(TIE_SHARE * gain);
+    let close = level(&winner.fit) + chance_gain(&winner.fit).max(TIE_SHARE * gain);
     let tied = round.rivals[1..].iter().filter(|rival| {
         if effects::of(rival.name).contains(winner.name) {
-            // What saves more than its further parameters are worth was set aside for their sake alone.
+            // It lost for the number of its parameters alone, although it saves more than their price.
             saved(winner, rival) > worth(winner, rival)
         } else {
             level(&rival.fit) <= close
@@ -123,7 +123,7 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     tied.map(|rival| rival.name).collect()
 }
 
-/// Names in a round that may as well be the winner's: those that this recording cannot tell from it, and those that no
+/// Names in a round that may be right in place of the winner: those that this recording cannot tell from it, and those that no
 /// recording can.
 pub(crate) fn inseparable(round: &Round) -> Vec<&'static str> {
     let mut names = ties(round);
@@ -155,9 +155,9 @@ pub(super) fn join_all(rivals: &mut Vec<Rival>, others: Vec<Rival>) {
     }
 }
 
-/// Adds a rival, or puts it in the place of one of the same name that leaves more, by more than what its numbers are worth.
+/// Adds a rival, or replaces one of the same name that costs more once the parameters of both are priced.
 pub(super) fn join(rivals: &mut Vec<Rival>, rival: Rival) {
-    let leaves = |r: &Rival| level(&r.fit) + r.parameters() as f64 * luck(&r.fit);
+    let leaves = |r: &Rival| level(&r.fit) + r.parameters() as f64 * chance_gain(&r.fit);
     match rivals.iter_mut().find(|other| other.name == rival.name) {
         Some(same) if leaves(same) <= leaves(&rival) => {}
         Some(same) => *same = rival,
@@ -212,13 +212,13 @@ mod tests {
     }
 
     #[test]
-    fn fewer_parameters_win_while_what_they_leave_is_luck() {
+    fn fewer_parameters_win_while_the_difference_is_chance() {
         let price = price(200) / 200.0;
         assert!(1.2 * price < PARSIMONY * (KNOWN - BEST));
         let [less, quiet] = [0.9 * BEST, 1.1 * BEST];
         assert_eq!(first(0.8 * price, quiet), "torque_gain");
         assert_eq!(first(1.2 * price, quiet), "spring");
-        // Where more is missing than either explains, luck is not all that is left.
+        // Neither is adequate: the price of a parameter is not what decides.
         assert_eq!(first(1.2 * price, less), "torque_gain");
         assert_eq!(first(1.2 * PARSIMONY * (KNOWN - BEST), less), "spring");
     }
@@ -227,8 +227,11 @@ mod tests {
     fn where_neither_leaves_more_than_a_right_model_fewer_parameters_win() {
         let price = price(200) / 200.0;
         let expected = BEST + 2.0 * price;
-        assert_eq!(first(1.5 * price, expected + QUIET_EXCESS), "torque_gain");
-        assert_eq!(first(2.5 * price, expected + QUIET_EXCESS), "spring");
+        assert_eq!(
+            first(1.5 * price, expected + ADEQUATE_EXCESS),
+            "torque_gain"
+        );
+        assert_eq!(first(2.5 * price, expected + ADEQUATE_EXCESS), "spring");
     }
 
     #[test]
@@ -238,7 +241,7 @@ mod tests {
             let times = (2.0 * likelier / 200.0).exp();
             let gain = rival("torque_gain", 1, times * LITTLE);
             let rivals = vec![gain, rival("spring", 2, LITTLE)];
-            let ranked = ranked(rivals, &fit("coulomb", 0, KNOWN), BEST + QUIET_EXCESS);
+            let ranked = ranked(rivals, &fit("coulomb", 0, KNOWN), BEST + ADEQUATE_EXCESS);
             ranked.unwrap()[0].name == "torque_gain"
         };
         let most = price(200) + FAR_LIKELIER;

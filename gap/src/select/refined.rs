@@ -1,6 +1,6 @@
-//! A second effect that shows only where a right model may be off by nothing.
+//! A second effect that is so small that it shows only if the model may be off by nothing beyond noise.
 
-use super::excess::LOUD_GAP;
+use super::excess::PLAIN_GAP;
 use super::next_effect::{LEAST_PROMISED, LEAST_PROMISED_AT_FLOOR, next_effect};
 use super::rival::Rival;
 use super::round::Round;
@@ -13,8 +13,8 @@ use crate::floor::ExpectedLoss;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-/// The problem for a model that is off by nothing, and the same selection there with the second effect that closes most of
-/// what the only one leaves; none if that leaves little, or if no other does.
+/// The problem of a model that may be off by nothing, and there the only effect of a selection with a second one that explains most of
+/// what the first leaves. None if the first explains everything, or if no second effect is accepted.
 pub(crate) fn refined<'a>(
     selection: &Selection,
     problem: &Problem<'a>,
@@ -52,8 +52,8 @@ pub(crate) fn refined<'a>(
         progress,
         expected: refined.expected,
     };
-    // Far above the floor something is missing, however little of it screening finds.
-    let promised = if exact.gap_over_floor(&so_far) > LOUD_GAP {
+    // Far above the floor something is missing, even if no effect closes much of it in screening.
+    let promised = if exact.gap_over_floor(&so_far) > PLAIN_GAP {
         LEAST_PROMISED
     } else {
         LEAST_PROMISED_AT_FLOOR

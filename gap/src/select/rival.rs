@@ -1,11 +1,11 @@
-//! A hypothesis with one more effect.
+//! A hypothesis with one more effect than the model so far.
 
 use super::excess::level;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
 use crate::term::Term;
 
-/// A hypothesis that was tried in addition to what was known.
+/// A fit of the model so far with one more effect, which is its last term.
 #[derive(Clone, Debug)]
 pub(crate) struct Rival {
     pub name: &'static str,

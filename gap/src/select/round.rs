@@ -1,4 +1,4 @@
-//! One effect on top of what was known, as a round of the search found it.
+//! One round of the search: an effect on top of the model so far, with its rivals.
 
 use super::acceptance::Acceptance;
 use super::excess::level;
@@ -8,39 +8,39 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 
-/// One effect on top of what was known, with what stood beside it.
+/// One effect on top of the model so far, with its rivals.
 #[derive(Clone, Debug)]
 pub(crate) struct Round {
-    /// What was known without it.
+    /// The model so far, without it.
     pub known: Fit,
-    /// All finalists, the winner first, the others by what they leave.
+    /// All finalists, the winner first, the others by their cost.
     pub rivals: Vec<Rival>,
-    /// Every effect as screening left it.
+    /// Every effect as fitted in screening.
     pub screened: Vec<Rival>,
-    /// Whether the winner is better than what was known.
+    /// Whether the winner is accepted.
     pub acceptance: Acceptance,
-    /// The model with the effects up to this one.
+    /// The model with all effects up to this one.
     pub so_far: Fit,
-    /// What is known of the winner where it was measured beside all other effects.
+    /// Confidence and ties of the winner, if it was compared in sets of effects.
     pub measured: Option<Measured>,
 }
 
-/// What measuring an effect beside all others of its set says of it.
+/// The result of comparing sets with and without an effect.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured {
     /// Probability that it is right.
     pub confidence: f64,
-    /// Effects in whose place it costs no less, within the error.
+    /// Effects that explain as much in its place, within the error.
     pub ties: Vec<&'static str>,
 }
 
 impl Round {
-    /// True if a fit leaves less than its winner does.
+    /// True if a fit costs less than the winner.
     pub(super) fn leaves_more_than(&self, fit: &Fit) -> bool {
         level(fit) < level(&self.rivals[0].fit)
     }
 
-    /// The same on top of what is `known` without one of the effects before it.
+    /// The same round on top of `known`, without the effect at `place`.
     pub(super) fn without(&self, problem: &Problem<'_>, place: usize, known: Fit) -> Self {
         let (hypothesis, x) = self.so_far.without(place);
         let fit = problem.fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);

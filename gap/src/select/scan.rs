@@ -1,4 +1,4 @@
-//! Where in a landscape of many optima a fit is to begin.
+//! Starts for effects whose cost has many local optima.
 
 use super::evolution::evolved;
 use super::screening_set::{MANY_ITERATIONS, ScreeningSet, lowest};
@@ -7,49 +7,48 @@ use crate::floor::WHITE;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Lowest points of a scan, which is made once, that are fitted.
+/// Lowest points of a scan that are fitted.
 const SCANNED_FITTED: usize = 4;
-/// Spread, in scales, of a search from the lowest points of a scan.
+/// Standard deviation, in scales of the coordinates, of an evolution from the lowest points of a scan.
 const WIDELY: f64 = 0.5;
-/// Share of the excess that the lowest point of a scan closes where a search from there may lead to more: the right scan
-/// does in 51 of 53 recordings of blind sets with play, another in 21 of 85 without.
+/// Share of the excess that the lowest point of a scan must close to be worth an evolution from there. It did in 51 of 53 recordings of
+/// blind sets with play, and in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
-/// The same as a share of what the best of the others closes, for a scan and for what a search over a quarter of the horizon
-/// found: beside another effect play closes 0.14 and 0.23 at least, alone far more.
+/// The same as a share of what the best other effect closes: for a scan, and for an evolution over a quarter of the horizon. Beside
+/// another effect play closes 0.14 and 0.23 of it at least, alone far more.
 const LEAST_SCAN_LEAD: f64 = 0.1;
 const LEAST_SEARCH_LEAD: f64 = 0.2;
-/// Lowest points that are searched from: the right one was among them in all of 16 recordings.
+/// Lowest points from which an evolution begins. The right one was among them in all of 16 recordings.
 const SEARCHED: usize = 2;
 
-/// Cost at which so much of the excess of what is known is gone, and so large a share of what `best` closes, that a start
-/// is worth a search.
+/// Cost up to which a start is worth an evolution: it closes enough of the excess, and of what `best` closes.
 fn worth(field: &ScreeningSet<'_>, best: &Fit, share: f64) -> f64 {
     let known = field.cost_of(field.known);
     let closed = known - field.cost_of(best);
     known - (LEAST_SCAN_GAIN * (known - WHITE)).max(share * closed)
 }
 
-/// Those of many starts that cost least as they are, `kept` of them.
+/// The `kept` starts that cost least without a fit.
 fn near(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<Term> {
     let costs = starts.par_iter().map(|start| (field.cost(start), start));
     lowest(costs.collect(), kept)
 }
 
-/// Where fits from some starts lead.
+/// Some starts, each after a short fit.
 fn followed(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
     let fits = starts.par_iter().map(|s| field.fit(s, MANY_ITERATIONS));
     fits.filter_map(|fit| fit.last_term()).collect()
 }
 
-/// The best start around each of the lowest points of a scan, here and where the same data are restarted four times as often:
-/// the deepest hollow may be none of a transmission that is there.
+/// The best starts around the lowest points of two scans: of these windows, and of the same data restarted four times as often. Far from
+/// the right numbers the lowest point of the first may be a wrong one.
 pub(super) fn scanned(
     field: &ScreeningSet<'_>,
     soon: Option<&ScreeningSet<'_>>,
     starts: &[Term],
 ) -> Vec<Term> {
     let mut low = minima(starts, |start| field.cost(start));
-    // What swings out of step over the horizon is still in step over a quarter of it.
+    // A model of another frequency gets out of phase over the horizon, and less so over a quarter of it.
     if let Some(soon) = soon {
         let early = minima(starts, |start| soon.cost(start));
         low.extend(followed(soon, &early));
@@ -59,7 +58,7 @@ pub(super) fn scanned(
     near(field, &around.collect::<Vec<_>>(), SCANNED_FITTED)
 }
 
-/// The same where impacts make a landscape of many optima: over a quarter of the horizon it is smoother.
+/// The same where impacts give the cost many optima: over a quarter of the horizon it has fewer.
 pub(super) fn searched(
     field: &ScreeningSet<'_>,
     soon: Option<&ScreeningSet<'_>>,
@@ -83,7 +82,7 @@ pub(super) fn searched(
     near(field, &descended(field, &early), SCANNED_FITTED)
 }
 
-/// Where searches from some starts lead.
+/// Some starts, each after an evolution.
 fn descended(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
     let found = starts.par_iter().map(|start| {
         let x = vec![0.0; start.free.len()];
@@ -93,8 +92,8 @@ fn descended(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
     found.collect()
 }
 
-/// The starts, in the order of a scan for either side of the sensor, at which a cost is lower than at their neighbours:
-/// the lowest of them. Of starts of the same size the lowest stands for all.
+/// The lowest local minima of a scan. Starts are in the order of the scan, on one side of the sensor after the other; of those with the
+/// same size the lowest counts.
 fn minima(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
     let costs: Vec<f64> = starts.par_iter().map(&cost).collect();
     let costs: Vec<(f64, &Term)> = costs.into_iter().zip(starts).collect();

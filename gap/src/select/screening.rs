@@ -1,6 +1,6 @@
-//! Every effect tried on a few windows, to see which are worth more.
+//! Screening: every effect is fitted shortly to a few windows, to find those that are worth a fit to all.
 
-use super::excess::{QUIET_EXCESS, level};
+use super::excess::{ADEQUATE_EXCESS, level};
 use super::ranking::join_all;
 use super::rival::Rival;
 use super::scan::{scanned, searched};
@@ -15,35 +15,35 @@ use crate::term::Term;
 use rayon::prelude::*;
 use std::cell::LazyCell;
 
-/// Starts of each variant of an effect that a fit begins from, those that promise most; more where there are many optima.
+/// Starts of an effect that are fitted, those that promise most; and of each variant of an effect that shows in few windows.
 pub(super) const BEGUN: usize = 2;
 const VARIANT_BEGUN: usize = 3;
-/// Those that go on from there.
+/// Starts whose fit goes on.
 const STARTS_KEPT: usize = 1;
-/// Starts that go on where there are many optima.
+/// The same for an effect whose cost has many optima, and for a variant.
 const MANY_KEPT: usize = 3;
 const VARIANT_KEPT: usize = 2;
-/// Effects that are fitted on then; beside two masses, which take ten times as long, fewer.
+/// Effects whose fit goes on; fewer beside a model of two masses, which takes ten times as long.
 const PROMISING: usize = 14;
 const PROMISING_BESIDE_MASSES: usize = 6;
 const SCREENING_ITERATIONS: usize = 4;
-/// Of those, but for some, the ones that gain this share of what the best one does by then: of 257 effects that were named on
-/// outside sets none that gained less came to the front.
+/// Share of the best gain that such an effect must have by then, and effects that need not. Of 257 effects that were named on outside sets
+/// none had gained less.
 const LEAST_PROMISE: f64 = 0.2;
 const FEWEST_PROMISING: usize = 3;
-/// More for the best one before others are scanned.
+/// Further iterations of the best effect before others are scanned.
 const LAST_ITERATIONS: usize = 10;
-/// Samples that suffice to tell the promising effects from the others, and fewest windows.
+/// Samples on which effects are screened, and fewest windows.
 const SCREENING_SAMPLES: f64 = 3000.0;
 const SCREENING_WINDOWS: f64 = 12.0;
-/// Share of the gain of the best of the others that is worth a fit of what was scanned.
+/// Share of the best other gain that a scanned effect must reach for its fit to go on.
 const LEAST_SCANNED_GAIN: f64 = 0.5;
-/// Samples of a block, its fewest and most windows, and fewest blocks.
+/// Samples of a block of windows, its fewest and most windows, and fewest blocks.
 const BLOCK_SAMPLES: usize = 1000;
 const BLOCK_WINDOWS: [usize; 2] = [2, 8];
 const FEWEST_BLOCKS: f64 = 3.0;
 
-/// The starts by what no fit of them changes: a hand that pushes up never comes to hold.
+/// The starts in groups of one variant: they differ only in numbers that a fit moves.
 fn variants(starts: &[Term]) -> Vec<Vec<Term>> {
     let mut all: Vec<Vec<Term>> = Vec::new();
     for start in starts {
@@ -55,7 +55,7 @@ fn variants(starts: &[Term]) -> Vec<Vec<Term>> {
     all
 }
 
-/// Every effect on top of `known`, fitted to the chosen windows.
+/// Every effect on top of `known`, fitted shortly to the chosen windows.
 pub(super) fn screened(
     search: &Search<'_>,
     known: &Fit,
@@ -65,14 +65,14 @@ pub(super) fn screened(
     (search.progress)(Stage::Screening);
     let problem = search.problem;
     let as_fitted = ScreeningSet::new(problem, known, chosen);
-    // Where the model's own numbers have gone to make up for an effect is no place to look for it.
+    // Numbers of the model may have moved in place of an effect: without any other effect the search begins where they are stated.
     let have_gone = known.hypothesis.terms.is_empty() || known.is_strained();
     let given = have_gone.then(|| known.as_stated());
     let as_given = given
         .as_ref()
         .map(|given| ScreeningSet::new(problem, given, chosen));
     let field = as_given.as_ref().unwrap_or(&as_fitted);
-    // One start is a hint.
+    // An effect with one start has a hint.
     let is_scan = |c: &Candidate| match c.effect.landscape() {
         Landscape::Rugged => true,
         landscape => landscape.is_scanned() && c.starts.len() > 1,
@@ -86,10 +86,10 @@ pub(super) fn screened(
     let fitted = fitted_on(search, known, chosen, &few, f64::INFINITY, |candidate| {
         let effect = candidate.effect;
         let (field, begun, kept) = if effect.is_local() {
-            // What shows in few windows leaves those numbers where they are; and hard contacts have many poor optima.
+            // An effect that shows in few windows does not move those numbers. Hard contacts have many poor optima.
             (&as_fitted, VARIANT_BEGUN, VARIANT_KEPT)
         } else if effect.landscape() == Landscape::Hysteretic && !has_two_masses {
-            // A form that promises more from afar may still lead to less; beside two masses trying all takes too long.
+            // The promise of a start says little about where its fit ends. Beside two masses trying all takes too long.
             (field, candidate.starts.len(), STARTS_KEPT)
         } else {
             (field, BEGUN, STARTS_KEPT)
@@ -113,7 +113,7 @@ pub(super) fn screened(
         );
         join_all(&mut rivals, weighed(search, fitted, chosen));
     }
-    // What is scanned takes more numbers and most of the time.
+    // Scanned effects have more numbers, and take most of the time.
     if !scans.is_empty() && !suffices(search, &mut rivals, chosen) {
         let soon = soon(search, field.known);
         let whole = &*whole;
@@ -135,7 +135,7 @@ pub(super) fn screened(
     rivals
 }
 
-/// True if the best of the rivals leaves no more than a perfect model does, once it is fitted to the end.
+/// True if the best rival is adequate after further iterations.
 fn suffices(search: &Search<'_>, rivals: &mut [Rival], chosen: &[bool]) -> bool {
     let best = rivals
         .iter_mut()
@@ -143,7 +143,7 @@ fn suffices(search: &Search<'_>, rivals: &mut [Rival], chosen: &[bool]) -> bool 
     let Some(Rival { fit, .. }) = best else {
         return false;
     };
-    let enough = search.quiet();
+    let enough = search.adequate_level();
     if level(fit) > enough {
         let (hypothesis, x) = (&fit.hypothesis, fit.x.clone());
         let part = Part::Chosen(chosen);
@@ -152,8 +152,8 @@ fn suffices(search: &Search<'_>, rivals: &mut [Rival], chosen: &[bool]) -> bool 
     level(fit) <= enough
 }
 
-/// Rivals weighed on the chosen windows, whatever they were fitted to: in blocks what is carried may be made to fit, and by
-/// themselves windows are too few for it to settle.
+/// Rivals with their costs on the chosen windows, whatever windows they were fitted to. Blocks of windows are long enough for a hidden
+/// state to settle, single windows are not.
 pub(super) fn weighed(search: &Search<'_>, rivals: Vec<Rival>, chosen: &[bool]) -> Vec<Rival> {
     let weighed = rivals.into_par_iter().map(|mut rival| {
         let Fit { hypothesis, x, .. } = &rival.fit;
@@ -170,8 +170,8 @@ pub(super) fn soon<'a>(search: &'a Search<'_>, known: &'a Fit) -> Option<Screeni
     Some(ScreeningSet::new(quarter, known, blocks(quarter)))
 }
 
-/// The fits of some effects on top of `known` that are `begun`, the most promising ones fitted on if they leave no more than
-/// `enough`.
+/// Some effects on top of `known`, each with the fits that `begun` returns. The fits of the most promising effects go on, if they cost no
+/// more than `enough`.
 fn fitted_on(
     search: &Search<'_>,
     known: &Fit,
@@ -194,7 +194,7 @@ fn fitted_on(
         .costs(&known.hypothesis, &known.x, part)
         .level();
     let best = begun.first().map_or(there, |(fits, _)| level(&fits[0]));
-    let in_reach = (there - LEAST_PROMISE * (there - best)).max(best + QUIET_EXCESS);
+    let in_reach = (there - LEAST_PROMISE * (there - best)).max(best + ADEQUATE_EXCESS);
     begun
         .into_par_iter()
         .enumerate()
@@ -206,7 +206,7 @@ fn fitted_on(
                 1 => SCREENING_ITERATIONS,
                 _ => MANY_ITERATIONS,
             };
-            // What the model's own numbers took of the effect, they give back now.
+            // Here the numbers of the model move as well.
             fits.into_par_iter().map(move |fit| {
                 let fit = search.problem.fit(&fit.hypothesis, fit.x, part, iterations);
                 Rival { name, fit }
@@ -215,8 +215,8 @@ fn fitted_on(
         .collect()
 }
 
-/// The windows on which effects are screened: half of them those that miss most, half from everywhere; in blocks where what
-/// is carried between two masses has to settle.
+/// The windows on which effects are screened: half of them those of the highest cost, half spread evenly. They are blocks of windows where
+/// the state of two masses has to settle.
 pub(super) fn screening_windows(search: &Search<'_>, known: &Fit) -> Vec<bool> {
     let problem = search.problem;
     let costs = window_costs(problem, known);
@@ -243,8 +243,8 @@ pub(super) fn screening_windows(search: &Search<'_>, known: &Fit) -> Vec<bool> {
     (0..costs.len()).map(|w| chosen[w / length]).collect()
 }
 
-/// Windows in blocks, with as many samples as screening takes: half of them from where runs begin, as nothing is carried
-/// there yet, half from everywhere, where what is carried settles in the first of a block.
+/// Blocks of windows with as many samples as screening takes. Half of them begin with a run, where no hidden state is carried over yet;
+/// half are spread evenly, and a hidden state settles in the first window of each.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     let length = block_length(problem);
     let half = 0.5 * screening_share(problem, FEWEST_BLOCKS * length as f64);

@@ -1,4 +1,4 @@
-//! Starts compared on a few windows, on top of what is known.
+//! Starts compared on a few windows, on top of the model so far.
 
 use super::excess::level;
 use super::rival::extended;
@@ -10,12 +10,12 @@ use crate::term::Term;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Iterations of the first look at a start.
+/// Iterations of the first fit of a start.
 pub(super) const FIRST_ITERATIONS: usize = 2;
-/// And of those that go on where there are many optima.
+/// Iterations of the fits that go on where the cost has many optima.
 pub(super) const MANY_ITERATIONS: usize = 6;
 
-/// The windows on which starts are compared, on top of what is known.
+/// The windows on which starts are compared, and the model so far with its linearization there.
 pub(super) struct ScreeningSet<'a> {
     pub(super) problem: &'a Problem<'a>,
     pub(super) known: &'a Fit,
@@ -38,7 +38,7 @@ impl<'a> ScreeningSet<'a> {
         }
     }
 
-    /// A start fitted on.
+    /// A fit from a start.
     pub(super) fn fit(&self, start: &Term, iterations: usize) -> Fit {
         let (hypothesis, x) = extended(self.known, [start]);
         let linearization = Some(&self.linearization);
@@ -47,18 +47,18 @@ impl<'a> ScreeningSet<'a> {
             .fit_on(linearization, &hypothesis, x, part, iterations)
     }
 
-    /// What a start costs as it is.
+    /// Robust cost of a start without a fit.
     pub(super) fn cost(&self, start: &Term) -> f64 {
         level(&self.fit(start, 0))
     }
 
-    /// What a fit, whatever it was fitted to, costs here.
+    /// Robust cost of a fit on these windows.
     pub(super) fn cost_of(&self, fit: &Fit) -> f64 {
         let part = Part::Chosen(&self.chosen);
         self.problem.costs(&fit.hypothesis, &fit.x, part).level()
     }
 
-    /// The starts that promise most, `kept` of them.
+    /// The `kept` starts that promise most by a linear estimate.
     pub(super) fn promising(&self, starts: &[Term], kept: usize) -> Vec<Term> {
         if starts.len() <= kept {
             return starts.to_vec();
@@ -72,7 +72,7 @@ impl<'a> ScreeningSet<'a> {
         lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)
     }
 
-    /// The best `kept` fits from some starts.
+    /// The `kept` best of short fits from some starts.
     pub(super) fn begun(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
         let begun = |start: &Term| self.fit(start, FIRST_ITERATIONS);
         let mut fits = sorted(starts.par_iter().map(begun).collect());
@@ -81,7 +81,7 @@ impl<'a> ScreeningSet<'a> {
     }
 }
 
-/// Those that leave least first.
+/// The fits of the lowest cost first.
 pub(super) fn sorted(mut fits: Vec<Fit>) -> Vec<Fit> {
     fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
     fits

@@ -1,6 +1,6 @@
-//! What a search for effects is about: the recording, what is known of it, and what an effect is looked for with.
+//! What all steps of a search share: the data, what is known before it, and the expected cost of an exact model.
 
-use super::excess::QUIET_EXCESS;
+use super::excess::ADEQUATE_EXCESS;
 use super::rival::Rival;
 use crate::effects::{Candidate, candidates};
 use crate::fit::Fit;
@@ -12,7 +12,7 @@ use crate::term::Term;
 use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
 
-/// Iterations for all finalists, for those that are near the best then, and more for the one that is named.
+/// Iterations of a fit: of all finalists, of those that are then near the best, and of the one that is named.
 pub(super) const SHORT_ITERATIONS: usize = 3;
 pub(super) const FITTING_ITERATIONS: usize = 8;
 pub(super) const POLISHING_ITERATIONS: usize = 15;
@@ -20,13 +20,13 @@ pub(super) const POLISHING_ITERATIONS: usize = 15;
 /// What is known before the search.
 #[derive(Clone)]
 pub(crate) struct Given<'a> {
-    /// True if there is more than noise and restarts leave.
+    /// True if the gap of the nominal model exceeds its floor.
     pub is_gap: bool,
-    /// Effects that are not there, or not to be tried.
+    /// Names of effects that are known to be absent, or that the user does not want tried.
     pub excluded: Vec<&'a str>,
-    /// An effect that was measured otherwise: it is tried at this size alone.
+    /// An effect whose size two position columns show: it is tried at this size alone.
     pub measured: Option<Term>,
-    /// True if that one is there for sure.
+    /// True if that effect is present beyond doubt.
     pub certain: bool,
 }
 
@@ -41,7 +41,7 @@ impl Given<'_> {
     };
 }
 
-/// What all rounds share.
+/// What all rounds of a search share.
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
     pub given: &'a Given<'a>,
@@ -51,9 +51,9 @@ pub(crate) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Level up to which nothing is missing.
-    pub(super) fn quiet(&self) -> f64 {
-        self.expected.level + QUIET_EXCESS
+    /// Robust cost up to which a model is adequate.
+    pub(super) fn adequate_level(&self) -> f64 {
+        self.expected.level + ADEQUATE_EXCESS
     }
 
     pub(super) fn has_two_masses(&self, fit: &Fit) -> bool {
@@ -61,7 +61,7 @@ impl Search<'_> {
         predictor.device().mechanics.link.is_some()
     }
 
-    /// What `told` makes of what is seen beyond `known`.
+    /// Calls `told` with what the data show beyond the model `known`.
     pub(crate) fn evidence<T>(&self, known: &Fit, told: impl FnOnce(&Evidence<'_>) -> T) -> T {
         let Problem {
             recording, series, ..
@@ -85,7 +85,8 @@ impl Search<'_> {
         })
     }
 
-    /// The effects that `known` does not have, with their starts.
+    /// The effects that the model `known` does not have, with the places from which to fit them. A `hint` is the only start of an effect
+    /// that would otherwise be scanned.
     pub(crate) fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
         let mut tried = self.evidence(known, candidates);
         let terms = &known.hypothesis.terms;

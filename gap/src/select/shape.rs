@@ -1,4 +1,4 @@
-//! How much of the last effect of a fit is free.
+//! Which numbers of the last effect of a fit are free.
 
 use super::excess::{is_at_floor, level};
 use super::ranking::enough;
@@ -9,8 +9,7 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::term::Term;
 
-/// A fit with what its last effect was given freed, where it is not at its floor and leaves less then by more than a number
-/// is worth.
+/// A fit with the shape of its last effect freed, if the gap is not at its floor and the fit gains more than the price of the numbers.
 pub(super) fn loosened(search: &Search<'_>, known: &Fit, given: &Fit) -> Option<Fit> {
     if is_at_floor(search.problem, given) {
         return None;
@@ -20,7 +19,7 @@ pub(super) fn loosened(search: &Search<'_>, known: &Fit, given: &Fit) -> Option<
         .then(|| search.problem.polished(&fit, POLISHING_ITERATIONS))
 }
 
-/// A fit with what its last effect was given freed, if anything was.
+/// A fit with the shape of its last effect freed; none if it has no further shape.
 pub(super) fn with_more_free(search: &Search<'_>, given: &Fit) -> Option<Fit> {
     let [low, high] = search.problem.extremes();
     let half_span = 0.5 * (high - low);
@@ -33,7 +32,7 @@ pub(super) fn with_more_free(search: &Search<'_>, given: &Fit) -> Option<Fit> {
     )
 }
 
-/// A fit with its last effect in a form of fewer free parameters, where those it has more gain next to nothing.
+/// A fit with its last effect in a form of fewer free parameters, if that explains nearly as much.
 pub(super) fn reduced(search: &Search<'_>, known: &Fit, full: &Fit) -> Option<Fit> {
     let (last, others) = full.hypothesis.terms.split_last()?;
     let (before, own) = full.x.split_at(full.x.len() - last.free.len());
@@ -53,7 +52,7 @@ pub(super) fn reduced(search: &Search<'_>, known: &Fit, full: &Fit) -> Option<Fi
     fits.min_by(|a, b| level(a).total_cmp(&level(b)))
 }
 
-/// An effect with more of its shape free, of a motion that goes `half_span` to either side; none if there is no more.
+/// An effect with its further shape free, for motion of ± `half_span`; none if it has no further shape.
 fn with_shape_free(given: &Term, half_span: f64) -> Option<Term> {
     let shape = effects::of(given.kind.name).further_shape(given, half_span);
     let starts: Vec<(usize, f64)> = shape.iter().map(|c| (c.parameter, c.start)).collect();

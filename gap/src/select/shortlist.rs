@@ -1,4 +1,4 @@
-//! The most promising effects fitted to all windows.
+//! Finalists: the effects that are fitted to all windows after screening.
 
 use super::degenerate::is_degenerate;
 use super::excess::level;
@@ -12,20 +12,20 @@ use crate::fit::part::Part;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-/// Effects that are fitted on all windows after screening; from some on only those whose gain over the worst one falls short of
-/// the best one's by this share of it at most: of 409 winners on blind and other sets all but one of some size were.
+/// Most finalists, and those that are taken whatever they gain. The others must gain this share of the best gain in screening: of 409
+/// winners on blind and other sets all but one did.
 const FINALISTS: usize = 7;
 const FEWEST_FINALISTS: usize = 3;
 const IN_REACH: f64 = 0.5;
-/// Those that show in few windows may be of a higher rank, so many at most.
+/// Finalists beyond those that show in few windows.
 const MOST_LOCAL: usize = 3;
-/// Share of the best one's gain within which another is near it, and how many are in any case.
+/// Share of the best gain within which a finalist is fitted further, and how many are in any case.
 const NEAR: f64 = 0.3;
 const ALWAYS_NEAR: usize = 2;
-/// Sizes of a special case over that as which it was found without what stands beside it now.
+/// Sizes from which a special case is fitted, over the size that it had alone.
 const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
 
-/// The most promising ones, fitted to all windows, and what was `found` there otherwise, with what is related to the best.
+/// The finalists, an effect that was `found` in another way, and what is related to the best of them, all fitted to all windows.
 pub(super) fn refit_shortlist(
     search: &Search<'_>,
     mut screened: Vec<Rival>,

@@ -1,45 +1,16 @@
-//! Which of the fitted rivals come before others that do a little more.
+//! Simpler rivals that come before others that explain a little more.
 
 use super::degenerate::repeats;
-use super::excess::{MOST_LEFT_EXPLAINED, is_quiet, level};
-use super::ranking::{is_as_likely, is_far_likelier, ranked};
-use super::rival::{Rival, best_of};
-use super::search::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
-use super::shape::with_more_free;
+use super::excess::{MOST_LEFT_EXPLAINED, is_adequate, level};
+use super::ranking::{is_as_likely, ranked};
+use super::rival::Rival;
+use super::search::{FITTING_ITERATIONS, Search};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::floor::ExpectedLoss;
 
-/// The rivals, what the best of them contains carried on to the end where it leaves little enough for that: with fewer
-/// numbers it has fewer ways past a kink.
-pub(super) fn with_specials_polished(
-    search: &Search<'_>,
-    known: &Fit,
-    mut rivals: Vec<Rival>,
-) -> Vec<Rival> {
-    let Some(best) = best_of(&rivals).cloned() else {
-        return rivals;
-    };
-    let most = 0.5 * (level(known) + level(&best.fit));
-    for rival in &mut rivals {
-        let is_open = level(&rival.fit) > search.quiet() || is_far_likelier(&best, rival);
-        if effects::of(best.name).contains(rival.name) && is_open && level(&rival.fit) <= most {
-            rival.fit = search.problem.polished(&rival.fit, POLISHING_ITERATIONS);
-            // What it is to give way to may do no more than a shape that it was not free to take.
-            if is_far_likelier(&best, rival)
-                && let Some(fit) = with_more_free(search, &rival.fit)
-                && let freed = (Rival { fit, ..*rival })
-                && !is_far_likelier(&best, &freed)
-            {
-                *rival = freed;
-            }
-        }
-    }
-    rivals
-}
-
-/// The rivals, those with a parameter that the model states held there if they do as well.
+/// The rivals, each with a parameter that the model states held at the stated value, if that explains as much.
 pub(super) fn held_as_stated(
     search: &Search<'_>,
     known: &Fit,
@@ -56,33 +27,33 @@ pub(super) fn held_as_stated(
         held.fit = search
             .problem
             .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);
-        if let Some(mut both) = ranked(vec![rival.clone(), held], known, search.quiet()) {
+        if let Some(mut both) = ranked(vec![rival.clone(), held], known, search.adequate_level()) {
             *rival = both.swap_remove(0);
         }
     }
     rivals
 }
 
-/// The rivals in their order.
+/// The rivals, the best first; a special case before the form that contains it where the data do not need the latter.
 pub(super) fn ordered(search: &Search<'_>, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
-    let mut rivals = ranked(rivals, known, search.quiet())?;
+    let mut rivals = ranked(rivals, known, search.adequate_level())?;
     let best = level(&rivals[0].fit);
     let short_by = |share: f64| best + share * (level(known) - best);
     let halfway = short_by(0.5);
-    // Of a ripple that was not seen to repeat a pull may be all; where it leaves nothing, that must leave next to nothing.
+    // A ripple of which less than a wave was travelled may be a spring. Where the ripple explains all, the spring must explain nearly all.
     let pulls = (!repeats(search.problem, &rivals[0].fit)).then(|| {
-        if best > search.quiet() {
+        if best > search.adequate_level() {
             halfway
         } else {
             short_by(MOST_LEFT_EXPLAINED)
         }
     });
     let special = rivals.iter().position(|rival| {
-        // What needs a moment of its own is none where the same thing at all times leaves nothing.
+        // An effect with an instant of its own is none where the same effect at all times explains all.
         let leaves_nothing = || {
             level(&rival.fit) <= halfway
                 && is_as_likely(rival, &rivals[0])
-                && is_quiet(
+                && is_adequate(
                     &rival.fit,
                     &ExpectedLoss::of(search.problem, &rival.fit).bounded(),
                 )

@@ -1,5 +1,6 @@
 //! What a diagnosis says, in the form of the recording format.
 
+use indexmap::IndexMap;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -117,8 +118,8 @@ pub struct Finding {
     /// says.
     #[serde(skip)]
     pub held_out: bool,
-    /// By name.
-    pub parameters: BTreeMap<String, Estimate>,
+    /// By name, in the order of the effect's definition.
+    pub parameters: IndexMap<String, Estimate>,
     /// Of this effect alone, on top of those before it.
     pub shrink: f64,
     /// 95 % interval of it on another recording of the device.

@@ -42,4 +42,7 @@ fn they_are_one_where_they_show_however_little_they_bend() {
     assert_eq!((presliding.name, found.effects.len()), ("presliding", 1));
     let distance = presliding.parameters["distance"].value;
     assert!((2e-5..8e-5).contains(&distance), "{distance}");
+    // As the effect's definition has them.
+    let names: Vec<&String> = presliding.parameters.keys().collect();
+    assert_eq!(names, ["distance", "damping", "exponent", "elastic"]);
 }

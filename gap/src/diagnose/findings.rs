@@ -8,6 +8,7 @@ use crate::fit::problem::Problem;
 use crate::instrument::timing::TimingDoubt;
 use crate::plausible::Implausible;
 use crate::select::{self, Round, Selection};
+use indexmap::IndexMap;
 
 /// Standard errors of gain beyond which the number of windows no longer limits the confidence.
 const SURE: f64 = 6.0;
@@ -60,7 +61,7 @@ pub(super) fn findings(
             step.is_small() && !is_relieved(round) && is_spare(problem, selection, place);
         let most_sure = most_sure.min(if is_aside { SURE_IF_SMALL } else { 1.0 });
         let values = term.at(x);
-        let mut parameters = std::collections::BTreeMap::new();
+        let mut parameters = IndexMap::new();
         for (i, value) in values.iter().enumerate() {
             let quantity = term.kind.parameter(i).quantity;
             let std = term.spread(i, x, std);

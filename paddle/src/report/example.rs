@@ -72,7 +72,7 @@ pub fn stribeck() -> Diagnosis {
             not_separable_from: vec!["presliding"],
             basis: "prediction",
             held_out: true,
-            parameters: BTreeMap::from([("static_ratio".to_owned(), ratio)]),
+            parameters: [("static_ratio".to_owned(), ratio)].into(),
             shrink: 0.81,
             shrink_interval: [0.76, 0.85],
         }],

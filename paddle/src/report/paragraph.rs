@@ -285,7 +285,6 @@ mod tests {
     use super::super::example;
     use super::*;
     use gap::diagnosis::{MeasuredBy, Tried};
-    use std::collections::BTreeMap;
 
     #[test]
     fn the_paragraph_says_where_which_and_how_far() {
@@ -371,7 +370,7 @@ mod tests {
             unit: "s".into(),
             ..time
         };
-        delay.parameters = BTreeMap::from([("time".to_owned(), late)]);
+        delay.parameters = [("time".to_owned(), late)].into();
         diagnosis.effects.push(delay);
         diagnosis
     }

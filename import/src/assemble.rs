@@ -33,8 +33,8 @@ pub struct Imported {
 
 /// Makes a recording of `logs`.
 ///
-/// # Errors [`ImportError`] where a role cannot be guessed, a column is not there or of another kind, and where no run
-/// is left.
+/// # Errors
+/// [`ImportError`] where a role cannot be guessed, a column is not there or of another kind, and where no run is left.
 pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
     let title = recipe.title.clone().unwrap_or_else(|| {
         logs.iter()

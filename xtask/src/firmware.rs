@@ -46,7 +46,7 @@ pub fn flash() -> Result<(), Failure> {
     run(&mut firmware("run"))
 }
 
-/// Builds the image, and prints where it lies and what it is told by.
+/// Builds the image, and prints its path and its SHA-256.
 pub fn image() -> Result<(), Failure> {
     ensure(say)?;
     run(firmware("build").arg("--quiet"))?;
@@ -59,21 +59,21 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(path).map_err(|source| Failure::file(path, source))
 }
 
-/// As `sha256sum` writes it.
+/// SHA-256 of some bytes, as `sha256sum` writes it.
 fn sha256(bytes: &[u8]) -> String {
     let digest = Sha256::digest(bytes);
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What an image takes.
+/// Memory that an image takes.
 pub struct Size {
-    /// Of flash, bytes.
+    /// Flash, bytes.
     pub flash_bytes: u64,
     /// RAM of variables, bytes.
     pub statics_bytes: u64,
     /// RAM of the deepest stack, bytes.
     pub stack_bytes: u64,
-    /// Of the file, as `sha256sum` writes it.
+    /// SHA-256 of the file, as `sha256sum` writes it.
     sha256: String,
 }
 

@@ -216,7 +216,8 @@ fn steps(problem: &Problem<'_>, fit: &Fit, left: &[Vec<f64>]) -> Vec<Step> {
     }
 }
 
-/// The same above a floor.
+/// The steps of the effects in their order, above a `floor`. The squared residuals of each window are `left` by the nominal model, and
+/// then with each effect in turn.
 fn steps_to(floor: &[f64], left: &[Vec<f64>]) -> Vec<Step> {
     let sum = |squares: &[f64]| squares.iter().sum::<f64>();
     let is_at_floor = |left: &[f64]| sum(left) <= FLOOR_DOUBT.powi(2) * sum(floor);

@@ -12,10 +12,11 @@ use crate::floor::{ExpectedLoss, mean_and_error};
 /// Standard errors from zero that a gain on held-out windows must have. With thirty rivals the best of them has as much by chance in
 /// about 1 % of the searches.
 const LEAST_SIGNIFICANCE: f64 = 3.3;
-/// The same for a gain of a large share of the excess, which is hardly chance, however few the windows are.
+/// Share of the excess above which a gain is hardly chance, however few the windows are, and the standard errors that such a gain must
+/// have.
 const LARGE_SHARE: f64 = 0.2;
 const LARGE_SIGNIFICANCE: f64 = 2.0;
-/// Share of the excess that a gain must be.
+/// Share of the excess that every gain must be.
 const LEAST_SHARE: f64 = 0.1;
 /// Least gain in robust cost per window. The uncertainty of the noise of the sensor is as large.
 const LEAST_GAIN: f64 = 0.015;

@@ -98,7 +98,7 @@ fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize
     fits.min_by(lowest)
 }
 
-/// The same episode, timed and fitted again while its cost falls: the longer it is, the farther its instants are moved.
+/// A fit whose episode is timed and fitted again while the cost falls. The longer the episode, the farther its instants are moved.
 fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     for _ in 0..MOST_ROUNDS {
         let term = best.last_term();

@@ -34,7 +34,7 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Opti
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let first = &rivals.first()?.fit;
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
-    // Of two that cost no more than an exact model, the cheaper one is no better.
+    // If both rivals cost no more than an exact model, the cheaper one is no better.
     let leaves_nothing = |fit: &Fit| level(fit) <= adequate - ADEQUATE_EXCESS;
     // A rival saves no parameters if it moves the numbers of the model instead.
     let bends = |fit: &Fit| likely && !fit.is_likely();

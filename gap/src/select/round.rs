@@ -40,7 +40,7 @@ impl Round {
         level(fit) < level(&self.rivals[0].fit)
     }
 
-    /// The same round on top of `known`, without the effect at `place`.
+    /// The round fitted again on top of `known`, after the effect at `place` was withdrawn.
     pub(super) fn without(&self, problem: &Problem<'_>, place: usize, known: Fit) -> Self {
         let (hypothesis, x) = self.so_far.without(place);
         let fit = problem.fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);

@@ -14,8 +14,8 @@ const WIDELY: f64 = 0.5;
 /// Share of the excess that the lowest point of a scan must close to be worth an evolution from there. It did in 51 of 53 recordings of
 /// blind sets with play, and in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
-/// The same as a share of what the best other effect closes: for a scan, and for an evolution over a quarter of the horizon. Beside
-/// another effect play closes 0.14 and 0.23 of it at least, alone far more.
+/// Share of what the best other effect closes that a start must close to be worth an evolution: the lowest point of a scan, and the result
+/// of an evolution over a quarter of the horizon. Beside another effect play closes 0.14 and 0.23 of it at least, alone far more.
 const LEAST_SCAN_LEAD: f64 = 0.1;
 const LEAST_SEARCH_LEAD: f64 = 0.2;
 /// Lowest points from which an evolution begins. The right one was among them in all of 16 recordings.
@@ -58,7 +58,8 @@ pub(super) fn scanned(
     near(field, &around.collect::<Vec<_>>(), SCANNED_FITTED)
 }
 
-/// The same where impacts give the cost many optima: over a quarter of the horizon it has fewer.
+/// The best starts of an effect whose impacts give the cost many optima: evolved from the lowest points of a scan over a quarter of the
+/// horizon, where the cost has fewer of them.
 pub(super) fn searched(
     field: &ScreeningSet<'_>,
     soon: Option<&ScreeningSet<'_>>,

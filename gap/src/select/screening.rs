@@ -20,7 +20,7 @@ pub(super) const BEGUN: usize = 2;
 const VARIANT_BEGUN: usize = 3;
 /// Starts whose fit goes on.
 const STARTS_KEPT: usize = 1;
-/// The same for an effect whose cost has many optima, and for a variant.
+/// Starts whose fit goes on of an effect whose cost has many optima, and of a variant.
 const MANY_KEPT: usize = 3;
 const VARIANT_KEPT: usize = 2;
 /// Effects whose fit goes on; fewer beside a model of two masses, which takes ten times as long.

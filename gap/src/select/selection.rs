@@ -77,7 +77,7 @@ impl Selection {
         }
     }
 
-    /// The same with further rounds.
+    /// This selection with further rounds.
     pub(super) fn with(&self, rounds: Vec<Round>) -> Self {
         let mut more = self.clone();
         for round in rounds {
@@ -140,7 +140,8 @@ impl Selection {
         ((level(fit) - self.expected.level) / excess).max(0.0)
     }
 
-    /// The same with the expected cost of this fit, if it were exact, in place of that of the null; unless it costs less than that.
+    /// Share of the excess of the null that a fit leaves, where the excess is that over the expected cost of the fit if it were exact. As
+    /// [`left`](Self::left) says where the fit costs less than that.
     pub(crate) fn missing(&self, problem: &Problem<'_>, fit: &Fit) -> f64 {
         let own = ExpectedLoss::of(problem, fit).level;
         let excess = level(&self.null) - own;

@@ -289,6 +289,24 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_an_effect_that_comes_twice_are_in_the_order_of_its_definition_and_of_time() {
+        let names = kind("contact").unwrap().value_names(&["from_1", "from_2"]);
+        let expected = [
+            "stiffness",
+            "damping",
+            "side_1",
+            "position_1",
+            "from_1",
+            "to_1",
+            "side_2",
+            "position_2",
+            "from_2",
+            "to_2",
+        ];
+        assert_eq!(names, expected);
+    }
+
+    #[test]
     fn what_is_written_twice_is_refused() {
         let twice = "stribeck:static_ratio=1.2,static_ratio=1.4".parse::<Effect>();
         let said = twice.unwrap_err().to_string();

@@ -86,15 +86,14 @@ impl ShortSample {
 impl From<&Sample> for ShortSample {
     #[inline]
     fn from(sample: &Sample) -> Self {
-        // Conversions saturate.
         Self([
-            (sample.setpoint * per_setpoint(sample.mode)) as i16,
-            (sample.encoder_rad * PER_RAD) as i16,
-            (sample.hall_rad * PER_RAD) as i16,
-            (sample.velocity_rad_s * PER_RAD_S) as i16,
-            (sample.torque_nm * PER_NM) as i16,
-            (sample.current_a * PER_A) as i16,
-            (sample.duty * PER_DUTY) as i16,
+            short(sample.setpoint * per_setpoint(sample.mode)),
+            short(sample.encoder_rad * PER_RAD),
+            short(sample.hall_rad * PER_RAD),
+            short(sample.velocity_rad_s * PER_RAD_S),
+            short(sample.torque_nm * PER_NM),
+            short(sample.current_a * PER_A),
+            short(sample.duty * PER_DUTY),
             i16::from_le_bytes([sample.mode, sample.fault]),
         ])
     }
@@ -125,6 +124,13 @@ impl From<ShortSample> for Sample {
             fault,
         }
     }
+}
+
+/// The nearest integer towards zero that 16 bits hold; 0 for NaN. By way of 32 bits, to which a Cortex-M4F converts in one
+/// instruction and saturates in another.
+#[inline]
+fn short(value: f32) -> i16 {
+    (value as i32).clamp(i16::MIN.into(), i16::MAX.into()) as i16
 }
 
 #[inline]

@@ -276,10 +276,17 @@ impl DriveLine {
 
     #[inline]
     fn receive(&mut self, now_s: f64, settled: Torque) {
-        let Some(slew) = &mut self.slew else {
-            return self.pass(now_s, settled);
-        };
+        match self.slew {
+            Some(slew) => self.slew_towards(slew, now_s, settled),
+            None => self.pass(now_s, settled),
+        }
+    }
+
+    /// Passes on a ramp towards a torque.
+    #[inline(never)]
+    fn slew_towards(&mut self, mut slew: Slew, now_s: f64, settled: Torque) {
         let (ramp, until_s) = slew.towards(settled.target_nm, now_s);
+        self.slew = Some(slew);
         // What was to end the ramp before is overtaken.
         let comes_s = now_s + self.delay_s;
         while self.under_way.back().is_some_and(|(at, _)| *at >= comes_s) {

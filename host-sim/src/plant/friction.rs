@@ -125,7 +125,8 @@ impl Friction {
         if !self.position_spot.is_none() {
             p += self.position_spot.at(x);
         }
-        let d = self.drift.map_or(1.0, |drift| drift.factor(t_s));
+        let drift = self.drift.as_ref();
+        let d = drift.map_or(1.0, |drift| drift.factor(t_s));
         self.level(direction) * p.max(0.0) * d
     }
 }

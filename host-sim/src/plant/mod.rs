@@ -257,11 +257,15 @@ pub struct State {
     rest: Rest,
 }
 
-/// Torque on a resting joint without the drive. It changes with the position alone.
+/// A resting joint. It changes with the position alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rest {
     position: f64,
+    /// Torque without the drive, N m.
     pull_nm: f64,
+    /// Lowest and highest drive that does not break the joint away, N m, where friction holds by a level that depends on
+    /// position and direction alone.
+    holds_nm: [f64; 2],
 }
 
 impl Rest {
@@ -269,6 +273,7 @@ impl Rest {
     const UNKNOWN: Self = Self {
         position: f64::INFINITY,
         pull_nm: 0.0,
+        holds_nm: [0.0; 2],
     };
 }
 
@@ -287,6 +292,8 @@ pub struct Plant {
     is_timed: bool,
     /// True if the torque on a resting joint depends on position and drive alone, apart from barriers that come and go.
     rest_is_steady: bool,
+    /// True if the level of friction at rest depends on position and direction alone.
+    holds_steadily: bool,
     inverse_inertia: [f64; 2],
     link_modes: Modes,
     pace: Pace,
@@ -349,6 +356,8 @@ impl Plant {
             parts,
             is_timed,
             rest_is_steady: dry && mechanics.link.is_none() && mechanics.presliding.is_none(),
+            holds_steadily: mechanics.friction.drift.is_none()
+                && mechanics.friction.load_share == 0.0,
             inverse_inertia,
             slopes: (!stribeck.is_none()).then(|| [0, 1].map(slope)),
             link_modes: mechanics.link.as_ref().map(link_modes).unwrap_or_default(),

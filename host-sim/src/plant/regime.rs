@@ -481,13 +481,16 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
 
     #[inline]
     fn may_dip(&self, h: f64, x: [&[f64; N]; 2], rate: [&[f64; N]; 2]) -> bool {
-        let ends = [(x[0], rate[0], 0.0), (x[1], rate[1], h)];
-        let [x, rate] = match &self.fading {
-            Some(fading) => [
+        let seen = self.fading.as_ref().map(|fading| {
+            let ends = [(x[0], rate[0], 0.0), (x[1], rate[1], h)];
+            (
                 ends.map(|(x, _, t)| fading.seen(x, t)),
                 ends.map(|(_, rate, t)| fading.seen_rate(rate, t)),
-            ],
-            None => [x.map(|x| *x), rate.map(|rate| *rate)],
+            )
+        });
+        let (x, rate) = match &seen {
+            Some((x, rate)) => (x.each_ref(), rate.each_ref()),
+            None => (x, rate),
         };
         // The velocity can touch zero within a step only if it falls at first and rises at last; a
         // barrier can be touched and left only if the velocity turns.
@@ -497,7 +500,7 @@ impl<const N: usize> Flow<N> for Regime<'_, N> {
             falls(0) && !falls(1) && slowest < h * rate[0][v].abs()
         };
         let dips = dips(self.direction, 1) || (is_linked(N) && dips(self.load.direction, 3));
-        let (from, to) = (Self::load(&x[0]).1, Self::load(&x[1]).1);
+        let (from, to) = (Self::load(x[0]).1, Self::load(x[1]).1);
         dips || (from * to < 0.0 && !self.plant.parts.barriers.is_empty())
     }
 }

@@ -89,9 +89,16 @@ impl Plant {
         bounds_nm: [f64; 2],
         within_s: f64,
     ) -> bool {
+        if !self.rests(state) {
+            return false;
+        }
+        if self.holds_steadily {
+            let [lowest_nm, highest_nm] = self.rest_at(state).holds_nm;
+            return lowest_nm <= bounds_nm[0] && bounds_nm[1] <= highest_nm;
+        }
         let (position, end_s) = (state.position, state.time_s + within_s);
         let holding = |pull: f64, drive_nm: f64| self.holding_at(position, end_s, pull, drive_nm);
-        self.rests(state) && self.is_held_by(state, bounds_nm, holding)
+        self.is_held_by(state, bounds_nm, holding)
     }
 
     /// True if friction holds the resting joint under any drive between two bounds, N m. `holding` is its level by
@@ -103,17 +110,27 @@ impl Plant {
         [low, high]: [f64; 2],
         holding: impl Fn(f64, f64) -> f64,
     ) -> bool {
-        if state.rest.position != state.position {
-            state.rest = Rest {
-                position: state.position,
-                pull_nm: self.pull(state, 0.0, self.through(state)),
-            };
-        }
+        let still_nm = self.rest_at(state).pull_nm;
         let holds = |drive_nm: f64| {
-            let pull = state.rest.pull_nm + drive_nm;
+            let pull = still_nm + drive_nm;
             pull.abs() <= holding(pull, drive_nm)
         };
         holds(low) && (low == high || holds(high))
+    }
+
+    /// The resting joint at its position.
+    #[inline]
+    fn rest_at<'a>(&self, state: &'a mut State) -> &'a Rest {
+        if state.rest.position != state.position {
+            let pull_nm = self.pull(state, 0.0, self.through(state));
+            let level_nm = |direction| self.holding(state, direction, 0.0);
+            state.rest = Rest {
+                position: state.position,
+                pull_nm,
+                holds_nm: [-level_nm(-1.0) - pull_nm, level_nm(1.0) - pull_nm],
+            };
+        }
+        &state.rest
     }
 
     /// Time for which the joint stays at rest, s: `left`, or until the drive breaks it away.

@@ -26,6 +26,11 @@ fn what_grows_with_the_weight_as_with_the_drive_is_found() {
 }
 
 #[test]
+fn a_drive_that_adds_torque_with_speed_is_viscous_friction_below_zero() {
+    assert_found("viscous:coefficient=-0.0008", &[("coefficient", -0.0008)]);
+}
+
+#[test]
 fn what_rubs_more_where_the_load_drives_is_found() {
     assert_found(
         "load_dependent_friction:share=0.05,backdriven=4",

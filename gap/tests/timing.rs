@@ -27,7 +27,12 @@ fn torque(t: f64) -> f64 {
 
 /// A pendulum that is exactly its model under a smooth torque, of which each row has what `told` says of its beginning and end, s.
 fn recorded(told: impl Fn(f64, f64) -> f64) -> Recording {
-    let device = Device::nominal(&pendulum());
+    recorded_of(&pendulum(), told)
+}
+
+/// A recording of `device`, with the pendulum as the nominal model.
+fn recorded_of(device: &Model, told: impl Fn(f64, f64) -> f64) -> Recording {
+    let device = Device::nominal(device);
     let plant = Plant::new(device.mechanics.clone());
     let mut state = plant.state(0.0, 0.0, 0.0);
     let mut noise = Noise::new(4);
@@ -114,6 +119,27 @@ fn an_uncertain_time_of_the_input_is_estimated() {
     recording.runs[0].input_time_std = 0.005;
     let (diagnosis, warning) = diagnosed(&recording);
     assert_eq!((diagnosis.verdict, warning), (Verdict::NoGap, None));
+}
+
+#[test]
+fn a_column_that_is_a_row_late_does_not_hide_what_else_is_missing() {
+    let rubbing = Model {
+        coulomb: 0.3,
+        ..pendulum()
+    };
+    let recording = recorded_of(&rubbing, |from, to| {
+        until_the_next(from - ROW_S, to - ROW_S)
+    });
+    let outcome = diagnose(&recording, &Options::default());
+    let found = outcome.diagnosis;
+    let names: Vec<&str> = found.effects.iter().map(|effect| effect.name).collect();
+    assert_eq!(names, ["coulomb"], "{:?}", found.numbers);
+    let delay = found.numbers.iter().find(|number| number.name == "delay");
+    let delay_s = delay.map_or(0.0, |number| number.found);
+    assert!((delay_s + ROW_S).abs() < 0.05 * ROW_S, "{delay_s} s");
+    assert!(found.gap.after < 0.1 * found.gap.before, "{:?}", found.gap);
+    let (corrected, _) = measure(&recording, &outcome.model.device());
+    assert!(corrected.before < 1.5 * found.gap.after, "{corrected:?}");
 }
 
 #[test]

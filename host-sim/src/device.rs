@@ -77,7 +77,7 @@ impl Device {
         let mechanics = &mut device.mechanics;
         let inertia = mechanics.inertia + own.inertia - stated.inertia;
         mechanics.inertia = inertia.max(LEAST_INERTIA * own.inertia);
-        mechanics.viscous = (mechanics.viscous + own.viscous - stated.viscous).max(0.0);
+        mechanics.viscous += own.viscous - stated.viscous;
         mechanics.gravity += own.gravity - stated.gravity;
         mechanics.gravity_zero += own.gravity_zero - stated.gravity_zero;
         mechanics.stiffness += own.stiffness - stated.stiffness;

@@ -37,7 +37,7 @@ pub struct Model {
     /// Joint torque per unit of input; 1 if left out.
     #[serde(default = "one")]
     pub ratio: f64,
-    /// Pure delay from input to torque, s.
+    /// Pure delay from input to torque, s. Below zero, each row's input acted before the time of the row.
     #[serde(default)]
     pub delay: f64,
     /// Time constant of the first-order lag from input to torque, s.
@@ -153,7 +153,7 @@ impl Model {
             let (holds, wanted) = match name {
                 "inertia" | "input_limit" | "input_rate_limit" => (value > 0.0, POSITIVE),
                 "ratio" => (value != 0.0, OTHER_THAN_0),
-                "coulomb" | "delay" | "lag" | "stop_stiffness" | "stop_damping" => {
+                "coulomb" | "lag" | "stop_stiffness" | "stop_damping" => {
                     (value >= 0.0, NOT_NEGATIVE)
                 }
                 _ => (true, FINITE),

@@ -2,7 +2,7 @@
 
 use crate::effects;
 use crate::fit::Fit;
-use crate::fit::hypothesis::INPUT_TIME;
+use crate::fit::hypothesis::{INPUT_TIME, common_input_shift_s};
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::shapley;
@@ -91,11 +91,12 @@ fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
         let mut terms = fit.hypothesis.terms.iter();
         terms.any(|term| effects::of(term.kind.name).replaces() == Some(number))
     };
+    let is_common = common_input_shift_s(problem.recording, &problem.priors, &fit.x).is_some();
     let has_moved = |place: &usize| {
         let name = &problem.priors[*place].name;
         let moved = fit.x[*place].abs();
         let is_sure = moved > LEAST_MOVE && moved > SURE * fit.std[*place];
-        is_sure && name != INPUT_TIME && !is_said_anew(name)
+        is_sure && (name != INPUT_TIME || is_common) && !is_said_anew(name)
     };
     let numbers = (0..problem.priors.len()).filter(has_moved);
     let effects = 0..fit.hypothesis.terms.len();
@@ -107,8 +108,11 @@ fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
 
 /// Squares of each window that are left with those causes that are `taken`, refitted; other numbers are as stated.
 fn left_with(problem: &Problem<'_>, fit: &Fit, taken: impl Fn(Cause) -> bool) -> Vec<f64> {
-    let is_free =
-        |place: &usize| problem.priors[*place].name == INPUT_TIME || taken(Cause::Number(*place));
+    let is_common = common_input_shift_s(problem.recording, &problem.priors, &fit.x).is_some();
+    let is_free = |place: &usize| {
+        let is_time = problem.priors[*place].name == INPUT_TIME;
+        is_time && !is_common || taken(Cause::Number(*place))
+    };
     let kept: Vec<usize> = (0..problem.priors.len()).filter(is_free).collect();
     let numbers: Vec<_> = kept.iter().map(|&k| problem.priors[k].clone()).collect();
     let mut some = fit.clone();

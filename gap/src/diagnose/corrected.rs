@@ -1,6 +1,7 @@
 //! The nominal model as a diagnosis corrects it.
 
 use crate::fit::Fit;
+use crate::fit::hypothesis::common_input_shift_s;
 use crate::fit::problem::Problem;
 use crate::missing_torque::table::Table;
 use host_sim::device::Device;
@@ -44,7 +45,7 @@ impl CorrectedModel {
     }
 }
 
-/// The nominal model as a fit corrects it.
+/// The nominal model as a fit corrects it. Its delay includes the time by which the input of all runs acts later than their rows say.
 pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
     let effects = fit
         .hypothesis
@@ -57,10 +58,11 @@ pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
             sensor_on_load: term.sensor_on_load,
         });
     let effects = effects.collect();
+    let (recording, priors) = (problem.recording, &problem.priors);
+    let mut model = fit.hypothesis.at_priors(&recording.model, priors, &fit.x);
+    model.delay += common_input_shift_s(recording, priors, &fit.x).unwrap_or(0.0);
     CorrectedModel {
-        model: fit
-            .hypothesis
-            .at_priors(&problem.recording.model, &problem.priors, &fit.x),
+        model,
         effects,
         tables: Vec::new(),
     }

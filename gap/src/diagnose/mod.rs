@@ -15,11 +15,12 @@ mod warnings;
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Closing, Diagnosis, FloorOf, NumberFinding, Region, Verdict};
 use crate::effects;
+use crate::fit::Fit;
 use crate::fit::hypothesis::priors;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::instrument::frozen_input;
-use crate::instrument::timing;
+use crate::instrument::timing::{self, TimingDoubt};
 use crate::measure::{Gap, exceeds, measure};
 use crate::model_free::ModelFree;
 use crate::plausible::Implausible;
@@ -80,97 +81,187 @@ fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
 /// Diagnoses a recording.
 pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
-    let progress = options.progress;
-    progress(Stage::Windows);
+    (options.progress)(Stage::Windows);
     let (ordered, places) = canonical(recording);
     let Unbroken { recording, runs } = &Unbroken::of(&ordered);
-    let of_run = |part: usize| places[runs[part]];
-    // Where noise and restarts alone leave as much, there is hardly anything to name.
-    let (before, is_gap) = exceeds(recording, &Device::nominal(&recording.model), FLOOR_DOUBT);
-    let problem = problem(recording, before);
-    let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
-    let given = given(recording, is_gap, comparison.as_ref(), options);
-
-    let base = ruler::with_unstated(&problem, &given, progress);
-    let left = base
-        .as_ref()
-        .map(|fit| problem.plain_gap(&problem.series, fit));
-    let problem = match left {
-        Some(left) => problem.off_by(MODELLING_SHARE * left.min(before)),
-        None => problem,
-    };
-    let found = select::select(&problem, base, &given, progress);
-    let (problem, mut selection, closed) = chosen(problem, found, &given, progress);
-    let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
-    let (closed, implausible) = without_implausible(&problem, &mut selection, closed);
-
-    let baseline = Baseline::of(&problem);
-    let mut correction = Correction::of(&problem, &selection, closed, &baseline);
-    let frozen = frozen_input(recording).then_some(Rejection::FrozenInput);
-    let rejection = unit_factor
-        .map(Rejection::UnitMistake)
-        .or(frozen)
-        .or_else(|| correction.rejection(&baseline.model_free, &selection));
-    if rejection.is_some() {
-        selection.withdraw(0);
-        correction = Correction::none(&problem, &baseline);
+    let as_stated = Attempt::of(recording, options);
+    let preferred = as_stated.preferred_timing();
+    let within_a_row = preferred.is_some().then(|| timing::within_a_row(recording));
+    let retimed = within_a_row.as_ref().map(|r| Attempt::of(r, options));
+    let closes_more =
+        |other: &Attempt<'_>| other.correction.gap.after < as_stated.correction.gap.after;
+    let of_run = |part| places[runs[part]];
+    match retimed.filter(closes_more) {
+        Some(retimed) => retimed.outcome(preferred, options, started, of_run),
+        None => as_stated.outcome(None, options, started, of_run),
     }
-    let stand_in = StandIn::of(&problem, &selection);
-    let verdict = verdict(&problem, &selection, &correction.gap, stand_in);
-    if verdict == Verdict::NoGap && is_gap {
-        correction = Correction::of_numbers(&problem, &selection, &baseline);
-    }
-    let timing = timing::doubt(&problem, selection.fit());
-    let most_sure = most_sure(verdict, timing.as_ref());
-    let named = selection.rounds.iter().map(|round| round.rivals[0].name);
-    let named: Vec<&str> = named.collect();
-    let effects = findings(
-        &problem,
-        &selection,
-        &correction.steps,
-        &correction.closes,
-        numbers::beyond_tolerance(&correction.numbers, &named, most_sure),
-        comparison.as_ref(),
-        most_sure,
-    );
-    let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
+}
 
-    progress(Stage::Where);
-    let regions = if verdict == Verdict::NoGap {
-        Vec::new()
-    } else {
-        let mut regions = locate::regions(&problem, &selection.null, comparison.as_ref());
-        let named = |region: &mut Region| region.run = region.run.map(of_run);
-        regions.iter_mut().for_each(named);
-        regions
-    };
-    progress(Stage::NextExperiment);
-    let next_experiment = experiment::separating(&problem, &selection);
-    let doubts = warnings::Doubts {
-        comparison: comparison.as_ref(),
-        rejection: rejection.as_ref(),
-        timing: timing.as_ref(),
-        stand_in,
-        steps: &correction.steps,
-        effects: &effects,
-    };
-    let warnings = warnings::all(&problem, &selection, &doubts);
-    let diagnosis = Diagnosis {
-        format: 1,
-        verdict,
-        regions,
-        candidates: tried(&problem, &selection, &names, &implausible),
-        gap: correction.gap,
-        effects,
-        numbers: correction.numbers,
-        next_experiment,
-        rejection: rejection.map(|rejection| rejection.to_string()),
-        warnings,
-        elapsed_s: started.elapsed().as_secs_f64(),
-    };
-    Outcome {
-        diagnosis,
-        model: correction.model,
+/// A search under one assumption about the time between input and position, and what it found.
+struct Attempt<'a> {
+    problem: Problem<'a>,
+    comparison: Option<Comparison>,
+    selection: Selection,
+    correction: Correction,
+    implausible: Vec<Implausible>,
+    rejection: Option<Rejection>,
+    stand_in: Option<StandIn>,
+    verdict: Verdict,
+    timing: Option<TimingDoubt>,
+    /// The effects that were found, even if they were rejected.
+    found: Fit,
+    /// Error of a right model in another formulation, in units of position.
+    formulation: f64,
+}
+
+impl<'a> Attempt<'a> {
+    fn of(recording: &'a Recording, options: &Options) -> Self {
+        let progress = options.progress;
+        // Where noise and restarts alone leave as much, there is hardly anything to name.
+        let (before, is_gap) = exceeds(recording, &Device::nominal(&recording.model), FLOOR_DOUBT);
+        let problem = problem(recording, before);
+        let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
+        let given = given(recording, is_gap, comparison.as_ref(), options);
+
+        let base = ruler::with_unstated(&problem, &given, progress);
+        let left = base
+            .as_ref()
+            .map(|fit| problem.plain_gap(&problem.series, fit));
+        let problem = match left {
+            Some(left) => problem.off_by(MODELLING_SHARE * left.min(before)),
+            None => problem,
+        };
+        let formulation = problem.modelling;
+        let found = select::select(&problem, base, &given, progress);
+        let (problem, mut selection, closed) = chosen(problem, found, &given, progress);
+        let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
+        let (closed, implausible) = without_implausible(&problem, &mut selection, closed);
+
+        let baseline = Baseline::of(&problem);
+        let mut correction = Correction::of(&problem, &selection, closed, &baseline);
+        let frozen = frozen_input(recording).then_some(Rejection::FrozenInput);
+        let rejection = unit_factor
+            .map(Rejection::UnitMistake)
+            .or(frozen)
+            .or_else(|| correction.rejection(&baseline.model_free, &selection));
+        let found = selection.fit().clone();
+        if rejection.is_some() {
+            selection.withdraw(0);
+            correction = Correction::none(&problem, &baseline);
+        }
+        let stand_in = StandIn::of(&problem, &selection);
+        let verdict = verdict(&problem, &selection, &correction.gap, stand_in);
+        if verdict == Verdict::NoGap && is_gap {
+            correction = Correction::of_numbers(&problem, &selection, &baseline);
+        }
+        let timing = timing::doubt(&problem, selection.fit());
+        Self {
+            problem,
+            comparison,
+            selection,
+            correction,
+            implausible,
+            rejection,
+            stand_in,
+            verdict,
+            timing,
+            found,
+            formulation,
+        }
+    }
+
+    /// Another timing of the input that surely predicts better beside what was found, if the gap is not explained.
+    fn preferred_timing(&self) -> Option<TimingDoubt> {
+        let is_open = matches!(
+            self.verdict,
+            Verdict::PartlyExplained | Verdict::Unexplained
+        );
+        let is_mistake = matches!(
+            self.rejection,
+            Some(Rejection::UnitMistake(_) | Rejection::FrozenInput)
+        );
+        if !is_open || is_mistake {
+            return None;
+        }
+        // At an error scale of its own a search is content with any timing.
+        let problem = self.problem.off_by(self.formulation);
+        timing::preferred(&problem, &self.found)
+    }
+
+    /// The diagnosis. `retimed` is the timing for which the input's time was estimated. `of_run` gives the place of a run in the
+    /// recording as it was given.
+    fn outcome(
+        self,
+        retimed: Option<TimingDoubt>,
+        options: &Options,
+        started: Instant,
+        of_run: impl Fn(usize) -> usize,
+    ) -> Outcome {
+        let progress = options.progress;
+        let Self {
+            problem,
+            comparison,
+            selection,
+            correction,
+            implausible,
+            rejection,
+            stand_in,
+            verdict,
+            timing,
+            ..
+        } = self;
+        let comparison = comparison.as_ref();
+        let most_sure = most_sure(verdict, timing.as_ref());
+        let named = selection.rounds.iter().map(|round| round.rivals[0].name);
+        let named: Vec<&str> = named.collect();
+        let effects = findings(
+            &problem,
+            &selection,
+            &correction.steps,
+            &correction.closes,
+            numbers::beyond_tolerance(&correction.numbers, &named, most_sure),
+            comparison,
+            most_sure,
+        );
+        let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
+
+        progress(Stage::Where);
+        let regions = if verdict == Verdict::NoGap {
+            Vec::new()
+        } else {
+            let mut regions = locate::regions(&problem, &selection.null, comparison);
+            let named = |region: &mut Region| region.run = region.run.map(&of_run);
+            regions.iter_mut().for_each(named);
+            regions
+        };
+        progress(Stage::NextExperiment);
+        let next_experiment = experiment::separating(&problem, &selection);
+        let doubts = warnings::Doubts {
+            comparison,
+            rejection: rejection.as_ref(),
+            timing: retimed.as_ref().or(timing.as_ref()),
+            stand_in,
+            steps: &correction.steps,
+            effects: &effects,
+        };
+        let warnings = warnings::all(&problem, &selection, &doubts);
+        let diagnosis = Diagnosis {
+            format: 1,
+            verdict,
+            regions,
+            candidates: tried(&problem, &selection, &names, &implausible),
+            gap: correction.gap,
+            effects,
+            numbers: correction.numbers,
+            next_experiment,
+            rejection: rejection.map(|rejection| rejection.to_string()),
+            warnings,
+            elapsed_s: started.elapsed().as_secs_f64(),
+        };
+        Outcome {
+            diagnosis,
+            model: correction.model,
+        }
     }
 }
 

@@ -5,9 +5,13 @@ use super::findings::PREDICTION;
 use crate::diagnosis::{Estimate, Finding, NumberFinding};
 use crate::effects;
 use crate::fit::Fit;
+use crate::fit::hypothesis::INPUT_TIME;
 use crate::fit::problem::Problem;
 use host_sim::effects::Quantity;
 use recording::Recording;
+
+/// Name of the delay in the model.
+const DELAY: &str = "delay";
 
 /// Share of the gap that the move of a number must close to be said.
 const LEAST_SHRINK: f64 = 0.05;
@@ -32,18 +36,25 @@ pub(super) fn moved(
 fn stated(problem: &Problem<'_>, fit: &Fit, place: usize, shrink: [f64; 3]) -> NumberFinding {
     let number = &problem.priors[place];
     let moved_by = fit.x[place];
-    let found = number.at(moved_by);
-    let spread = number.at(moved_by + fit.std[place]) - found;
+    // By how much later the input acts is a delay on top of the one that is stated.
+    let (name, stated, at): (_, _, &dyn Fn(f64) -> f64) = if number.name == INPUT_TIME {
+        let stated_s = problem.recording.model.delay;
+        (DELAY, stated_s, &move |z| stated_s + z * number.value)
+    } else {
+        (&*number.name, number.value, &|z| number.at(z))
+    };
+    let found = at(moved_by);
+    let spread = at(moved_by + fit.std[place]) - found;
     let [value, low, high] = shrink;
     NumberFinding {
-        name: number.name.clone(),
-        stated: Some(number.value),
+        name: name.to_owned(),
+        stated: Some(stated),
         found,
         std: spread.is_finite().then_some(spread.abs()),
         sigmas: number.is_stated.then_some(moved_by.abs()),
         shrink: value,
         shrink_interval: [low, high],
-        unit: unit(&number.name, problem.recording),
+        unit: unit(name, problem.recording),
     }
 }
 

@@ -78,9 +78,9 @@ impl Identification for Backlash {
     }
 
     /// If the spring does not relax through its damper within a prediction, the effect is a lag. If one side has no
-    /// inertia, its friction bends.
+    /// inertia, its friction bends. Play that is narrower than a step of the position sensor is none.
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
-        is_no_link(fit.device, fit.horizon_s)
+        is_no_link(fit.device, fit.horizon_s) || fit.term.values[0] < fit.resolution
     }
 
     fn axis(&self) -> Axis {

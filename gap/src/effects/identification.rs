@@ -283,4 +283,6 @@ pub(crate) struct Fitted<'a> {
     pub series: &'a [Series],
     /// Duration of a prediction, s.
     pub horizon_s: f64,
+    /// Step of the position sensor, in the unit of the positions; 0 if it is continuous.
+    pub resolution: f64,
 }

@@ -26,7 +26,7 @@ impl Identification for Viscous {
         let stated = e.device.mechanics.viscous;
         let scale = 0.1 * e.scales.torque / e.scales.velocity;
         let guess = regress(e, |m| [-m.velocity]);
-        let guess = guess.map(|[b]| vec![guessed(0, (stated + b).max(0.0), scale)]);
+        let guess = guess.map(|[b]| vec![guessed(0, stated + b, scale)]);
         terms(&KIND, guess, [vec![linear(0, stated, scale)]])
     }
 

@@ -84,6 +84,20 @@ pub(crate) fn input_shifts_s(
         .collect()
 }
 
+/// By how much later than stated the input of all runs acts at the coordinates `x`, s; `None` if that is not one time.
+pub(crate) fn common_input_shift_s(
+    recording: &Recording,
+    priors: &[PriorParameter],
+    x: &[f64],
+) -> Option<f64> {
+    let std_s = recording.runs.first()?.input_time_std;
+    let is_one = recording.runs.iter().all(|run| run.input_time_std == std_s);
+    let shifts_s = input_shifts_s(recording, priors, x);
+    (is_one && std_s > 0.0)
+        .then(|| shifts_s.first().copied())
+        .flatten()
+}
+
 /// Terms on top of a nominal model whose numbers may move within their tolerances. Its coordinates are
 /// those of the prior parameters, in standard deviations, then those of the terms.
 #[derive(Clone, Debug)]

@@ -51,7 +51,7 @@ impl Balance {
         Some(Self {
             gain,
             inertia,
-            viscous: (device.viscous + viscous).max(0.0),
+            viscous: device.viscous + viscous,
             coulomb: (device.friction.level_nm[0] + coulomb).max(0.0),
             weight: sine.hypot(cosine),
             zero: cosine.atan2(sine) / angle_rad,

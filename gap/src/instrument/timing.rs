@@ -92,6 +92,43 @@ pub(crate) fn doubt(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
     })
 }
 
+/// The timing of the input that surely costs less beside the effects that were `found` than the stated one, if there is one. None is
+/// tried where a time is stated as uncertain, or where one of the effects is late: that time is fitted anyway.
+pub(crate) fn preferred(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
+    let recording = problem.recording;
+    let mut terms = found.hypothesis.terms.iter();
+    let is_late = |term: &Term| effects::of(term.kind.name).family() == Some(Family::Lateness);
+    if recording.runs.iter().any(|run| run.input_time_std > 0.0) || terms.any(is_late) {
+        return None;
+    }
+    let row_s = series::median_period(&recording.runs.first()?.time);
+    let own: Vec<&[f64]> = found.hypothesis.parts(&found.x).map(|(_, x)| x).collect();
+    let loosened = loosened(problem);
+    let trials = trials(problem, &loosened, &found.hypothesis, &own.concat(), row_s);
+    let best = trials.best?;
+    Some(TimingDoubt {
+        preferred: best.timing,
+        row_s,
+        gaps: [trials.stated.gap, best.gap],
+        unit: recording.units.position.clone(),
+    })
+}
+
+/// The recording with a time between input and position that is known to a row.
+pub(crate) fn within_a_row(recording: &Recording) -> Recording {
+    let rows_s = recording
+        .runs
+        .iter()
+        .map(|run| series::median_period(&run.time));
+    // One time for all runs, even if their rows are not equally far apart.
+    let longest_s = rows_s.fold(0.0, f64::max);
+    let mut recording = recording.clone();
+    for run in &mut recording.runs {
+        run.input_time_std = longest_s;
+    }
+    recording
+}
+
 /// Mean over the windows of what one trial costs more than another, and its standard error.
 fn gain(stated: &Trial, other: &Trial) -> (f64, f64) {
     let gains = stated.costs.iter().zip(&other.costs).map(|(a, b)| a - b);

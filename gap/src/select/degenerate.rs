@@ -25,6 +25,7 @@ pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
         device: search.problem.predictor(&fit.hypothesis, &fit.x).device(),
         series: &search.problem.series,
         horizon_s: search.problem.recording.horizon,
+        resolution: search.problem.recording.sensor("position").resolution,
     })
 }
 

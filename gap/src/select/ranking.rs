@@ -29,7 +29,8 @@ fn price(windows: usize) -> f64 {
 }
 
 /// The rivals, the best first. Among those that gain nearly as much as the best one, the one with fewest parameters comes first. Where
-/// the best one costs no more than an `adequate` model, the difference must be within chance, too.
+/// the best one costs no more than an `adequate` model, the difference must be within chance, too, or within the excess that the best
+/// one leaves: a model error of that size is there in any case.
 pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Option<Vec<Rival>> {
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let first = &rivals.first()?.fit;
@@ -38,9 +39,13 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Opti
     let leaves_nothing = |fit: &Fit| level(fit) <= adequate - ADEQUATE_EXCESS;
     // A rival saves no parameters if it moves the numbers of the model instead.
     let bends = |fit: &Fit| likely && !fit.is_likely();
+    let model_error = best - (adequate - ADEQUATE_EXCESS);
     let is_chance = |rival: &Rival| {
         let is_moot = || leaves_nothing(&rival.fit) && is_as_likely(rival, &rivals[0]);
-        best > adequate || is_moot() || saved(rival, &rivals[0]) <= worth(rival, &rivals[0])
+        best > adequate
+            || is_moot()
+            || level(&rival.fit) - best <= model_error
+            || saved(rival, &rivals[0]) <= worth(rival, &rivals[0])
     };
     let is_as_good = |i: usize, limit: f64| {
         let rival = &rivals[i];

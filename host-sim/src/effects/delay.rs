@@ -18,7 +18,9 @@ pub const KIND: Kind = Kind {
         about: "delay in addition to the model's; negative if the model's is too long",
     }],
     install: |device, p| {
-        device.drive.delay_s = (device.drive.delay_s + p[0]).max(0.0);
+        // A delay below zero is that of an input column that is late.
+        let least_s = device.drive.delay_s.min(0.0);
+        device.drive.delay_s = (device.drive.delay_s + p[0]).max(least_s);
     },
     ..PLAIN
 };

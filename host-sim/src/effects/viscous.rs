@@ -1,6 +1,6 @@
 //! Friction that grows with speed.
 
-use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
+use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 
 /// `F = B v`.
 pub const KIND: Kind = Kind {
@@ -12,10 +12,10 @@ pub const KIND: Kind = Kind {
     parameters: &[Parameter {
         name: "coefficient",
         quantity: Quantity::Damping,
-        range: NOT_NEGATIVE,
+        range: ANY,
         default: 4e-3,
         typical: [0.0, 2e-2],
-        about: "coefficient that replaces the model's",
+        about: "coefficient that replaces the model's; negative if the drive adds torque with speed",
     }],
     install: |device, p| {
         device.mechanics.viscous = p[0];

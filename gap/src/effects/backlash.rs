@@ -5,7 +5,7 @@ use super::identification::{Fitted, Identification, Landscape};
 use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::start::{count, linear, log, term};
-use crate::guess::two_masses::{HALF, is_no_link, rubs, two_masses};
+use crate::guess::two_masses::{HALF, has_friction, is_degenerate_link, two_masses};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::{Path, sign};
@@ -43,8 +43,12 @@ impl Identification for Backlash {
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let inertia = e.device.mechanics.inertia;
         let rate = TAU * FLANK_FREQUENCY / e.scales.period_s.max(FINE_PERIOD_S);
-        let rubs = rubs(e);
-        let frictions = if rubs { &FREE_FRICTIONS[..] } else { &[HALF] };
+        let has_friction = has_friction(e);
+        let frictions = if has_friction {
+            &FREE_FRICTIONS[..]
+        } else {
+            &[HALF]
+        };
         let narrower = (e.scales.span() / e.scales.least_span)
             .log(PLAY_RATIO)
             .floor();
@@ -62,7 +66,7 @@ impl Identification for Backlash {
                     log(2, rate * rate * reduced),
                     log(3, 2.0 * FLANK_DAMPING * rate * reduced),
                 ];
-                free.extend(rubs.then(|| linear(4, friction, 0.3)));
+                free.extend(has_friction.then(|| linear(4, friction, 0.3)));
                 term(&KIND, free, &[])
             };
             pairs.map(start).collect()
@@ -80,7 +84,7 @@ impl Identification for Backlash {
     /// If the spring does not relax through its damper within a prediction, the effect is a lag. If one side has no
     /// inertia, its friction bends. Play that is narrower than a step of the position sensor is none.
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
-        is_no_link(fit.device, fit.horizon_s) || fit.term.values[0] < fit.resolution
+        is_degenerate_link(fit.device, fit.horizon_s) || fit.term.values[0] < fit.resolution
     }
 
     fn axis(&self) -> Axis {

@@ -162,7 +162,7 @@ fn peaks(e: &Evidence<'_>) -> Vec<Peak> {
     let all = strongest(f64::INFINITY, s.wave_numbers());
     // A ripple that mostly passes too fast for the sampling shows where the motion is slow.
     let finest = s.finest_wave_number();
-    let told_apart = waves::last_told_apart(finest, s.span());
+    let told_apart = waves::highest_resolved(finest, s.span());
     let finer = s.finest_wave_number_at(slow).min(told_apart);
     let fine = strongest(slow, [finest, finer]);
     let peaks = all.into_iter().take(PEAKS);

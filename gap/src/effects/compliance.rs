@@ -4,7 +4,7 @@ use super::identification::{Fitted, Identification, Landscape};
 use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::start::{geometric, linear, log, term};
-use crate::guess::two_masses::{HALF, is_no_link, rubs, two_masses};
+use crate::guess::two_masses::{HALF, has_friction, is_degenerate_link, two_masses};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::Path;
@@ -44,8 +44,12 @@ impl Identification for Compliance {
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let s = e.scales;
         let inertia = e.device.mechanics.inertia;
-        let rubs = rubs(e);
-        let frictions = if rubs { &TWIST_FRICTIONS[..] } else { &[HALF] };
+        let has_friction = has_friction(e);
+        let frictions = if has_friction {
+            &TWIST_FRICTIONS[..]
+        } else {
+            &[HALF]
+        };
         let highest = HIGHEST_RESONANCE / s.period_s.max(FINE_PERIOD_S);
         let [low, high] = RESONANCES.map(|ratio| (ratio * s.motion_hz()).min(highest));
         two_masses([low, high], RESONANCE_STARTS, |hertz| {
@@ -53,7 +57,7 @@ impl Identification for Compliance {
             let damping = 2.0 * TWIST_DAMPING * (stiffness * inertia).sqrt();
             let start = |&friction: &f64| {
                 let mut free = vec![log(0, stiffness), log(1, damping), linear(2, HALF, 0.15)];
-                free.extend(rubs.then(|| linear(3, friction, 0.3)));
+                free.extend(has_friction.then(|| linear(3, friction, 0.3)));
                 term(&KIND, free, &[])
             };
             frictions.iter().map(start).collect()
@@ -71,7 +75,7 @@ impl Identification for Compliance {
     /// If the spring does not relax through its damper within a prediction, the effect is a lag. If one side has no
     /// inertia, its friction bends.
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
-        is_no_link(fit.device, fit.horizon_s)
+        is_degenerate_link(fit.device, fit.horizon_s)
     }
 
     fn axis(&self) -> Axis {

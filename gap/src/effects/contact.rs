@@ -9,8 +9,8 @@ use super::push::Push;
 use super::spring::Spring;
 use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
+use crate::guess::contact::{ContactStart, LEAST_SPAN, contact_starts};
 use crate::guess::start::{linear, log, term};
-use crate::guess::stay::{LEAST_SPAN, Stay, stays};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::Path;
@@ -45,7 +45,7 @@ impl Identification for Contact {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        let contacts = stays(e, &SIDES).into_iter().map(|stay| {
+        let contacts = contact_starts(e, &SIDES).into_iter().map(|stay| {
             let mut free = vec![log(STIFFNESS, stay.stiffness), log(DAMPING, stay.damping)];
             free.extend(stay_coordinates(&stay, KIND.event_place(0)));
             let side = KIND.event_place(0) + SIDE;
@@ -132,7 +132,7 @@ impl Episode for Contact {
         let [first, last] = [windows.start, windows.end - 1].map(|w| &series.windows[w].samples);
         let rows = first.start..last.end;
         let positions = &series.position[rows.clone()];
-        let stay = Stay {
+        let stay = ContactStart {
             position: quantile(positions, 0.5),
             side: contact.values[last_stay(contact) + SIDE],
             stiffness: contact.values[STIFFNESS],
@@ -151,7 +151,7 @@ impl Episode for Contact {
 }
 
 /// Coordinates of position, start and end of a stay, whose parameters begin at `place`.
-fn stay_coordinates(stay: &Stay, place: usize) -> Vec<Coordinate> {
+fn stay_coordinates(stay: &ContactStart, place: usize) -> Vec<Coordinate> {
     let position = linear(place + POSITION, stay.position, PLACE_SCALE * stay.span);
     let instants = instant_coordinates(INSTANTS, [stay.from_s, stay.to_s], place);
     core::iter::once(position).chain(instants).collect()

@@ -4,7 +4,7 @@ use super::identification::{Family, Identification};
 use super::phrase::{Found, Part, Phrase};
 use super::sensor_lag::SensorLag;
 use crate::guess::Evidence;
-use crate::guess::late::{later, sooner};
+use crate::guess::delays::{longer_times, shorter_time};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::Form;
 use crate::missing_torque::lateness::late;
@@ -23,7 +23,7 @@ impl Identification for Delay {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        [later(&KIND, e), sooner(&KIND, e.model.delay)].concat()
+        [longer_times(&KIND, e), shorter_time(&KIND, e.model.delay)].concat()
     }
 
     fn family(&self) -> Option<Family> {

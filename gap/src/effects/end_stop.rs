@@ -7,8 +7,8 @@ use super::phrase::{Found, Part, Phrase};
 use super::spring::Spring;
 use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
+use crate::guess::contact::contact_starts;
 use crate::guess::start::{linear, log, term};
-use crate::guess::stay::stays;
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::Path;
@@ -200,7 +200,7 @@ fn farther(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
 
 /// Stops at the positions at which something pushes back for a while; the other stop is `far`.
 fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
-    let mut pushes = stays(e, &[1.0, -1.0]);
+    let mut pushes = contact_starts(e, &[1.0, -1.0]);
     // The duration does not matter for a stop.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
     let stops = pushes.into_iter().map(|push| {

@@ -1,8 +1,8 @@
 //! Effects that come and go: they act between instants of the session, once or more often.
 
 use super::phrase::{Found, Part, Phrase};
+use crate::guess::contact::stretches;
 use crate::guess::start::linear;
-use crate::guess::stay::stretches;
 use crate::term::{Coordinate, Term};
 use crate::windows::series::Series;
 use std::fmt::Debug;

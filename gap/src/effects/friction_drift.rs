@@ -5,7 +5,7 @@ use super::identification::Identification;
 use super::phrase::{Found, Phrase};
 use crate::guess::Evidence;
 use crate::guess::regression::{Moment, moments, regress, regress_in};
-use crate::guess::sliding::{friction_nm, is_dry, most_telling};
+use crate::guess::sliding::{best_explaining, friction_nm, has_coulomb_friction};
 use crate::guess::start::{guessed, linear, log, term, terms};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
@@ -42,7 +42,7 @@ impl Identification for FrictionDrift {
     /// session, or anew in every run whose clock starts anew. A single run cannot tell. It is then assumed to start
     /// anew, so that no other run is predicted from a time beyond the recorded one.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        if !is_dry(e) {
+        if !has_coulomb_friction(e) {
             return Vec::new();
         }
         let starts = e.series.iter().map(|series| series.session(0));
@@ -163,5 +163,5 @@ fn step(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Option<Term> {
         let free = vec![linear(STEP, step, 0.3), linear(STEP_AT, at_s, apart_s)];
         Some((explained, term(&KIND, free, &[(0, 0.0)])))
     });
-    most_telling(tried)
+    best_explaining(tried)
 }

@@ -3,7 +3,7 @@
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::{Found, Part, Phrase};
 use crate::guess::Evidence;
-use crate::guess::late::{later, sooner, twice};
+use crate::guess::delays::{longer_times, shorter_time, two_equal_lags};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::lateness::{LATE, late};
@@ -27,7 +27,7 @@ impl Identification for Lag {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        [longer(e), sooner(&KIND, e.model.lag)].concat()
+        [longer(e), shorter_time(&KIND, e.model.lag)].concat()
     }
 
     fn family(&self) -> Option<Family> {
@@ -92,10 +92,10 @@ impl Identification for Lag {
 
 /// A longer lag than the model's, another lag behind it, or two equal lags.
 fn longer(e: &Evidence<'_>) -> Vec<Term> {
-    let longer = later(&KIND, e);
+    let longer = longer_times(&KIND, e);
     let has_one = e.device.drive.lag_s > 0.0;
     let behind: Vec<Term> = longer.iter().filter(|_| has_one).map(further).collect();
-    let both = twice(&longer, TWICE);
+    let both = two_equal_lags(&longer, TWICE);
     [longer, behind, both].concat()
 }
 

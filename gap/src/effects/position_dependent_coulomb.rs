@@ -5,7 +5,7 @@ use super::identification::Identification;
 use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::regression::{moments, regress, regress_in};
-use crate::guess::sliding::{friction_nm, is_dry, most_telling, times};
+use crate::guess::sliding::{best_explaining, friction_nm, has_coulomb_friction, level_ratio};
 use crate::guess::start::{guessed, linear, log, term, terms};
 use crate::guess::waves;
 use crate::missing_torque::axis::Axis;
@@ -43,7 +43,7 @@ impl Identification for PositionDependentCoulomb {
     /// A friction that rises with the position, that has a minimum or a maximum, or that ripples with the turns of a
     /// part that is not round.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        if !is_dry(e) {
+        if !has_coulomb_friction(e) {
             return Vec::new();
         }
         let s = e.scales;
@@ -60,7 +60,7 @@ impl Identification for PositionDependentCoulomb {
             vec![
                 guessed(0, slope, 0.3 / reach),
                 guessed(1, curve, 0.3 / (reach * reach)),
-                log(2, times(more)),
+                log(2, level_ratio(more)),
             ]
         });
         let bent = [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.8)].map(|(slope, curve)| {
@@ -80,7 +80,7 @@ impl Identification for PositionDependentCoulomb {
             });
             let [sine, cosine, more] = found?;
             let free = vec![
-                log(2, times(more)),
+                log(2, level_ratio(more)),
                 linear(3, sine, 0.3),
                 linear(4, cosine, 0.3),
                 linear(5, wave_number, 0.2 * wave_number.min(coarse)),
@@ -181,14 +181,14 @@ fn spot(e: &Evidence<'_>) -> Option<Term> {
         });
         let ([height, more], explained) = found?;
         let free = vec![
-            log(2, times(more)),
+            log(2, level_ratio(more)),
             guessed(SPOT, height, 0.3),
             linear(7, position, width),
             log(8, width),
         ];
         Some((explained, term(&KIND, free, &[(0, 0.0), (1, 0.0)])))
     });
-    most_telling(tried)
+    best_explaining(tried)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::identification::{Identification, Landscape};
 use super::phrase::Found;
 use crate::guess::Evidence;
-use crate::guess::sliding::is_dry;
+use crate::guess::sliding::has_coulomb_friction;
 use crate::guess::start::{guessed, linear, log, term};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
@@ -32,7 +32,7 @@ impl Identification for Presliding {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        if !is_dry(e) {
+        if !has_coulomb_friction(e) {
             return Vec::new();
         }
         BENDS.iter().flat_map(|&f| bristles(e, f)).collect()

@@ -5,9 +5,9 @@ use super::identification::{Family, Identification};
 use super::phrase::{Found, Phrase};
 use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
+use crate::guess::contact::worst_intervals;
 use crate::guess::regression::{moments, regress_in};
 use crate::guess::start::{guessed, term};
-use crate::guess::stay::worst_times;
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::path::Path;
@@ -34,7 +34,7 @@ impl Identification for Push {
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let usual_nm = USUAL * e.scales.torque;
-        let pushes = worst_times(e).into_iter().flat_map(|during_s| {
+        let pushes = worst_intervals(e).into_iter().flat_map(|during_s| {
             let [from_s, to_s] = during_s;
             let meanwhile = moments(e).filter(|m| m.session_s >= from_s && m.session_s <= to_s);
             let mean_nm = regress_in(meanwhile, |_| [1.0]).map(|([mean], _)| mean);

@@ -4,7 +4,7 @@ use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::Found;
 use crate::columns::{Disagreement, lowest};
 use crate::guess::Evidence;
-use crate::guess::late::{later, twice};
+use crate::guess::delays::{longer_times, two_equal_lags};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
 use crate::missing_torque::lateness::late;
@@ -30,8 +30,8 @@ impl Identification for SensorLag {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        let once = later(&KIND, e);
-        let both = twice(&once, TWICE);
+        let once = longer_times(&KIND, e);
+        let both = two_equal_lags(&once, TWICE);
         [once, both].concat()
     }
 

@@ -208,9 +208,9 @@ fn ripples(e: &Evidence<'_>) -> Vec<Term> {
     let tried: Vec<(f64, [f64; 3])> = (1..=count)
         .map(|k| {
             let n = apart * k as f64;
-            let waved = some.iter().copied().zip(waves.now());
+            let waved = some.iter().copied().zip(waves.current());
             let (explained, [sine, cosine]) = explained(waved, n, e.device.mechanics.inertia);
-            waves.go_on();
+            waves.advance();
             (explained, [n, sine, cosine])
         })
         .collect();

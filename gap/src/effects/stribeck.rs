@@ -4,7 +4,7 @@ use super::coulomb::Coulomb;
 use super::identification::Identification;
 use super::phrase::Found;
 use crate::guess::Evidence;
-use crate::guess::sliding::is_dry;
+use crate::guess::sliding::has_coulomb_friction;
 use crate::guess::start::{linear, log, term};
 use crate::missing_torque::axis::Axis;
 use crate::missing_torque::form::{Form, with_defaults};
@@ -43,7 +43,7 @@ impl Identification for Stribeck {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        if !is_dry(e) {
+        if !has_coulomb_friction(e) {
             return Vec::new();
         }
         let held = held_rise(e).into_iter();

@@ -1,32 +1,32 @@
-//! All main numbers of the model at once, from the balance of torques along the recorded motion.
+//! Estimates all main parameters of the model at once, from the balance of torques along the recorded motion.
 
 use super::Evidence;
 use super::regression::regress;
 
-/// The main numbers of a device, by one regression of the torque that the nominal model misses on all of them: each alone would take
-/// what another leaves.
+/// The main parameters of a device, by one regression of the missing torque on all of them. Separate regressions would be biased, because
+/// each would absorb the errors of the other parameters.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Balance {
-    /// Torque over what the model makes of the input.
+    /// Ratio of the real drive torque to that of the model.
     pub gain: f64,
-    /// In the model's units of torque s²/position.
+    /// Inertia, N m s²/position unit.
     pub inertia: f64,
-    /// In the model's units of torque s/position.
+    /// Viscous friction, N m s/position unit.
     pub viscous: f64,
-    /// In the model's units of torque.
+    /// Coulomb friction, N m.
     pub coulomb: f64,
-    /// Amplitude of the torque of gravity, likewise.
+    /// Amplitude of the gravity torque, N m.
     pub weight: f64,
-    /// Position at which it hangs, in units of position.
+    /// Position at which the gravity torque is zero, in position units.
     pub zero: f64,
 }
 
-/// Share of the stated inertia that a regression may come down to: noise of the acceleration draws it towards none.
+/// Least share of the stated inertia that the regression may return. Noise of the acceleration biases the inertia towards zero.
 const LEAST_INERTIA: f64 = 0.02;
 
 impl Balance {
-    /// From what is seen beyond a device; with the gain free and the inertia as it is, or the other way round: one scales with the
-    /// other. `None` where the motion does not determine all of them.
+    /// Estimates the parameters from the evidence. Either the gain is estimated and the inertia kept, or the reverse, since only their
+    /// ratio is observable. Returns `None` if the motion does not determine all parameters.
     pub(crate) fn of(evidence: &Evidence<'_>, is_gain_free: bool) -> Option<Self> {
         let device = &evidence.device.mechanics;
         let angle_rad = device.angle_rad;
@@ -65,7 +65,7 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn numbers_that_are_all_off_are_found_together() {
+    fn parameters_that_are_all_wrong_are_estimated_together() {
         let hidden = [
             "inertia:inertia=4e-4",
             "coulomb:level=0.008",

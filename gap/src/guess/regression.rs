@@ -1,11 +1,11 @@
-//! First guesses by least squares: what the missing torque is made of.
+//! Start values by least squares: coefficients of given functions in the missing torque.
 //!
-//! In closed loop such a guess is biased, as the input follows the noise; it only starts a fit.
+//! In closed loop such an estimate is biased because the input depends on the noise. It is only the start of a fit.
 
 use super::Evidence;
 use nalgebra::{DMatrix, DVector};
 
-/// One moment of motion whose direction is known.
+/// The motion and the missing torque at one instant, in position units, s and N m.
 pub(crate) struct Moment {
     pub position: f64,
     pub velocity: f64,
@@ -13,11 +13,11 @@ pub(crate) struct Moment {
     pub drive_nm: f64,
     pub missing_nm: f64,
     pub session_s: f64,
-    /// Since the first sample of its run.
+    /// Time since the first sample of the run, s.
     pub run_s: f64,
 }
 
-/// Every moment at which the missing torque is known.
+/// All instants at which the missing torque is known.
 pub(crate) fn moments(e: &Evidence<'_>) -> impl Iterator<Item = Moment> {
     let pairs = e.series.iter().zip(e.motions);
     pairs.flat_map(|(series, motion)| {
@@ -36,7 +36,8 @@ pub(crate) fn moments(e: &Evidence<'_>) -> impl Iterator<Item = Moment> {
     })
 }
 
-/// Coefficients of `basis` in the missing torque; `None` where they are not determined.
+/// Coefficients of the functions in `basis` that fit the missing torque best, N m per unit of each function. Returns `None` if the data
+/// do not determine them.
 pub(crate) fn regress<const N: usize>(
     e: &Evidence<'_>,
     basis: impl Fn(&Moment) -> [f64; N],
@@ -44,7 +45,7 @@ pub(crate) fn regress<const N: usize>(
     regress_in(moments(e), basis).map(|(coefficients, _)| coefficients)
 }
 
-/// The same in some of the moments, and the sum of squares that they explain, (N m)².
+/// Coefficients of the functions in `basis` for the given moments, and the sum of squares that they explain, (N m)².
 pub(crate) fn regress_in<const N: usize>(
     moments: impl Iterator<Item = Moment>,
     basis: impl Fn(&Moment) -> [f64; N],

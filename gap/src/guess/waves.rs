@@ -1,53 +1,54 @@
-//! Sine waves over position, of one wave number after the other.
+//! Fits sine waves over the position for a series of wave numbers.
 
 use core::f64::consts::TAU;
 
-/// Wave numbers tried.
+/// Number of wave numbers that are tried.
 const GRID: usize = 600;
-/// Moments that are looked at for that, at most and at least.
+/// Largest and least number of instants that are used.
 const MOST_MOMENTS: usize = 6000;
 const FEWEST_MOMENTS: usize = 60;
 
-/// Sines and cosines at some positions, of a wave number that grows step by step: angles are turned on, which takes no sine.
+/// Sines and cosines at given positions, for a wave number that increases in equal steps. Each step rotates the angles, so it needs no
+/// trigonometric function.
 pub(crate) struct Waves {
-    /// By position: sine and cosine.
-    now: Vec<[f64; 2]>,
+    /// Sine and cosine at each position.
+    current: Vec<[f64; 2]>,
     step: Vec<[f64; 2]>,
 }
 
 impl Waves {
-    /// Of the wave number `first` at some positions.
+    /// Starts with the wave number `first`.
     pub(crate) fn of(positions: &[f64], first: f64, step: f64) -> Self {
         let waves = |n: f64| {
             let waves = positions.iter().map(|x| (n * x).sin_cos().into());
             waves.collect()
         };
         Self {
-            now: waves(first),
+            current: waves(first),
             step: waves(step),
         }
     }
 
-    /// By position: sine and cosine.
-    pub(crate) fn now(&self) -> &[[f64; 2]] {
-        &self.now
+    /// Sine and cosine at each position.
+    pub(crate) fn current(&self) -> &[[f64; 2]] {
+        &self.current
     }
 
-    /// Goes on to the next wave number.
-    pub(crate) fn go_on(&mut self) {
-        for ([sin, cos], [by_sin, by_cos]) in self.now.iter_mut().zip(&self.step) {
+    /// Advances to the next wave number.
+    pub(crate) fn advance(&mut self) {
+        for ([sin, cos], [by_sin, by_cos]) in self.current.iter_mut().zip(&self.step) {
             (*sin, *cos) = (*sin * by_cos + *cos * by_sin, *cos * by_cos - *sin * by_sin);
         }
     }
 }
 
-/// Wave number up to which, from `lowest` on, steps are no wider than what tells two waves apart over a span.
-pub(crate) fn last_told_apart(lowest: f64, span: f64) -> f64 {
+/// Highest wave number, from `lowest` on, for which the steps of [`strongest`] are fine enough to resolve waves over `span`.
+pub(crate) fn highest_resolved(lowest: f64, span: f64) -> f64 {
     lowest + GRID as f64 * TAU / span
 }
 
-/// The wave numbers in a range of which a sine and a cosine make most of what varies over position in each direction, with
-/// their amplitudes, the strongest first: from position, direction and value at each moment.
+/// The wave numbers in a range whose sine and cosine have local maxima of the amplitude, strongest first, with both amplitudes. Each
+/// moment is a position, a direction and a value. The mean value of each direction is subtracted before.
 pub(crate) fn strongest(
     mut moments: Vec<(f64, bool, f64)>,
     [lowest, highest]: [f64; 2],
@@ -56,15 +57,15 @@ pub(crate) fn strongest(
     if moments.len() < FEWEST_MOMENTS || highest <= lowest {
         return Vec::new();
     }
-    // Slow trends belong to others: the mean in each direction is taken out.
+    // The mean in each direction belongs to other effects.
     for forward in [true, false] {
-        let mine = || moments.iter().filter(|m| m.1 == forward);
-        let mean = mine().map(|m| m.2).sum::<f64>() / mine().count().max(1) as f64;
+        let in_direction = || moments.iter().filter(|m| m.1 == forward);
+        let mean = in_direction().map(|m| m.2).sum::<f64>() / in_direction().count().max(1) as f64;
         for moment in moments.iter_mut().filter(|m| m.1 == forward) {
             moment.2 -= mean;
         }
     }
-    // Resolution is 2π over the span; on many turns whole numbers a turn are enough.
+    // The resolution is 2π over the span. Over many revolutions [`GRID`] wave numbers suffice.
     let step = ((highest - lowest) / GRID as f64).max(0.25 * TAU / span);
     let count = ((highest - lowest) / step) as usize + 1;
     let stride = (moments.len() / MOST_MOMENTS).max(1);
@@ -74,11 +75,11 @@ pub(crate) fn strongest(
     let grid: Vec<[f64; 2]> = (0..count)
         .map(|_| {
             let (mut a, mut b) = (0.0, 0.0);
-            for ((.., value), [sin, cos]) in some.iter().zip(waves.now()) {
+            for ((.., value), [sin, cos]) in some.iter().zip(waves.current()) {
                 a += value * sin;
                 b += value * cos;
             }
-            waves.go_on();
+            waves.advance();
             [a, b].map(|sum| 2.0 * sum / some.len() as f64)
         })
         .collect();
@@ -99,16 +100,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn waves_are_what_sines_are() {
+    fn rotated_waves_agree_with_direct_sines() {
         let positions = [-3.0, 0.0, 0.7, 250.0];
         let mut waves = Waves::of(&positions, 1.5, 0.25);
         for i in 0..1000 {
             let n = 1.5 + 0.25 * f64::from(i);
-            for (x, [sin, cos]) in positions.iter().zip(waves.now()) {
+            for (x, [sin, cos]) in positions.iter().zip(waves.current()) {
                 assert!((sin - (n * x).sin()).abs() < 1e-9);
                 assert!((cos - (n * x).cos()).abs() < 1e-9);
             }
-            waves.go_on();
+            waves.advance();
         }
     }
 }

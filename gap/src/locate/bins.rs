@@ -1,32 +1,34 @@
-//! How an axis parts the gap: the stretch that carries more than its share, and what its course explains.
+//! Bins along one axis: each bin holds a share of the gap and a share of the samples. The bins yield the stretch of the axis that carries
+//! more of the gap than of the samples, and the part of a signal that is a function of the axis.
 
-/// Something measured at a place of an axis.
+/// One measured value with its coordinate on an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Point {
-    /// On the axis.
+    /// Coordinate on the axis, in the unit of the axis.
     pub at: f64,
-    /// Which of the things measured it is.
+    /// Index of the value in the caller's list.
     pub index: usize,
-    /// Prediction window that it lies in, or whatever else is drawn as a whole: within one, nothing is independent.
+    /// Block of the resampling, for example the prediction window of the value. Values in one block are correlated; values in different
+    /// blocks are taken as independent.
     pub block: usize,
-    /// Samples, or what stands for them.
+    /// Weight of the value in the shares of the samples, for example its number of samples.
     pub weight: f64,
-    /// Of the gap.
+    /// Contribution of the value to the gap, in the unit of the caller's measure.
     pub excess: f64,
 }
 
-/// Consecutive stretches of an axis with about the same weight each.
+/// Consecutive bins of an axis that have about equal weights.
 #[derive(Clone, Debug)]
 pub(super) struct Bins {
-    /// In the order of the axis.
+    /// Sorted by the coordinate.
     points: Vec<Point>,
-    /// Place among the points at which each bin begins, and their number.
+    /// Index of the first point of each bin, followed by the number of points.
     bounds: Vec<usize>,
     weight: f64,
     excess: f64,
 }
 
-/// A stretch of an axis and what it carries.
+/// An interval of an axis, with its shares of the gap and of the weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
     pub from: f64,
@@ -36,21 +38,22 @@ pub(super) struct Stretch {
 }
 
 impl Stretch {
-    /// By how much the share of the gap is the larger.
+    /// Share of the gap less the share of the weight.
     pub(super) fn surplus(&self) -> f64 {
         self.share_of_gap - self.share_of_weight
     }
 
-    pub(super) fn meets(&self, other: &Self) -> bool {
+    pub(super) fn overlaps(&self, other: &Self) -> bool {
         self.from < other.to && other.from < self.to
     }
 }
 
-/// Resamplings for an interval.
+/// Number of bootstrap resamplings for a confidence interval.
 const RESAMPLINGS: usize = 200;
 
 impl Bins {
-    /// Some `count` bins; fewer where many points share a place. `None` without weight or without excess.
+    /// Sorts points into about `count` bins. The number is smaller if many points have equal coordinates. Returns `None` if the sum of
+    /// the weights or of the contributions is not positive.
     pub(super) fn new(mut points: Vec<Point>, count: usize) -> Option<Self> {
         points.retain(|p| p.at.is_finite());
         points.sort_by(|a, b| a.at.total_cmp(&b.at));
@@ -76,16 +79,16 @@ impl Bins {
         })
     }
 
-    /// The same with every point in a block of its own, for an axis that is the recording itself: what lies in one window of it
-    /// is no draw from many.
-    pub(super) fn each_alone(mut self) -> Self {
+    /// Puts every point into a block of its own. This is for an axis that is the recording itself, such as time: one window of it is not
+    /// one draw from many.
+    pub(super) fn with_own_blocks(mut self) -> Self {
         for (block, point) in self.points.iter_mut().enumerate() {
             point.block = block;
         }
         self
     }
 
-    /// Where bin `i` begins, half way between the points on either side.
+    /// Lower edge of bin `i`: the midpoint between the points on both sides.
     fn edge(&self, i: usize) -> f64 {
         let bound = self.bounds[i];
         match (bound.checked_sub(1), self.points.get(bound)) {
@@ -105,7 +108,7 @@ impl Bins {
         }
     }
 
-    /// What lies from `from` to `to`.
+    /// The interval from `from` to `to` with its shares.
     pub(super) fn stretch(&self, from: f64, to: f64) -> Stretch {
         let inside = self.points.iter().filter(|p| p.at >= from && p.at <= to);
         let (weight, excess) = inside.fold((0.0, 0.0), |(w, e), p| (w + p.weight, e + p.excess));
@@ -117,8 +120,8 @@ impl Bins {
         }
     }
 
-    /// All of the axis in consecutive stretches: the bins, parted where those of `stretches` begin and end.
-    pub(super) fn parted_at(&self, stretches: &[Stretch]) -> Vec<Stretch> {
+    /// Splits the whole axis at the edges of the bins and at the ends of `stretches`.
+    pub(super) fn split_at(&self, stretches: &[Stretch]) -> Vec<Stretch> {
         let whole = self.whole();
         let inside = |end: &f64| *end > whole.from && *end < whole.to;
         let ends = stretches.iter().flat_map(|s| [s.from, s.to]).filter(inside);
@@ -129,7 +132,7 @@ impl Bins {
         let mut first = 0;
         let last = edges.len().saturating_sub(1);
         let parts = edges.windows(2).zip(1..).map(|(ends, place)| {
-            // What lies where a stretch begins belongs to it, as it does there.
+            // A point at the lower end of a stretch belongs to that stretch.
             let begins = stretches.iter().any(|s| s.from == ends[1]);
             let is_before =
                 |p: &Point| place == last || p.at < ends[1] || (p.at == ends[1] && !begins);
@@ -149,7 +152,7 @@ impl Bins {
         parts.collect()
     }
 
-    /// Shares of weight and gap of each bin.
+    /// Share of the weight and share of the gap of each bin.
     fn sums(&self) -> Vec<[f64; 2]> {
         let sums = self.parts().map(|bin| {
             let sums = bin.iter().map(|p| [p.weight, p.excess]);
@@ -159,15 +162,15 @@ impl Bins {
         sums.collect()
     }
 
-    /// Surplus of the `count` bins with the largest, wherever they lie.
-    pub(super) fn densest(&self, count: usize) -> f64 {
+    /// Sum of the surpluses of the `count` bins with the largest surplus.
+    pub(super) fn surplus_of_densest(&self, count: usize) -> f64 {
         let mut surplus: Vec<f64> = self.sums().iter().map(|[w, e]| e - w).collect();
         surplus.sort_by(|a, b| b.total_cmp(a));
         surplus.iter().take(count).sum()
     }
 
-    /// Surplus of all bins that stand out in one half of the points, by what the other half carries there: consecutive points,
-    /// two by two, are of either half in turn.
+    /// Cross-validated surplus: the points are split into two halves, and each half selects the bins with a positive surplus, whose
+    /// surplus the other half then gives. Consecutive pairs of points belong to the two halves in turn.
     pub(super) fn confirmed(&self) -> f64 {
         let confirmed = self.parts().map(|bin| {
             let mut halves = [0.0f64; 2];
@@ -175,14 +178,14 @@ impl Bins {
                 halves[p.index / 2 % 2] += p.excess / self.excess - p.weight / self.weight;
             }
             let [a, b] = halves;
-            let told_by = |one: f64, other: f64| if one > 0.0 { other } else { 0.0 };
-            told_by(a, b) + told_by(b, a)
+            let confirmed_by = |one: f64, other: f64| if one > 0.0 { other } else { 0.0 };
+            confirmed_by(a, b) + confirmed_by(b, a)
         });
         confirmed.sum()
     }
 
-    /// The stretch whose share of the gap is larger than that of the weight by most, clear of `taken`.
-    pub(super) fn best(&self, taken: Option<&Stretch>) -> Option<Stretch> {
+    /// The stretch with the largest surplus that does not overlap `excluded`.
+    pub(super) fn best(&self, excluded: Option<&Stretch>) -> Option<Stretch> {
         let sums = self.sums();
         let mut best: Option<Stretch> = None;
         for i in 0..sums.len() {
@@ -196,7 +199,7 @@ impl Bins {
                     share_of_weight: share[0],
                 };
                 let most = best.map_or(0.0, |b| b.surplus());
-                if stretch.surplus() > most && !taken.is_some_and(|t| t.meets(&stretch)) {
+                if stretch.surplus() > most && !excluded.is_some_and(|t| t.overlaps(&stretch)) {
                     best = Some(stretch);
                 }
             }
@@ -204,33 +207,33 @@ impl Bins {
         best
     }
 
-    /// The best stretch of those that begin where the axis does.
+    /// The stretch with the largest surplus among those that begin at the lower end of the axis.
     pub(super) fn best_from_start(&self) -> Stretch {
         let bins = self.sums().into_iter().enumerate();
-        best_grown(self.edge(0), bins.map(|(i, sum)| (self.edge(i + 1), sum)))
+        best_extension(self.edge(0), bins.map(|(i, sum)| (self.edge(i + 1), sum)))
     }
 
-    /// The best stretch of those that end where the axis does.
+    /// The stretch with the largest surplus among those that end at the upper end of the axis.
     pub(super) fn best_to_end(&self) -> Stretch {
         let sums = self.sums();
         let end = self.edge(sums.len());
         let bins = sums.into_iter().enumerate().rev();
-        best_grown(end, bins.map(|(i, sum)| (self.edge(i), sum)))
+        best_extension(end, bins.map(|(i, sum)| (self.edge(i), sum)))
     }
 
-    /// Share of the squared `values` that is a function of the place: the correlation ratio (Pearson, 1905)
-    /// from pairs of values in different windows, so that neither noise nor what goes on in one window counts.
+    /// Share of the sum of squared values that is a function of the coordinate: the correlation ratio (Pearson, 1905). It uses only
+    /// products of values from different blocks, so neither noise nor a correlation within one block counts.
     pub(super) fn explained(&self, value: impl Fn(usize) -> f64) -> f64 {
         self.explained_in(|_| true, value)
     }
 
-    /// The same by the places up to one and by those beyond it.
-    pub(super) fn explained_up_to(&self, place: f64, value: impl Fn(usize) -> f64) -> [f64; 2] {
-        [true, false].map(|up_to| self.explained_in(|at| (at <= place) == up_to, &value))
+    /// Shares of the sum of squared values that are a function of the coordinate, in the bins up to `limit` and in the bins beyond it.
+    pub(super) fn explained_up_to(&self, limit: f64, value: impl Fn(usize) -> f64) -> [f64; 2] {
+        [true, false].map(|up_to| self.explained_in(|at| (at <= limit) == up_to, &value))
     }
 
-    fn explained_in(&self, taken: impl Fn(f64) -> bool, value: impl Fn(usize) -> f64) -> f64 {
-        let bins = self.parts().filter(|bin| taken(bin[0].at));
+    fn explained_in(&self, includes: impl Fn(f64) -> bool, value: impl Fn(usize) -> f64) -> f64 {
+        let bins = self.parts().filter(|bin| includes(bin[0].at));
         let between: f64 = bins.map(|bin| across(bin, &value)).sum();
         let all: f64 = self.points.iter().map(|p| value(p.index).powi(2)).sum();
         if all > 0.0 {
@@ -244,7 +247,7 @@ impl Bins {
         self.bounds.windows(2).map(|b| &self.points[b[0]..b[1]])
     }
 
-    /// 95 % interval of the share of the gap that `stretch` carries, by resampling the blocks.
+    /// 95 % confidence interval of the share of the gap in `stretch`, by resampling the blocks.
     pub(super) fn interval(&self, stretch: &Stretch) -> [f64; 2] {
         let blocks = self.points.iter().map(|p| p.block).max().unwrap_or(0) + 1;
         let mut sums = vec![[0.0; 2]; blocks];
@@ -255,7 +258,7 @@ impl Bins {
             }
         }
         sums.retain(|s| s[1] != 0.0);
-        // A fixed multiplicative generator: the interval of a recording is always the same.
+        // A linear congruential generator with a fixed seed gives the same interval for the same recording.
         let mut state = 0x9E37_79B9_7F4A_7C15_u64;
         let mut draw = || {
             state = state
@@ -280,28 +283,28 @@ impl Bins {
     }
 }
 
-/// The stretch with the largest surplus of those that grow from a place, step by step to an edge that is farther, by the shares
-/// of weight and gap in between.
-fn best_grown(place: f64, steps: impl Iterator<Item = (f64, [f64; 2])>) -> Stretch {
+/// The stretch with the largest surplus among those that begin at `origin` and end at one of the edges of `steps`. Each step is the next
+/// edge with the shares of weight and gap up to it.
+fn best_extension(origin: f64, steps: impl Iterator<Item = (f64, [f64; 2])>) -> Stretch {
     let none = Stretch {
-        from: place,
-        to: place,
+        from: origin,
+        to: origin,
         share_of_gap: 0.0,
         share_of_weight: 0.0,
     };
-    let grown = steps.scan(none, |stretch, (edge, [weight, gap])| {
+    let extended = steps.scan(none, |stretch, (edge, [weight, gap])| {
         stretch.from = stretch.from.min(edge);
         stretch.to = stretch.to.max(edge);
         stretch.share_of_weight += weight;
         stretch.share_of_gap += gap;
         Some(*stretch)
     });
-    grown
+    extended
         .max_by(|a, b| a.surplus().total_cmp(&b.surplus()))
         .unwrap_or(none)
 }
 
-/// Sum of each value times the mean of those in other windows.
+/// Sum over the values of each value times the mean of the values in other blocks.
 fn across(bin: &[Point], value: impl Fn(usize) -> f64) -> f64 {
     let mut values: Vec<(usize, f64)> = bin.iter().map(|p| (p.block, value(p.index))).collect();
     values.sort_by_key(|(block, _)| *block);
@@ -322,7 +325,7 @@ fn across(bin: &[Point], value: impl Fn(usize) -> f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Hundred points from 0 to 99, each with a weight of one; every fourth lies in the same window.
+    /// 100 points at the coordinates 0 to 99, with a weight of 1 each. Every fourth point is in the same block.
     fn points(excess: impl Fn(f64) -> f64) -> Vec<Point> {
         let points = (0..100).map(|i| Point {
             at: f64::from(i),
@@ -350,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn the_next_stretch_lies_beside_the_first() {
+    fn the_next_stretch_does_not_overlap_the_first() {
         let two = |x: f64| match x as i32 {
             20..30 => 5.0,
             70..75 => 6.0,
@@ -363,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn a_function_of_the_place_is_explained_and_what_one_window_has_is_not() {
+    fn a_function_of_the_coordinate_is_explained_and_a_correlation_within_one_block_is_not() {
         let bins = Bins::new(points(|_| 1.0), 10).unwrap();
         assert!(bins.explained(|i| i as f64 - 50.0) > 0.9);
         assert!(bins.explained(|i| if i / 4 % 2 == 0 { 1.0 } else { -1.0 }) < 0.2);
@@ -371,15 +374,15 @@ mod tests {
     }
 
     #[test]
-    fn what_the_place_explains_is_parted_at_a_place() {
+    fn the_explained_share_is_split_at_the_limit() {
         let bins = Bins::new(points(|_| 1.0), 10).unwrap();
-        let late = |i: usize| if i < 70 { 0.0 } else { 2.0 };
-        let [near, beyond] = bins.explained_up_to(50.0, late);
+        let late_value = |i: usize| if i < 70 { 0.0 } else { 2.0 };
+        let [near, beyond] = bins.explained_up_to(50.0, late_value);
         assert!(near == 0.0 && beyond > 0.9, "{near} {beyond}");
     }
 
     #[test]
-    fn bins_that_stand_out_in_one_half_alone_are_not_confirmed() {
+    fn a_surplus_in_only_one_half_of_the_points_is_not_confirmed() {
         let surplus = |excess: fn(usize) -> f64| {
             let mut all = points(|_| 1.0);
             for p in &mut all {
@@ -392,11 +395,11 @@ mod tests {
     }
 
     #[test]
-    fn the_parts_of_an_axis_add_up_to_a_stretch_wherever_it_ends() {
+    fn the_shares_of_the_parts_add_up_to_those_of_the_stretch() {
         let bins = Bins::new(points(|x| 1.0 + x), 7).unwrap();
         for (from, to) in [(20.0, 31.0), (-5.0, 12.3), (40.2, 140.0)] {
             let stretch = bins.stretch(from, to);
-            let parts = bins.parted_at(&[stretch]);
+            let parts = bins.split_at(&[stretch]);
             let sum = |within: &dyn Fn(&Stretch) -> bool| {
                 let parts = parts.iter().filter(|part| within(part));
                 parts.fold([0.0; 2], |[g, w], part| {
@@ -425,7 +428,7 @@ mod tests {
     }
 
     #[test]
-    fn without_excess_there_is_nothing_to_part() {
+    fn without_excess_no_bins_are_made() {
         assert!(Bins::new(points(|_| 0.0), 10).is_none());
         assert!(Bins::new(Vec::new(), 10).is_none());
     }

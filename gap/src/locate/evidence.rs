@@ -1,64 +1,66 @@
-//! What speaks for each axis.
+//! Scores of the axes: how strongly each axis is related to the gap.
 
 use super::bins::{Bins, Point, Stretch};
-use super::innovation::{Innovation, Place};
-use super::level::Level;
+use super::decomposition::Decomposition;
+use super::innovation::{Coordinate, Innovation};
 use super::recurrence::Recurrence;
 use super::spectrum;
 use crate::diagnosis::MeasuredBy;
 use crate::windows::series::Series;
 
-/// Bins of an axis.
+/// Number of bins of an axis.
 pub(super) const BINS: usize = 40;
-/// Bins of time, where short events are looked for.
+/// Number of bins of time for the search of short events.
 const TIME_BINS: usize = 80;
-/// Bins in which a slow course over time is looked for.
+/// Number of bins of time for a slow change.
 const COARSE_TIME_BINS: usize = 8;
-/// A surplus below this is no place: the gap then goes with the axis all along.
+/// Least surplus of a stretch. Below it the gap is taken as spread over the whole axis.
 pub(super) const LEAST_SURPLUS: f64 = 0.1;
-/// Weight of a run: some always stand out, as excitation is uneven.
+/// Weight of the surplus of a run. Some runs always have a surplus because the excitation is uneven.
 const RUN_WEIGHT: f64 = 0.5;
-/// Weight of a band of frequencies: what is missing at rests and reversals is never white.
+/// Weight of the surplus of a frequency band. The errors at standstill and at reversals are never white, so some band always has a
+/// surplus.
 const BAND_WEIGHT: f64 = 0.75;
-/// Weight of the acceleration: it follows from the input and the place, and stands out wherever they do.
-const SHADOW_WEIGHT: f64 = 0.7;
-/// Bins of time that the moments of a recording take, wherever they lie.
+/// Weight of the acceleration. It follows from the input and the position, so it correlates with the gap whenever they do.
+const ACCELERATION_WEIGHT: f64 = 0.7;
+/// Number of bins of time that hold a few separate events.
 const EVENTS: usize = 4;
-/// With at least this surplus they, or one stretch, are an event, which no other axis can place.
+/// Surplus of the squared residuals beyond which a stretch of time, or the few densest bins of time, are an event. No other axis can
+/// locate an event.
 const EVENT_SURPLUS: f64 = 0.65;
-/// And this much by the robust measure: what grows out of a fault that is there all along is no event.
+/// Least surplus of an event by the robust measure. A permanent fault can grow into a large error at one instant; its surplus by the
+/// robust measure stays small.
 const ROBUST_EVENT_SURPLUS: f64 = 0.3;
-/// Unless this surplus by the squares says that it is nearly all of the gap.
+/// Surplus of the squared residuals beyond which the robust measure is not considered.
 const NEARLY_ALL: f64 = 0.9;
-/// What that is worth.
+/// Score that the time axis gains if the gap is an event.
 const EVENT_STRENGTH: f64 = 0.5;
-/// Share of the surplus of a stretch of time that lies in one run for no other to be told of.
+/// Share of the surplus of a stretch of time that must lie in one run for the stretch to be limited to that run.
 const MOST_OF_STRETCH: f64 = 0.9;
-/// Weight of a slow course of friction over time: what repeats itself has none.
-const COURSE_WEIGHT: f64 = 2.5;
-/// Weight of moments whose motion brings no gap at other times. Of 2495 places on blind sets 96 % are among the first three with
-/// this and the next, 94.5 % with neither; a fifth more or less of either moves two in a thousand.
-const ONCE_WEIGHT: f64 = 1.25;
-/// Weight of what comes again with what led to a motion only.
+/// Weight of a slow change of the friction over time. The large weight is safe because a periodic error does not contribute to it.
+const SLOW_CHANGE_WEIGHT: f64 = 2.5;
+/// Weight of the gap at instants whose motion causes no gap at other times.
+const NON_RECURRING_WEIGHT: f64 = 1.25;
+/// Weight of the share of the missing acceleration that recurs only with the motion shortly before.
 const MEMORY_WEIGHT: f64 = 3.0;
 
-/// What speaks for an axis.
+/// The score of one axis with its bins and its best stretch.
 pub(super) struct Evidence {
     pub axis: &'static str,
-    /// What a place on it is.
+    /// Name of the coordinate on the axis.
     pub along: &'static str,
     pub measured_by: MeasuredBy,
     pub bins: Bins,
     pub stretch: Stretch,
-    /// How far what lies in the stretch reaches beyond it.
+    /// Mean half range that the coordinate covers during one short prediction of the stretch, weighted by the excess.
     pub reach: f64,
-    /// True if the stretch is what comes at a rest and right after.
+    /// True if the stretch holds the predictions at a standstill or a reversal and shortly after.
     pub after_rest: bool,
     pub strength: f64,
 }
 
 impl Evidence {
-    /// Of what is told just as it lies on the axis.
+    /// The score of an axis whose stretch is reported unchanged.
     pub(super) fn new(axis: &'static str, bins: Bins, stretch: Stretch, strength: f64) -> Self {
         Self {
             axis,
@@ -73,60 +75,63 @@ impl Evidence {
     }
 }
 
-/// Axes of which the motion alone decides where it is on them: the middle of an innovation there, and how far it reaches
-/// to either side.
-const OF_MOTION: [(&str, Place, Place); 4] = [
+/// The axes of the motion: name, mean coordinate of an innovation, and half the range of the coordinate during the innovation.
+const OF_MOTION: [(&str, Coordinate, Coordinate); 4] = [
     ("velocity", |i| i.velocity, |i| i.velocity_reach),
     ("position", |i| i.position, |i| i.position_reach),
     ("input", |i| i.input, |i| i.input_reach),
     ("acceleration", |i| i.acceleration, |_| 0.0),
 ];
 
-/// The axes of some innovations, and what speaks for each.
+/// Computes the score of every axis from the innovations.
 ///
-/// How strongly an axis speaks goes half by the robust measure, so that one violent moment does not decide it, unless the
-/// gap is such moments; the stretches that are told, and their shares, go by the squares, of which the gap is made.
+/// The score is half by the squared residuals and half by the robust measure, so that one large error does not decide it. If the gap is
+/// an event, the score is by the squared residuals alone. The reported stretches and their shares always go by the squared residuals,
+/// which define the gap.
 pub(super) struct Axes<'a> {
     all: &'a [Innovation],
-    level: Level,
+    decomposition: Decomposition,
     recurrence: Recurrence,
     series: &'a [Series],
-    /// True if the gap is an event.
-    event: bool,
+    /// True if most of the gap lies in one stretch of time or in a few short ones.
+    is_event: bool,
 }
 
 impl<'a> Axes<'a> {
     pub(super) fn new(all: &'a [Innovation], series: &'a [Series]) -> Self {
         let axes = Self {
             all,
-            level: Level::of(all),
+            decomposition: Decomposition::of(all),
             recurrence: Recurrence::of(all, TIME_BINS),
             series,
-            event: false,
+            is_event: false,
         };
-        let event = axes.is_event().unwrap_or(false);
-        Self { event, ..axes }
+        let is_event = axes.is_event().unwrap_or(false);
+        Self { is_event, ..axes }
     }
 
-    /// True if most of the gap lies in one stretch of time or in a few moments.
+    /// True if most of the gap lies in one stretch of time or in the few densest bins of time.
     fn is_event(&self) -> Option<bool> {
         let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
         let robust = self.bins(|i| i.session_s, Innovation::robust, TIME_BINS)?;
         let one = bins.best(None)?;
-        let beside = robust.stretch(one.from, one.to);
+        let robust_one = robust.stretch(one.from, one.to);
         let stands_out = |squares: f64, robust: f64| {
             squares > NEARLY_ALL || squares > EVENT_SURPLUS && robust > ROBUST_EVENT_SURPLUS
         };
-        let few = stands_out(bins.densest(EVENTS), robust.densest(EVENTS));
-        Some(few || stands_out(one.surplus(), beside.surplus()))
+        let few_bins_stand_out = stands_out(
+            bins.surplus_of_densest(EVENTS),
+            robust.surplus_of_densest(EVENTS),
+        );
+        Some(few_bins_stand_out || stands_out(one.surplus(), robust_one.surplus()))
     }
 
-    /// Every axis that says something, the most telling first.
+    /// The scores of all axes that can be scored, highest first.
     pub(super) fn ranked(&self) -> Vec<Evidence> {
         let of_motion = OF_MOTION.map(|(axis, place, reach)| match axis {
             "velocity" => self.velocity(place, reach),
             "input" => self.input(place, reach),
-            _ => self.plain(axis, place, reach),
+            _ => self.axis_of_motion(axis, place, reach),
         });
         let others = [self.time(), self.run(), self.frequency()];
         let mut axes: Vec<Evidence> = of_motion.into_iter().chain(others).flatten().collect();
@@ -134,7 +139,12 @@ impl<'a> Axes<'a> {
         axes
     }
 
-    fn bins(&self, at: impl Fn(&Innovation) -> f64, excess: Place, count: usize) -> Option<Bins> {
+    fn bins(
+        &self,
+        at: impl Fn(&Innovation) -> f64,
+        excess: Coordinate,
+        count: usize,
+    ) -> Option<Bins> {
         let points = self.all.iter().enumerate().map(|(index, i)| Point {
             at: at(i),
             index,
@@ -145,20 +155,22 @@ impl<'a> Axes<'a> {
         Bins::new(points.collect(), count)
     }
 
-    /// Share of what is missing that is a function of the place, constant and level of friction apart.
+    /// Share of the squared missing acceleration that is a function of the coordinate, after the constant and the Coulomb friction are
+    /// subtracted.
     fn explained(&self, bins: &Bins) -> f64 {
-        self.level.share_of_rest * bins.explained(|i| self.level.rest[i])
+        self.decomposition.remainder_share * bins.explained(|i| self.decomposition.remainder[i])
     }
 
-    /// The same along the motion: friction that changes with the place.
+    /// Share of the squared missing acceleration that is a function of the coordinate with the sign of the velocity: a friction that
+    /// changes along the axis.
     fn explained_along(&self, bins: &Bins) -> f64 {
-        let along = |i: usize| self.level.rest[i] * self.all[i].direction();
-        self.level.share_of_rest * bins.explained(along)
+        let along = |i: usize| self.decomposition.remainder[i] * self.all[i].direction();
+        self.decomposition.remainder_share * bins.explained(along)
     }
 
-    /// The best stretch by the measure that decides.
-    fn best(&self, at: Place) -> Option<Stretch> {
-        let measure: Place = if self.event {
+    /// The stretch with the largest surplus: by the squared residuals if the gap is an event, else by the robust measure.
+    fn best(&self, at: Coordinate) -> Option<Stretch> {
+        let measure: Coordinate = if self.is_event {
             |i| i.excess
         } else {
             Innovation::robust
@@ -167,8 +179,8 @@ impl<'a> Axes<'a> {
         Some(bins.best(None).unwrap_or_else(|| bins.whole()))
     }
 
-    /// How far what lies in a stretch reaches beyond it, in the mean over the excess.
-    fn reach(&self, stretch: &Stretch, at: Place, reach: impl Fn(&Innovation) -> f64) -> f64 {
+    /// Mean of `reach` over the innovations in a stretch, weighted by their excess.
+    fn reach(&self, stretch: &Stretch, at: Coordinate, reach: impl Fn(&Innovation) -> f64) -> f64 {
         let inside = self.all.iter();
         let inside = inside.filter(|&i| at(i) >= stretch.from && at(i) <= stretch.to);
         let (sum, weight) = inside.fold((0.0, 0.0), |(sum, weight), i| {
@@ -177,38 +189,43 @@ impl<'a> Axes<'a> {
         if weight > 0.0 { sum / weight } else { 0.0 }
     }
 
-    fn plain(&self, axis: &'static str, at: Place, reach: Place) -> Option<Evidence> {
+    fn axis_of_motion(
+        &self,
+        axis: &'static str,
+        at: Coordinate,
+        reach: Coordinate,
+    ) -> Option<Evidence> {
         let bins = self.bins(at, |i| i.excess, BINS)?;
-        let standing_out = |stretch: &Stretch| stretch.surplus() >= LEAST_SURPLUS;
+        let stands_out = |stretch: &Stretch| stretch.surplus() >= LEAST_SURPLUS;
         let best = self.best(at)?;
         let stretch = Some(best)
-            .filter(standing_out)
+            .filter(stands_out)
             .map(|best| bins.stretch(best.from, best.to))
-            .filter(standing_out)
-            .or_else(|| bins.best(None).filter(standing_out))
+            .filter(stands_out)
+            .or_else(|| bins.best(None).filter(stands_out))
             .unwrap_or_else(|| bins.whole());
-        let everywhere = match axis {
-            "velocity" => self.level.direction,
-            "position" | "input" => self.level.constant,
+        let uniform = match axis {
+            "velocity" => self.decomposition.direction,
+            "position" | "input" => self.decomposition.constant,
             _ => 0.0,
         };
-        let course = self.explained(&bins).max(self.explained_along(&bins));
+        let explained = self.explained(&bins).max(self.explained_along(&bins));
         let weight = if axis == "acceleration" {
-            SHADOW_WEIGHT
+            ACCELERATION_WEIGHT
         } else {
             1.0
         };
         let surplus = 0.5 * (best.surplus() + stretch.surplus());
-        let strength = weight * (surplus + course + everywhere);
+        let strength = weight * (surplus + explained + uniform);
         Some(Evidence {
             reach: self.reach(&stretch, at, reach),
             ..Evidence::new(axis, bins, stretch, strength)
         })
     }
 
-    /// Velocity; what comes at a reversal or shortly after, in either direction, belongs to it, too.
-    fn velocity(&self, at: Place, reach: Place) -> Option<Evidence> {
-        let now = self.plain("velocity", at, reach)?;
+    /// The velocity axis. A gap at reversals, or shortly after them, belongs to it as well, for both directions.
+    fn velocity(&self, at: Coordinate, reach: Coordinate) -> Option<Evidence> {
+        let now = self.axis_of_motion("velocity", at, reach)?;
         let near_rest = self.bins(|i| i.slowest.abs(), |i| i.excess, BINS)?;
         let rest = near_rest.best_from_start();
         let surplus = self.best(at)?.surplus();
@@ -229,18 +246,18 @@ impl<'a> Axes<'a> {
         })
     }
 
-    /// True if most of what is missing is a function of the speed, and most of that away from `rest`: a little more or less of
-    /// a friction decides when it comes to rest, so that what is missed there is large.
+    /// True if most of the missing acceleration is a function of the speed, and mainly outside `rest`. A small error of the friction
+    /// shifts the instant of standstill, so the error near standstill is large although its cause is not there.
     fn grows_with_speed(&self, speeds: &Bins, rest: &Stretch) -> bool {
         let along = |i: usize| self.all[i].missing * self.all[i].direction();
         let [at_rest, in_motion] = speeds.explained_up_to(rest.to, along);
         at_rest < in_motion && at_rest + in_motion > 0.5
     }
 
-    /// Input; an event that comes with large ones of either sign belongs to it, too.
-    fn input(&self, at: Place, reach: Place) -> Option<Evidence> {
-        let now = self.plain("input", at, reach)?;
-        if !self.event {
+    /// The input axis. An event at large inputs of both signs belongs to it as well.
+    fn input(&self, at: Coordinate, reach: Coordinate) -> Option<Evidence> {
+        let now = self.axis_of_motion("input", at, reach)?;
+        if !self.is_event {
             return Some(now);
         }
         let size = self.bins(|i| i.input_peak.abs(), |i| i.excess, BINS)?;
@@ -267,18 +284,18 @@ impl<'a> Axes<'a> {
         })
     }
 
-    /// Time, on the clock of the session, the best stretch cut to one run if that has nearly all of it, or if the runs' own times
-    /// overlap.
+    /// The time axis, on the clock of the session. The best stretch is limited to one run if that run has nearly all of the surplus, or
+    /// if the times of the runs overlap.
     fn time(&self) -> Option<Evidence> {
         let bins = self.bins(|i| i.session_s, |i| i.excess, TIME_BINS)?;
         let coarse = self.bins(|i| i.session_s, |i| i.excess, COARSE_TIME_BINS)?;
         let mut stretch = bins.best(None)?;
-        let surplus = if self.event {
+        let surplus = if self.is_event {
             stretch.surplus() + EVENT_STRENGTH
         } else {
-            ONCE_WEIGHT * self.recurrence.once
+            NON_RECURRING_WEIGHT * self.recurrence.non_recurring
         };
-        let strength = surplus + COURSE_WEIGHT * self.explained_along(&coarse);
+        let strength = surplus + SLOW_CHANGE_WEIGHT * self.explained_along(&coarse);
         let spans = self.series.iter().filter_map(Series::session_span_s);
         let cut = spans.map(|[from, to]| bins.stretch(from.max(stretch.from), to.min(stretch.to)));
         let cut = cut.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))?;
@@ -286,10 +303,15 @@ impl<'a> Axes<'a> {
         if overlap || cut.surplus() >= MOST_OF_STRETCH * stretch.surplus() {
             stretch = cut;
         }
-        Some(Evidence::new("time", bins.each_alone(), stretch, strength))
+        Some(Evidence::new(
+            "time",
+            bins.with_own_blocks(),
+            stretch,
+            strength,
+        ))
     }
 
-    /// The run that carries most beyond its share.
+    /// The run with the largest surplus.
     fn run(&self) -> Option<Evidence> {
         let bins = self.bins(|i| i.run as f64, |i| i.excess, BINS)?;
         let runs = self
@@ -299,17 +321,17 @@ impl<'a> Axes<'a> {
         let stretch = runs.max_by(|a, b| a.surplus().total_cmp(&b.surplus()))?;
         let strength = RUN_WEIGHT * stretch.surplus();
         (stretch.surplus() > LEAST_SURPLUS)
-            .then(|| Evidence::new("run", bins.each_alone(), stretch, strength))
+            .then(|| Evidence::new("run", bins.with_own_blocks(), stretch, strength))
     }
 
-    /// A band of frequencies; what goes with the change of the input is an error of phase and belongs here.
+    /// The frequency axis. An error that is a function of the change of the input is an error of phase and adds to its score.
     fn frequency(&self) -> Option<Evidence> {
-        let points = spectrum::points(self.all, &self.level.rest);
+        let points = spectrum::points(self.all, &self.decomposition.remainder);
         let bins = Bins::new(points, BINS)?;
         let stretch = bins.best(None)?;
         let change = self.bins(|i| i.input_change, |i| i.excess, BINS)?;
-        let of_phase = self.explained(&change) + MEMORY_WEIGHT * self.recurrence.memory;
-        let strength = BAND_WEIGHT * stretch.surplus() + of_phase;
+        let phase_error = self.explained(&change) + MEMORY_WEIGHT * self.recurrence.memory;
+        let strength = BAND_WEIGHT * stretch.surplus() + phase_error;
         Some(Evidence {
             measured_by: MeasuredBy::Spectrum,
             ..Evidence::new("frequency", bins, stretch, strength)
@@ -322,23 +344,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kicks_of_either_sign_are_beyond_a_size_of_input() {
+    fn an_event_at_inputs_of_both_signs_is_located_beyond_a_size_of_the_input() {
         let innovation = |i: usize| {
             let sign = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
-            let kicks = i % 25 < 2;
+            let is_large = i % 25 < 2;
             Innovation {
                 window: i,
                 session_s: i as f64,
-                input_peak: sign * if kicks { 9.0 } else { 1.0 },
+                input_peak: sign * if is_large { 9.0 } else { 1.0 },
                 input: sign,
                 samples: 1.0,
-                excess: if kicks { 50.0 } else { 0.1 },
+                excess: if is_large { 50.0 } else { 0.1 },
                 ..Innovation::default()
             }
         };
         let all: Vec<Innovation> = (0..400).map(innovation).collect();
         let axes = Axes {
-            event: true,
+            is_event: true,
             ..Axes::new(&all, &[])
         };
         let input = axes.input(|i| i.input, |_| 0.0).unwrap();

@@ -1,4 +1,5 @@
-//! What a short prediction misses: the gap where it arises, before it has grown over a horizon.
+//! Innovations: the errors of short predictions. They show where the gap arises, before the model carries the error on over a whole
+//! horizon.
 
 use crate::fit::whitening::whitenings;
 use crate::predict::Predictor;
@@ -6,53 +7,54 @@ use crate::windows::restart::Restart;
 use crate::windows::series::{Series, Window, median_period};
 use rayon::prelude::*;
 
-/// One short prediction against the measurement, with the motion during it.
+/// The error of one short prediction, with the motion during it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Innovation {
-    /// Prediction window in which it begins, by running index over all series.
+    /// Index, over all series, of the prediction window in which it begins.
     pub window: usize,
     /// Index of the run in the recording.
     pub run: usize,
-    /// Middle, on the session's clock, s.
+    /// Mean time on the clock of the session, s.
     pub session_s: f64,
-    /// Mean, in the recording's units.
+    /// Mean position, in the position unit of the recording.
     pub position: f64,
-    /// Mean, per s.
+    /// Mean velocity, in position units per s.
     pub velocity: f64,
-    /// The slowest velocity from shortly before it on, 0 if the motion turned.
+    /// Velocity of the smallest magnitude in this innovation and the ones shortly before, in position units per s. It is 0 if the motion
+    /// reversed.
     pub slowest: f64,
-    /// Mean, per s².
+    /// Mean acceleration, in position units per s².
     pub acceleration: f64,
-    /// Mean.
+    /// Mean input, in input units.
     pub input: f64,
-    /// Farthest from zero.
+    /// The input of the largest magnitude, with its sign.
     pub input_peak: f64,
-    /// Mean of its second half less that of its first.
+    /// Mean input of the second half less that of the first half.
     pub input_change: f64,
-    /// How far the position goes to either side of its middle.
+    /// Half the range of the position.
     pub position_reach: f64,
-    /// How far the velocity does.
+    /// Half the range of the velocity.
     pub velocity_reach: f64,
-    /// How far the input does.
+    /// Half the range of the input.
     pub input_reach: f64,
-    /// Samples.
+    /// Number of samples.
     pub samples: f64,
-    /// Squared whitened residual beyond that of noise alone, not below zero.
+    /// Sum of the squared whitened residuals less its expectation from noise alone, not below zero.
     pub excess: f64,
-    /// The acceleration that the prediction misses, in its standard deviations.
+    /// Acceleration that the prediction lacks, in units of its standard deviation.
     pub missing: f64,
 }
 
-/// A place of innovations on an axis.
-pub(super) type Place = fn(&Innovation) -> f64;
+/// Coordinate of an innovation on an axis.
+pub(super) type Coordinate = fn(&Innovation) -> f64;
 
 impl Innovation {
-    /// The excess by the measure of the fits, in which no single event outweighs all else.
+    /// The excess by the robust loss of the fits, which limits the weight of a single event.
     pub(super) fn robust(&self) -> f64 {
         self.samples * (self.excess / self.samples).ln_1p()
     }
 
-    /// What is missing as the signed root of that measure.
+    /// The square root of the robust loss of the missing acceleration, with the sign of the missing acceleration.
     pub(super) fn robust_missing(&self) -> f64 {
         (self.missing * self.missing)
             .ln_1p()
@@ -60,36 +62,36 @@ impl Innovation {
             .copysign(self.missing)
     }
 
-    /// 1 or -1 with the motion.
+    /// Sign of the velocity: 1 or -1.
     pub(super) fn direction(&self) -> f64 {
         if self.velocity < 0.0 { -1.0 } else { 1.0 }
     }
 }
 
-/// Shortest prediction, s.
+/// Length of the shortest predictions, s.
 const SHORTEST_S: f64 = 0.02;
-/// And in samples: fewer do not tell a curvature from noise.
+/// Least length of a prediction in samples. Fewer samples do not separate a curvature from noise.
 const FEWEST_SAMPLES: f64 = 10.0;
-/// Each scale is this much longer than the one before.
+/// Ratio between the lengths of consecutive scales.
 const GROWTH: f64 = 2.0;
-/// Scales from the shortest on, and more, up to a horizon, while noise hides the gap.
+/// Number of scales that are tried. Longer scales, up to the horizon, are tried while noise hides the gap.
 const SCALES: i32 = 4;
-/// Noise alone may pass for this share of the squared innovations.
+/// Share of the excess in the squared innovations that noise alone may explain.
 const LEAST_CLEAR: f64 = 0.1;
-/// A scale is long enough once this share of the squared innovation is no noise.
+/// Share of the excess in the squared innovations beyond which no longer scale is tried.
 const CLEAR_SHARE: f64 = 0.5;
-/// Innovations before one, at half a length each, in which a turn of the motion still counts as close.
+/// Number of preceding innovations, which begin half a length apart, in which a reversal of the motion counts as close.
 const BEFORE: usize = 2;
-/// Noise is known to within this factor of its variance.
+/// Factor by which the true noise variance may exceed the estimate.
 const NOISE_DOUBT: f64 = 1.5;
-/// Standard deviations of χ² that noise may add before an innovation counts.
+/// Number of standard deviations of χ² that an innovation must exceed its expectation from noise to count.
 const NOISE_MARGIN: f64 = 2.0;
 
-/// The innovations of the shortest scale at which they stand out of the noise, or the clearest one; none where noise alone may
-/// pass for them at every scale.
+/// The innovations of the shortest scale at which the excess exceeds [`CLEAR_SHARE`] of their squares, or else of the scale with the
+/// largest share. Returns none if noise alone may explain the innovations of all scales.
 ///
-/// Short predictions show where the gap arises, long ones carry it on; but what noise hides grows with the
-/// square of the length.
+/// Short predictions show where the gap arises; long ones propagate it. The acceleration error that noise hides is smaller for longer
+/// predictions, since its effect on the position grows with the square of the length.
 pub(super) fn innovations(
     predictor: &Predictor,
     series: &[Series],
@@ -135,7 +137,7 @@ pub(super) fn innovations(
     if clear > LEAST_CLEAR { all } else { Vec::new() }
 }
 
-/// Innovations of `length_s` each, in two rows that overlap by half.
+/// Innovations of `length_s` each, in two sequences that overlap by half.
 fn of_series(
     predictor: &Predictor,
     series: &Series,
@@ -215,20 +217,21 @@ fn of_series(
     all
 }
 
-/// What is farthest from zero.
+/// The value of the largest magnitude.
 fn peak(column: &[f64]) -> f64 {
     let farther = |a: f64, b: &f64| if b.abs() > a.abs() { *b } else { a };
     column.iter().fold(0.0, farther)
 }
 
-/// Half the way from the lowest to the highest.
+/// Half the range of the values.
 fn reach(column: &[f64]) -> f64 {
     let lowest = column.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     0.5 * (highest - lowest)
 }
 
-/// For each of consecutive innovations, the slowest velocity of it and the [`BEFORE`] ones before.
+/// For each of consecutive innovations, the velocity of the smallest magnitude among it and the [`BEFORE`] preceding ones, or 0 if the
+/// sign of the velocity changed.
 fn slowest(all: &[Innovation]) -> Vec<f64> {
     let velocities = (0..all.len()).map(|i| {
         let recent = &all[i.saturating_sub(BEFORE)..=i];
@@ -274,7 +277,7 @@ fn windows(series: &Series, delay_s: f64, length_s: f64, half_width_s: f64) -> V
     all
 }
 
-/// Mean slope and curvature of a parabola by least squares.
+/// Mean slope and curvature of a parabola that is fitted by least squares.
 fn slopes(time: &[f64], position: &[f64]) -> [f64; 2] {
     let n = time.len() as f64;
     let mean_t = time.iter().sum::<f64>() / n;

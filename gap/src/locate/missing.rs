@@ -1,4 +1,4 @@
-//! The axis that the missing torque is a function of.
+//! The axis of which the missing torque is a function.
 
 use super::bins::{Bins, Point};
 use super::evidence::{BINS, Evidence};
@@ -7,12 +7,11 @@ use crate::missing_torque::{self, Axis, MissingTorque};
 use host_sim::device::Device;
 use recording::{Model, Recording};
 
-/// Least share of the squared missing torque that a function of one axis must explain on held-out time for that axis to come first: most
-/// of it.
+/// Least share of the squared missing torque that a function of one axis must explain on held-out data. Such an axis is reported first.
 const LEAST_SHARE: f64 = 0.5;
 
-/// The axis of which a function explains most of the missing torque, if there is one, with the stretch of it whose share of the squared
-/// torque exceeds its share of the samples most.
+/// The axis of which a function explains most of the missing torque, with the stretch whose share of the squared torque exceeds its share
+/// of the samples most. Returns `None` if no axis explains [`LEAST_SHARE`], or if the missing torque repeats.
 pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
     let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
     let summary = missing.summary();
@@ -24,12 +23,12 @@ pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
         .iter()
         .filter(|share| share.share >= LEAST_SHARE);
     let (axis, at) = shares.filter_map(|share| column(share.axis)).next()?;
-    let seen = missing.points();
-    // Whole horizons are drawn, of each run its own.
+    let instants = missing.points();
+    // A block of the resampling is one horizon of one run.
     let horizon_of =
         |point: &missing_torque::Point| (point.time_s / recording.horizon).max(0.0) as usize;
-    let longest = seen.iter().map(horizon_of).max()? + 1;
-    let points = seen.iter().enumerate().map(|(index, point)| Point {
+    let longest = instants.iter().map(horizon_of).max()? + 1;
+    let points = instants.iter().enumerate().map(|(index, point)| Point {
         at: at(point, &recording.model),
         index,
         block: point.run * longest + horizon_of(point),
@@ -45,10 +44,10 @@ pub(super) fn missing(recording: &Recording) -> Option<Evidence> {
     })
 }
 
-/// A value at an instant of the missing torque of a nominal model.
+/// Computes a coordinate from one instant of the missing torque and the nominal model.
 type Column = fn(&missing_torque::Point, &Model) -> f64;
 
-/// The axis of a place that a share is about, with its values; none of what is no place.
+/// Name and coordinate of an axis of the missing torque. Returns `None` for an axis without a coordinate on the motion.
 fn column(axis: Axis) -> Option<(&'static str, Column)> {
     match axis {
         Axis::Velocity | Axis::VelocityOdd | Axis::VelocityEven => {
@@ -56,7 +55,7 @@ fn column(axis: Axis) -> Option<(&'static str, Column)> {
         }
         Axis::Position | Axis::DirectionAndPosition => Some(("position", |p, _| p.position)),
         Axis::Input => Some(("input", |p, model| p.drive / model.ratio)),
-        // By the nominal torque: the measured acceleration holds what is missing.
+        // The acceleration by the nominal torque is used, because the measured one contains the missing torque.
         Axis::Acceleration => Some(("acceleration", |p, model| p.net / model.inertia)),
         _ => None,
     }
@@ -72,14 +71,14 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_torque_lies_on_the_axis_that_it_is_a_function_of() {
+    fn a_missing_torque_is_located_on_the_axis_of_which_it_is_a_function() {
         assert_eq!(axis(&["spring:stiffness=0.06,zero=0"]), Some("position"));
         assert_eq!(axis(&["quadratic_drag:coefficient=6e-4"]), Some("velocity"));
         assert_eq!(axis(&["inertia:inertia=9e-4"]), Some("acceleration"));
     }
 
     #[test]
-    fn noise_lies_on_no_axis() {
+    fn noise_is_located_on_no_axis() {
         assert_eq!(axis(&[]), None);
     }
 }

@@ -1,14 +1,14 @@
-//! Where the gap lies, from the data alone.
+//! Locates the gap on the axes of the data: velocity, position, input, acceleration, time, run and frequency.
 
 mod bins;
+mod decomposition;
 mod evidence;
-mod grown;
 mod innovation;
-mod level;
 mod missing;
 mod recurrence;
 mod region;
 mod spectrum;
+mod whole_horizon;
 
 use crate::comparison::{Comparison, Outcome};
 use crate::diagnosis::{MeasuredBy, Region};
@@ -16,24 +16,23 @@ use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::windows::series::{MOST_SAMPLES, some_fine};
 use evidence::Evidence;
-use grown::grown;
 use host_sim::effects::Channel;
 use innovation::innovations;
 use missing::missing;
-use region::Told;
+use region::AxisRegions;
+use whole_horizon::whole_horizon_axis;
 
-/// A share of the gap that is most of it: its place is told first.
+/// Share of the gap beyond which the sensing channel is reported first.
 const MOST: f64 = 0.5;
-/// What a channel's even share would be: there are five, and every sample passes through each.
+/// Share of the samples that stands for one channel. A device has five channels, and every sample passes through each.
 const ONE_CHANNEL: f64 = 0.2;
-/// Axes along which the gap arises that are told.
+/// Number of axes that are reported.
 const AXES: usize = 3;
-/// How much more the surplus of where it has grown speaks for an axis than what speaks for one along which it arises: of 618
-/// places on blind sets six more were among the first three then than if it were always told, of 1436 on others one more.
-const GROWN_WEIGHT: f64 = 2.5;
+/// Weight of the surplus of the gap at the whole horizon, relative to the score of an axis by short predictions.
+const HORIZON_WEIGHT: f64 = 2.5;
 
-/// Parts of the data that carry clearly more of the gap than their share of the samples, the most telling first: different
-/// axes, then what else stands out on them; and the channel of sensing, if another sensor accuses it.
+/// Parts of the data that carry clearly more of the gap than their share of the samples. The best part of each axis comes first, then the
+/// further parts. The sensing channel is added if a second sensor indicates it.
 pub(crate) fn regions(
     problem: &Problem<'_>,
     null: &Fit,
@@ -51,7 +50,7 @@ pub(crate) fn regions(
     all
 }
 
-/// The channel of sensing, if another sensor's position is predicted better.
+/// The sensing channel, if the model predicts the position of another sensor better.
 fn sensing(comparison: &Comparison) -> Option<Region> {
     let [share, low, high] = comparison.share;
     let disagrees = !matches!(comparison.outcome, Outcome::Agree);
@@ -70,19 +69,19 @@ fn sensing(comparison: &Comparison) -> Option<Region> {
     (disagrees && region.is_clear()).then_some(region)
 }
 
-/// Axes, two of which tell where the gap arises and the third where it has come to be largest, unless another says much more
-/// of where it arises, and what else stands out on them.
+/// The regions of at most three axes. Short predictions give the first two axes, which show where the gap arises. The third axis is the
+/// one with the largest error at the whole horizon, unless short predictions speak much more for another axis.
 ///
-/// It arises along an axis of which a stretch carries more than its share, and of which the missing
-/// acceleration is a function, beyond a constant and a level of friction. Motion couples the axes, so
-/// that the next best ones are told too.
+/// Short predictions speak for an axis if one stretch carries more than its share of the gap, or if the missing acceleration is a
+/// function of its coordinate beyond a constant and Coulomb friction. The motion couples the axes, so the next best axes are reported
+/// too.
 fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     let recording = problem.recording;
-    // Numbers that have gone to make up for the gap hide where it lies.
+    // Parameters that moved far within their tolerances hide the gap, so the stated ones are used then.
     let stated = null.is_strained().then(|| null.as_stated());
     let nominal = stated.as_ref().unwrap_or(null);
     let predictor = problem.predictor(&nominal.hypothesis, &nominal.x);
-    // A kink is seen in short windows only, of samples that are close.
+    // A sudden change is visible only in short windows with a short sample period.
     let series = &some_fine(recording, recording.horizon, MOST_SAMPLES);
     let all = innovations(
         &predictor,
@@ -94,27 +93,31 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
         return Vec::new();
     }
     let predictions: Vec<Vec<f64>> = series.iter().map(|s| predictor.predict(s)).collect();
-    let told_of = |evidence: Evidence| {
-        let told = Told::of(recording, series, &evidence)?;
-        Some((evidence, told))
+    let with_regions = |evidence: Evidence| {
+        let regions = AxisRegions::of(recording, series, &evidence)?;
+        Some((evidence, regions))
     };
     let ranked = evidence::Axes::new(&all, series).ranked();
-    let mut axes: Vec<(Evidence, Told)> =
-        ranked.into_iter().filter_map(told_of).take(AXES).collect();
+    let mut axes: Vec<(Evidence, AxisRegions)> = ranked
+        .into_iter()
+        .filter_map(with_regions)
+        .take(AXES)
+        .collect();
     let third = (axes.len() == AXES).then(|| axes.pop()).flatten();
     let half_width_s = recording.restart_half_width;
-    let told: Vec<&str> = axes.iter().map(|(evidence, _)| evidence.axis).collect();
-    let grown = grown(series, &predictions, half_width_s, &told);
-    let speaks = |grown: &Evidence| {
+    let axes_so_far: Vec<&str> = axes.iter().map(|(evidence, _)| evidence.axis).collect();
+    let at_horizon = whole_horizon_axis(series, &predictions, half_width_s, &axes_so_far);
+    let is_strong = |at_horizon: &Evidence| {
         let third = third.as_ref();
-        third.is_none_or(|(third, _)| GROWN_WEIGHT * grown.strength >= third.strength)
+        third.is_none_or(|(third, _)| HORIZON_WEIGHT * at_horizon.strength >= third.strength)
     };
-    axes.extend(grown.filter(speaks).and_then(told_of));
-    let is_new = |(third, _): &(Evidence, Told)| axes.iter().all(|(e, _)| e.axis != third.axis);
+    axes.extend(at_horizon.filter(is_strong).and_then(with_regions));
+    let is_new =
+        |(third, _): &(Evidence, AxisRegions)| axes.iter().all(|(e, _)| e.axis != third.axis);
     let third = third.filter(is_new);
     axes.extend(third);
-    // The axis that best predicts the missing torque comes first.
-    if let Some(first) = missing(recording).and_then(told_of) {
+    // The axis that best explains the missing torque comes first.
+    if let Some(first) = missing(recording).and_then(with_regions) {
         let known = axes.iter().position(|(e, _)| e.axis == first.0.axis);
         let first = known.map_or(first, |place| axes.remove(place));
         axes.insert(0, first);
@@ -122,7 +125,7 @@ fn along_axes(problem: &Problem<'_>, null: &Fit) -> Vec<Region> {
     }
     let (first, second): (Vec<_>, Vec<_>) = axes
         .into_iter()
-        .map(|(_, told)| (told.first, told.second))
+        .map(|(_, regions)| (regions.first, regions.second))
         .unzip();
     first
         .into_iter()
@@ -146,19 +149,20 @@ mod tests {
     }
 
     fn on<'a>(axis: &str, found: &'a [Region]) -> &'a Region {
-        let told = found.iter().take(AXES);
-        told.into_iter()
+        let first_regions = found.iter().take(AXES);
+        first_regions
+            .into_iter()
             .find(|r| r.axis == axis)
             .unwrap_or_else(|| panic!("no {axis} in {found:?}"))
     }
 
     #[test]
-    fn nothing_is_located_where_nothing_is_missing() {
+    fn without_a_gap_no_region_is_reported() {
         assert_eq!(found(&[]), Vec::new());
     }
 
     #[test]
-    fn numbers_that_have_gone_to_make_up_for_the_gap_do_not_hide_it() {
+    fn the_gap_is_located_even_if_fitted_parameters_compensate_it() {
         let mut recording = made::recording(&["spring:stiffness=0.032,zero=0"]);
         recording.tolerance.set("stiffness", 0.02);
         let problem = Problem {
@@ -171,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_is_a_stretch_of_position() {
+    fn an_end_stop_is_located_on_the_position_axis() {
         let found = found(&["end_stop:lower=-9,upper=0.2,stiffness=5,damping=0.01"]);
         let stop = on("position", &found);
         assert!(
@@ -184,7 +188,7 @@ mod tests {
         );
     }
 
-    /// What is told over time of a hand that is there from `from` to `to`, in s.
+    /// The region on the time axis for a contact that acts from `from` to `to`, s.
     fn hand(from: f64, to: f64) -> Region {
         let hand = "contact:position=-9,side=1,stiffness=0.001,damping=0.01";
         let found = found(&[&format!("{hand},from={from},to={to}")]);
@@ -192,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_is_a_stretch_of_time_in_one_run() {
+    fn a_contact_is_located_on_the_time_axis_within_one_run() {
         let hand = hand(8.0, 8.4);
         assert_eq!(hand.run, Some(1));
         assert!(
@@ -203,36 +207,36 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_comes_again_is_told_over_time() {
+    fn a_repeated_contact_is_located_on_the_time_axis() {
         let times = [[1.0, 1.6], [4.5, 5.2], [7.0, 7.5], [9.5, 10.4]];
         let hands = times.iter().zip(1..).map(|([from, to], i)| {
             format!("position_{i}=-9,side_{i}=1,from_{i}={from},to_{i}={to}")
         });
         let hands = hands.collect::<Vec<_>>().join(",");
         let found = found(&[&format!("contact:stiffness=1e-4,damping=0.001,{hands}")]);
-        let told = on("time", &found);
-        let [begins, ends] = [told.from.unwrap(), told.to.unwrap()];
+        let region = on("time", &found);
+        let [begins, ends] = [region.from.unwrap(), region.to.unwrap()];
         assert!(
             times.iter().any(|[from, to]| begins < *to && ends > *from),
-            "{told:?}"
+            "{region:?}"
         );
     }
 
     #[test]
-    fn what_hardly_reaches_back_into_the_run_before_is_told_of_one_run() {
+    fn a_contact_that_hardly_overlaps_the_previous_run_is_located_in_one_run() {
         let hand = hand(5.95, 9.0);
         assert_eq!(hand.run, Some(1));
         assert!(hand.share_of_gap > 0.8, "{hand:?}");
     }
 
     #[test]
-    fn what_comes_late_is_a_band_of_frequencies() {
+    fn a_delay_or_a_lag_is_located_on_the_frequency_axis() {
         on("frequency", &found(&["delay:time=4e-3"]));
         on("frequency", &found(&["sensor_lag:time=4e-3"]));
     }
 
     #[test]
-    fn what_comes_at_reversals_is_told_as_wide_as_the_motion_that_shows_it() {
+    fn presliding_is_located_after_standstill_with_the_velocities_reached_meanwhile() {
         let found = found(&["presliding:distance=0.03"]);
         let rest = on("velocity", &found);
         assert_eq!(rest.name.as_deref(), Some(AFTER_REST));
@@ -243,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_goes_with_velocity_and_gain_with_input() {
+    fn friction_is_located_on_velocity_and_gain_on_input() {
         assert_eq!(found(&["viscous:coefficient=0.003"])[0].axis, "velocity");
         assert_eq!(found(&["asymmetric_coulomb"])[0].axis, "velocity");
         on("input", &found(&["torque_gain:gain=1.3"]));

@@ -1,39 +1,41 @@
-//! What the same motion brings at other times: the method of analogues (Lorenz, Atmospheric predictability as revealed by
-//! naturally occurring analogues, 1969).
+//! Compares the gap at an instant with the gap at other instants of similar motion. This is the method of analogues (Lorenz, Atmospheric
+//! predictability as revealed by naturally occurring analogues, 1969).
 
 use super::bins::{Bins, Point};
-use super::innovation::{Innovation, Place};
+use super::innovation::{Coordinate, Innovation};
 use rayon::prelude::*;
 
-/// Innovations that are compared with one another, evenly taken: of more of them the nearest ones are hardly nearer.
+/// Largest number of innovations that are compared with each other. They are evenly spaced. With more of them the nearest neighbours are
+/// hardly nearer.
 const MOST: usize = 800;
-/// Nearest ones whose mean counts; fewer than twice as many tell nothing.
+/// Number of nearest neighbours whose mean is taken. At least twice as many innovations are required.
 const NEIGHBOURS: usize = 20;
-/// Share of a session within which two are at the same time.
+/// Two innovations closer in time than this share of the session count as simultaneous and are not compared.
 const SAME_TIME: f64 = 0.025;
 
-/// What makes a motion the same, and what led to it.
-const MOTION: [Place; 5] = [
+/// Coordinates that define a similar motion. The last one describes the motion shortly before.
+const MOTION: [Coordinate; 5] = [
     |i| i.position,
     |i| i.velocity,
     |i| i.acceleration,
     |i| i.input,
     |i| i.input_change,
 ];
-/// How many of these are of the moment alone.
+/// Number of the coordinates that describe the instant alone.
 const OF_THE_MOMENT: usize = 4;
 
-/// What of the gap comes again with the same motion.
+/// How far the gap recurs with the motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Recurrence {
-    /// Share of the gap, by the robust measure, that comes at moments whose motion brings none at other times.
-    pub once: f64,
-    /// Share of the missing acceleration that comes again with what led to the motion, and not with the motion alone.
+    /// Share of the gap, by the robust measure, at instants whose motion causes no gap at other times.
+    pub non_recurring: f64,
+    /// Share of the missing acceleration that the motion of the instant does not predict, and the motion together with its recent past
+    /// does.
     pub memory: f64,
 }
 
 impl Recurrence {
-    /// Of some innovations in the order of time, with `bins` moments told apart.
+    /// Evaluates innovations in the order of time, with `bins` bins of time.
     pub(super) fn of(all: &[Innovation], bins: usize) -> Self {
         let all: Vec<Innovation> = all
             .iter()
@@ -44,17 +46,18 @@ impl Recurrence {
             return Self::default();
         }
         let ranks = MOTION.map(|place| ranks(&all.iter().map(place).collect::<Vec<_>>()));
-        let now = neighbours(&all, &ranks[..OF_THE_MOMENT]);
-        let led = neighbours(&all, &ranks);
-        let known = |near: &[Vec<usize>]| known(near, |i| all[i].robust_missing());
+        let by_instant = neighbours(&all, &ranks[..OF_THE_MOMENT]);
+        let by_past = neighbours(&all, &ranks);
+        let predicted_share =
+            |near: &[Vec<usize>]| predicted_share(near, |i| all[i].robust_missing());
         Self {
-            once: once(&all, &now, bins),
-            memory: (known(&led) - known(&now)).max(0.0),
+            non_recurring: non_recurring(&all, &by_instant, bins),
+            memory: (predicted_share(&by_past) - predicted_share(&by_instant)).max(0.0),
         }
     }
 }
 
-/// Place of each value among all, from 0 to 1, the same for equal ones.
+/// Rank of each value, scaled to 0 to 1. Equal values have equal ranks.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -66,7 +69,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     values.iter().map(rank).collect()
 }
 
-/// For each of some innovations, those of other times that are nearest by `ranks`.
+/// For each innovation, the indices of its nearest neighbours by `ranks` among the innovations at other times.
 fn neighbours(all: &[Innovation], ranks: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let span_s = all[all.len() - 1].session_s - all[0].session_s;
     let of = |i: usize| {
@@ -89,8 +92,9 @@ fn mean(near: &[usize], value: impl Fn(usize) -> f64) -> f64 {
     near.iter().map(|&j| value(j)).sum::<f64>() / near.len().max(1) as f64
 }
 
-/// Share of the squared values that the mean of their neighbours makes up for; below 0 where that is no help.
-fn known(near: &[Vec<usize>], value: impl Fn(usize) -> f64) -> f64 {
+/// Share of the sum of squared values that the mean of the neighbours predicts. It is negative if the mean is a worse prediction than
+/// zero.
+fn predicted_share(near: &[Vec<usize>], value: impl Fn(usize) -> f64) -> f64 {
     let all: f64 = (0..near.len()).map(|i| value(i).powi(2)).sum();
     let left = near
         .iter()
@@ -99,8 +103,8 @@ fn known(near: &[Vec<usize>], value: impl Fn(usize) -> f64) -> f64 {
     1.0 - left.sum::<f64>() / all.max(f64::MIN_POSITIVE)
 }
 
-/// Surplus of the moments that carry more of the gap than the same motion does at other times.
-fn once(all: &[Innovation], near: &[Vec<usize>], bins: usize) -> f64 {
+/// Surplus of the bins of time that hold more of the gap than similar motion does at other times.
+fn non_recurring(all: &[Innovation], near: &[Vec<usize>], bins: usize) -> f64 {
     let density = |j: usize| all[j].robust() / all[j].samples;
     let points = all
         .iter()
@@ -121,19 +125,20 @@ mod tests {
     use super::*;
     use core::f64::consts::TAU;
 
-    /// To and fro in 0.7 s, for 12 s; with what is missing as a function of time, of the phase and of the one shortly before.
+    /// A sinusoidal motion with a period of 0.7 s, over 12 s. The missing acceleration is a function of the time and of the sine and
+    /// cosine of the phase.
     fn recurrence(missing: impl Fn(f64, f64, f64) -> f64) -> Recurrence {
         let innovation = |i: usize| {
             let session_s = 0.02 * i as f64;
-            // The pace changes, so that the phase alone says what came before.
-            let pace = if session_s < 6.0 { 1.0 } else { -1.0 };
-            let phase = pace * TAU * session_s / 0.7;
+            // The direction of the phase reverses half way, so that the instant alone does not determine the motion shortly before.
+            let phase_rate = if session_s < 6.0 { 1.0 } else { -1.0 };
+            let phase = phase_rate * TAU * session_s / 0.7;
             let missing = missing(session_s, phase.sin(), phase.cos());
             Innovation {
                 session_s,
                 position: phase.sin(),
                 input: phase.sin(),
-                input_change: pace * phase.cos(),
+                input_change: phase_rate * phase.cos(),
                 samples: 1.0,
                 excess: missing * missing,
                 missing,
@@ -145,30 +150,30 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_with_the_motion_comes_again() {
+    fn a_gap_that_is_a_function_of_the_motion_recurs() {
         let along = recurrence(|_, sin, _| 4.0 * sin);
-        assert!(along.once < 0.1 && along.memory < 0.1, "{along:?}");
+        assert!(along.non_recurring < 0.1 && along.memory < 0.1, "{along:?}");
     }
 
     #[test]
-    fn several_moments_are_told_from_what_comes_again() {
-        let is_then = |s: f64| (1.0..1.5).contains(&s) || (5.0..5.4).contains(&s) || s > 11.5;
-        let moments = recurrence(|s, _, _| if is_then(s) { 4.0 } else { 0.2 });
-        assert!(moments.once > 0.7, "{moments:?}");
+    fn several_events_do_not_recur() {
+        let is_event = |s: f64| (1.0..1.5).contains(&s) || (5.0..5.4).contains(&s) || s > 11.5;
+        let events = recurrence(|s, _, _| if is_event(s) { 4.0 } else { 0.2 });
+        assert!(events.non_recurring > 0.7, "{events:?}");
     }
 
     #[test]
-    fn what_goes_with_a_change_has_a_memory() {
+    fn a_gap_that_depends_on_the_past_has_a_memory() {
         let phase = recurrence(|s, _, cos| if s < 6.0 { 4.0 * cos } else { -4.0 * cos });
-        assert!(phase.memory > 0.5 && phase.once < 0.2, "{phase:?}");
+        assert!(phase.memory > 0.5 && phase.non_recurring < 0.2, "{phase:?}");
     }
 
     #[test]
-    fn a_few_tell_nothing() {
+    fn too_few_innovations_give_no_result() {
         let few = [Innovation::default(); 2 * NEIGHBOURS - 1];
         assert_eq!(Recurrence::of(&few, 40), Recurrence::default());
         assert_eq!(Recurrence::of(&[], 40), Recurrence::default());
-        let alike = [Innovation::default(); 2 * NEIGHBOURS];
-        assert_eq!(Recurrence::of(&alike, 40), Recurrence::default());
+        let equal = [Innovation::default(); 2 * NEIGHBOURS];
+        assert_eq!(Recurrence::of(&equal, 40), Recurrence::default());
     }
 }

@@ -1,4 +1,4 @@
-//! The parts of the data that are told of an axis.
+//! Builds the regions that are reported for one axis.
 
 use super::bins::Stretch;
 use super::evidence::{Evidence, LEAST_SURPLUS};
@@ -6,41 +6,41 @@ use crate::diagnosis::{AFTER_REST, Profile, ProfilePart, Region};
 use crate::windows::series::Series;
 use recording::Recording;
 
-/// What is told of one axis.
-pub(super) struct Told {
-    /// Its best stretch.
+/// The reported regions of one axis.
+pub(super) struct AxisRegions {
+    /// The region of the best stretch.
     pub first: Region,
-    /// What else stands out on it.
+    /// The region of the next best stretch that stands out.
     pub second: Option<Region>,
 }
 
-impl Told {
-    /// Of the axis that `evidence` is about; `None` where no stretch of it carries clearly more of the gap than its share of
-    /// the samples.
+impl AxisRegions {
+    /// Builds the regions of the axis of `evidence`. Returns `None` if no stretch carries clearly more of the gap than its share of the
+    /// samples.
     pub(super) fn of(
         recording: &Recording,
         series: &[Series],
         evidence: &Evidence,
     ) -> Option<Self> {
-        let teller = Teller {
+        let builder = RegionBuilder {
             recording,
             series,
             evidence,
         };
         let best = || evidence.bins.best(None);
-        let (stretch, mut first) = teller
-            .told(evidence.stretch, None)
-            .or_else(|| teller.told(best()?, None))?;
-        // Runs do not lie beside one another.
+        let (stretch, mut first) = builder
+            .clear_region(evidence.stretch, None)
+            .or_else(|| builder.clear_region(best()?, None))?;
+        // A second stretch makes no sense on the axis of runs, which has no order.
         let other = (evidence.axis != "run").then(|| evidence.bins.best(Some(&stretch)));
         let other = other.flatten().filter(|s| s.surplus() > LEAST_SURPLUS);
-        let mut second = other.and_then(|other| teller.told(other, Some(&stretch)));
-        let stretches = [Some(stretch), second.as_ref().map(|told| told.0)];
+        let mut second = other.and_then(|other| builder.clear_region(other, Some(&stretch)));
+        let stretches = [Some(stretch), second.as_ref().map(|(stretch, _)| *stretch)];
         let stretches: Vec<Stretch> = stretches.into_iter().flatten().collect();
-        let parts = evidence.bins.parted_at(&stretches);
-        first.profile = Some(teller.profile(&parts, &stretch));
+        let parts = evidence.bins.split_at(&stretches);
+        first.profile = Some(builder.profile(&parts, &stretch));
         if let Some((stretch, region)) = &mut second {
-            region.profile = Some(teller.profile(&parts, stretch));
+            region.profile = Some(builder.profile(&parts, stretch));
         }
         Some(Self {
             first,
@@ -49,34 +49,34 @@ impl Told {
     }
 }
 
-/// Tells the stretches of an axis.
-struct Teller<'a> {
+/// Turns stretches of one axis into regions.
+struct RegionBuilder<'a> {
     recording: &'a Recording,
     series: &'a [Series],
     evidence: &'a Evidence,
 }
 
-impl Teller<'_> {
-    /// A stretch as it is told, and its region: with what its motion reaches beyond it, if that meets no other stretch and
-    /// still carries clearly more of the gap than of the samples; else alone; `None` if not even that is clear.
-    fn told(&self, stretch: Stretch, other: Option<&Stretch>) -> Option<(Stretch, Region)> {
+impl RegionBuilder<'_> {
+    /// The stretch that is reported, with its region. The stretch is widened by `reach` if it then overlaps no other stretch and still
+    /// carries clearly more of the gap than of the samples. Otherwise it stays as it is. Returns `None` if even that is not clear.
+    fn clear_region(&self, stretch: Stretch, other: Option<&Stretch>) -> Option<(Stretch, Region)> {
         let Evidence { bins, reach, .. } = self.evidence;
-        // The places of what comes after a rest are not those that it reaches.
+        // After a standstill the coordinate is the slowest velocity, to which the reach of the velocity does not apply.
         let reach = if self.evidence.after_rest {
             0.0
         } else {
             *reach
         };
         let wide = bins.stretch(stretch.from - reach, stretch.to + reach);
-        let is_free = other.is_none_or(|other| !other.meets(&wide));
+        let is_free = other.is_none_or(|other| !other.overlaps(&wide));
         let all = [is_free.then_some(wide), Some(stretch)].into_iter();
-        let mut told = all.flatten().map(|s| (s, self.region(s)));
-        told.find(|(_, region)| region.is_clear())
+        let mut widths = all.flatten().map(|s| (s, self.region(s)));
+        widths.find(|(_, region)| region.is_clear())
     }
 
     fn region(&self, stretch: Stretch) -> Region {
         let evidence = self.evidence;
-        let is_rest = evidence.after_rest && stretch == evidence.stretch;
+        let is_at_standstill = evidence.after_rest && stretch == evidence.stretch;
         let beyond = if evidence.after_rest {
             evidence.reach
         } else {
@@ -86,7 +86,7 @@ impl Teller<'_> {
             axis: evidence.axis,
             from: Some(stretch.from - beyond),
             to: Some(stretch.to + beyond),
-            name: is_rest.then(|| AFTER_REST.to_owned()),
+            name: is_at_standstill.then(|| AFTER_REST.to_owned()),
             run: None,
             measured_by: evidence.measured_by,
             share_of_gap: stretch.share_of_gap,
@@ -113,7 +113,7 @@ impl Teller<'_> {
         region
     }
 
-    /// The run in which a stretch of the session's time lies, with where that begins and ends.
+    /// The run that contains a stretch of the session time, with the begin and end of the run on the clock of the session, s.
     fn run_with(&self, stretch: &Stretch) -> Option<(&Series, [f64; 2])> {
         self.series.iter().find_map(|series| {
             let span = series.session_span_s()?;
@@ -122,10 +122,10 @@ impl Teller<'_> {
         })
     }
 
-    /// The axis in its `parts`, on which a stretch is marked.
+    /// The profile of the axis over its `parts`, with a marked stretch.
     fn profile(&self, parts: &[Stretch], stretch: &Stretch) -> Profile {
         let whole = self.evidence.bins.whole();
-        // Each run reaches half a step to either side of its number.
+        // Run `i` covers the coordinates from `i - 0.5` to `i + 0.5`.
         let run = |part: &Stretch| self.recording.runs.get((part.from + 0.5) as usize);
         let is_of_runs = self.evidence.axis == "run";
         let parts = parts.iter().map(|part| ProfilePart {
@@ -148,7 +148,7 @@ impl Teller<'_> {
     }
 }
 
-/// Keeps of a profile over the session's time what lies in one run, on the run's own clock.
+/// Keeps the parts of a profile over the session time that lie in one run, on the clock of that run.
 fn within(profile: &mut Profile, [from, to]: [f64; 2], offset_s: f64) {
     profile
         .parts
@@ -169,7 +169,7 @@ mod tests {
     use crate::fit::part::Part;
     use crate::made;
 
-    /// Densities of the gap within and outside the band of a region, by what is plotted of it.
+    /// Share of the gap over share of the samples, within and outside the marked stretch of a region, from its plotted profile.
     fn densities(region: &Region) -> [f64; 2] {
         let profile = region.profile.as_ref().unwrap();
         let [from, to] = profile.marked;
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_is_where_the_plotted_share_is_and_clearly_more_than_of_the_samples() {
+    fn a_region_agrees_with_its_plotted_profile_and_is_clear() {
         let hidden: [&[&str]; 8] = [
             &["viscous:coefficient=0.003"],
             &["torque_gain:gain=1.3"],
@@ -207,7 +207,7 @@ mod tests {
                     inside > outside,
                     "{effects:?}: {inside} {outside} {region:?}"
                 );
-                // As printed.
+                // The profile gives the printed share of the gap.
                 let share = inside * region.share_of_samples;
                 assert!(region.is_clear(), "{effects:?}: {region:?}");
                 assert!(

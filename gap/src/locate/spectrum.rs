@@ -1,47 +1,47 @@
-//! The gap over frequency: the spectrum of the missing acceleration against those of the motion and the input.
+//! The frequency axis: the spectrum of the missing acceleration, compared with the spectra of the acceleration and of the input.
 
 use super::bins::Point;
 use super::innovation::Innovation;
 use crate::windows::series::median_period;
 use core::f64::consts::{PI, TAU};
 
-/// Frequencies looked at, equidistant on a logarithmic scale.
+/// Number of frequencies, equidistant on a logarithmic scale.
 const FREQUENCIES: usize = 40;
-/// Innovations in a row that have a spectrum.
-const ROW: usize = 64;
-/// Waves in a row at the lowest frequency: fewer leak into one another under Hann's window.
-const FEWEST_WAVES: f64 = 2.0;
-/// A row ends where the next innovation is farther than this many steps.
+/// Number of consecutive innovations in one segment. Each segment yields one spectrum.
+const SEGMENT: usize = 64;
+/// Least number of periods of the lowest frequency in a segment. With fewer periods the lines leak into each other under a Hann window.
+const FEWEST_PERIODS: f64 = 2.0;
+/// A segment contains no gap in time longer than this many steps.
 const LONGEST_STEP: f64 = 1.5;
-/// Share of the weight that follows the power of each of acceleration and input; the rest is the same for all frequencies, so that
-/// none where nothing moves outweighs the others.
+/// Share of the weight that is proportional to the power of the acceleration, and to that of the input. The rest is equal for all bands,
+/// so that a frequency without motion does not stand out.
 const MOVED_SHARE: f64 = 0.25;
 
-/// Power of what is `missing`, one number for each innovation in the order of time, by row and frequency, weighted by the powers of
-/// acceleration and input.
+/// Power of the `missing` values by segment and frequency. There is one missing value for each innovation, in the order of time. The
+/// weights follow the powers of acceleration and input.
 pub(super) fn points(all: &[Innovation], missing: &[f64]) -> Vec<Point> {
     let times: Vec<f64> = all.iter().map(|i| i.session_s).collect();
     let step_s = median_period(&times);
     let frequencies = frequencies(step_s);
     let mut points = Vec::new();
     let mut moved = [[0.0; 2]; FREQUENCIES];
-    for (block, from) in rows(all, step_s).into_iter().enumerate() {
-        let row = from..from + ROW;
-        let time = &times[row.clone()];
-        let of = |value: &dyn Fn(usize) -> f64| tapered(row.clone().map(value).collect());
+    for (block, from) in segments(all, step_s).into_iter().enumerate() {
+        let segment = from..from + SEGMENT;
+        let time = &times[segment.clone()];
+        let of = |value: &dyn Fn(usize) -> f64| tapered(segment.clone().map(value).collect());
         let records = [
             of(&|i| missing[i]),
             of(&|i| all[i].acceleration),
             of(&|i| all[i].input),
         ];
         for (&hz, moved) in frequencies.iter().zip(&mut moved) {
-            // On a logarithmic scale each line stands for a band as wide as its frequency.
-            let [missed, of_motion, of_input] = powers(time, &records, hz).map(|p| p * hz);
+            // On a logarithmic scale each line represents a band whose width is proportional to its frequency.
+            let [of_missing, of_motion, of_input] = powers(time, &records, hz).map(|p| p * hz);
             *moved = [moved[0] + of_motion, moved[1] + of_input];
             points.push(Point {
                 at: hz,
                 block,
-                excess: missed,
+                excess: of_missing,
                 ..Point::default()
             });
         }
@@ -53,43 +53,44 @@ pub(super) fn points(all: &[Innovation], missing: &[f64]) -> Vec<Point> {
     points
 }
 
-/// From the lowest of which a row holds enough waves to the highest that innovations tell, Hz.
+/// The frequencies, Hz. The lowest has [`FEWEST_PERIODS`] periods in a segment; the highest is half the rate of the innovations.
 fn frequencies(step_s: f64) -> [f64; FREQUENCIES] {
-    let lowest = FEWEST_WAVES / (ROW as f64 * step_s);
+    let lowest = FEWEST_PERIODS / (SEGMENT as f64 * step_s);
     let highest = 0.5 / step_s;
     let ratio = (highest / lowest).powf(1.0 / (FREQUENCIES - 1) as f64);
     core::array::from_fn(|k| lowest * ratio.powi(k as i32))
 }
 
-/// Where each row begins; two in a row overlap by half.
-fn rows(all: &[Innovation], step_s: f64) -> Vec<usize> {
+/// Index at which each segment begins. Consecutive segments overlap by half.
+fn segments(all: &[Innovation], step_s: f64) -> Vec<usize> {
     let follows = |a: &Innovation, b: &Innovation| {
         a.run == b.run && b.session_s - a.session_s <= LONGEST_STEP * step_s
     };
-    let mut rows = Vec::new();
+    let mut segments = Vec::new();
     let mut first = 0;
     for piece in all.chunk_by(follows) {
         let end = first + piece.len();
-        rows.extend((first..(end + 1).saturating_sub(ROW)).step_by(ROW / 2));
+        segments.extend((first..(end + 1).saturating_sub(SEGMENT)).step_by(SEGMENT / 2));
         first = end;
     }
-    rows
+    segments
 }
 
-/// Weight of each frequency.
+/// Weight of each frequency, from the powers of acceleration and input.
 fn weights(
     frequencies: &[f64; FREQUENCIES],
     moved: &[[f64; 2]; FREQUENCIES],
 ) -> [f64; FREQUENCIES] {
-    let even: f64 = frequencies.iter().sum();
+    let total_frequency: f64 = frequencies.iter().sum();
     let total = moved.iter().fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]);
     core::array::from_fn(|k| {
         let shares = [0, 1].map(|of| moved[k][of] / total[of].max(f64::MIN_POSITIVE));
-        MOVED_SHARE * (shares[0] + shares[1]) + (1.0 - 2.0 * MOVED_SHARE) * frequencies[k] / even
+        MOVED_SHARE * (shares[0] + shares[1])
+            + (1.0 - 2.0 * MOVED_SHARE) * frequencies[k] / total_frequency
     })
 }
 
-/// A record freed of its mean and weighted by Hann's window.
+/// Subtracts the mean of a record and applies a Hann window.
 fn tapered(mut record: Vec<f64>) -> Vec<f64> {
     let n = record.len() as f64;
     let mean = record.iter().sum::<f64>() / n;
@@ -116,7 +117,7 @@ mod tests {
     use super::super::bins::Bins;
     use super::*;
 
-    /// A step of 10 ms, in two runs.
+    /// Innovations every 10 ms, in two runs.
     fn all(count: usize) -> Vec<Innovation> {
         let innovation = |i: usize| Innovation {
             run: usize::from(i >= count / 2),
@@ -128,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_resonance_is_told_as_its_band() {
+    fn a_resonance_is_located_in_its_band() {
         let all = all(600);
         let missing: Vec<f64> = all
             .iter()
@@ -142,11 +143,14 @@ mod tests {
     }
 
     #[test]
-    fn no_row_goes_from_one_run_to_the_next() {
-        let all = all(2 * (ROW + ROW / 2));
-        let run = ROW + ROW / 2;
-        assert_eq!(rows(&all, 0.01), [0, ROW / 2, run, run + ROW / 2]);
-        assert!(points(&all[..ROW - 1], &vec![1.0; ROW - 1]).is_empty());
+    fn no_segment_spans_two_runs() {
+        let all = all(2 * (SEGMENT + SEGMENT / 2));
+        let run = SEGMENT + SEGMENT / 2;
+        assert_eq!(
+            segments(&all, 0.01),
+            [0, SEGMENT / 2, run, run + SEGMENT / 2]
+        );
+        assert!(points(&all[..SEGMENT - 1], &vec![1.0; SEGMENT - 1]).is_empty());
         assert!(points(&[], &[]).is_empty());
     }
 }

@@ -7,7 +7,7 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::ExpectedLoss;
-use crate::guess::stay::LONGEST_SHARE;
+use crate::guess::contact::LONGEST_SHARE;
 use crate::term::Term;
 use rayon::prelude::*;
 

@@ -1,20 +1,21 @@
-//! Where the gap has grown largest, wherever it has arisen.
+//! The axis along which the error of predictions over a whole horizon is largest.
 
 use super::bins::{Bins, Point};
 use super::evidence::{BINS, Evidence, LEAST_SURPLUS};
 use crate::diagnosis::MeasuredBy;
 use crate::windows::series::{Series, slopes};
 
-/// A column of a series, one value a sample.
+/// Computes one value per sample of a series.
 type Column<'a> = &'a dyn Fn(&Series) -> Vec<f64>;
 
-/// The axis of the motion, other than what was `told`, along which what `predictions` over the whole horizon miss stands out
-/// most; slopes are taken over `half_width_s` to either side. Over time a gap is uneven whatever its cause.
-pub(super) fn grown(
+/// The axis of the motion, not among `excluded`, with the largest surplus of the squared errors of `predictions` over whole horizons.
+/// Slopes are fitted over `half_width_s` on both sides of a sample. Time is no candidate: the error grows over time within each window,
+/// whatever its cause.
+pub(super) fn whole_horizon_axis(
     series: &[Series],
     predictions: &[Vec<f64>],
     half_width_s: f64,
-    told: &[&str],
+    excluded: &[&str],
 ) -> Option<Evidence> {
     let velocity = move |s: &Series| slopes(&s.time, &s.position, half_width_s);
     let acceleration = move |s: &Series| slopes(&s.time, &velocity(s), half_width_s);
@@ -24,8 +25,10 @@ pub(super) fn grown(
         ("input", &|s| s.input.clone()),
         ("acceleration", &acceleration),
     ];
-    let others = axes.into_iter().filter(|(axis, _)| !told.contains(axis));
-    let standing_out = others.filter_map(|(axis, column)| {
+    let others = axes
+        .into_iter()
+        .filter(|(axis, _)| !excluded.contains(axis));
+    let scored = others.filter_map(|(axis, column)| {
         let bins = Bins::new(points(series, predictions, column), BINS)?;
         let stretch = bins.best(None)?;
         Some(Evidence {
@@ -33,11 +36,11 @@ pub(super) fn grown(
             ..Evidence::new(axis, bins, stretch, stretch.surplus())
         })
     });
-    let best = standing_out.max_by(|a, b| a.strength.total_cmp(&b.strength))?;
+    let best = scored.max_by(|a, b| a.strength.total_cmp(&b.strength))?;
     (best.strength > LEAST_SURPLUS).then_some(best)
 }
 
-/// The squares of what is missed, sample by sample, along a column.
+/// The squared prediction error of each sample, with its coordinate from `column`.
 fn points(series: &[Series], predictions: &[Vec<f64>], column: Column<'_>) -> Vec<Point> {
     let mut points = Vec::new();
     let mut block = 0;
@@ -66,19 +69,19 @@ mod tests {
     use crate::windows::series;
 
     #[test]
-    fn what_grows_with_the_speed_is_told_of_the_velocity_unless_that_is_told_already() {
+    fn an_error_that_grows_with_speed_lies_on_the_velocity_axis_unless_it_is_excluded() {
         let recording = made::recording(&[]);
         let half_width_s = recording.restart_half_width;
         let series = series::some_fine(&recording, recording.horizon, usize::MAX);
-        let missed = |s: &Series| {
+        let predicted = |s: &Series| {
             let velocity = slopes(&s.time, &s.position, half_width_s);
-            let missed = s.position.iter().zip(velocity);
-            missed.map(|(x, v)| x + 0.01 * v * v.abs()).collect()
+            let pairs = s.position.iter().zip(velocity);
+            pairs.map(|(x, v)| x + 0.01 * v * v.abs()).collect()
         };
-        let predictions: Vec<Vec<f64>> = series.iter().map(missed).collect();
-        let first = grown(&series, &predictions, half_width_s, &[]).unwrap();
+        let predictions: Vec<Vec<f64>> = series.iter().map(predicted).collect();
+        let first = whole_horizon_axis(&series, &predictions, half_width_s, &[]).unwrap();
         assert_eq!(first.axis, "velocity");
-        let other = grown(&series, &predictions, half_width_s, &[first.axis]);
+        let other = whole_horizon_axis(&series, &predictions, half_width_s, &[first.axis]);
         assert!(other.is_none_or(|other| other.axis != "velocity"));
     }
 }

@@ -1,75 +1,75 @@
-//! Something that pushes back or holds for a while: a stretch of time in which the nominal model fails.
+//! Start values of a contact that acts for a limited time: the interval in which the nominal model fails most.
 
 use super::Evidence;
 use super::regression::{moments, regress_in};
 use crate::windows::statistics::{quantile, rms};
 use std::ops::Range;
 
-/// A window counts as hit from this much robust cost above the quiet ones.
-const HIT_MARGIN: f64 = 0.7;
-/// Quantile of the window costs that stands for the quiet ones.
-const QUIET: f64 = 0.4;
-/// What is there for longer than this share of the recording is no passing contact.
+/// Robust cost above the typical window from which a window counts as affected.
+const AFFECTED_MARGIN: f64 = 0.7;
+/// Quantile of the window costs that defines the cost of a typical window.
+const TYPICAL: f64 = 0.4;
+/// Share of the recording beyond which an effect is not a temporary contact.
 pub(crate) const LONGEST_SHARE: f64 = 0.5;
 
-/// Least span of the positions meanwhile, over that of all.
+/// Least assumed range of the positions during the contact, as a share of the range of the recording.
 pub(crate) const LEAST_SPAN: f64 = 0.02;
-/// Least damping of a start, over what is usual.
+/// Least damping of a start, relative to the damping of a start without regression.
 const LEAST_DAMPING: f64 = 0.1;
 
-/// Something that pushes back, and when.
+/// Start values of a contact, with the interval in which it acts.
 #[derive(Clone, Copy)]
-pub(crate) struct Stay {
+pub(crate) struct ContactStart {
     pub position: f64,
-    /// +1 if it pushes back what comes from below, 0 if it holds.
+    /// +1 if it pushes back a motion from below, -1 from above, 0 if it holds in both directions.
     pub side: f64,
     pub stiffness: f64,
     pub damping: f64,
     pub from_s: f64,
     pub to_s: f64,
-    /// Of the positions meanwhile.
+    /// Range of the positions during the contact.
     pub span: f64,
 }
 
-/// What could push back to some `sides` in the stretch that is worst.
-pub(crate) fn stays(e: &Evidence<'_>, sides: &[f64]) -> Vec<Stay> {
+/// Starts of a contact with each of `sides`, in the intervals where the model is worst.
+pub(crate) fn contact_starts(e: &Evidence<'_>, sides: &[f64]) -> Vec<ContactStart> {
     worst(e)
         .into_iter()
-        .flat_map(|(series, windows)| stays_during(e, sides, series, windows))
+        .flat_map(|(series, windows)| contact_starts_during(e, sides, series, windows))
         .collect()
 }
 
-/// The stretches of windows in which the model is worst, by index of the series.
+/// Ranges of windows in which the model is worst, with the index of their series.
 fn worst(e: &Evidence<'_>) -> Vec<(usize, Range<usize>)> {
     let counts: Vec<usize> = e.series.iter().map(|s| s.windows.len()).collect();
     stretches(&counts, e.window_costs)
 }
 
-/// Missing torque that is more than chance, from its rms.
-fn strongly(rms_nm: f64) -> f64 {
+/// Missing torque that counts as significant, from the rms of the missing torque, N m.
+fn significant_nm(rms_nm: f64) -> f64 {
     1.5 * rms_nm
 }
 
-/// The times in which something may have come and gone, s of the session: of each of the worst stretches, from the first to the last
-/// sample with much missing torque, and the whole stretch.
-pub(crate) fn worst_times(e: &Evidence<'_>) -> Vec<[f64; 2]> {
+/// Intervals in which a temporary effect may have acted, s of the session. Each of the worst ranges gives two: from the first to the last
+/// sample with a significant missing torque, and the whole range.
+pub(crate) fn worst_intervals(e: &Evidence<'_>) -> Vec<[f64; 2]> {
     let edges = worst(e)
         .into_iter()
-        .flat_map(|(series, windows)| Worst::of(e, series, &windows).edges);
+        .flat_map(|(series, windows)| WorstInterval::of(e, series, &windows).edges);
     edges.collect()
 }
 
-/// A stretch of time in which much torque is missing.
-struct Worst {
+/// An interval with a large missing torque.
+struct WorstInterval {
     rows: Range<usize>,
-    /// From the first to the last sample that misses much, and all of it, s of the session.
+    /// Interval from the first to the last sample with a significant missing torque, and the whole interval, s of the session.
     edges: [[f64; 2]; 2],
-    /// Rms of the torque that is missing in it, and in the whole series, N m.
+    /// Rms of the missing torque in the interval and in the whole series, N m.
     missing_nm: f64,
     usual_nm: f64,
 }
 
-impl Worst {
+impl WorstInterval {
     fn of(e: &Evidence<'_>, series: usize, windows: &Range<usize>) -> Self {
         let data = &e.series[series];
         let [first, last] = [windows.start, windows.end - 1].map(|w| &data.windows[w].samples);
@@ -81,7 +81,7 @@ impl Worst {
             rms(&known.collect::<Vec<_>>())
         };
         let usual_nm = rms_of(all);
-        let strong = |m: &f64| m.abs() > strongly(usual_nm);
+        let strong = |m: &f64| m.abs() > significant_nm(usual_nm);
         let from = missing.iter().position(strong).unwrap_or(0);
         let to = missing.iter().rposition(strong);
         let to = to.unwrap_or(missing.len() - 1);
@@ -96,18 +96,18 @@ impl Worst {
     }
 }
 
-fn stays_during(
+fn contact_starts_during(
     e: &Evidence<'_>,
     sides: &[f64],
     series: usize,
     windows: Range<usize>,
-) -> Vec<Stay> {
-    let Worst {
+) -> Vec<ContactStart> {
+    let WorstInterval {
         rows,
         edges,
         missing_nm,
-        usual_nm: quiet,
-    } = Worst::of(e, series, &windows);
+        usual_nm: typical,
+    } = WorstInterval::of(e, series, &windows);
     let motion = &e.motions[series];
     let positions: Vec<f64> = rows.clone().map(|i| motion.position[i]).collect();
     let strength = missing_nm.max(0.2 * e.scales.torque);
@@ -116,7 +116,7 @@ fn stays_during(
     let stiffness = 3.0 * strength / span;
     let mut all = Vec::new();
     for &side in sides {
-        let during = edges.map(|[from_s, to_s]| Stay {
+        let during = edges.map(|[from_s, to_s]| ContactStart {
             position: 0.0,
             side,
             stiffness,
@@ -125,22 +125,31 @@ fn stays_during(
             to_s,
             span,
         });
-        let least_nm = if side == 0.0 { 0.0 } else { strongly(quiet) };
-        all.extend(during.iter().filter_map(|stay| stay.regressed(e, least_nm)));
+        let least_nm = if side == 0.0 {
+            0.0
+        } else {
+            significant_nm(typical)
+        };
+        all.extend(
+            during
+                .iter()
+                .filter_map(|start| start.regressed(e, least_nm)),
+        );
         for share in [0.15, 0.5, 0.85] {
             let position = quantile(&positions, share);
-            all.extend(during.map(|stay| Stay { position, ..stay }));
+            all.extend(during.map(|start| ContactStart { position, ..start }));
         }
     }
     all
 }
 
-impl Stay {
-    /// The same where the torque that is missing meanwhile, `least_nm` to its side, says that it is.
+impl ContactStart {
+    /// Start values by regression of the missing torque in the interval, at the instants where it is at least `least_nm` towards the side
+    /// of the contact. Returns `None` if the stiffness is not positive.
     fn regressed(self, e: &Evidence<'_>, least_nm: f64) -> Option<Self> {
         let pushed = moments(e).filter(|m| {
-            let meanwhile = m.session_s >= self.from_s && m.session_s <= self.to_s;
-            meanwhile && -self.side * m.missing_nm >= least_nm
+            let is_during = m.session_s >= self.from_s && m.session_s <= self.to_s;
+            is_during && -self.side * m.missing_nm >= least_nm
         });
         let (found, _) = regress_in(pushed, |m| [-m.position, -m.velocity, 1.0])?;
         let [stiffness, damping, pull] = found;
@@ -153,11 +162,12 @@ impl Stay {
     }
 }
 
-/// The run of windows with the largest sum of cost above the quiet level (Kadane's algorithm), if it is short and stands
-/// out, and the worst window: by index of the series and windows of it, of which each series has its count.
+/// The range of windows with the largest sum of costs above the typical cost (Kadane's algorithm), and the single worst window. Each
+/// comes with the index of its series. The result is empty if the range is longer than [`LONGEST_SHARE`] of the windows. `counts` holds
+/// the number of windows of each series.
 pub(crate) fn stretches(counts: &[usize], costs: &[f64]) -> Vec<(usize, Range<usize>)> {
     let finite: Vec<f64> = costs.iter().copied().filter(|c| c.is_finite()).collect();
-    let quiet = quantile(&finite, QUIET);
+    let typical = quantile(&finite, TYPICAL);
     let mut best: Option<(f64, usize, Range<usize>)> = None;
     let mut worst: Option<(f64, usize, Range<usize>)> = None;
     let mut base = 0;
@@ -165,11 +175,11 @@ pub(crate) fn stretches(counts: &[usize], costs: &[f64]) -> Vec<(usize, Range<us
         let (mut sum, mut start) = (0.0, 0);
         for w in 0..count {
             let cost = Some(costs[base + w]).filter(|c| c.is_finite());
-            let cost = cost.unwrap_or(quiet);
+            let cost = cost.unwrap_or(typical);
             if worst.as_ref().is_none_or(|(most, ..)| cost > *most) {
                 worst = Some((cost, index, w..w + 1));
             }
-            sum += cost - quiet - HIT_MARGIN;
+            sum += cost - typical - AFFECTED_MARGIN;
             if sum <= 0.0 {
                 (sum, start) = (0.0, w + 1);
             } else if best.as_ref().is_none_or(|(most, ..)| sum > *most) {
@@ -193,7 +203,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_contact_is_looked_for_where_most_is_missing_and_where_it_is_worst() {
+    fn a_contact_is_searched_in_the_worst_range_and_in_the_worst_window() {
         let mut costs = [0.7; 40];
         costs[5..11].fill(4.0);
         assert_eq!(stretches(&[20, 20], &costs), [(0, 5..11), (0, 5..6)]);
@@ -204,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_most_of_the_time_is_no_contact() {
+    fn an_error_during_most_of_the_time_is_no_contact() {
         let costs = [[0.7; 10], [4.0; 10], [4.0; 10]].concat();
         assert_eq!(stretches(&[30], &costs), []);
     }

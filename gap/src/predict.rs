@@ -193,7 +193,7 @@ impl Predictor {
                     return;
                 }
                 follower.follow(&mut running.state, &course.steps, response.gain, seen);
-                series.averaging.show(samples.start, seen, low_passes);
+                series.averaging.apply(samples.start, seen, low_passes);
             });
             running.read_s = restart_s;
             let window_s = series.time[samples.end - 1] - restart_s;

@@ -1,19 +1,19 @@
-//! Inputs put together over stretches of time: their means, and of what these are made.
+//! Inputs averaged over intervals of time, with the input values that each mean is made of.
 
 use host_sim::drive::Drive;
 
-/// Inputs, each held from an instant on to the next.
+/// Mean inputs, each held from an instant to the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inputs {
-    /// s, in the run's own time.
+    /// Instant from which on each mean input is held, in the time of the run, s.
     pub time: Vec<f64>,
     mean: Vec<f64>,
-    /// Those that each is the mean of, one after the other, and one past the last of each.
+    /// The input values of all means, one after the other, and the end index of each mean.
     parts: Vec<Part>,
     ends: Vec<usize>,
 }
 
-/// One of the inputs that are put together, and its share of the time.
+/// One input value of a mean, with its share of the interval.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     input: f64,
@@ -22,8 +22,8 @@ struct Part {
 }
 
 impl Inputs {
-    /// Inputs that are held from some times on, the last for ever, put together between instants, the first of which is not
-    /// before the first of them; with the measured velocity at each.
+    /// Averages inputs between consecutive `instants_s`. Each input is held from its time to the next, and the last one indefinitely. The
+    /// first instant must not be before the first time. `velocity` is the measured velocity at each input.
     pub(crate) fn between(
         instants_s: &[f64],
         time: &[f64],
@@ -62,8 +62,8 @@ impl Inputs {
         all
     }
 
-    /// Inputs that were sampled at some times and go in straight lines from one to the next, the last for ever: the means of so many
-    /// equal parts of the time between, with the measured velocity at each.
+    /// Inputs that were sampled at given times and follow straight lines in between. Each line is divided into `parts` intervals of equal
+    /// length, which hold the mean of the line. `velocity` is the measured velocity at each sample.
     pub(crate) fn along(time: &[f64], input: &[f64], velocity: &[f64], parts: usize) -> Self {
         let mut all = Self::default();
         for (row, &start_s) in time.iter().enumerate() {
@@ -87,7 +87,7 @@ impl Inputs {
         all
     }
 
-    /// One each.
+    /// The mean inputs.
     pub(crate) fn means(self) -> Vec<f64> {
         self.mean
     }
@@ -96,8 +96,8 @@ impl Inputs {
         i.checked_sub(1).map_or(0, |before| self.ends[before])
     }
 
-    /// Torque that a drive makes of one of them once delay and lag have passed, N m: the mean of what it makes of each part, as
-    /// a limit or a dead band of the mean would be something else.
+    /// Steady torque of a drive for mean input `i`, after delay and lags, N m. It is the mean of the torques of the single input values,
+    /// because a limit or a dead band is nonlinear.
     #[inline]
     pub(crate) fn settled_nm(&self, drive: &Drive, is_linear: bool, i: usize) -> f64 {
         if is_linear {
@@ -117,7 +117,7 @@ mod tests {
     use recording::Model;
 
     #[test]
-    fn inputs_are_put_together_by_how_long_they_are_held() {
+    fn inputs_are_averaged_by_their_duration() {
         let (time, input) = ([0.0, 1.0, 2.0, 3.0], [4.0, 0.0, -8.0, 2.0]);
         let inputs = Inputs::between(&[0.5, 2.5, 2.5, 4.0, 5.0], &time, &input, &[0.0; 4]);
         assert_eq!(inputs.time, [0.5, 2.5, 4.0]);

@@ -1,45 +1,45 @@
-//! What a loop may have told between the rows of a log that is slower than itself: the column has its means alone.
+//! Reconstructs the output of a control loop between the rows of a slower log, whose input column holds only the means.
 
 use super::series::{Series, largest};
 use super::torque_profiles::TorqueProfiles;
 use host_sim::sensors::Noise;
 use recording::{Pid, low_pass_gain};
 
-/// Steps of a course in a row at most.
-const MOST_TICKS: f64 = 32.0;
+/// Largest number of loop periods per row.
+const MOST_PERIODS: f64 = 32.0;
 const SEED: u64 = 0x6c6f_6f70;
 
 impl Series {
-    /// Puts one possible course of a loop in the place of each row's mean input, which it keeps: where the mean lies between
-    /// its neighbours, the step that it would come from, else the mean itself; and on all what the loop makes of the noise
-    /// of its sensor.
+    /// Replaces the mean input of each row by one possible output of the loop within the row, with the same mean. If the mean lies
+    /// between those of the neighbouring rows, the output is a step from one to the other; otherwise it is constant. The response of the
+    /// loop to its sensor noise is added.
     ///
-    /// An input that was sampled at instants is no mean, and stays as it is.
+    /// Inputs that were sampled at instants are not means and stay unchanged.
     pub(crate) fn resample_inputs(&mut self, pid: &Pid, sensor_noise: f64) {
-        if self.told.is_some() {
+        if self.fine_input.is_some() {
             return;
         }
-        let noise = told_noise(pid, sensor_noise);
+        let noise = output_noise(pid, sensor_noise);
         let mut draw = Noise::new(SEED);
         let (mut times, mut inputs, mut velocities) = (Vec::new(), Vec::new(), Vec::new());
         for row in 0..self.input.len() {
             let [start_s, mean] = [self.input_time[row], self.input[row]];
             let neighbours = row.checked_sub(1).zip(self.input_time.get(row + 1));
-            let ticks = |end_s: f64| ((end_s - start_s) / pid.period).round().min(MOST_TICKS);
-            let ticks = neighbours.map(|(_, end_s)| ticks(*end_s));
-            let (Some((before, end_s)), Some(ticks @ 2.0..)) = (neighbours, ticks) else {
+            let periods = |end_s: f64| ((end_s - start_s) / pid.period).round().min(MOST_PERIODS);
+            let periods = neighbours.map(|(_, end_s)| periods(*end_s));
+            let (Some((before, end_s)), Some(periods @ 2.0..)) = (neighbours, periods) else {
                 times.push(start_s);
                 inputs.push(mean);
                 velocities.push(self.velocity[row]);
                 continue;
             };
             let [before, after] = [self.input[before], self.input[row + 1]];
-            let told = step(before, mean, after, ticks as usize);
-            let added: Vec<f64> = told.iter().map(|_| draw.next(noise)).collect();
-            let drift = added.iter().sum::<f64>() / ticks;
-            for (tick, (told, added)) in told.iter().zip(added).enumerate() {
-                times.push(start_s + (end_s - start_s) * tick as f64 / ticks);
-                inputs.push(told + added - drift);
+            let output = step(before, mean, after, periods as usize);
+            let added: Vec<f64> = output.iter().map(|_| draw.next(noise)).collect();
+            let added_mean = added.iter().sum::<f64>() / periods;
+            for (period, (output, added)) in output.iter().zip(added).enumerate() {
+                times.push(start_s + (end_s - start_s) * period as f64 / periods);
+                inputs.push(output + added - added_mean);
                 velocities.push(self.velocity[row]);
             }
         }
@@ -49,23 +49,23 @@ impl Series {
     }
 }
 
-/// The step from `before` to `after` whose mean over the ticks is `mean`; where there is none, that mean.
-fn step(before: f64, mean: f64, after: f64, ticks: usize) -> Vec<f64> {
+/// The step from `before` to `after` whose mean over the loop periods is `mean`, or a constant output if no step has that mean.
+fn step(before: f64, mean: f64, after: f64, periods: usize) -> Vec<f64> {
     let share = (after - mean) / (after - before);
-    let tick = |tick: usize| {
-        let still = (share * ticks as f64 - tick as f64).clamp(0.0, 1.0);
-        still * before + (1.0 - still) * after
+    let period = |period: usize| {
+        let before_share = (share * periods as f64 - period as f64).clamp(0.0, 1.0);
+        before_share * before + (1.0 - before_share) * after
     };
     if share > 0.0 && share < 1.0 {
-        (0..ticks).map(tick).collect()
+        (0..periods).map(period).collect()
     } else {
-        vec![mean; ticks]
+        vec![mean; periods]
     }
 }
 
-/// Standard deviation of what a loop makes of the noise of its sensor from one period to the next: the low-pass leaves
-/// a²·2/(2 − a) of the variance of white noise in the differences of what it passes, a being its gain.
-fn told_noise(pid: &Pid, sensor_noise: f64) -> f64 {
+/// Standard deviation of the loop output that the sensor noise causes, from one period to the next. A low-pass of gain a passes a²·2/(2 −
+/// a) of the variance of white noise into the differences of its output.
+fn output_noise(pid: &Pid, sensor_noise: f64) -> f64 {
     let gain = low_pass_gain(pid.position_cutoff_hz, pid.period);
     sensor_noise * gain * (2.0 / (2.0 - gain)).sqrt() * pid.kd.abs() / pid.period
 }
@@ -76,14 +76,14 @@ mod tests {
     use core::f64::consts::TAU;
 
     #[test]
-    fn a_step_inside_a_row_is_put_where_its_mean_says() {
+    fn the_mean_of_a_row_determines_the_instant_of_its_step() {
         assert_eq!(step(0.0, 6.0, 8.0, 4), [0.0, 8.0, 8.0, 8.0]);
         assert_eq!(step(1.0, 1.25, 2.0, 2), [1.0, 1.5]);
         assert_eq!(step(1.0, 3.0, 2.0, 2), [3.0, 3.0]);
     }
 
     #[test]
-    fn the_law_makes_noise_of_noise() {
+    fn the_output_noise_agrees_with_a_simulated_loop() {
         let pid = Pid {
             kp: 1.0,
             ki: 0.0,
@@ -100,7 +100,7 @@ mod tests {
             squares += (pid.kd * (passed - before) / pid.period).powi(2);
         }
         let seen = (squares / f64::from(count)).sqrt();
-        let said = told_noise(&pid, 0.1);
+        let said = output_noise(&pid, 0.1);
         assert!((seen / said - 1.0).abs() < 0.01, "{seen} {said}");
     }
 }

@@ -1,4 +1,4 @@
-//! Recordings cut into windows of prediction, with the state that was measured where each begins.
+//! Divides recordings into prediction windows, each with the measured state at its begin.
 
 mod averaging;
 pub(crate) mod drive_response;

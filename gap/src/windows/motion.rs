@@ -1,4 +1,4 @@
-//! What the measured motion was, and the torque that the nominal model misses in it.
+//! The measured motion, and the torque that the nominal model lacks for it.
 
 use super::restart::Restart;
 use super::series::Series;
@@ -8,26 +8,26 @@ use host_sim::device::Device;
 use host_sim::drive::DriveLine;
 use std::collections::BTreeMap;
 
-/// Smoothed motion at each coarse sample of a series, what the device's sensor makes of it undone but for its play.
+/// Smoothed motion at each coarse sample of a series. The errors of the position sensor are removed, except for its hysteresis.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub position: Vec<f64>,
     pub velocity: Vec<f64>,
     pub acceleration: Vec<f64>,
-    /// Joint torque that the drive gave, N m.
+    /// Drive torque at the joint, N m.
     pub drive_nm: Vec<f64>,
-    /// Torque on top of the device's that the motion needed, dry friction apart from sliding; NaN at
-    /// rest, where any torque up to the friction level does.
+    /// Torque that the motion needed beyond that of the device model, N m. It is NaN near standstill, where Coulomb friction may have any
+    /// value up to its level.
     pub missing_nm: Vec<f64>,
-    /// Torque that dry friction had to hold, where the direction of sliding is not known; NaN elsewhere.
+    /// Torque that static friction had to balance, N m. It is NaN where the direction of sliding is known.
     pub held_nm: Vec<f64>,
 }
 
-/// Speed below which the direction of sliding is not known, in standard deviations of the slope.
+/// Speed, in standard deviations of the fitted slope, below which the direction of sliding is unknown.
 const KNOWN_DIRECTION: f64 = 4.0;
 
 impl Motion {
-    /// Of a series whose column has a low-pass at `cutoff_hz`, if any.
+    /// Computes the motion of a series. `cutoff_hz` is the cutoff frequency of the low-pass of its position column, if any.
     pub(crate) fn of(
         series: &Series,
         device: &Device,
@@ -60,7 +60,7 @@ impl Motion {
             let dt = series.input_time.get(i + 1).map_or(0.0, |next| next - from);
             let (torque, _) = line.piece(from, dt);
             motion.drive_nm.push(torque.at(0.5 * dt));
-            // What is as far behind shows the motion of now.
+            // A reading that is delayed by `behind_s` shows the present motion.
             let shown_s = (now + behind_s).min(series.time[n - 1]);
             let Some(fit) = Restart::fit(&series.time, &position, shown_s, half_width_s) else {
                 continue;
@@ -92,14 +92,14 @@ impl Motion {
     }
 }
 
-/// The sizes of things in a recording, from which starting values are made.
+/// Typical magnitudes in a recording, for start values.
 #[derive(Clone, Debug)]
 pub(crate) struct Scales {
     pub position: [f64; 2],
-    /// Span of the run that moves least, within [`LEAST_SPAN`] of that of all.
+    /// Range of the position in the run with the smallest range, at least [`LEAST_SPAN`] of the range of all runs.
     pub least_span: f64,
     pub velocity: f64,
-    /// As far as the drive takes it.
+    /// Rms input, after the limits of the drive.
     pub input: f64,
     pub torque: f64,
     pub friction: f64,
@@ -109,14 +109,14 @@ pub(crate) struct Scales {
     pub noise: f64,
 }
 
-/// Share of the driving torque that stands in for dry friction where the model has none.
+/// Friction level, as a share of the rms drive torque, if the model has no Coulomb friction.
 const FRICTION_SHARE: f64 = 0.05;
-/// Span, over the noise, of a run that moves.
-const MOVES: f64 = 30.0;
-/// Share of the whole span down to which that of a run counts.
+/// Least range of the position, over the noise, for a run to count as moving.
+const LEAST_SPAN_OVER_NOISE: f64 = 30.0;
+/// Least range of a run, as a share of the whole range.
 const LEAST_SPAN: f64 = 0.01;
-/// Fewest samples in a period at the usual speed for it to be seen.
-const SAMPLES_A_PERIOD: f64 = 6.0;
+/// Least number of samples per spatial period at the rms speed.
+const SAMPLES_PER_PERIOD: f64 = 6.0;
 
 impl Scales {
     pub(crate) fn of(
@@ -170,17 +170,17 @@ impl Scales {
         SQRT_2 * self.velocity / (PI * self.span())
     }
 
-    /// The highest wave number over position that samples follow.
+    /// The highest wave number over the position that the samples resolve at the rms speed.
     pub(crate) fn finest_wave_number(&self) -> f64 {
         self.finest_wave_number_at(self.velocity)
     }
 
-    /// The same at a speed.
+    /// The highest wave number over the position that the samples resolve at a given speed.
     pub(crate) fn finest_wave_number_at(&self, speed: f64) -> f64 {
-        TAU / (speed * self.period_s * SAMPLES_A_PERIOD)
+        TAU / (speed * self.period_s * SAMPLES_PER_PERIOD)
     }
 
-    /// The wave numbers from one period over the span to the finest that samples follow.
+    /// The lowest and highest wave number: one period over the range of the position, and the highest that the samples resolve.
     pub(crate) fn wave_numbers(&self) -> [f64; 2] {
         [TAU / self.span(), self.finest_wave_number()]
     }
@@ -194,7 +194,7 @@ impl Scales {
     }
 }
 
-/// The smallest span of a run that moves at all.
+/// The smallest range of the position among the runs that move.
 fn least_span(series: &[Series], noise: f64) -> f64 {
     let mut runs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for s in series {
@@ -202,7 +202,7 @@ fn least_span(series: &[Series], noise: f64) -> f64 {
     }
     let spans = runs.values().map(|x| quantile(x, 0.95) - quantile(x, 0.05));
     spans
-        .filter(|span| *span > MOVES * noise)
+        .filter(|span| *span > LEAST_SPAN_OVER_NOISE * noise)
         .fold(f64::INFINITY, f64::min)
 }
 
@@ -213,8 +213,8 @@ mod tests {
     use host_sim::effects::Effect;
 
     #[test]
-    fn nothing_is_missing_of_a_device_whose_sensor_is_known() {
-        let missed = |hidden: &str, known: &[&str]| {
+    fn with_the_right_sensor_model_less_torque_is_missing() {
+        let missing_rms = |hidden: &str, known: &[&str]| {
             let recording = made::recording(&[hidden]);
             let mut device = Device::nominal(&recording.model);
             for effect in known {
@@ -232,7 +232,7 @@ mod tests {
             "sensor_nonlinearity:quadratic=0.3,cubic=1.5",
             "sensor_nonlinearity:quadratic=0,ripple_sine=0.03,wave_number=20",
         ] {
-            let [unknown, known] = [missed(hidden, &[]), missed(hidden, &[hidden])];
+            let [unknown, known] = [missing_rms(hidden, &[]), missing_rms(hidden, &[hidden])];
             assert!(known < 0.6 * unknown, "{hidden}: {known} {unknown}");
         }
     }

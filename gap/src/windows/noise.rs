@@ -1,4 +1,4 @@
-//! Noise of the position sensor, from the data themselves.
+//! Estimates the noise of the position sensor from the data.
 
 use super::restart::Restart;
 use super::statistics::quantile;
@@ -6,29 +6,30 @@ use super::window::Window;
 use nalgebra::DMatrix;
 use recording::{Recording, Run, low_pass_gain};
 
-/// Blocks in which the noise is judged, per window.
+/// Number of places per window at which the noise is estimated.
 const BLOCKS: usize = 6;
-/// Median of χ²/n is (1 − 2/(9 n))³ (Wilson and Hilferty, PNAS 17, 1931).
+
+/// Median of χ²/n for n degrees of freedom: (1 − 2/(9 n))³ (Wilson and Hilferty, PNAS 17, 1931).
 fn median_of_mean_square(freedom: f64) -> f64 {
     (1.0 - 2.0 / (9.0 * freedom)).powi(3)
 }
-/// A window's own noise counts up to this multiple of the run's: what is more is motion that no cubic
-/// follows.
+
+/// Largest noise of a window over that of the run. A larger residual is motion that a cubic cannot follow.
 const LARGEST_RATIO: f64 = 2.0;
-/// And down to this share: a sensor that stands on one count still moves within it.
+/// Least noise of a window over that of the run. A sensor that shows a constant count still moves within the count.
 const SMALLEST_RATIO: f64 = 0.3;
 
-/// Fewest degrees of freedom from which a noise is judged.
+/// Least degrees of freedom for an estimate of the noise.
 const LEAST_FREEDOM: f64 = 0.5;
-/// Places at which the colour of the noise is judged, at most.
+/// Largest number of places at which the correlation of the noise is estimated.
 const MOST_PLACES: usize = 300;
 
-/// Share of a sample's noise that is still in the next one: none, unless the column's own low-pass came after the noise,
-/// as the samples themselves say.
+/// Correlation of the noise of consecutive samples. It is that of the low-pass of the column if the samples show it, and otherwise 0,
+/// because then the noise was added behind the low-pass.
 pub(crate) fn correlation(recording: &Recording, run: &Run, period_s: f64) -> f64 {
     let cutoff_hz = recording.sensor("position").cutoff_hz;
-    let passed = 1.0 - low_pass_gain(cutoff_hz, period_s);
-    if passed <= 0.0 {
+    let by_low_pass = 1.0 - low_pass_gain(cutoff_hz, period_s);
+    if by_low_pass <= 0.0 {
         return 0.0;
     }
     let rows = run.time.len();
@@ -37,28 +38,28 @@ pub(crate) fn correlation(recording: &Recording, run: &Run, period_s: f64) -> f6
     let fits = run.time.iter().step_by(every);
     let fits = fits.filter_map(|&t| Restart::fit(&run.time, &run.position, t, half_width_s));
     let fits: Vec<Restart> = fits.filter(|fit| fit.residual > 0.0).collect();
-    let seen: Vec<f64> = fits.iter().map(|f| f.neighbours / f.residual).collect();
+    let correlations: Vec<f64> = fits.iter().map(|f| f.neighbours / f.residual).collect();
     let samples = fits.iter().map(|f| f.samples[1] - f.samples[0]).max();
-    let away = |correlation: f64| {
-        let left = left_by_a_cubic(samples.unwrap_or(0), correlation);
-        (quantile(&seen, 0.5) - left).abs()
+    let misfit = |correlation: f64| {
+        let left = residual_correlation(samples.unwrap_or(0), correlation);
+        (quantile(&correlations, 0.5) - left).abs()
     };
-    if away(passed) < away(0.0) {
-        passed
+    if misfit(by_low_pass) < misfit(0.0) {
+        by_low_pass
     } else {
         0.0
     }
 }
 
-/// Standard deviation of the mean of some samples in that of one.
-pub(crate) fn averaged(samples: usize, correlation: f64) -> f64 {
+/// Standard deviation of the mean of some samples, relative to that of one sample.
+pub(crate) fn noise_of_mean(samples: usize, correlation: f64) -> f64 {
     let n = samples as f64;
     let shared = (1..samples).map(|k| (1.0 - k as f64 / n) * correlation.powi(k as i32));
     ((1.0 + 2.0 * shared.sum::<f64>()) / n).sqrt()
 }
 
-/// Correlation of neighbours in what a cubic by least squares leaves of evenly spaced samples.
-fn left_by_a_cubic(samples: usize, correlation: f64) -> f64 {
+/// Correlation of consecutive residuals of a cubic that is fitted by least squares to evenly spaced samples with correlated noise.
+fn residual_correlation(samples: usize, correlation: f64) -> f64 {
     let at = |i: usize| (2 * i) as f64 / samples as f64 - 1.0;
     let powers = DMatrix::from_fn(samples, 4, |i, k| at(i).powi(k as i32));
     let Some(inverse) = powers.tr_mul(&powers).try_inverse() else {
@@ -73,10 +74,10 @@ fn left_by_a_cubic(samples: usize, correlation: f64) -> f64 {
     neighbours / covariance.trace()
 }
 
-/// Gives every window its noise: what local cubics leave of the samples, held between shares of the
-/// run's median so that neither an impact nor rest on one count decides.
+/// Sets the noise of every window from the residuals of local cubics. The noise is limited to a range around the median of the run, so
+/// that neither an impact nor a constant count determines it.
 ///
-/// Where the data are too few or too smooth to tell, the stated noise and quantum stand in.
+/// If the data are too few or too smooth, the stated noise and resolution are used.
 pub(crate) fn assign(recording: &Recording, run: &Run, correlation: f64, windows: &mut [Window]) {
     let stated = recording.sensor("position").deviation();
     let mut own = Vec::with_capacity(windows.len());
@@ -105,7 +106,7 @@ pub(crate) fn assign(recording: &Recording, run: &Run, correlation: f64, windows
     }
     all.sort_by(f64::total_cmp);
     let median = all.get(all.len() / 2).map_or(0.0, |m| m.sqrt());
-    // At rest on one count the median says nothing; the upper quartile still moves.
+    // At standstill on one count the median is zero, while the upper quartile is not.
     let upper = all.get(all.len() * 3 / 4).map_or(0.0, |m| m.sqrt());
     let typical = if median > 0.0 { median } else { upper };
     let typical = if typical > 0.0 {

@@ -1,32 +1,33 @@
-//! The measured state at an instant: value and slope of a cubic through the samples around it.
+//! The measured state at an instant: value and slope of a cubic that is fitted to the samples around it.
 
 use nalgebra::{Matrix4, Vector4};
 
-/// Fewest samples of a fit.
+/// Least number of samples of a fit, if the run has as many.
 pub(crate) const FEWEST: usize = 9;
-/// Unknowns of a cubic.
+/// Number of coefficients of a cubic.
 const CUBIC: usize = 4;
 
 /// A cubic fitted by least squares around an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Restart {
-    /// The instant, in the run's time, s.
+    /// The instant, in the time of the run, s.
     pub time_s: f64,
-    /// Value there, in units of position.
+    /// Position at the instant, in position units.
     pub value: f64,
-    /// Slope there, per s.
+    /// Velocity at the instant, in position units per s.
     pub slope: f64,
-    /// Second derivative there, per s².
+    /// Acceleration at the instant, in position units per s².
     pub curvature: f64,
-    /// Covariance of value and slope for noise of unit variance, white unless [`correlated`](Self::correlated).
+    /// Covariance of position and velocity for noise of unit variance. The noise is white unless [`correlated`](Self::correlated) was
+    /// called.
     pub covariance: [[f64; 2]; 2],
     /// Sum of squared residuals.
     pub residual: f64,
-    /// Degrees of freedom of the residual: its expected sum of squares for noise of unit variance.
+    /// Degrees of freedom: the expected sum of squared residuals for noise of unit variance.
     pub freedom: f64,
-    /// Sum of the products of neighbouring residuals.
+    /// Sum of the products of consecutive residuals.
     pub neighbours: f64,
-    /// Samples in the fit: first, and one past the last.
+    /// Index of the first sample of the fit, and of the sample after the last.
     pub samples: [usize; 2],
     /// Inverse normal matrix and time scale, for [`correlated`](Self::correlated).
     inverse: Matrix4<f64>,
@@ -34,7 +35,7 @@ pub struct Restart {
 }
 
 impl Restart {
-    /// The same instant in another state: value, slope and second derivative.
+    /// Replaces the state at the instant by a position, a velocity and an acceleration.
     pub(crate) fn at(self, [value, slope, curvature]: [f64; 3]) -> Self {
         Self {
             value,
@@ -44,7 +45,8 @@ impl Restart {
         }
     }
 
-    /// Errors of value and slope as noise of this standard deviation makes them, from `drawn` numbers of given ones.
+    /// Draws errors of position and velocity for noise of a given standard deviation. `drawn` returns a random number of a given standard
+    /// deviation.
     pub(crate) fn errors(&self, noise: f64, mut drawn: impl FnMut(f64) -> f64) -> [f64; 2] {
         let [[value, both], [_, slope]] = self.covariance;
         let value = value.max(f64::MIN_POSITIVE);
@@ -53,8 +55,8 @@ impl Restart {
         [first, both / value * first + drawn(noise * alone)]
     }
 
-    /// Fits the samples within ± `half_width_s` of `time_s`, or the nearest nine if those are fewer.
-    /// `None` if the run has fewer than four samples.
+    /// Fits the samples within ± `half_width_s` of `time_s`, or the nearest nine samples if fewer lie within. Returns `None` if the run
+    /// has fewer than four samples.
     pub fn fit(time: &[f64], position: &[f64], time_s: f64, half_width_s: f64) -> Option<Self> {
         let [first, last] = around(time, time_s, half_width_s);
         if last - first < CUBIC {
@@ -63,7 +65,7 @@ impl Restart {
         let scale_s = (time[last - 1] - time_s)
             .abs()
             .max((time_s - time[first]).abs());
-        // Values relative to one of them, so that a large offset costs no digits.
+        // Positions are relative to the first one, so that a large offset costs no precision.
         let base = position[first];
         let mut normal = Matrix4::zeros();
         let mut right = Vector4::zeros();
@@ -97,8 +99,8 @@ impl Restart {
         })
     }
 
-    /// The same fit to samples, at `time` of their run, each of whose noise is `correlation` of that of the one before it
-    /// and else its own.
+    /// Adjusts the covariance and the degrees of freedom for noise of a first-order autoregressive process. `time` holds the times of the
+    /// run, and `correlation` is that of consecutive samples.
     pub fn correlated(mut self, time: &[f64], correlation: f64) -> Self {
         if correlation == 0.0 {
             return self;
@@ -119,7 +121,7 @@ impl Restart {
     }
 }
 
-/// The part for value and slope of the covariance of a cubic's coefficients.
+/// Covariance of position and velocity from that of the scaled coefficients of a cubic.
 fn unscaled(covariance: &Matrix4<f64>, scale_s: f64) -> [[f64; 2]; 2] {
     let off = covariance[(0, 1)] / scale_s;
     let slope = covariance[(1, 1)] / (scale_s * scale_s);
@@ -130,9 +132,9 @@ fn powers(x: f64) -> Vector4<f64> {
     Vector4::new(1.0, x, x * x, x * x * x)
 }
 
-/// Samples within ± `half_width_s` of `time_s`, extended to the nearest [`FEWEST`].
+/// Indices of the samples within ± `half_width_s` of `time_s`, extended to the nearest [`FEWEST`].
 fn around(time: &[f64], time_s: f64, half_width_s: f64) -> [usize; 2] {
-    // A sample on the edge is inside, whatever rounding makes of it.
+    // A margin against rounding includes a sample exactly on the edge.
     let half = half_width_s * (1.0 + 1e-9) + 4.0 * f64::EPSILON * time_s.abs();
     let mut first = time.partition_point(|&t| t < time_s - half);
     let mut last = time.partition_point(|&t| t <= time_s + half);
@@ -171,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn nine_samples_at_the_ends_of_a_run() {
+    fn a_fit_at_either_end_of_a_run_has_nine_samples() {
         let time = times(100);
         let position = vec![1.0; 100];
         let start = Restart::fit(&time, &position, 100.0, 0.001).unwrap();
@@ -181,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_that_a_low_pass_has_gone_over_averages_out_less() {
+    fn covariance_and_freedom_are_right_for_low_passed_noise() {
         let time = times(100);
         let correlation: f64 = 0.8;
         let mut noise = Noise::new(1);

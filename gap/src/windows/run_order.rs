@@ -1,34 +1,34 @@
-//! An order of runs that depends on their data alone.
+//! A canonical order of the runs that depends only on their data.
 
 use recording::{Recording, Run};
 use std::borrow::Cow;
 
-/// The recording with its runs by start, length and motion, and the place that each had. Which windows are held out depends on the
-/// order of the runs; neither the order in the manifest, the names of the files nor the sign or unit of the position may change
-/// that.
+/// Sorts the runs by start, length, input and motion, and returns the original index of each. The order of the runs determines which
+/// windows are held out. Thus the order in the manifest, the file names, and the sign or unit of the position cannot influence a result.
 pub(crate) fn canonical(recording: &Recording) -> (Cow<'_, Recording>, Vec<usize>) {
-    let mut places: Vec<usize> = (0..recording.runs.len()).collect();
+    let mut indices: Vec<usize> = (0..recording.runs.len()).collect();
     let keys: Vec<[f64; 4]> = recording.runs.iter().map(key).collect();
-    places.sort_by(|&a, &b| {
+    indices.sort_by(|&a, &b| {
         let pairs = keys[a].iter().zip(&keys[b]);
         pairs.fold(core::cmp::Ordering::Equal, |order, (a, b)| {
             order.then(a.total_cmp(b))
         })
     });
-    if places.is_sorted() {
-        return (Cow::Borrowed(recording), places);
+    if indices.is_sorted() {
+        return (Cow::Borrowed(recording), indices);
     }
-    let runs = places.iter().map(|&place| recording.runs[place].clone());
+    let runs = indices.iter().map(|&index| recording.runs[index].clone());
     let ordered = Recording {
         runs: runs.collect(),
         ..recording.clone()
     };
-    (Cow::Owned(ordered), places)
+    (Cow::Owned(ordered), indices)
 }
 
-/// Start, number of rows, mean square of the input, and that of the motion: a number that another unit or sign leaves in its order.
+/// Sort key of a run: start, number of rows, variance of the input, and variance of the position. Another unit or sign of the position
+/// does not change the order of the variances.
 fn key(run: &Run) -> [f64; 4] {
-    let mean_square = |values: &[f64]| {
+    let variance = |values: &[f64]| {
         let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
         let squares = values.iter().map(|v| (v - mean).powi(2));
         squares.sum::<f64>() / values.len().max(1) as f64
@@ -36,8 +36,8 @@ fn key(run: &Run) -> [f64; 4] {
     [
         run.time.first().copied().unwrap_or(0.0),
         run.len() as f64,
-        mean_square(&run.input),
-        mean_square(&run.position),
+        variance(&run.input),
+        variance(&run.position),
     ]
 }
 
@@ -47,13 +47,13 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn runs_are_ordered_by_their_data_and_keep_their_places() {
+    fn runs_are_ordered_by_their_data_and_their_original_indices_are_returned() {
         let recording = made::recording(&[]);
-        let mut turned = recording.clone();
-        turned.runs.reverse();
-        let (ordered, places) = canonical(&turned);
+        let mut reversed = recording.clone();
+        reversed.runs.reverse();
+        let (ordered, indices) = canonical(&reversed);
         assert_eq!(ordered.runs, recording.runs);
-        assert_eq!(places, [1, 0]);
+        assert_eq!(indices, [1, 0]);
         assert_eq!(canonical(&recording).1, [0, 1]);
     }
 }

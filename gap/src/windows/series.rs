@@ -1,4 +1,4 @@
-//! A run cut into prediction windows, each with its restart.
+//! A run divided into prediction windows, each with its restart.
 
 use super::averaging::Averaging;
 use super::inputs::Inputs;
@@ -9,105 +9,104 @@ pub use super::window::Window;
 use recording::{InputSampling, Recording, Run, low_pass_gain};
 use std::ops::Range;
 
-/// A run as the prediction sees it.
+/// The samples of one run, as they are predicted, with their windows.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Index of the run in the recording.
     pub run: usize,
-    /// Of the positions, s, in the run's own time.
+    /// Times of the positions, in the time of the run, s.
     pub time: Vec<f64>,
-    /// Measured.
+    /// Measured positions, in position units.
     pub position: Vec<f64>,
-    /// From which on each input is held, s: those of the samples, or where samples are put together, of the
-    /// first.
+    /// Instant from which on each input is held, s. For noise_ratio samples it is the time of the first row of the sample.
     pub input_time: Vec<f64>,
-    /// One a position, held up to the next: the mean where samples are put together.
+    /// Input of each position, held up to the next. For noise_ratio samples it is the mean over their rows.
     pub input: Vec<f64>,
-    /// Measured at each of these inputs, in units of position a second.
+    /// Measured velocity at each input, in position units per s.
     pub(crate) velocity: Vec<f64>,
-    /// Largest magnitude of what was told.
+    /// Largest magnitude of the recorded input.
     pub(crate) largest_input: f64,
-    /// What was told from sample to sample, where samples are put together or inputs were sampled at instants of slow rows.
-    pub(crate) told: Option<Inputs>,
-    /// What each position is the mean over, s; 0 for an instant.
+    /// The input between the samples in finer steps, for noise_ratio samples and for slow rows whose inputs were sampled at instants.
+    pub(crate) fine_input: Option<Inputs>,
+    /// Interval over which each position is noise_ratio, s; 0 for an instant.
     pub span_s: f64,
-    /// Median sampling period of the run's rows, s.
+    /// Median sampling period of the rows, s.
     pub period_s: f64,
-    /// Share of a sample's noise that is still in the next one.
+    /// Correlation of the noise of consecutive samples.
     pub correlation: f64,
-    /// What to add to the run's time for that of the session, s.
+    /// Offset from the time of the run to the clock of the session, s.
     pub session_offset_s: f64,
-    /// When the run starts, in its time, s.
+    /// First time of the run, s.
     pub started_s: f64,
-    /// True if it does so before this does, so that inputs have come before the first.
-    pub(crate) goes_on: bool,
-    /// In the order of time, without gaps between them.
+    /// True if the run starts before this series does, so that inputs preceded the first one.
+    pub(crate) continues: bool,
+    /// Windows in the order of time, without gaps between them.
     pub windows: Vec<Window>,
-    /// What the samples show of a motion.
+    /// Correction of a predicted motion for the averaging of the samples.
     pub(crate) averaging: Averaging,
-    /// What drives make of the inputs.
+    /// Torque profiles of drives for the inputs.
     pub(crate) torque_profiles: TorqueProfiles,
 }
 
-/// Period that suffices for whatever moves, s, and the longest to about which samples are put together in long windows of long
-/// recordings.
+/// Sampling period that suffices for any motion, s, and the longest period to which samples are noise_ratio in long windows of long
+/// recordings, s.
 pub(crate) const FINE_PERIOD_S: f64 = 1e-3;
 const LONGEST_PERIOD_S: f64 = 2e-3;
-/// Samples of a window, and of a whole recording, that suffice for that.
+/// Number of samples of a window, and of a recording, that suffice.
 const WINDOW_SAMPLES: f64 = 100.0;
 const RECORDING_SAMPLES: f64 = 3000.0;
 
-/// A run cut into windows, of which no column has been copied yet.
+/// A run divided into windows, before its columns are copied.
 struct Outline<'a> {
     recording: &'a Recording,
     run: usize,
     period_s: f64,
     correlation: f64,
-    goes_on: bool,
+    continues: bool,
     session_offset_s: f64,
     windows: Vec<Window>,
 }
 
 impl<'a> Outline<'a> {
-    /// Of each run, restarted every `horizon_s`.
+    /// The outlines of all runs, restarted every `horizon_s`.
     fn of_runs(recording: &'a Recording, horizon_s: f64) -> impl Iterator<Item = Self> {
         let offsets_s = session_offsets(recording).into_iter().enumerate();
         offsets_s.map(move |(index, session_offset_s)| {
             let run = &recording.runs[index];
             let period_s = median_period(&run.time);
             let correlation = noise::correlation(recording, run, period_s);
-            let goes_on = part_before(recording, index).is_some();
+            let continues = part_before(recording, index).is_some();
             Self {
                 recording,
                 run: index,
                 period_s,
                 correlation,
-                goes_on,
+                continues,
                 session_offset_s,
-                windows: windows(recording, run, goes_on, horizon_s, period_s, correlation),
+                windows: windows(recording, run, continues, horizon_s, period_s, correlation),
             }
         })
     }
 
-    /// Samples of its windows, put together to about `period_s`.
+    /// Number of samples of its windows if they are noise_ratio to about `period_s`.
     fn samples(&self, period_s: f64) -> usize {
         let group = self.group(period_s);
         let windows = self.windows.iter();
         windows.map(|w| w.samples.len().div_ceil(group)).sum()
     }
 
-    /// Rows that are put together for about `period_s`.
+    /// Number of rows per noise_ratio sample for a period of about `period_s`.
     fn group(&self, period_s: f64) -> usize {
         ((period_s / self.period_s).round() as usize).max(1)
     }
 
-    /// All rows and windows.
+    /// The series of all rows and windows.
     fn whole(&self) -> Series {
         let rows = self.recording.runs[self.run].len();
         self.series(0..rows, &self.windows)
     }
 
-    /// Some of the windows, with the rows of these alone.
+    /// The series of some windows, with their rows.
     fn block(&self, windows: Range<usize>) -> Series {
         let windows = &self.windows[windows];
         let first = windows.first().map_or(0, |w| w.samples.start);
@@ -115,15 +114,15 @@ impl<'a> Outline<'a> {
         self.series(first..last, windows)
     }
 
-    /// Some rows, and windows within them.
+    /// The series of some rows, and of windows within them.
     fn series(&self, rows: Range<usize>, windows: &[Window]) -> Series {
         let run = &self.recording.runs[self.run];
         let time = run.time[rows.clone()].to_vec();
         let velocity = self.velocity(rows.clone());
-        let told = run.input[rows.clone()].to_vec();
-        let (input, told) = match run.input_sampling {
-            InputSampling::Mean => (told, None),
-            InputSampling::Point => along_lines(&time, &told, &velocity, self.period_s),
+        let recorded = run.input[rows.clone()].to_vec();
+        let (input, fine_input) = match run.input_sampling {
+            InputSampling::Mean => (recorded, None),
+            InputSampling::Point => along_lines(&time, &recorded, &velocity, self.period_s),
         };
         let windows = windows.iter().map(|window| Window {
             samples: window.samples.start - rows.start..window.samples.end - rows.start,
@@ -138,19 +137,19 @@ impl<'a> Outline<'a> {
             input,
             velocity,
             largest_input: largest(&run.input),
-            told,
+            fine_input,
             span_s: 0.0,
             period_s: self.period_s,
             correlation: self.correlation,
             session_offset_s: self.session_offset_s,
             started_s: run.time.first().copied().unwrap_or(0.0),
-            goes_on: self.goes_on || rows.start > 0,
+            continues: self.continues || rows.start > 0,
             averaging: Averaging::default(),
             torque_profiles: TorqueProfiles::default(),
         }
     }
 
-    /// Measured velocity at some rows, in units of position a second, by the rows around each.
+    /// Measured velocity at some rows, in position units per s, from the rows around each.
     fn velocity(&self, rows: Range<usize>) -> Vec<f64> {
         let run = &self.recording.runs[self.run];
         let Some((first_s, last_s)) = run.time.get(rows.start).zip(run.time[..rows.end].last())
@@ -168,29 +167,29 @@ impl<'a> Outline<'a> {
 }
 
 impl Series {
-    /// Time of sample `i` on the session's clock, s.
+    /// Time of sample `i` on the clock of the session, s.
     pub fn session(&self, i: usize) -> f64 {
         self.time[i] + self.session_offset_s
     }
 
-    /// First and last time on the session's clock, s; none of a series without samples.
+    /// First and last time on the clock of the session, s. Returns `None` for a series without samples.
     pub(crate) fn session_span_s(&self) -> Option<[f64; 2]> {
         let last = self.time.len().checked_sub(1)?;
         Some([self.session(0), self.session(last)])
     }
 
-    /// From a position to the next, mostly, s.
+    /// Usual time from a position to the next, s.
     pub(crate) fn step_s(&self) -> f64 {
         self.span_s.max(self.period_s)
     }
 
-    /// How far the low-pass of the position column, once a sampling period, is behind a ramp, s.
+    /// Delay of the low-pass of the position column for a ramp, s. The low-pass runs once per sampling period.
     pub(crate) fn logged_lag_s(&self, cutoff_hz: Option<f64>) -> f64 {
         let gain = low_pass_gain(cutoff_hz, self.period_s);
         self.period_s * (1.0 - gain) / gain
     }
 
-    /// From a restart to the next, mostly, s; infinite if there is one restart only.
+    /// Usual time from a restart to the next, s. It is infinite if there is only one restart.
     pub(crate) fn window_s(&self) -> f64 {
         let [Some(first), Some(last)] = [self.windows.first(), self.windows.last()] else {
             return f64::INFINITY;
@@ -202,21 +201,21 @@ impl Series {
         (last.restart.time_s - first.restart.time_s) / steps as f64
     }
 
-    /// How fast each window begins.
+    /// Speed at the begin of each window, in position units per s.
     pub(crate) fn restart_speeds(&self) -> impl Iterator<Item = f64> {
         let windows = self.windows.iter();
         windows.map(|window| window.restart.slope.abs())
     }
 
-    /// Sum of the squares that are left of a window where this is `predicted` of the series.
+    /// Sum of the squared prediction errors of a window.
     pub(crate) fn squares(&self, window: &Window, predicted: &[f64]) -> f64 {
         let rows = window.samples.clone();
         let pairs = predicted[rows.clone()].iter().zip(&self.position[rows]);
         pairs.map(|(p, m)| (p - m).powi(2)).sum()
     }
 
-    /// Puts samples together to about `period_s`, input and position averaged; the restarts stay as they are. What moves faster
-    /// than that carries no torque that a device of inertia shows.
+    /// Averages rows to samples of about `period_s`, position and input alike. The restarts stay unchanged. The inertia of a device
+    /// filters faster changes of the torque.
     fn coarsened(self, period_s: f64) -> Self {
         let period = self.period_s;
         let group = (period_s / period).round() as usize;
@@ -229,7 +228,7 @@ impl Series {
             input_time: Vec::new(),
             input: Vec::new(),
             velocity: Vec::new(),
-            told: None,
+            fine_input: None,
             span_s: group as f64 * period,
             correlation: self.correlation.powi(group as i32),
             windows: Vec::new(),
@@ -237,7 +236,7 @@ impl Series {
             torque_profiles: TorqueProfiles::default(),
             ..self
         };
-        let averaged = noise::averaged(group, self.correlation);
+        let noise_ratio = noise::noise_of_mean(group, self.correlation);
         let mut firsts = Vec::new();
         let mut instants_s = Vec::new();
         for window in &self.windows {
@@ -246,14 +245,14 @@ impl Series {
             for first in window.samples.clone().step_by(group) {
                 let rows = first..(first + group).min(window.samples.end);
                 let at_s = mean(&self.time[rows.clone()]);
-                let apart = self.time[rows.clone()].iter().map(|t| (t - at_s).powi(2));
-                spreads_s2.push(apart.sum::<f64>() / rows.len() as f64);
+                let distances_s2 = self.time[rows.clone()].iter().map(|t| (t - at_s).powi(2));
+                spreads_s2.push(distances_s2.sum::<f64>() / rows.len() as f64);
                 coarse.time.push(at_s);
                 coarse.position.push(mean(&self.position[rows]));
                 coarse.input_time.push(self.time[first]);
                 firsts.push(first);
             }
-            // From a restart to its first sample, and in halves from each to the next.
+            // Intervals of the fine input: from a restart to its first sample, then two halves between consecutive samples.
             let times = &coarse.time[start..];
             instants_s.push(self.time[window.samples.start]);
             instants_s.extend(&times[..1]);
@@ -263,7 +262,7 @@ impl Series {
                 .add_window(&coarse.time[start..], &spreads_s2);
             coarse.windows.push(Window {
                 samples: start..coarse.time.len(),
-                noise: averaged * window.noise,
+                noise: noise_ratio * window.noise,
                 ..window.clone()
             });
         }
@@ -275,12 +274,12 @@ impl Series {
         let ends = firsts.iter().skip(1).copied().chain([self.time.len()]);
         for (&first, end) in firsts.iter().zip(ends) {
             let all_s: f64 = (first..end).map(held_s).sum();
-            let told = (first..end).map(|row| held_s(row) * self.input[row]);
-            coarse.input.push(told.sum::<f64>() / all_s);
+            let weighted = (first..end).map(|row| held_s(row) * self.input[row]);
+            coarse.input.push(weighted.sum::<f64>() / all_s);
             coarse.velocity.push(mean(&self.velocity[first..end]));
         }
         instants_s.extend(self.time.last().map(|last_s| last_s + period));
-        coarse.told = Some(Inputs::between(
+        coarse.fine_input = Some(Inputs::between(
             &instants_s,
             &self.time,
             &self.input,
@@ -290,11 +289,11 @@ impl Series {
     }
 }
 
-/// Parts of a slow row in each of which the mean of an input on a straight line acts: what is left of the line then moves a mass by a
-/// sixteenth of what it does.
+/// Number of equal intervals in which a linear input within a slow row is replaced by its means. The error that remains in the motion is
+/// 1/16 of that with one interval.
 const LINE_PARTS: f64 = 4.0;
 
-/// The mean of each row of an input that was sampled at the rows' instants, and what is told within the rows where they are slow.
+/// The mean input of each row, from inputs that were sampled at the instants of the rows, and the fine input if the rows are slow.
 fn along_lines(
     time: &[f64],
     input: &[f64],
@@ -303,11 +302,12 @@ fn along_lines(
 ) -> (Vec<f64>, Option<Inputs>) {
     let means = Inputs::along(time, input, velocity, 1);
     let parts = (period_s / FINE_PERIOD_S).round().min(LINE_PARTS) as usize;
-    let told = (parts > 1).then(|| Inputs::along(time, input, velocity, parts));
-    (means.means(), told)
+    let fine_input = (parts > 1).then(|| Inputs::along(time, input, velocity, parts));
+    (means.means(), fine_input)
 }
 
-/// Slope of a column at each sample, from the first to the last within `half_width_s`, or from neighbour to neighbour, per s.
+/// Slope of a column at each sample, per s: the difference quotient of the first and the last sample within `half_width_s`, or at least
+/// of the adjacent samples.
 pub(crate) fn slopes(time: &[f64], column: &[f64], half_width_s: f64) -> Vec<f64> {
     let [mut first, mut last] = [0; 2];
     let within = |from: usize, to: usize| time[to] - time[from] <= half_width_s;
@@ -333,7 +333,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Largest magnitude.
+/// Largest magnitude of the values.
 pub(crate) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, x| x.abs().max(largest))
 }
@@ -348,7 +348,7 @@ pub fn median_period(time: &[f64]) -> f64 {
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// The run before, if it and another are parts of one: they bear the name of one file, and the other comes later.
+/// Index of the preceding run if it is an earlier part of the same file.
 fn part_before(recording: &Recording, index: usize) -> Option<usize> {
     let before = index.checked_sub(1)?;
     let [earlier, later] = [&recording.runs[before], &recording.runs[index]];
@@ -358,7 +358,7 @@ fn part_before(recording: &Recording, index: usize) -> Option<usize> {
 fn windows(
     recording: &Recording,
     run: &Run,
-    goes_on: bool,
+    continues: bool,
     horizon_s: f64,
     period_s: f64,
     correlation: f64,
@@ -366,18 +366,19 @@ fn windows(
     let (Some(&start), Some(&end)) = (run.time.first(), run.time.last()) else {
         return Vec::new();
     };
-    let hair = 1e-6 * period_s;
-    let count = ((end - start + 2.0 * hair) / horizon_s).floor() as usize + 1;
+    let rounding_s = 1e-6 * period_s;
+    let count = ((end - start + 2.0 * rounding_s) / horizon_s).floor() as usize + 1;
     let mut from = 0;
     let mut windows = Vec::with_capacity(count);
     for k in 0..count {
         let restart_s = start + k as f64 * horizon_s;
         let to = run
             .time
-            .partition_point(|&t| t < restart_s + horizon_s - hair);
+            .partition_point(|&t| t < restart_s + horizon_s - rounding_s);
         if to > from {
-            // What begins in motion is seen from one side only, and so for as long as from both.
-            let sides = if k == 0 && goes_on { 2.0 } else { 1.0 };
+            // A window that begins in motion, where a file was split, has samples on one side only. It uses twice the half width for as
+            // many samples.
+            let sides = if k == 0 && continues { 2.0 } else { 1.0 };
             let half_width = sides * recording.restart_half_width;
             if let Some(restart) = Restart::fit(&run.time, &run.position, restart_s, half_width) {
                 windows.push(Window {
@@ -399,23 +400,24 @@ pub fn full(recording: &Recording, horizon_s: f64) -> Vec<Series> {
     each_full(recording, horizon_s).collect()
 }
 
-/// The same one after the other, so that a long session is never held twice.
+/// All runs at full rate, restarted every `horizon_s`, one at a time. A long session is then never held in memory twice.
 pub(crate) fn each_full(recording: &Recording, horizon_s: f64) -> impl Iterator<Item = Series> {
     Outline::of_runs(recording, horizon_s).map(|outline| outline.whole())
 }
 
-/// All runs at a millisecond or, where windows and recording are long, at two, restarted every `horizon_s`.
+/// All runs noise_ratio to samples of 1 ms, or up to 2 ms if windows and recording are long, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
     spread(recording, horizon_s, coarse_period_s(recording), usize::MAX)
 }
 
-/// The same, of a long recording about `most` samples in blocks of windows that are spread evenly over it.
+/// All runs noise_ratio as by [`coarse`], restarted every `horizon_s`. Of a long recording it takes about `most` samples, in blocks of
+/// windows that are spread evenly.
 pub fn some_coarse(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
     spread(recording, horizon_s, coarse_period_s(recording), most)
 }
 
-/// All runs at about a millisecond, restarted every `horizon_s`, of a long recording about `most` samples in blocks of windows that
-/// are spread evenly over it.
+/// All runs noise_ratio to samples of about 1 ms, restarted every `horizon_s`. Of a long recording it takes about `most` samples, in blocks
+/// of windows that are spread evenly.
 pub fn some_fine(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
     spread(recording, horizon_s, FINE_PERIOD_S, most)
 }
@@ -426,15 +428,15 @@ fn coarse_period_s(recording: &Recording) -> f64 {
     enough_s.clamp(FINE_PERIOD_S, LONGEST_PERIOD_S)
 }
 
-/// Windows that stay together where a long recording is thinned, so that what is carried from window to
-/// window can settle.
+/// Number of consecutive windows in a block of a thinned recording. The state that is carried from window to window needs some windows to
+/// settle.
 const BLOCK: usize = 8;
 
-/// Samples that tell rival models apart: more would not do so better, only later.
+/// Number of samples that suffices to compare rival models.
 pub(crate) const MOST_SAMPLES: usize = 60_000;
 
-/// All windows, or blocks of them spread evenly over the recording where all hold more than `most` samples. Columns are copied a
-/// block at a time, so that a long recording is never held twice.
+/// All windows, or evenly spread blocks of windows if all windows hold more than `most` samples. The columns are copied one block at a
+/// time, so that a long recording is never held in memory twice.
 fn spread(recording: &Recording, horizon_s: f64, period_s: f64, most: usize) -> Vec<Series> {
     let outlines: Vec<Outline<'_>> = Outline::of_runs(recording, horizon_s).collect();
     let total: usize = outlines.iter().map(|o| o.samples(period_s)).sum();
@@ -456,7 +458,7 @@ fn spread(recording: &Recording, horizon_s: f64, period_s: f64, most: usize) -> 
     blocks.collect()
 }
 
-/// Series of parts of the runs of a recording, by the clocks of the whole runs.
+/// Gives the series of parts of runs the clocks of the whole runs.
 pub(crate) fn as_parts_of(recording: &Recording, mut parts: Vec<Series>) -> Vec<Series> {
     let offsets = session_offsets(recording);
     for part in &mut parts {
@@ -466,15 +468,15 @@ pub(crate) fn as_parts_of(recording: &Recording, mut parts: Vec<Series>) -> Vec<
     parts
 }
 
-/// When the first sample of a session is taken, by its clock, s.
+/// Time of the first sample of a session on the clock of the session, s.
 pub(crate) fn session_start(recording: &Recording) -> f64 {
     let starts = recording.runs.iter().zip(session_offsets(recording));
     let starts = starts.filter_map(|(run, offset)| Some(run.time.first()? + offset));
     starts.min_by(f64::total_cmp).unwrap_or(0.0)
 }
 
-/// What to add to each run's time for one clock of the session, s: nothing if the runs' times do not
-/// overlap, else the runs follow on one another in the order of the list.
+/// Offset from the time of each run to the clock of the session, s. The offsets are zero if the times of the runs do not overlap.
+/// Otherwise the runs follow each other in the order of the list.
 pub(crate) fn session_offsets(recording: &Recording) -> Vec<f64> {
     let mut spans: Vec<(f64, f64)> = recording
         .runs
@@ -489,11 +491,11 @@ pub(crate) fn session_offsets(recording: &Recording) -> Vec<f64> {
     let mut offsets: Vec<f64> = Vec::with_capacity(recording.runs.len());
     for (index, run) in recording.runs.iter().enumerate() {
         let start = run.time.first().copied().unwrap_or(0.0);
-        // A part of the run before goes by its clock.
+        // A part of the preceding run has the offset of that run.
         let part_before = part_before(recording, index);
         let offset = part_before.map_or(clock - start, |before| offsets[before]);
         offsets.push(offset);
-        // The last sample lasts as long as the others: the next run begins after it, not with it.
+        // The last sample lasts one period, after which the next run begins.
         let periods = run.time.len().saturating_sub(1).max(1) as f64;
         clock = start + offset + run.duration_s() * (1.0 + 1.0 / periods);
     }
@@ -509,9 +511,9 @@ mod tests {
     const PERIOD_S: f64 = 2.5e-4;
     const HORIZON_S: f64 = 0.1;
     const LIMIT: f64 = 1.0;
-    const HAIR_S: f64 = 1e-6;
+    const ROUNDING_S: f64 = 1e-6;
 
-    /// An input that changes its sign with each window and exceeds the limit right after.
+    /// An input that changes its sign with each window and exceeds the limit at the begin of each window.
     fn stepping() -> Recording {
         let time: Vec<f64> = (0..1200).map(|i| f64::from(i) * PERIOD_S).collect();
         let input = time.iter().map(|t| {
@@ -533,20 +535,20 @@ mod tests {
     }
 
     #[test]
-    fn putting_samples_together_keeps_the_impulse_that_acts_in_each_window() {
+    fn averaging_samples_keeps_the_impulse_in_each_window() {
         let recording = stepping();
         let series = &coarse(&recording, HORIZON_S)[0];
         assert!(series.time.len() < recording.runs[0].time.len() / 3);
-        let told = series.told.as_ref().unwrap();
+        let fine_input = series.fine_input.as_ref().unwrap();
         let drive = Device::nominal(&recording.model).drive;
         for k in 0..2 {
             let start_s = k as f64 * HORIZON_S;
-            let inside = |i: &usize| told.time[*i] > start_s - HAIR_S;
-            let before = |i: &usize| told.time[*i] < start_s + HORIZON_S - HAIR_S;
-            let rows = (0..told.time.len()).filter(inside).take_while(before);
-            let lasts_s = |i: usize| told.time[i + 1] - told.time[i];
+            let inside = |i: &usize| fine_input.time[*i] > start_s - ROUNDING_S;
+            let before = |i: &usize| fine_input.time[*i] < start_s + HORIZON_S - ROUNDING_S;
+            let rows = (0..fine_input.time.len()).filter(inside).take_while(before);
+            let lasts_s = |i: usize| fine_input.time[i + 1] - fine_input.time[i];
             let impulse: f64 = rows
-                .map(|i| told.settled_nm(&drive, false, i) * lasts_s(i))
+                .map(|i| fine_input.settled_nm(&drive, false, i) * lasts_s(i))
                 .sum();
             let sign = if k == 0 { 1.0 } else { -1.0 };
             let acting = sign * LIMIT * (3.0 * PERIOD_S + 0.5 * (HORIZON_S - 3.0 * PERIOD_S));
@@ -555,7 +557,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_has_one_velocity_also_at_its_ends_and_beside_a_gap() {
+    fn a_ramp_has_a_constant_slope_even_at_its_ends_and_next_to_a_gap() {
         const VELOCITY: f64 = -3.0;
         let time = [0.0, 0.001, 0.002, 0.003, 0.05, 0.051, 0.052];
         let position = time.map(|t| VELOCITY * t);
@@ -568,7 +570,7 @@ mod tests {
     }
 
     #[test]
-    fn no_two_samples_of_a_session_share_an_instant() {
+    fn two_runs_of_a_session_never_share_an_instant() {
         let mut recording = stepping();
         recording.runs.push(recording.runs[0].clone());
         let series = full(&recording, HORIZON_S);

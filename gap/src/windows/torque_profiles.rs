@@ -1,54 +1,54 @@
-//! The torque of drives from window to window, remembered for those that were asked for last.
+//! Keeps the torque profiles of the drives that were requested last.
 
 use host_sim::drive::Drive;
 use host_sim::plant::Course;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-/// The torque in one window, of a drive whose ratio is ±1.
+/// The torque profile in one window of a drive whose ratio is ±1.
 #[derive(Debug)]
 pub(crate) struct WindowTorque {
     pub(super) restart_s: f64,
     pub(super) samples: Range<usize>,
-    /// One step, from the last sample before.
+    /// The step from the last sample before the window to the restart.
     pub lead: Course,
-    /// From the restart on, to each sample.
+    /// The steps from the restart to each sample.
     pub steps: Course,
 }
 
-/// The torque profiles of a series under the drives that were asked for last: most of what is tried leaves the drive as it is.
+/// The torque profiles of a series for the drives that were requested last. Most candidate models leave the drive unchanged.
 #[derive(Debug, Default)]
-pub(crate) struct TorqueProfiles(Mutex<Vec<(Drive, Stretches)>>);
+pub(crate) struct TorqueProfiles(Mutex<Vec<(Drive, Blocks)>>);
 
-/// Of some windows that follow each other.
-pub(super) type Stretch = Box<[WindowTorque]>;
+/// The torque profiles of consecutive windows.
+pub(super) type Block = Box<[WindowTorque]>;
 
-/// Each as it is first asked for.
-pub(super) type Stretches = Arc<[OnceLock<Stretch>]>;
+/// The blocks of a series, each computed at its first request.
+pub(super) type Blocks = Arc<[OnceLock<Block>]>;
 
-/// Drives that are remembered, of series that are not longer than what models are fitted to.
+/// Number of drives whose profiles are kept.
 const MOST_DRIVES: usize = 4;
 
 impl Clone for TorqueProfiles {
-    /// Of what may be changed nothing is known.
+    /// A clone is empty because the inputs of the cloned series may be changed.
     fn clone(&self) -> Self {
         Self::default()
     }
 }
 
 impl TorqueProfiles {
-    /// Those under a drive, with room for so many stretches.
-    pub(super) fn under(&self, drive: &Drive, stretches: usize) -> Stretches {
-        // What a thread that has panicked leaves is whole.
+    /// The profiles for a drive, with room for `blocks` blocks.
+    pub(super) fn under(&self, drive: &Drive, blocks: usize) -> Blocks {
+        // The list stays consistent even if a thread panicked while it held the lock.
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let known = kept
             .iter()
-            .position(|(d, s)| d == drive && s.len() == stretches);
+            .position(|(d, s)| d == drive && s.len() == blocks);
         let entry = match known {
-            Some(place) => kept.remove(place),
+            Some(index) => kept.remove(index),
             None => (
                 drive.clone(),
-                (0..stretches).map(|_| OnceLock::new()).collect(),
+                (0..blocks).map(|_| OnceLock::new()).collect(),
             ),
         };
         let found = entry.1.clone();

@@ -1,20 +1,20 @@
-//! A recording without the stretches in which rows are missing.
+//! Splits runs at gaps in which rows are missing.
 
 use super::restart;
 use recording::{Recording, Run};
 use std::borrow::Cow;
 
-/// A recording each of whose runs has all its rows.
+/// A recording whose runs have no gaps.
 pub(crate) struct Unbroken<'a> {
-    /// Of which the runs are parts of those that were recorded.
+    /// The recording whose runs are the parts between gaps.
     pub recording: Cow<'a, Recording>,
-    /// The run that each is a part of.
+    /// Index of the recorded run of each part.
     pub runs: Vec<usize>,
 }
 
 impl<'a> Unbroken<'a> {
-    /// Cuts runs where rows are missing for longer than a restart looks to both sides: what was told in between nobody knows.
-    /// Parts too short for a restart are left out.
+    /// Splits runs at gaps that are longer than the full width of a restart, because the input during a gap is unknown. Parts that are
+    /// too short for a restart are left out.
     pub(crate) fn of(recording: &'a Recording) -> Self {
         let longest_s = 2.0 * recording.restart_half_width;
         let cuts = recording.runs.iter().map(|run| cuts(run, longest_s));
@@ -43,7 +43,7 @@ impl<'a> Unbroken<'a> {
     }
 }
 
-/// First rows after the gaps that are longer.
+/// Index of the first row after each gap that is longer than `longest_s`.
 fn cuts(run: &Run, longest_s: f64) -> Vec<usize> {
     let lasts = run.gaps().into_iter();
     let long = lasts.filter(|&last| run.time[last + 1] - run.time[last] > longest_s);

@@ -1,4 +1,4 @@
-//! One stretch of prediction, with the state from which it begins.
+//! A prediction window with the state from which it begins.
 
 use super::restart::Restart;
 use std::ops::Range;
@@ -6,12 +6,12 @@ use std::ops::Range;
 /// One prediction window.
 #[derive(Clone, Debug)]
 pub struct Window {
-    /// Samples that are predicted.
+    /// Indices of the predicted samples.
     pub samples: Range<usize>,
-    /// State from which they are.
+    /// State at the begin of the prediction.
     pub restart: Restart,
-    /// Standard deviation of a sample here, in units of position.
+    /// Standard deviation of the noise of a sample, in position units.
     pub noise: f64,
-    /// That of the samples that the restart is fitted to.
+    /// Standard deviation of the noise of the samples to which the restart is fitted, in position units.
     pub restart_noise: f64,
 }

@@ -1,6 +1,6 @@
 //! The gap of one model on one recording, and the floor below which no model can bring it.
 
-use crate::floor::{LOOKED_AT, floor_squares};
+use crate::floor::{SAMPLED_WINDOWS, floor_squares};
 use crate::predict::Predictor;
 use crate::windows::series::{self, Series, Window};
 use crate::windows::unbroken::Unbroken;
@@ -56,7 +56,7 @@ pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun
     let gap = Gap {
         before: left.rms,
         // A device that leaves less than an replicate one did was luckier with its restarts.
-        floor: left.floor(unbroken, LOOKED_AT).min(left.rms),
+        floor: left.floor(unbroken, SAMPLED_WINDOWS).min(left.rms),
         unit: recording.units.position.clone(),
     };
     (gap, whole(parts, runs))
@@ -84,7 +84,7 @@ fn whole(parts: Vec<PredictedRun>, runs: &[usize]) -> Vec<PredictedRun> {
 pub(crate) fn exceeds(recording: &Recording, device: &Device, floors: f64) -> (f64, bool) {
     let left = Left::of(recording, device);
     let beyond = |times: f64, looked_at| left.rms > times * left.floor(recording, looked_at);
-    let exceeds = beyond(floors.max(FAR_BEYOND), GLANCE) || beyond(floors, LOOKED_AT);
+    let exceeds = beyond(floors.max(FAR_BEYOND), GLANCE) || beyond(floors, SAMPLED_WINDOWS);
     (left.rms, exceeds)
 }
 

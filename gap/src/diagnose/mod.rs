@@ -465,7 +465,7 @@ impl Correction {
         let none = Self::none(problem, baseline);
         let fit = &selection.null;
         let floors = problem.floor_squares(fit);
-        let after = problem.unseen(fit, |fit, half| problem.window_squares(fit, half));
+        let after = problem.held_out(fit, |fit, half| problem.window_squares(fit, half));
         let total = shrink(&none.after, &after, &floors, &none.after);
         let interval = on_another(&baseline.squares, &after, &floors);
         let parts = attributed(problem, fit, total, interval, &none.after, &floors);

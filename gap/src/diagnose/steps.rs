@@ -178,7 +178,7 @@ fn are_spared(problem: &Problem<'_>, selection: &Selection, left: &[Vec<f64>]) -
     let [nominal, .., after] = left else {
         return false;
     };
-    let moved = problem.unseen(&selection.null, |fit, half| {
+    let moved = problem.held_out(&selection.null, |fit, half| {
         problem.window_squares(fit, half)
     });
     hardly_closes(
@@ -201,7 +201,7 @@ fn left_by_each(problem: &Problem<'_>, selection: &Selection) -> Vec<Vec<f64>> {
         if round.acceptance.by_few {
             problem.window_squares(&round.so_far, Part::All)
         } else {
-            problem.unseen(&round.so_far, |fit, half| problem.window_squares(fit, half))
+            problem.held_out(&round.so_far, |fit, half| problem.window_squares(fit, half))
         }
     });
     [nominal].into_iter().chain(left).collect()

@@ -4,7 +4,7 @@ use super::separation::separation;
 use super::trial::{Setting, readings};
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
-use crate::fit::{DIFFERENCES, Fit, aside};
+use crate::fit::{DIFFERENCES, Fit, difference_within};
 use haptic_paddle::excitation::Excitation;
 use host_sim::device::Device;
 use nalgebra::{DMatrix, DVector};
@@ -36,7 +36,7 @@ impl Contender {
             .zip(reaches)
             .enumerate()
             .map(|(i, (x, reach))| {
-                let by = aside(*x, DIFFERENCES[1], reach);
+                let by = difference_within(*x, DIFFERENCES[1], reach);
                 let mut there = fit.x.clone();
                 there[i] += by;
                 (by, at(&there))

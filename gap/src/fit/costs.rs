@@ -1,14 +1,14 @@
-//! What a model costs on windows of data.
+//! The cost of a model on windows of data.
 
 use super::part::Part;
 use super::whitening::dot;
 
-/// What one point costs on the windows of a part.
+/// The cost of a model on the windows of a part.
 #[derive(Clone, Debug)]
 pub(crate) struct Costs {
-    /// Whitened squared residual per sample, by running index; NaN for windows that take no part.
+    /// Mean squared whitened residual of each window, by running index over all series. It is NaN for windows that take no part.
     pub per_sample: Vec<f64>,
-    /// Cost of moving the model's own numbers within their tolerances.
+    /// Cost of the deviations of the model parameters from their stated values.
     pub prior: f64,
 }
 
@@ -19,7 +19,7 @@ impl Costs {
                 f64::NAN
             } else {
                 let c = dot(r, r) / r.len() as f64;
-                // A model that runs away is bad, not undefined.
+                // A model that diverges has the largest cost.
                 if c.is_finite() { c } else { f64::MAX }
             }
         });
@@ -29,18 +29,18 @@ impl Costs {
         }
     }
 
-    /// Robust cost of one window: `ln(1 + c/n)`, from ln 2 for a perfect model.
+    /// Robust cost of one window: `ln(1 + c/n)`. An exact model has an expected cost of about ln 2.
     pub(crate) fn log(&self, window: usize) -> f64 {
         self.per_sample[window].ln_1p()
     }
 
-    /// By how much less each window costs here than there.
+    /// Cost of each window in `there` less its cost here.
     pub(crate) fn gains(&self, there: &Self) -> Vec<f64> {
         let windows = 0..self.per_sample.len();
         windows.map(|w| there.log(w) - self.log(w)).collect()
     }
 
-    /// Those of the windows of a part alone.
+    /// Keeps the costs of the windows of `part`.
     pub(crate) fn within(mut self, part: Part<'_>) -> Self {
         for (w, cost) in self.per_sample.iter_mut().enumerate() {
             if !part.has(w) {
@@ -50,22 +50,22 @@ impl Costs {
         self
     }
 
-    fn taken(&self) -> impl Iterator<Item = f64> {
+    fn included(&self) -> impl Iterator<Item = f64> {
         self.per_sample.iter().copied().filter(|c| !c.is_nan())
     }
 
-    /// What a fit makes least: the robust costs of the windows that took part and the prior.
+    /// The objective of a fit: the sum of the robust costs of the windows that take part, and the prior cost.
     pub(crate) fn sum(&self) -> f64 {
-        self.taken().map(f64::ln_1p).sum::<f64>() + self.prior
+        self.included().map(f64::ln_1p).sum::<f64>() + self.prior
     }
 
-    /// The same per window.
+    /// The objective of a fit divided by the number of windows.
     pub(crate) fn level(&self) -> f64 {
-        self.sum() / self.taken().count().max(1) as f64
+        self.sum() / self.included().count().max(1) as f64
     }
 
-    /// The same without the prior.
+    /// Mean robust cost of a window, without the prior cost.
     pub(crate) fn mean(&self) -> f64 {
-        self.level() - self.prior / self.taken().count().max(1) as f64
+        self.level() - self.prior / self.included().count().max(1) as f64
     }
 }

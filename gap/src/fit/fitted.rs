@@ -1,12 +1,12 @@
-//! A fitted hypothesis, and how far it moves the model's own numbers.
+//! A fitted hypothesis, and how far it moves the model parameters.
 
 use super::costs::Costs;
 use super::hypothesis::Hypothesis;
 use crate::term::Term;
 
-/// Standard deviations of a chi-square within which the moves of the model's own numbers are likely.
+/// Number of standard deviations of χ² within which the deviations of the model parameters are plausible.
 const LIKELY_ERRORS: f64 = 4.0;
-/// Standard deviations by which one of them moves once in 200 recordings, if it is one of five.
+/// Number of standard deviations that one of five model parameters exceeds by chance in one of 200 recordings.
 const STRAINED: f64 = 3.3;
 
 /// A fitted hypothesis.
@@ -20,13 +20,14 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Its last effect as it was fitted, as a place to start from.
+    /// The last effect, with its fitted values as start values.
     pub(crate) fn last_term(&self) -> Option<Term> {
         let (term, own) = self.hypothesis.parts(&self.x).last()?;
         Some(term.moved(own))
     }
 
-    /// Its effects with more of the last one free, and the coordinates with as many more.
+    /// The effects with more free parameters of the last one, as given by `more`, and the extended coordinates. Returns `None` if there
+    /// is no effect or nothing to free.
     pub(crate) fn loosened(
         &self,
         more: impl Fn(&Term) -> Option<Term>,
@@ -42,7 +43,7 @@ impl Fit {
         Some((hypothesis, x))
     }
 
-    /// Its effects with another term in the place of the last, and coordinates to fit them from.
+    /// The effects with the last one replaced by `term`, and the coordinates to start a fit from.
     pub(crate) fn with_last(&self, term: Term) -> (Hypothesis, Vec<f64>) {
         let (mut hypothesis, mut x) = self.hypothesis.moved(&self.x);
         let before = hypothesis.terms.pop().map_or(0, |term| term.free.len());
@@ -51,7 +52,7 @@ impl Fit {
         (hypothesis, x)
     }
 
-    /// Its effects without one of them, and the coordinates without its own.
+    /// The effects without the one at `place`, and the coordinates without those of that effect.
     pub(crate) fn without(&self, place: usize) -> (Hypothesis, Vec<f64>) {
         let parts = self.hypothesis.parts(&self.x).enumerate();
         let kept = parts.filter(|(i, _)| *i != place);
@@ -61,19 +62,19 @@ impl Fit {
         (Hypothesis { terms }, x)
     }
 
-    /// How far the model's own numbers have moved, in standard deviations.
+    /// Deviations of the model parameters from their stated values, in standard deviations.
     pub(crate) fn moves(&self) -> &[f64] {
         &self.x[..self.x.len() - self.hypothesis.free()]
     }
 
-    /// The same with the model's own numbers as they are stated.
+    /// The fit with the model parameters at their stated values.
     pub(crate) fn as_stated(&self) -> Self {
         let mut stated = self.clone();
         stated.x[..self.moves().len()].fill(0.0);
         stated
     }
 
-    /// True if the model's own numbers have moved no farther than their tolerances let one expect.
+    /// True if the deviations of the model parameters are plausible for their tolerances.
     pub(crate) fn is_likely(&self) -> bool {
         let moves = self.moves();
         let squares: f64 = moves.iter().map(|z| z * z).sum();
@@ -81,7 +82,8 @@ impl Fit {
         squares <= numbers + LIKELY_ERRORS * (2.0 * numbers).sqrt()
     }
 
-    /// True if they, or one of them alone, have moved so far that they seem to make up for something else.
+    /// True if the deviations of the model parameters together, or one of them alone, are so large that they seem to compensate another
+    /// error.
     pub(crate) fn is_strained(&self) -> bool {
         !self.is_likely() || self.moves().iter().any(|z| z.abs() > STRAINED)
     }
@@ -94,8 +96,8 @@ mod tests {
     use crate::fit::part::Part;
     use crate::made;
 
-    /// Whether numbers that have moved so far are likely, and whether they are strained.
-    fn told(moves: &[f64]) -> [bool; 2] {
+    /// Whether a fit with these deviations is likely, and whether it is strained.
+    fn likely_and_strained(moves: &[f64]) -> [bool; 2] {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let bare = Hypothesis { terms: Vec::new() };
@@ -106,10 +108,10 @@ mod tests {
     }
 
     #[test]
-    fn one_number_that_goes_far_strains_a_model_whose_numbers_are_likely_together() {
-        assert_eq!(told(&[]), [true, false]);
-        assert_eq!(told(&[2.0, -2.0, 1.0]), [true, false]);
-        assert_eq!(told(&[0.1, -3.5, 0.2]), [true, true]);
-        assert_eq!(told(&[3.0, -3.0, 3.0]), [false, true]);
+    fn one_large_deviation_strains_a_model_that_is_likely_overall() {
+        assert_eq!(likely_and_strained(&[]), [true, false]);
+        assert_eq!(likely_and_strained(&[2.0, -2.0, 1.0]), [true, false]);
+        assert_eq!(likely_and_strained(&[0.1, -3.5, 0.2]), [true, true]);
+        assert_eq!(likely_and_strained(&[3.0, -3.0, 3.0]), [false, true]);
     }
 }

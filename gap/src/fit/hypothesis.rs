@@ -1,43 +1,42 @@
-//! A rival model: the nominal one with effects switched in, as a point in a space of few dimensions.
+//! A hypothesis: the nominal model with additional effects, as a point in a space of few dimensions.
 
 use crate::effects;
 use crate::term::Term;
 use host_sim::device::Device;
 use recording::{Model, Recording};
 
-/// Standard deviations by which a number of the model may move.
+/// Largest deviation of a model parameter from its stated value, in standard deviations.
 const PRIOR_REACH: f64 = 5.0;
 
-/// A number of the nominal model that is known only within a tolerance, or by how much later the input of some runs acts than the
-/// rows say.
+/// A parameter of the nominal model that is known only within a tolerance, or the unknown delay of the input of some runs.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PriorParameter {
-    /// A name of the model's table, or [`INPUT_TIME`].
+    /// Name of the parameter in the model table, or [`INPUT_TIME`].
     pub name: String,
-    /// As it is stated; of the input's time its standard deviation, s, as it is stated as right.
+    /// The stated value. For [`INPUT_TIME`] it is the standard deviation of the delay, s, whose stated value is 0.
     pub value: f64,
-    /// Standard deviation over the value.
+    /// Standard deviation as a share of the value.
     pub relative: f64,
-    /// True if that is stated, and not only what such numbers are usually off by.
+    /// True if the standard deviation is stated. Otherwise it is the typical error of such a parameter.
     pub is_stated: bool,
 }
 
-/// What the time between input and position is called among the model's numbers.
+/// Name of the delay between input and position among the prior parameters.
 pub(crate) const INPUT_TIME: &str = "input_time";
 
 impl PriorParameter {
-    /// The number so many deviations from what is stated. Those are by factors above and by shares below, as it is not stated
-    /// whether they are relative to the nominal number or to the true one; none turns a sign.
+    /// The value of the parameter at a number of standard deviations from the stated one. Increases are exponential and decreases linear,
+    /// since the tolerance may be relative to the nominal value or to the true one. The sign never changes.
     pub(crate) fn at(&self, deviations: f64) -> f64 {
         const LEAST: f64 = 0.01;
         let by = self.relative * deviations;
-        let times = if by > 0.0 { by.exp() } else { 1.0 + by };
-        self.value * times.max(LEAST)
+        let factor = if by > 0.0 { by.exp() } else { 1.0 + by };
+        self.value * factor.max(LEAST)
     }
 }
 
-/// The stated tolerances that leave room: of numbers that are there and not zero; and one time between input and position for all
-/// runs of which the same standard deviation is stated.
+/// The prior parameters of a recording: each stated tolerance of a nonzero model parameter, and one input delay for all runs with the
+/// same stated standard deviation.
 pub(crate) fn priors(recording: &Recording) -> Vec<PriorParameter> {
     let stated = recording.tolerance.iter();
     let numbers = stated.filter_map(|(name, relative)| {
@@ -70,7 +69,7 @@ fn input_times(recording: &Recording) -> Vec<PriorParameter> {
     times.collect()
 }
 
-/// By how much later than stated the input of each run acts at the coordinates `x`, s.
+/// Additional delay of the input of each run at the coordinates `x`, s.
 pub(crate) fn input_shifts_s(
     recording: &Recording,
     priors: &[PriorParameter],
@@ -84,7 +83,7 @@ pub(crate) fn input_shifts_s(
         .collect()
 }
 
-/// By how much later than stated the input of all runs acts at the coordinates `x`, s; `None` if that is not one time.
+/// Additional delay of the input of all runs at the coordinates `x`, s. Returns `None` if the runs do not have one common delay.
 pub(crate) fn common_input_shift_s(
     recording: &Recording,
     priors: &[PriorParameter],
@@ -98,8 +97,8 @@ pub(crate) fn common_input_shift_s(
         .flatten()
 }
 
-/// Terms on top of a nominal model whose numbers may move within their tolerances. Its coordinates are
-/// those of the prior parameters, in standard deviations, then those of the terms.
+/// Effects that are added to a nominal model whose parameters may deviate within their tolerances. The coordinates are those of the prior
+/// parameters, in standard deviations, then those of the effects.
 #[derive(Clone, Debug)]
 pub(crate) struct Hypothesis {
     pub terms: Vec<Term>,
@@ -120,20 +119,20 @@ impl Hypothesis {
         numbers.chain(terms).collect()
     }
 
-    /// True if an effect sets a number of the model, whose own tolerance then moves nothing.
+    /// True if an effect sets the model parameter `number`, whose own tolerance then has no influence.
     fn sets(&self, number: &str) -> bool {
         let mut terms = self.terms.iter();
         terms.any(|term| effects::of(term.kind.name).sets_in_model() == Some(number))
     }
 
-    /// Names of its effects, sorted.
+    /// Sorted names of the effects.
     pub(crate) fn names(&self) -> Vec<&'static str> {
         let mut names: Vec<_> = self.terms.iter().map(|term| term.kind.name).collect();
         names.sort_unstable();
         names
     }
 
-    /// Coordinates of the terms.
+    /// Number of coordinates of the effects.
     pub(crate) fn free(&self) -> usize {
         self.terms.iter().map(|t| t.free.len()).sum()
     }
@@ -147,27 +146,27 @@ impl Hypothesis {
         model
     }
 
-    /// Each term with its own part of the coordinates `x`, or of what is said of each of them.
+    /// Each effect with its part of the coordinates `x`, or of any list with one value per coordinate.
     pub(crate) fn parts<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = (&'a Term, &'a [f64])> {
-        let mut rest = &x[x.len() - self.free()..];
+        let mut remaining = &x[x.len() - self.free()..];
         self.terms.iter().map(move |term| {
-            let (own, others) = rest.split_at(term.free.len());
-            rest = others;
+            let (own, others) = remaining.split_at(term.free.len());
+            remaining = others;
             (term, own)
         })
     }
 
-    /// The same begun at the coordinates `x`, and what these are then.
+    /// The hypothesis with its effects started at the coordinates `x`, and the coordinates of that point.
     pub(crate) fn moved(&self, x: &[f64]) -> (Self, Vec<f64>) {
         let terms = self.parts(x).map(|(term, own)| term.moved(own));
         let terms = terms.collect();
         let held = x.len() - self.free();
-        let mut there = vec![0.0; x.len()];
-        there[..held].copy_from_slice(&x[..held]);
-        (Self { terms }, there)
+        let mut coordinates = vec![0.0; x.len()];
+        coordinates[..held].copy_from_slice(&x[..held]);
+        (Self { terms }, coordinates)
     }
 
-    /// When the effect that a coordinate belongs to acts at the coordinates `x`, s of the session; none if at all times.
+    /// Intervals in which the effect of a coordinate acts at the coordinates `x`, s of the session. Returns `None` if it always acts.
     pub(crate) fn meanwhile(&self, x: &[f64], coordinate: usize) -> Option<Vec<[f64; 2]>> {
         let place = coordinate.checked_sub(x.len() - self.free())?;
         let mut end = 0;

@@ -6,43 +6,43 @@ use super::hypothesis::Hypothesis;
 use super::linearization::Linearization;
 use super::part::Part;
 use super::problem::{PRIOR_WEIGHT, Problem};
-use super::slopes::{DIFFERENCES, Slope, aside, within};
+use super::slopes::{DIFFERENCES, Slope, clamped, difference_within};
 use super::whitening::{Whitening, dot};
 use crate::predict::Predictor;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// The slopes along the model's own numbers, which move little, and how uncertain the restarts leave the windows are taken
-/// anew at every third iteration, the slopes along effects before the last at every second.
-const ANEW_EVERY: usize = 3;
-const HELD_EVERY: usize = 2;
-/// Iterations with the wide difference.
-const WIDE: usize = 2;
-/// Longest move of a coordinate in one iteration.
-const LONGEST_MOVE: f64 = 1.5;
-/// Iterations on either half.
+/// The slopes along the model parameters and the whitenings are computed anew in every third iteration, because they change little. The
+/// slopes along the effects before the last one are computed anew in every second.
+const REFRESH_EVERY: usize = 3;
+const EARLIER_EVERY: usize = 2;
+/// Number of iterations with the wide finite difference.
+const WIDE_ITERATIONS: usize = 2;
+/// Largest step of a coordinate in one iteration.
+const LARGEST_STEP: f64 = 1.5;
+/// Number of iterations of a fit to one half of the windows.
 const HALF_ITERATIONS: usize = 5;
 const FIRST_DAMPING: f64 = 1e-2;
 const MOST_DAMPING: f64 = 1e4;
-/// An iteration that gains less than this share of the cost is the last.
+/// The fit ends after an iteration that gains less than this share of the cost.
 const LEAST_GAIN: f64 = 5e-4;
-/// Unless a single window gains this much.
+/// The fit continues if an iteration gains more than this robust cost.
 const LEAST_WINDOW_GAIN: f64 = 0.1;
 
 impl Problem<'_> {
-    /// What `of` says of each window under a fit to the half that it is not in, by running index. It says NaN of
-    /// windows outside the part that it is given.
-    pub(crate) fn unseen(
+    /// The value of `of` for each window under a fit to the half of the windows that does not hold it, by running index. `of` must return
+    /// NaN for windows outside the part that it is given.
+    pub(crate) fn held_out(
         &self,
         fit: &Fit,
         of: impl Fn(&Fit, Part<'_>) -> Vec<f64> + Sync,
     ) -> Vec<f64> {
-        Self::unseen_by(&self.halves(fit), of)
+        Self::held_out_by(&self.halves(fit), of)
     }
 
-    /// What `of` says of each window under that of [`Problem::halves`] that has not seen it.
-    pub(crate) fn unseen_by(
+    /// The value of `of` for each window under that fit of [`Problem::halves`] that was not fitted to it.
+    pub(crate) fn held_out_by(
         [first, second]: &[Fit; 2],
         of: impl Fn(&Fit, Part<'_>) -> Vec<f64> + Sync,
     ) -> Vec<f64> {
@@ -54,7 +54,7 @@ impl Problem<'_> {
         pairs.map(|(a, b)| if a.is_nan() { b } else { a }).collect()
     }
 
-    /// A fit gone on with on either half of the windows alone.
+    /// Continues a fit on each half of the windows alone.
     pub(crate) fn halves(&self, fit: &Fit) -> [Fit; 2] {
         let on = |half| {
             let x = fit.x.clone();
@@ -64,8 +64,8 @@ impl Problem<'_> {
         [first, second]
     }
 
-    /// Fits `hypothesis` from `x` on a part of the windows by Levenberg's and Marquardt's method with
-    /// iteratively re-weighted windows, `iterations` at most.
+    /// Fits `hypothesis` from `x` to a part of the windows, by the Levenberg-Marquardt method with iteratively reweighted windows, in at
+    /// most `iterations` iterations.
     pub(crate) fn fit(
         &self,
         hypothesis: &Hypothesis,
@@ -76,7 +76,8 @@ impl Problem<'_> {
         self.fit_on(None, hypothesis, x, part, iterations)
     }
 
-    /// The same on top of a fit, at a fraction of the time.
+    /// Fits as [`Problem::fit`] does. With the linearization of a fit of all but the last effect it reuses the slopes and whitenings,
+    /// which takes a fraction of the time.
     pub(crate) fn fit_on(
         &self,
         linearization: Option<&Linearization>,
@@ -86,10 +87,10 @@ impl Problem<'_> {
         iterations: usize,
     ) -> Fit {
         let n = x.len();
-        let held = n - hypothesis.terms.last().map_or(0, |term| term.free.len());
-        let reaches = hypothesis.reaches(&self.priors);
-        for (x, reach) in x.iter_mut().zip(&reaches) {
-            *x = within(*x, *reach);
+        let last_start = n - hypothesis.terms.last().map_or(0, |term| term.free.len());
+        let ranges = hypothesis.reaches(&self.priors);
+        for (x, range) in x.iter_mut().zip(&ranges) {
+            *x = clamped(*x, *range);
         }
         let predictor = self.predictor(hypothesis, &x);
         let residuals = self.residuals(&predictor, part);
@@ -98,7 +99,7 @@ impl Problem<'_> {
             Some(linearization) => Cow::Borrowed(linearization.whitenings()),
             None => Cow::Owned(self.whitenings(&predictor, &residuals, part)),
         };
-        let weighed_anew = |here: Point| {
+        let rewhitened = |here: Point| {
             let whitenings = self.whitenings(&here.predictor, &here.residuals, part);
             let here = self.point(here.x, here.predictor, here.residuals, &whitenings);
             (here, Cow::Owned(whitenings))
@@ -113,22 +114,22 @@ impl Problem<'_> {
             if n == 0 {
                 break;
             }
-            if iteration > 0 && iteration % ANEW_EVERY == 0 && linearization.is_none() {
-                (here, whitenings) = weighed_anew(here);
+            if iteration > 0 && iteration % REFRESH_EVERY == 0 && linearization.is_none() {
+                (here, whitenings) = rewhitened(here);
                 here.keep_if_better(&mut best);
             }
-            let difference = DIFFERENCES[usize::from(iteration >= WIDE)];
+            let difference = DIFFERENCES[usize::from(iteration >= WIDE_ITERATIONS)];
             slopes.par_iter_mut().enumerate().for_each(|(at, slope)| {
                 let i = at + known.len();
                 let every = if i < self.priors.len() {
-                    ANEW_EVERY
-                } else if i < held {
-                    HELD_EVERY
+                    REFRESH_EVERY
+                } else if i < last_start {
+                    EARLIER_EVERY
                 } else {
                     1
                 };
                 if iteration % every == 0 {
-                    let difference = aside(here.x[i], difference, reaches[i]);
+                    let difference = difference_within(here.x[i], difference, ranges[i]);
                     *slope = self.slope(hypothesis, &here.x, &here.residuals, i, difference, part);
                 }
             });
@@ -139,21 +140,21 @@ impl Problem<'_> {
                 .collect();
             let gradient;
             (normal, scatter, gradient) = self.normal_equations(&here, &columns);
-            let stuck = |&i: &usize| {
-                let ([low, high], x) = (reaches[i], here.x[i]);
+            let at_bound = |&i: &usize| {
+                let ([low, high], x) = (ranges[i], here.x[i]);
                 (gradient[i] > 0.0 && x <= low) || (gradient[i] < 0.0 && x >= high)
             };
-            let stuck: Vec<usize> = (0..n).filter(stuck).collect();
+            let at_bound: Vec<usize> = (0..n).filter(at_bound).collect();
             let total = here.costs.sum();
             let mut improved = None;
             while damping < MOST_DAMPING {
-                let Some(step) = damped_step(&normal, &gradient, damping, &stuck) else {
+                let Some(step) = damped_step(&normal, &gradient, damping, &at_bound) else {
                     damping *= 10.0;
                     continue;
                 };
-                let moves = step.iter().map(|dx| dx.clamp(-LONGEST_MOVE, LONGEST_MOVE));
-                let moved = here.x.iter().zip(moves).zip(&reaches);
-                let trial: Vec<f64> = moved.map(|((x, by), r)| within(x - by, *r)).collect();
+                let moves = step.iter().map(|dx| dx.clamp(-LARGEST_STEP, LARGEST_STEP));
+                let moved = here.x.iter().zip(moves).zip(&ranges);
+                let trial: Vec<f64> = moved.map(|((x, by), r)| clamped(x - by, *r)).collect();
                 let predictor = self.predictor(hypothesis, &trial);
                 let residuals = self.residuals(&predictor, part);
                 let there = self.point(trial, predictor, residuals, &whitenings);
@@ -165,7 +166,7 @@ impl Problem<'_> {
                 damping *= 8.0;
             }
             let Some(there) = improved else {
-                if iteration < WIDE {
+                if iteration < WIDE_ITERATIONS {
                     damping = FIRST_DAMPING;
                     continue;
                 }
@@ -173,12 +174,12 @@ impl Problem<'_> {
             };
             here = there;
             let gain = total - here.costs.sum();
-            if iteration >= WIDE && gain < (LEAST_GAIN * total).min(LEAST_WINDOW_GAIN) {
+            if iteration >= WIDE_ITERATIONS && gain < (LEAST_GAIN * total).min(LEAST_WINDOW_GAIN) {
                 break;
             }
         }
         if linearization.is_none() && here.x != best.0 {
-            (here, _) = weighed_anew(here);
+            (here, _) = rewhitened(here);
         }
         here.keep_if_better(&mut best);
         let (x, costs) = best;
@@ -207,8 +208,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Of the robust cost at a point with slopes along all its coordinates, whitened: normal matrix, scatter of what the
-    /// windows pull at it, and gradient.
+    /// Normal matrix, scatter matrix of the scores of the windows, and gradient of the robust cost at a point. `columns` holds the
+    /// whitened slopes along all coordinates.
     fn normal_equations(
         &self,
         here: &Point,
@@ -221,15 +222,15 @@ impl Problem<'_> {
         let windows = here.whitened.iter().enumerate();
         for (w, base) in windows.filter(|(_, r)| !r.is_empty()) {
             let weight = 1.0 / (base.len() as f64 * (1.0 + here.costs.per_sample[w]));
-            let pulls = columns.iter().map(|c| weight * dot(&c[w], base));
-            let pull = DVector::from_iterator(n, pulls);
+            let scores = columns.iter().map(|c| weight * dot(&c[w], base));
+            let score = DVector::from_iterator(n, scores);
             for i in 0..n {
                 for j in 0..=i {
                     normal[(i, j)] += weight * dot(&columns[i][w], &columns[j][w]);
                 }
             }
-            scatter += &pull * pull.transpose();
-            gradient += pull;
+            scatter += &score * score.transpose();
+            gradient += score;
         }
         normal.fill_upper_triangle_with_lower_triangle();
         for i in 0..self.priors.len() {
@@ -240,7 +241,7 @@ impl Problem<'_> {
     }
 }
 
-/// What a hypothesis leaves at a point, and what that costs as it is weighed there.
+/// The residuals of a hypothesis at a point, and their cost with given whitenings.
 struct Point {
     x: Vec<f64>,
     predictor: Predictor,
@@ -250,7 +251,8 @@ struct Point {
 }
 
 impl Point {
-    /// Restarts weigh otherwise at each point, so that steps down may turn out to lead up.
+    /// Keeps this point if its cost with its own whitenings is lower. The whitenings differ between points, so a step that reduced the
+    /// cost with fixed whitenings may have increased it.
     fn keep_if_better(&self, best: &mut (Vec<f64>, Costs)) {
         if self.costs.sum() < best.1.sum() {
             *best = (self.x.clone(), self.costs.clone());
@@ -258,30 +260,29 @@ impl Point {
     }
 }
 
-/// The step down; along coordinates that are `stuck` none, the others move as if those were fixed. None if there is no such
-/// step.
+/// The damped step. The coordinates `at_bound` are kept fixed. Returns `None` if the damped matrix is not positive definite.
 fn damped_step(
     normal: &DMatrix<f64>,
     gradient: &DVector<f64>,
     damping: f64,
-    stuck: &[usize],
+    at_bound: &[usize],
 ) -> Option<DVector<f64>> {
     let mut damped = normal.clone();
     for i in 0..normal.nrows() {
         damped[(i, i)] += damping * normal[(i, i)] + 1e-9;
     }
-    let mut pull = gradient.clone();
-    for &i in stuck {
+    let mut score = gradient.clone();
+    for &i in at_bound {
         damped.row_mut(i).fill(0.0);
         damped.column_mut(i).fill(0.0);
         damped[(i, i)] = 1.0;
-        pull[i] = 0.0;
+        score[i] = 0.0;
     }
-    Some(damped.cholesky()?.solve(&pull))
+    Some(damped.cholesky()?.solve(&score))
 }
 
-/// Standard deviations by the sandwich of Huber (Berkeley Symposium 5, 1967), windows as clusters: what
-/// is left inside a window is anything but independent.
+/// Standard deviations by the sandwich estimator (Huber, Berkeley Symposium 5, 1967) with windows as clusters, since the residuals clamped
+/// a window are correlated.
 fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
     let n = normal.nrows();
     match (normal + DMatrix::identity(n, n) * 1e-9).try_inverse() {
@@ -309,7 +310,7 @@ mod tests {
         made::term(name, &free)
     }
 
-    /// What terms come to on a recording with the effects written in `effects`.
+    /// The fitted parameters of terms on a recording with `effects`.
     fn fitted(effects: &[&str], terms: Vec<Term>) -> Vec<f64> {
         let recording = made::recording(effects);
         let problem = made::problem(&recording);
@@ -324,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_size_is_found_far_from_where_it_was_looked_for() {
+    fn a_parameter_far_from_its_start_is_found() {
         let spring = term("spring", &[(0, 0.03, 0.01), (1, 0.0, 0.1)]);
         let [stiffness, _] = fitted(&["spring:stiffness=0.15,zero=0"], vec![spring])[..] else {
             panic!("two numbers");
@@ -333,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_at_the_end_of_its_range_holds_no_other_up_and_comes_back() {
+    fn a_parameter_at_a_bound_does_not_block_others_and_can_leave_it() {
         let viscous = |start| term("viscous", &[(0, start, 1e-3)]);
         let spring = term("spring", &[(0, 0.03, 0.01), (1, 0.0, 0.1)]);
         let hidden = "spring:stiffness=0.06,zero=0";
@@ -352,20 +353,22 @@ mod tests {
     }
 
     #[test]
-    fn what_acts_for_a_while_is_looked_at_meanwhile_and_changes_nothing_else() {
+    fn a_slope_of_a_temporary_effect_equals_the_difference_of_all_residuals() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
-        let mut hand = term("contact", &[(0, 0.3, 0.1), (5, 3.0, 0.5)]);
-        (hand.values[2], hand.values[3], hand.values[4]) = (0.0, 0.0, 2.5);
-        let hypothesis = Hypothesis { terms: vec![hand] };
-        let left = |x: &[f64]| {
+        let mut contact = term("contact", &[(0, 0.3, 0.1), (5, 3.0, 0.5)]);
+        (contact.values[2], contact.values[3], contact.values[4]) = (0.0, 0.0, 2.5);
+        let hypothesis = Hypothesis {
+            terms: vec![contact],
+        };
+        let residuals = |x: &[f64]| {
             let predictor = problem.predictor(&hypothesis, x);
             problem.residuals(&predictor, Part::All).concat()
         };
         let here = problem.residuals(&problem.predictor(&hypothesis, &[0.0; 2]), Part::All);
         for (i, moved) in [[1.0, 0.0], [0.0, 1.0]].iter().enumerate() {
             let slope = problem.slope(&hypothesis, &[0.0; 2], &here, i, 1.0, Part::All);
-            let there = left(moved).into_iter().zip(here.concat());
+            let there = residuals(moved).into_iter().zip(here.concat());
             let expected: Vec<f64> = there.map(|(there, here)| there - here).collect();
             assert_eq!(slope.concat(), expected);
             assert!(expected.iter().any(|change| *change != 0.0));

@@ -1,4 +1,4 @@
-//! Rival models fitted to the windows of a recording.
+//! Fits hypotheses to the windows of a recording.
 
 pub(crate) mod costs;
 mod fitted;
@@ -13,4 +13,4 @@ pub(crate) mod stalls;
 pub(crate) mod whitening;
 
 pub(crate) use fitted::Fit;
-pub(crate) use slopes::{DIFFERENCES, aside};
+pub(crate) use slopes::{DIFFERENCES, difference_within};

@@ -1,4 +1,4 @@
-//! The data that every fit shares, and what a hypothesis leaves of them.
+//! The data that all fits share, and the residuals of a hypothesis on them.
 
 use super::costs::Costs;
 use super::fitted::Fit;
@@ -11,27 +11,27 @@ use host_sim::device::Device;
 use rayon::prelude::*;
 use recording::{Recording, Run};
 
-/// What every fit shares.
+/// The data that all fits share.
 pub(crate) struct Problem<'a> {
     pub recording: &'a Recording,
     pub series: Vec<Series>,
     pub priors: Vec<PriorParameter>,
-    /// By how much a model that is right may be off, rms in units of position.
+    /// Allowed model error: rms deviation of an acceptable model, in position units.
     pub modelling: f64,
-    /// The same data restarted four times as often.
+    /// The same data with restarts four times as often.
     pub quarter: Option<Box<Problem<'a>>>,
 }
 
-/// Weight of a squared standard deviation of tolerance against the robust cost of a window.
+/// Weight of a squared deviation from a stated value, in standard deviations, against the robust cost of a window.
 pub(crate) const PRIOR_WEIGHT: f64 = 0.25;
 
 impl Problem<'_> {
-    /// The same for a model that is off by nothing.
+    /// The problem without an allowed model error.
     pub(crate) fn exact(&self) -> Self {
         self.off_by(0.0)
     }
 
-    /// The same for a model that may be off by `modelling`, rms in units of position.
+    /// The problem with an allowed model error of `modelling`, rms in position units.
     pub(crate) fn off_by(&self, modelling: f64) -> Self {
         Self {
             recording: self.recording,
@@ -45,7 +45,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The same with other numbers of the model free.
+    /// The problem with other model parameters free.
     pub(crate) fn with_numbers(mut self, numbers: &[PriorParameter]) -> Self {
         self.priors = numbers.to_vec();
         self.quarter = self
@@ -54,7 +54,7 @@ impl Problem<'_> {
         self
     }
 
-    /// Root mean square over all samples of what was summed up by window.
+    /// Root mean square over all samples, from the sum of squares of each window.
     pub(crate) fn rms(&self, squares: &[f64]) -> f64 {
         let samples: usize = self.series.iter().map(|s| s.position.len()).sum();
         (squares.iter().sum::<f64>() / samples.max(1) as f64).sqrt()
@@ -64,7 +64,7 @@ impl Problem<'_> {
         self.series.iter().map(|s| s.windows.len()).sum()
     }
 
-    /// Of all runs, s.
+    /// Duration of all runs, s.
     pub(crate) fn duration_s(&self) -> f64 {
         self.recording.runs.iter().map(Run::duration_s).sum()
     }
@@ -74,7 +74,7 @@ impl Problem<'_> {
         self.series.iter().flat_map(|s| s.position.iter().copied())
     }
 
-    /// The lowest and the highest of them.
+    /// The lowest and the highest measured position.
     pub(crate) fn extremes(&self) -> [f64; 2] {
         self.positions()
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
@@ -88,7 +88,7 @@ impl Problem<'_> {
         Predictor::new(device, self.recording).shifted(shifts_s)
     }
 
-    /// Root mean square of measured minus predicted position on some data.
+    /// Rms of measured less predicted position on given series, in position units.
     pub(crate) fn plain_gap(&self, series: &[Series], fit: &Fit) -> f64 {
         let predictor = self.predictor(&fit.hypothesis, &fit.x);
         let mut sum = 0.0;
@@ -102,18 +102,18 @@ impl Problem<'_> {
         (sum / f64::from(count.max(1))).sqrt()
     }
 
-    /// Squared residuals of each window of a part, by running index; NaN for the others.
+    /// Sum of squared residuals of each window of a part under a fit, by running index. It is NaN for the other windows.
     pub(crate) fn window_squares(&self, fit: &Fit, part: Part<'_>) -> Vec<f64> {
         self.squares(&self.predictor(&fit.hypothesis, &fit.x), part)
     }
 
-    /// Squared residuals of the nominal model, by window.
+    /// Sum of squared residuals of each window under the nominal model.
     pub(crate) fn nominal_squares(&self) -> Vec<f64> {
         let nominal = Device::nominal(&self.recording.model);
         self.squares(&Predictor::new(nominal, self.recording), Part::All)
     }
 
-    /// The same of what predicts.
+    /// Sum of squared residuals of each window of a part under a predictor, by running index. It is NaN for the other windows.
     pub(crate) fn squares(&self, predictor: &Predictor, part: Part<'_>) -> Vec<f64> {
         let residuals = self.residuals(predictor, part);
         let pairs = self.series.iter().zip(&residuals).zip(self.bases());
@@ -131,7 +131,7 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// The windows within some times of the session, and those that follow on them.
+    /// True for the windows that overlap given intervals of the session, s, and for the windows that follow them.
     pub(crate) fn during(&self, times_s: &[[f64; 2]]) -> Vec<bool> {
         let windows = self.series.iter().flat_map(|series| {
             let mut is_before = false;
@@ -158,7 +158,7 @@ impl Problem<'_> {
         counts.collect()
     }
 
-    /// Measured minus predicted, per series.
+    /// Measured less predicted positions, per series.
     pub(crate) fn residuals(&self, predictor: &Predictor, part: Part<'_>) -> Vec<Vec<f64>> {
         let pairs = self.series.par_iter().zip(self.bases());
         pairs
@@ -198,7 +198,7 @@ impl Problem<'_> {
         all
     }
 
-    /// Whitened copies of the residuals of the windows that take part, by running index.
+    /// Whitened copies of the residuals of the windows that take part, by running index. The entries of other windows are empty.
     pub(crate) fn whitened(
         &self,
         residuals: &[Vec<f64>],
@@ -227,7 +227,7 @@ impl Problem<'_> {
         PRIOR_WEIGHT * z.iter().map(|z| z * z).sum::<f64>()
     }
 
-    /// Costs of a hypothesis at a point, with the whitening of that point.
+    /// Cost of a hypothesis at a point, with the whitenings of that point.
     pub(crate) fn costs(&self, hypothesis: &Hypothesis, x: &[f64], part: Part<'_>) -> Costs {
         let predictor = self.predictor(hypothesis, x);
         let residuals = self.residuals(&predictor, part);
@@ -243,7 +243,7 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn what_a_model_may_be_off_by_costs_no_more_than_noise() {
+    fn a_residual_within_the_allowed_model_error_costs_no_more_than_noise() {
         let recording = made::recording(&["torque_offset:torque=0.001"]);
         let bare = Hypothesis { terms: Vec::new() };
         let exact = made::problem(&recording);

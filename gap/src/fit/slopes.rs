@@ -4,17 +4,17 @@ use super::hypothesis::Hypothesis;
 use super::part::Part;
 use super::problem::Problem;
 
-/// Finite differences of a coordinate, which are scaled to be of order one: wide at first, to see past the
-/// kinks of stick and slip, then narrow.
+/// Steps of the finite differences. The coordinates are scaled to order one. The first step is wide, to average over the kinks of stick
+/// and slip; the second is narrow.
 pub(crate) const DIFFERENCES: [f64; 2] = [0.15, 0.02];
 
-/// Change of the residuals, per series, by one coordinate.
+/// Derivative of the residuals along one coordinate, per series.
 pub(crate) type Slope = Vec<Vec<f64>>;
 
 impl Problem<'_> {
-    /// The windows of a part in which the effect that coordinate `i` belongs to acts at either of two points: it changes nothing else.
-    /// None if it always acts.
-    fn touched(
+    /// The windows of a part in which the effect of coordinate `i` acts at either of two points. In the other windows the residuals do
+    /// not change. Returns `None` if the effect always acts.
+    fn affected(
         &self,
         hypothesis: &Hypothesis,
         points: [&[f64]; 2],
@@ -27,7 +27,7 @@ impl Problem<'_> {
         Some(windows.map(|(w, acts)| acts && part.has(w)).collect())
     }
 
-    /// Change of the residuals from those at `x`, which are `base`, by coordinate `i`.
+    /// Derivative of the residuals along coordinate `i` at `x`, where the residuals are `base`.
     pub(crate) fn slope(
         &self,
         hypothesis: &Hypothesis,
@@ -39,8 +39,8 @@ impl Problem<'_> {
     ) -> Slope {
         let mut moved = x.to_vec();
         moved[i] += difference;
-        let touched = self.touched(hypothesis, [x, &moved], i, part);
-        let part = touched.as_deref().map_or(part, Part::Chosen);
+        let affected = self.affected(hypothesis, [x, &moved], i, part);
+        let part = affected.as_deref().map_or(part, Part::Chosen);
         let mut slope = self.residuals(&self.predictor(hypothesis, &moved), part);
         for (((slope, base), series), first) in slope
             .iter_mut()
@@ -63,8 +63,8 @@ impl Problem<'_> {
     }
 }
 
-/// A difference of a coordinate that leaves it in its reach: at the upper end it goes nowhere but back.
-pub(crate) fn aside(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
+/// The step of a finite difference with the sign that keeps the coordinate clamped its range: negative at the upper bound.
+pub(crate) fn difference_within(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
     if x + difference > high {
         -difference
     } else {
@@ -72,7 +72,7 @@ pub(crate) fn aside(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// A coordinate, or the end of its reach where it is beyond.
-pub(crate) fn within(x: f64, [low, high]: [f64; 2]) -> f64 {
+/// A coordinate limited to its range.
+pub(crate) fn clamped(x: f64, [low, high]: [f64; 2]) -> f64 {
     x.max(low).min(high)
 }

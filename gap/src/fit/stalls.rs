@@ -1,30 +1,30 @@
-//! Numbers that a fit left where its derivative says nothing, at the end of their reach or where nothing depends on them: it may
-//! have stalled there, and their uncertainty counts for nothing.
+//! Parameters at which a fit may have stalled: at a bound of their range, or where nothing recorded depends on them. The derivative there
+//! says nothing, so their uncertainty is unknown.
 
 use super::fitted::Fit;
 use super::hypothesis::PriorParameter;
 use std::fmt;
 
-/// Share of its reach within which a coordinate is at the end of it.
+/// Distance from a bound, as a share of the range, within which a coordinate counts as at the bound.
 const AT_END: f64 = 1e-6;
 
-/// A number that a fit may have stalled at.
+/// A parameter at which a fit may have stalled.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Stall {
-    /// Of the model itself, at the end of what it can reach.
+    /// A model parameter at a bound of its range.
     Model { name: String },
-    /// Of an effect, likewise.
+    /// A parameter of an effect at a bound of its range.
     Effect {
         effect: &'static str,
         name: String,
         is_upper: bool,
     },
-    /// Of an effect, on which nothing that was recorded depends nearby, such as an instant between two runs.
+    /// A parameter of an effect on which no recorded sample depends near its value, such as an instant between two runs.
     Idle { effect: &'static str, name: String },
 }
 
 impl Fit {
-    /// The numbers of model and effects that stand at the end of their reach, and those of effects that do nothing where they are.
+    /// The parameters of model and effects at a bound of their range, and the parameters of effects without influence at their value.
     pub(crate) fn stalls(&self, priors: &[PriorParameter]) -> Vec<Stall> {
         let reaches = self.hypothesis.reaches(priors);
         let mut ends = self
@@ -41,8 +41,8 @@ impl Fit {
             .collect();
         let terms = self.hypothesis.terms.iter();
         let free = terms.flat_map(|term| term.free.iter().map(move |c| (term, c.parameter)));
-        let spreads = self.std.iter().skip(priors.len());
-        let of_effects = free.zip(ends).zip(spreads);
+        let deviations = self.std.iter().skip(priors.len());
+        let of_effects = free.zip(ends).zip(deviations);
         all.extend(of_effects.filter_map(|(((term, place), end), std)| {
             let effect = term.kind.name;
             let name = term.kind.value_name(place, term.values.len());
@@ -60,7 +60,7 @@ impl Fit {
 }
 
 impl Stall {
-    /// True if this is the number `name` of an effect.
+    /// True if this is the parameter `name` of the effect `kind`.
     pub(crate) fn is_of(&self, kind: &str, name: &str) -> bool {
         match self {
             Self::Model { .. } => false,
@@ -72,7 +72,7 @@ impl Stall {
     }
 }
 
-/// Whether a coordinate is at the upper end of its reach, if it is at either.
+/// `Some(true)` if a coordinate is at its upper bound, `Some(false)` if it is at its lower bound.
 fn end(x: f64, [low, high]: [f64; 2]) -> Option<bool> {
     let near = AT_END * (high - low);
     let is_upper = x >= high - near;
@@ -114,7 +114,7 @@ mod tests {
     use host_sim::effects;
 
     #[test]
-    fn what_stands_at_an_end_is_named() {
+    fn parameters_at_a_bound_or_without_influence_are_named() {
         let kind = effects::kind("presliding").unwrap();
         let values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
         let elastic = kind.parameters.iter().position(|p| p.name == "elastic");

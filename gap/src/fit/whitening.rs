@@ -1,18 +1,18 @@
-//! Residuals of a window with the uncertainty of its restart taken out.
+//! Whitens the residuals of a window for the uncertainty of its restart.
 
 use crate::predict::Predictor;
 use crate::windows::series::{Series, Window};
 use nalgebra::{Matrix2, SymmetricEigen};
 
-/// Standard deviations of the restart are taken this much wider than white noise makes them: a cubic
-/// does not follow what happens within it.
+/// Factor on the standard deviations of the restart from white noise. A cubic cannot follow a fast motion within its samples, which adds
+/// an error.
 const RESTART_INFLATION: f64 = 1.5;
 
-/// Turns the residual of one window into one of unit covariance: with restart sensitivity G, noise of the sensor and of what
-/// is modelled σ, and residual r, `(I + G Gᵀ/σ²)^−½ r/σ`. Its square is the cost with the restart state marginalised.
+/// Turns the residual r of one window into one of unit covariance: `(I + G Gᵀ/σ²)^−½ r/σ`, with the sensitivity G to the restart and the
+/// noise σ of sensor and model error. The squared norm is the cost with the restart state marginalized.
 #[derive(Clone, Debug)]
 pub(crate) struct Whitening {
-    /// G/σ, one row a sample, its columns turned onto the axes on which `GᵀG` is diagonal.
+    /// G/σ, one row per sample, rotated to the axes on which `GᵀG` is diagonal.
     sensitivity: Vec<[f64; 2]>,
     /// `((1 + m)^−½ − 1)/m` for the two eigenvalues m of `GᵀG/σ²`.
     factors: [f64; 2],
@@ -43,7 +43,7 @@ impl Whitening {
         }
         let factors = [0, 1].map(|i| {
             let m = eigen.eigenvalues[i].max(0.0);
-            // The limit of the formula for a window that does not feel its restart.
+            // The limit of the formula for a window that does not depend on its restart.
             if m < 1e-9 {
                 -0.5
             } else {
@@ -74,8 +74,8 @@ impl Whitening {
     }
 }
 
-/// The whitenings of all wanted windows of a series, for the restarts' effect in this predictor and a model that may be off by
-/// `modelling`; `None` for the others.
+/// The whitenings of all wanted windows of a series, for the sensitivity of a predictor to the restarts and an allowed model error
+/// `modelling`. The entries of the other windows are `None`.
 pub(crate) fn whitenings(
     predictor: &Predictor,
     series: &Series,
@@ -93,11 +93,11 @@ pub(crate) fn whitenings(
         .collect()
 }
 
-/// Displacement, in standard deviations, by which the sensitivity to a restart is taken: of the size
-/// of the errors themselves, as stick and slip make it anything but linear.
+/// Step of the finite difference for the sensitivity to a restart, in standard deviations of the restart. It is as large as the errors
+/// themselves because stick and slip make the prediction nonlinear.
 const SENSITIVITY_SHIFT: f64 = 0.7;
 
-/// Sensitivity of each prediction to value and slope of its restart, in standard deviations of them.
+/// Change of each predicted position per standard deviation of the position and of the velocity of its restart.
 fn restart_sensitivity(
     predictor: &Predictor,
     series: &Series,
@@ -115,7 +115,7 @@ fn restart_sensitivity(
         .collect()
 }
 
-/// Sums that an inner product is made of side by side: one alone waits for each of its additions.
+/// Number of partial sums of an inner product. A single sum would wait for each addition.
 const LANES: usize = 8;
 
 /// Inner product of two residuals.

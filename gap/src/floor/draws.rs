@@ -1,4 +1,4 @@
-//! What noise, quantising and restarts alone leave of a model that is right.
+//! The floor: the squared residuals of an exact model, which noise, quantization and restarts cause.
 
 use super::replicate::Replicate;
 use crate::predict::Predictor;
@@ -7,38 +7,43 @@ use rayon::prelude::*;
 use recording::Recording;
 use std::collections::HashMap;
 
-/// Windows that are looked at, or all there are: where noise decides between stick and slip, a few of them are most of the
-/// floor, and from so many it is known to some 20 %.
-pub(crate) const LOOKED_AT: usize = 400;
-/// Factor within which it is known then.
+/// Number of windows from which the floor is estimated, or all windows if evaluated are fewer. Where noise decides between stick and slip, a
+/// few windows hold most of the floor; from this number it is accurate to about 20 %.
+pub(crate) const SAMPLED_WINDOWS: usize = 400;
+/// Factor within which the floor of [`SAMPLED_WINDOWS`] windows is accurate.
 pub(crate) const FLOOR_DOUBT: f64 = 1.2;
 
-/// Squares that noise and restarts alone would leave in each of some windows, given with their runs, if `predictor` were right:
-/// the mean over some draws of the noise, as near stick and slip, and where a restart falls on a kink of the motion, nothing is
-/// linear, until about so many windows are `looked_at`. The windows are those of series that were `cut` from the recording.
+/// Expected sum of squared residuals in each of `windows` if the model of `predictor` were exact, by parametric bootstrap. Each window
+/// comes with the index of its run.
+///
+/// The result is the mean over several draws of the noise, about `sampled_windows` windows in all. Propagation of the variance would not
+/// do: near stick and slip, and for a restart at a kink of the motion, the residuals are not linear in the noise. The function `cut` must
+/// be the one that cut the windows from the recording.
 pub(crate) fn floor_squares<'a>(
     recording: &Recording,
     predictor: &Predictor,
     windows: impl Iterator<Item = (usize, &'a Window)>,
     cut: fn(&Recording, f64) -> Vec<Series>,
-    looked_at: usize,
+    sampled_windows: usize,
 ) -> Vec<f64> {
     let both = Replicate::both(recording, predictor);
-    let there: usize = both.iter().map(Replicate::telling).sum();
-    let draws = looked_at.div_ceil(there.max(1)).next_multiple_of(2) as u64;
+    let evaluated: usize = both.iter().map(Replicate::evaluated_count).sum();
+    let draws = sampled_windows
+        .div_ceil(evaluated.max(1))
+        .next_multiple_of(2) as u64;
     let draws = both
         .iter()
         .flat_map(|one| (0..draws).map(move |draw| (one, draw)));
     let draws: Vec<_> = draws.collect();
-    let left = draws
+    let residuals = draws
         .into_par_iter()
-        .map(|(replicate, draw)| left(replicate, draw, predictor, cut));
-    let left: Vec<Vec<(Place, Left)>> = left.collect();
-    let mut by_window: HashMap<Place, Left> = HashMap::new();
-    let mut all = Left::default();
-    for (place, one) in left.iter().flatten() {
+        .map(|(replicate, draw)| residuals(replicate, draw, predictor, cut));
+    let residuals: Vec<Vec<(WindowIndex, Residuals)>> = residuals.collect();
+    let mut by_window: HashMap<WindowIndex, Residuals> = HashMap::new();
+    let mut all = Residuals::default();
+    for (window_index, one) in residuals.iter().flatten() {
         all.add(one);
-        by_window.entry(*place).or_default().add(one);
+        by_window.entry(*window_index).or_default().add(one);
     }
     let floors = windows.map(|(run, window)| {
         let start_s = recording.runs[run].time[0];
@@ -49,44 +54,44 @@ pub(crate) fn floor_squares<'a>(
     floors.collect()
 }
 
-/// A run, and a window of it.
-type Place = [usize; 2];
+/// Index of a run and of a window in it.
+type WindowIndex = [usize; 2];
 
-/// What is left of so many samples.
+/// Sum of squared residuals over a number of samples.
 #[derive(Clone, Copy, Default)]
-struct Left {
+struct Residuals {
     squares: f64,
     samples: usize,
 }
 
-impl Left {
+impl Residuals {
     fn add(&mut self, other: &Self) {
         self.squares += other.squares;
         self.samples += other.samples;
     }
 }
 
-/// Of each window that tells, in one draw.
-fn left(
+/// Squared residuals of each evaluated window in one draw.
+fn residuals(
     replicate: &Replicate<'_>,
     draw: u64,
     predictor: &Predictor,
     cut: fn(&Recording, f64) -> Vec<Series>,
-) -> Vec<(Place, Left)> {
-    let (_, shown) = replicate.shown(draw, cut);
+) -> Vec<(WindowIndex, Residuals)> {
+    let (_, observed) = replicate.observed(draw, cut);
     let mut all = Vec::new();
-    for series in shown {
+    for series in observed {
         let predicted = predictor.predict(&series);
         let windows = series.windows.iter().enumerate();
         all.extend(
             windows
-                .filter(|(w, _)| replicate.tells(*w))
+                .filter(|(w, _)| replicate.is_evaluated(*w))
                 .map(|(w, window)| {
-                    let left = Left {
+                    let residuals = Residuals {
                         squares: series.squares(window, &predicted),
                         samples: window.samples.len(),
                     };
-                    ([series.run, w + replicate.skipped(series.run)], left)
+                    ([series.run, w + replicate.skipped(series.run)], residuals)
                 }),
         );
     }
@@ -100,24 +105,23 @@ mod tests {
     use crate::made;
     use crate::term::Term;
 
-    /// Root of what is left of the windows of some recordings by a model that has the effects that are `known`, over what the
-    /// floor of them is.
+    /// Rms residual of a model with the effects `known`, over the floor, for recordings with the effects `effects`.
     fn over_floor(effects: &[&str], known: &[&str]) -> f64 {
         let terms: Vec<Term> = known.iter().map(|effect| made::written(effect)).collect();
-        let (mut left, mut floor) = (0.0, 0.0);
+        let (mut residuals, mut floor) = (0.0, 0.0);
         for seed in 0..16 {
             let recording = made::recorded(effects, seed);
             let problem = made::problem(&recording);
             let terms = terms.clone();
             let fit = problem.fit(&Hypothesis { terms }, Vec::new(), Part::All, 0);
-            left += problem.window_squares(&fit, Part::All).iter().sum::<f64>();
+            residuals += problem.window_squares(&fit, Part::All).iter().sum::<f64>();
             floor += problem.floor_squares(&fit).iter().sum::<f64>();
         }
-        (left / floor).sqrt()
+        (residuals / floor).sqrt()
     }
 
     #[test]
-    fn a_right_model_leaves_the_floor_and_a_wrong_one_more() {
+    fn an_exact_model_reaches_the_floor_and_a_wrong_one_does_not() {
         let right = over_floor(&[], &[]);
         assert!((0.7..1.4).contains(&right), "{right}");
         let wrong = over_floor(&["spring:stiffness=0.06,zero=0"], &[]);
@@ -125,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn so_does_one_in_which_more_moves_than_the_sensor_sees() {
+    fn an_exact_model_with_an_unobserved_mass_reaches_the_floor() {
         let hidden = ["compliance:stiffness=0.5,damping=1e-4"];
         let right = over_floor(&hidden, &hidden);
         assert!((0.7..1.4).contains(&right), "{right}");

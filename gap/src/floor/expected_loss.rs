@@ -1,4 +1,4 @@
-//! The loss that is expected of a model that is exact, on a recording of the same motion with the same sensor.
+//! The expected loss of an exact model, on a recording of the same motion with the same sensor.
 
 use super::replicate::Replicate;
 use crate::fit::Fit;
@@ -6,29 +6,29 @@ use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::windows::series;
 
-/// Robust cost of a window whose residual is white and of the known size: ln(1 + 1).
+/// Robust loss of a window whose residual is white with the assumed variance: ln(1 + 1).
 pub(crate) const WHITE: f64 = core::f64::consts::LN_2;
-/// Most that restarts and inputs may add where nothing says that the model stands in for the device.
+/// Most that restarts and averaged inputs may add to the expected loss if the model is not known to represent the device.
 const MOST_ADDED: f64 = 0.5;
 
-/// Expected loss if the model is exact: from noise, quantising, restarts on a kink of the motion, and inputs that are means.
+/// Expected loss of an exact model, from noise, quantization, restarts at kinks of the motion, and averaged inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ExpectedLoss {
-    /// Mean robust cost of a window, [`WHITE`] at least.
+    /// Mean robust loss of a window, at least [`WHITE`].
     pub level: f64,
-    /// Standard error of that.
+    /// Standard error of the mean.
     pub error: f64,
-    /// Of the worst window, above the mean.
+    /// Loss of the worst window less the mean.
     pub worst: f64,
 }
 
 impl ExpectedLoss {
-    /// Of `fit`, on what its own device would have given.
+    /// The expected loss of `fit` on recordings that its own device would produce, by parametric bootstrap.
     pub(crate) fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
         let predictor = problem.predictor(&fit.hypothesis, &fit.x);
         let (mut first, mut odd) = (Vec::new(), Vec::new());
         for replicate in Replicate::both(problem.recording, &predictor) {
-            let (own, series) = replicate.shown(0, series::coarse);
+            let (own, series) = replicate.observed(0, series::coarse);
             let problem = Problem {
                 series,
                 recording: &own,
@@ -39,9 +39,9 @@ impl ExpectedLoss {
             let costs = problem.costs(&fit.hypothesis, &fit.x, Part::All);
             let windows = problem.series.iter().flat_map(|s| 0..s.windows.len());
             for (window, cost) in windows.zip(0..).map(|(w, i)| (w, costs.log(i))) {
-                if replicate.tells(window) {
-                    let told = if window == 0 { &mut first } else { &mut odd };
-                    told.push(cost);
+                if replicate.is_evaluated(window) {
+                    let losses = if window == 0 { &mut first } else { &mut odd };
+                    losses.push(cost);
                 }
             }
         }
@@ -56,7 +56,7 @@ impl ExpectedLoss {
         }
     }
 
-    /// The same for a model that may be too wrong to stand in for the device.
+    /// Limits the expected loss, for a model that may be too wrong to represent the device.
     pub(crate) fn bounded(self) -> Self {
         Self {
             level: self.level.min(WHITE + MOST_ADDED),
@@ -65,7 +65,7 @@ impl ExpectedLoss {
     }
 }
 
-/// Mean of some values and its standard error; zeros for none.
+/// Mean of a list of values and its standard error. Both are 0 for an empty list.
 pub(crate) fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let n = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -1,13 +1,13 @@
-//! What a fit leaves, beside what it would leave if it were right.
+//! The residual of a fit relative to its floor.
 
-use super::{LOOKED_AT, floor_squares};
+use super::{SAMPLED_WINDOWS, floor_squares};
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::windows::series;
 
 impl Problem<'_> {
-    /// Squares that noise and restarts alone would leave in each window with this fit.
+    /// Expected sum of squared residuals in each window if this fit were exact.
     pub(crate) fn floor_squares(&self, fit: &Fit) -> Vec<f64> {
         let predictor = self.predictor(&fit.hypothesis, &fit.x);
         let series = self.series.iter();
@@ -17,33 +17,33 @@ impl Problem<'_> {
             &predictor,
             windows,
             series::coarse,
-            LOOKED_AT,
+            SAMPLED_WINDOWS,
         )
     }
 
-    /// Root mean square of what a fit leaves, over that of what noise, restarts and what it may be off by would.
+    /// Rms residual of a fit over its floor, which includes the allowed model error.
     pub(crate) fn gap_over_floor(&self, fit: &Fit) -> f64 {
         let add = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a + c, b + d];
         ratio(self.squares_by_run(fit).into_iter().fold([0.0; 2], add))
     }
 
-    /// The same of the run in which that is most: one that is driven wildly hides what the others show.
+    /// The largest ratio of rms residual to floor among the runs. One run with large motion can hide an error that the other runs show.
     pub(crate) fn worst_run_over_floor(&self, fit: &Fit) -> f64 {
         let runs = self.squares_by_run(fit).into_iter();
         runs.map(ratio).fold(0.0, f64::max)
     }
 
-    /// Squares that a fit leaves of each run, and those that noise, restarts and what it may be off by would.
+    /// Sum of squared residuals of each run, and its floor including the allowed model error.
     fn squares_by_run(&self, fit: &Fit) -> Vec<[f64; 2]> {
         let mut sums = vec![[0.0; 2]; self.recording.runs.len()];
-        let left = self.window_squares(fit, Part::All).into_iter();
-        let mut left = left.zip(self.floor_squares(fit));
+        let residuals = self.window_squares(fit, Part::All).into_iter();
+        let mut residuals = residuals.zip(self.floor_squares(fit));
         for series in &self.series {
             let [squares, floor] = &mut sums[series.run];
             *floor += series.position.len() as f64 * self.modelling.powi(2);
-            for (left, floored) in left.by_ref().take(series.windows.len()) {
-                *squares += left;
-                *floor += floored;
+            for (square, window_floor) in residuals.by_ref().take(series.windows.len()) {
+                *squares += square;
+                *floor += window_floor;
             }
         }
         sums
@@ -61,19 +61,16 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn what_one_run_shows_is_loudest_there() {
+    fn an_effect_in_one_run_raises_the_ratio_of_that_run() {
         let held = "contact:position=0.02,side=0,stiffness=0.3,damping=0.003,from=8,to=8.9";
         let recording = made::recording(&[held]);
         let problem = made::problem(&recording);
         let bare = Hypothesis { terms: Vec::new() };
         let null = problem.fit(&bare, Vec::new(), Part::All, 0);
-        let [overall, loudest] = [
+        let [overall, worst] = [
             problem.gap_over_floor(&null),
             problem.worst_run_over_floor(&null),
         ];
-        assert!(
-            loudest > 1.3 * overall && overall > 3.0,
-            "{loudest} {overall}"
-        );
+        assert!(worst > 1.3 * overall && overall > 3.0, "{worst} {overall}");
     }
 }

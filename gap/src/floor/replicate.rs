@@ -1,4 +1,4 @@
-//! A replicate of a recording by parametric bootstrap: the motion of a fitted model, seen by the same sensor.
+//! A replicate of a recording by parametric bootstrap: the motion of a fitted model, observed through the same sensor.
 
 use crate::predict::Predictor;
 use crate::windows::restart::Restart;
@@ -7,42 +7,42 @@ use crate::windows::statistics::quantile;
 use host_sim::sensors::Noise;
 use recording::{Recording, Run};
 
-/// Rows that suffice.
+/// Number of rows that suffices.
 const MOST_ROWS: usize = 60_000;
-/// Share of a time that rounding may take.
-const HAIR: f64 = 1e-6;
-/// Mean square that a cubic leaves in those of the noise which noise hardly exceeds.
-const ROUGH: f64 = 4.0;
+/// Relative margin against rounding of a time.
+const ROUNDING: f64 = 1e-6;
+/// Mean squared residual of a cubic, over the noise variance, that noise rarely exceeds.
+const LARGEST_RATIO: f64 = 4.0;
 const SEED: u64 = 0x6861_7074_6963;
 
-/// The motion of a model that is put where the device was before every even window. Its own predictions of the odd windows, and of
-/// the first one, are off by noise and restarts alone.
+/// The motion of a model whose state is reset to the measured one before every even window. In the odd windows, and in the first one, the
+/// predictions of the model then differ from the motion only through noise and restarts.
 pub(crate) struct Replicate<'a> {
     recording: &'a Recording,
-    /// Parts of its runs, with the positions of the model.
+    /// Parts of the runs, with the positions of the model.
     motion: Recording,
-    /// Of each run.
-    sensed: Vec<Sensed>,
-    /// Windows of each run before it begins.
+    /// The sensor noise of each run.
+    sensor_noise: Vec<SensorNoise>,
+    /// Number of windows of each run before the part begins.
     skipped: Vec<usize>,
-    /// Where it was put in each run.
-    put: Vec<Vec<Restart>>,
+    /// The states to which the motion was reset in each run.
+    resets: Vec<Vec<Restart>>,
     from_first: bool,
 }
 
-/// How a run is seen.
+/// Noise of the position column of a run.
 #[derive(Clone, Copy, Default)]
-struct Sensed {
-    /// Standard deviation of what is added.
+struct SensorNoise {
+    /// Standard deviation of the added noise, in position units.
     noise: f64,
     correlation: f64,
-    /// 0 for none.
+    /// Quantization step, in position units; 0 for none.
     quantum: f64,
 }
 
 impl<'a> Replicate<'a> {
-    /// As `predictor` has it, from the first window on and from the second: odd windows of the one are even ones of the other, so
-    /// that what recurs every other window is seen, too.
+    /// The replicates by `predictor` that begin at the first and at the second window. The odd windows of one are the even windows of the
+    /// other, so that an error in every other window is not missed.
     pub(crate) fn both(recording: &'a Recording, predictor: &Predictor) -> [Self; 2] {
         let of = |from_first| Self::of(recording, predictor, from_first);
         let (first, second) = rayon::join(|| of(true), || of(false));
@@ -62,8 +62,8 @@ impl<'a> Replicate<'a> {
         let (runs, skipped) = kept.unzip();
         motion.runs = runs;
         let resolution = recording.sensor("position").resolution;
-        let mut sensed = vec![Sensed::default(); motion.runs.len()];
-        let mut put = vec![Vec::new(); motion.runs.len()];
+        let mut sensor_noise = vec![SensorNoise::default(); motion.runs.len()];
+        let mut resets = vec![Vec::new(); motion.runs.len()];
         let all = series::full(&motion, 2.0 * recording.horizon);
         for mut series in series::as_parts_of(recording, all) {
             let seen = typical_noise(&series);
@@ -73,11 +73,12 @@ impl<'a> Replicate<'a> {
             restart_where_smooth(&mut series, seen);
             begin_at_rest(&mut series, predictor);
             let correlation = series.correlation;
-            // What is seen as noise has the quantising in it, which is filtered with it if it is.
+            // The measured noise contains the quantization error. With correlated noise the low-pass has filtered that error too, so it
+            // is not added separately.
             let quantum = if correlation > 0.0 { 0.0 } else { resolution };
             let later = series.windows.iter().skip(1);
-            put[series.run] = later.map(|window| window.restart).collect();
-            sensed[series.run] = Sensed {
+            resets[series.run] = later.map(|window| window.restart).collect();
+            sensor_noise[series.run] = SensorNoise {
                 noise: (seen.powi(2) - quantum.powi(2) / 12.0).max(0.0).sqrt(),
                 correlation,
                 quantum,
@@ -87,65 +88,65 @@ impl<'a> Replicate<'a> {
         Self {
             recording,
             motion,
-            sensed,
+            sensor_noise,
             skipped,
-            put,
+            resets,
             from_first,
         }
     }
 
-    /// Windows of a run before it begins.
+    /// Number of windows of a run before the part begins.
     pub(crate) fn skipped(&self, run: usize) -> usize {
         self.skipped[run]
     }
 
-    /// What a sensor may show of it, another each `draw`, and the series that are `cut` from that: every other has the noise of
-    /// the one before it with the other sign, as an error to one side may do far more than one to the other.
-    pub(crate) fn shown(
+    /// An observation of the motion through the sensor, and the series that are `cut` from it. Each `draw` gives different noise. Draws
+    /// `2 n` and `2 n + 1` have noise of opposite sign, because an error in one direction can have a larger effect than one in the other.
+    pub(crate) fn observed(
         &self,
         draw: u64,
         cut: fn(&Recording, f64) -> Vec<Series>,
     ) -> (Recording, Vec<Series>) {
-        let mut shown = self.motion.clone();
+        let mut observed = self.motion.clone();
         let mut noise = Noise::new(SEED.wrapping_add(draw / 2));
         let sign = if draw.is_multiple_of(2) { 1.0 } else { -1.0 };
-        for (run, sensed) in shown.runs.iter_mut().zip(&self.sensed) {
-            run.position = sensed.show(&run.position, &mut noise, sign);
+        for (run, sensor_noise) in observed.runs.iter_mut().zip(&self.sensor_noise) {
+            run.position = sensor_noise.observe(&run.position, &mut noise, sign);
         }
-        let mut all = series::as_parts_of(self.recording, cut(&shown, shown.horizon));
+        let mut all = series::as_parts_of(self.recording, cut(&observed, observed.horizon));
         for series in &mut all {
-            for state in &self.put[series.run] {
-                let before = state.time_s - 0.5 * shown.horizon;
+            for state in &self.resets[series.run] {
+                let before = state.time_s - 0.5 * observed.horizon;
                 let at = series
                     .windows
                     .partition_point(|w| w.restart.time_s < before);
                 let Some(window) = series.windows.get_mut(at) else {
                     break;
                 };
-                // A cubic over the tear says nothing of what goes on from there.
+                // The motion jumps at a reset, so a cubic across it does not give the state after it.
                 let drawn = |deviation| sign * noise.next(deviation);
                 let [value, slope] = state.errors(window.restart_noise, drawn);
                 let seen = [state.value + value, state.slope + slope, state.curvature];
                 window.restart = window.restart.at(seen);
             }
         }
-        (shown, all)
+        (observed, all)
     }
 
-    /// About how many windows show what is left.
-    pub(crate) fn telling(&self) -> usize {
+    /// Approximate number of evaluated windows.
+    pub(crate) fn evaluated_count(&self) -> usize {
         let duration_s: f64 = self.motion.runs.iter().map(Run::duration_s).sum();
         (0.5 * duration_s / self.motion.horizon) as usize
     }
 
-    /// True for the windows of a run that do.
-    pub(crate) fn tells(&self, window: usize) -> bool {
+    /// True for the windows of a run that are evaluated.
+    pub(crate) fn is_evaluated(&self, window: usize) -> bool {
         window % 2 == 1 || (window == 0 && self.from_first)
     }
 }
 
-impl Sensed {
-    fn show(&self, position: &[f64], noise: &mut Noise, sign: f64) -> Vec<f64> {
+impl SensorNoise {
+    fn observe(&self, position: &[f64], noise: &mut Noise, sign: f64) -> Vec<f64> {
         let Self {
             noise: deviation,
             correlation,
@@ -153,26 +154,26 @@ impl Sensed {
         } = *self;
         let new = (1.0 - correlation.powi(2)).sqrt();
         let mut drift = noise.next(deviation);
-        let shown = position.iter().map(|x| {
+        let observed = position.iter().map(|x| {
             drift = correlation * drift + noise.next(new * deviation);
-            let shown = x + sign * drift;
+            let observed = x + sign * drift;
             if quantum > 0.0 {
-                (shown / quantum).round() * quantum
+                (observed / quantum).round() * quantum
             } else {
-                shown
+                observed
             }
         });
-        shown.collect()
+        observed.collect()
     }
 }
 
-/// Lets the motion go on where no cubic follows what was measured: a restart on a kink or a jump would lead astray.
+/// Continues the motion where no cubic fits the measured samples, because a restart at a kink or a jump has a wrong state.
 fn restart_where_smooth(series: &mut Series, noise: f64) {
     let mut kept: Vec<Window> = Vec::with_capacity(series.windows.len());
     for window in series.windows.drain(..) {
         let fit = &window.restart;
-        let rough = fit.residual > ROUGH * fit.freedom * noise.powi(2);
-        match kept.last_mut().filter(|_| rough) {
+        let has_kink = fit.residual > LARGEST_RATIO * fit.freedom * noise.powi(2);
+        match kept.last_mut().filter(|_| has_kink) {
             Some(before) => before.samples.end = window.samples.end,
             None => kept.push(window),
         }
@@ -180,8 +181,8 @@ fn restart_where_smooth(series: &mut Series, noise: f64) {
     series.windows = kept;
 }
 
-/// Lets a run begin at rest where that suits its first window better: the cubic through the first samples makes a speed
-/// of a break-away.
+/// Starts a run at standstill if that predicts its first window better. At a break-away the cubic through the first samples gives a wrong
+/// velocity.
 fn begin_at_rest(series: &mut Series, predictor: &Predictor) {
     let (Some(first), Some(&value)) = (series.windows.first(), series.position.first()) else {
         return;
@@ -203,17 +204,17 @@ fn typical_noise(series: &Series) -> f64 {
     quantile(&noises, 0.5)
 }
 
-/// Windows before the middle `share` of a run.
+/// Number of windows before the middle `share` of a run.
 fn skipped(run: &Run, share: f64, horizon_s: f64) -> usize {
     (0.5 * (1.0 - share) * run.duration_s() / horizon_s) as usize
 }
 
-/// A `share` of a run's rows after the first `skipped_s`, with the columns that a prediction needs.
+/// A `share` of the rows of a run after the first `skipped_s`, with the columns that a prediction needs.
 fn part(run: &Run, share: f64, skipped_s: f64) -> Run {
     let start_s = run.time.first().copied().unwrap_or(0.0);
     let first = run
         .time
-        .partition_point(|t| *t < start_s + (1.0 - HAIR) * skipped_s);
+        .partition_point(|t| *t < start_s + (1.0 - ROUNDING) * skipped_s);
     let count = (run.time.len() as f64 * share).ceil() as usize;
     let rows = first..(first + count).min(run.time.len());
     let part = |column: &[f64]| column[rows.clone()].to_vec();
@@ -238,7 +239,7 @@ mod tests {
     use host_sim::device::Device;
 
     #[test]
-    fn it_goes_by_the_clock_of_the_session() {
+    fn a_replicate_keeps_the_clock_of_the_session() {
         let mut recording = made::recording(&[]);
         let start_s = recording.runs[1].time[0];
         for time_s in &mut recording.runs[1].time {
@@ -248,8 +249,8 @@ mod tests {
         let whole = series::coarse(&recording, recording.horizon);
         assert!(whole[1].session_offset_s > 0.0);
         for replicate in Replicate::both(&recording, &predictor) {
-            let (_, shown) = replicate.shown(0, series::coarse);
-            for (part, whole) in shown.iter().zip(&whole) {
+            let (_, observed) = replicate.observed(0, series::coarse);
+            for (part, whole) in observed.iter().zip(&whole) {
                 assert_eq!(part.session_offset_s, whole.session_offset_s);
                 assert_eq!(part.started_s, whole.started_s);
             }

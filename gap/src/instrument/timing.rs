@@ -201,7 +201,7 @@ fn trial(
     let mut x = vec![0.0; problem.priors.len()];
     x.extend(own);
     let fit = problem.fit(hypothesis, x, Part::All, ITERATIONS);
-    let costs = problem.unseen(&fit, |fit, part| {
+    let costs = problem.held_out(&fit, |fit, part| {
         let costs = problem.costs(&fit.hypothesis, &fit.x, part);
         (0..costs.per_sample.len()).map(|w| costs.log(w)).collect()
     });

@@ -34,10 +34,10 @@ impl Scored {
     /// Of a fit to all windows.
     pub(super) fn of_fit(problem: &Problem<'_>, fit: Fit) -> Self {
         let halves = problem.halves(&fit);
-        let unseen = Problem::unseen_by(&halves, |fit, half| {
+        let unseen = Problem::held_out_by(&halves, |fit, half| {
             problem.costs(&fit.hypothesis, &fit.x, half).per_sample
         });
-        let squares = Problem::unseen_by(&halves, |fit, half| problem.window_squares(fit, half));
+        let squares = Problem::held_out_by(&halves, |fit, half| problem.window_squares(fit, half));
         let moves = problem.priors.iter().zip(fit.moves());
         let moved = moves.filter(|(number, z)| !number.is_stated && z.abs() > USUAL);
         Self {

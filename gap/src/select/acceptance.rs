@@ -109,7 +109,7 @@ struct HeldOut {
 impl HeldOut {
     fn of(problem: &Problem<'_>, fit: &Fit) -> Self {
         let halves = problem.halves(fit);
-        let per_sample = Problem::unseen_by(&halves, |fit, half| {
+        let per_sample = Problem::held_out_by(&halves, |fit, half| {
             problem.costs(&fit.hypothesis, &fit.x, half).per_sample
         });
         let prior = fit.costs.prior;

@@ -7,7 +7,7 @@ use super::search::Search;
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
-use crate::fit::linearization::Direction;
+use crate::fit::linearization::EffectModel;
 use crate::fit::part::Part;
 use crate::term::Term;
 use rayon::prelude::*;
@@ -80,13 +80,13 @@ fn fit_both(
 /// other is in a few of them only.
 fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {
     let part = Part::Chosen(&field.chosen);
-    let direction = |start: &Term| {
+    let effect_model = |start: &Term| {
         let (hypothesis, x) = extended(field.known, [start]);
         field
             .linearization
-            .direction(field.problem, &hypothesis, &x, part)
+            .effect_model(field.problem, &hypothesis, &x, part)
     };
-    let directions: Vec<Direction> = starts.par_iter().map(direction).collect();
+    let models: Vec<EffectModel> = starts.par_iter().map(effect_model).collect();
     let pairs = (0..starts.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
     // An effect and its special case make no pair.
     let is_pair = |[i, j]: &[usize; 2]| {
@@ -95,15 +95,15 @@ fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Ve
     };
     let pairs: Vec<[usize; 2]> = pairs.filter(is_pair).collect();
     let priors = field.problem.priors.len();
-    let promise = |pair: [usize; 2]| {
-        let both = pair.map(|i| &directions[i]);
-        (field.linearization.promise_of_both(priors, both), pair)
+    let linear_cost = |pair: [usize; 2]| {
+        let both = pair.map(|i| &models[i]);
+        (field.linearization.linear_cost_of_both(priors, both), pair)
     };
-    let promised = pairs.into_par_iter().map(promise);
-    let mut promised: Vec<(f64, [usize; 2])> = promised.filter(|p| p.0.is_finite()).collect();
-    promised.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let costs = pairs.into_par_iter().map(linear_cost);
+    let mut costs: Vec<(f64, [usize; 2])> = costs.filter(|p| p.0.is_finite()).collect();
+    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let names: Vec<&str> = starts.iter().map(|start| start.kind.name).collect();
-    let best = spread(promised.into_iter().map(|(_, pair)| pair), &names, kept).into_iter();
+    let best = spread(costs.into_iter().map(|(_, pair)| pair), &names, kept).into_iter();
     best.map(|pair| pair.map(|i| starts[i].clone())).collect()
 }
 

@@ -8,7 +8,7 @@ use super::screening_set::{MANY_ITERATIONS, ScreeningSet, sorted};
 use super::search::{Search, window_costs};
 use crate::effects::{Candidate, Landscape};
 use crate::fit::Fit;
-use crate::fit::part::{Part, turn};
+use crate::fit::part::{Part, quasi_random};
 use crate::fit::problem::Problem;
 use crate::stage::Stage;
 use crate::term::Term;
@@ -236,7 +236,9 @@ pub(super) fn screening_windows(search: &Search<'_>, known: &Fit) -> Vec<bool> {
     let mut order: Vec<usize> = (0..missed.len()).collect();
     order.sort_by(|&a, &b| missed[b].total_cmp(&missed[a]));
     let worst = (0.5 * share * missed.len() as f64).ceil() as usize;
-    let mut chosen: Vec<bool> = (0..missed.len()).map(|b| turn(b) < 0.5 * share).collect();
+    let mut chosen: Vec<bool> = (0..missed.len())
+        .map(|b| quasi_random(b) < 0.5 * share)
+        .collect();
     for &block in order.iter().take(worst) {
         chosen[block] = true;
     }
@@ -253,7 +255,7 @@ fn blocks(problem: &Problem<'_>) -> Vec<bool> {
         (0..count).map(move |w| (w as f64) < half * count as f64)
     });
     let begins = begins.enumerate();
-    let chosen = begins.map(|(w, begins)| begins || turn(w / length) < half);
+    let chosen = begins.map(|(w, begins)| begins || quasi_random(w / length) < half);
     chosen.collect()
 }
 

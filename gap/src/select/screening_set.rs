@@ -67,7 +67,7 @@ impl<'a> ScreeningSet<'a> {
         let promise = |start: &Term| {
             let (hypothesis, x) = extended(self.known, [start]);
             self.linearization
-                .promise(self.problem, &hypothesis, &x, part)
+                .linear_cost(self.problem, &hypothesis, &x, part)
         };
         lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)
     }

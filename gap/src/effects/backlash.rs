@@ -92,7 +92,7 @@ impl Identification for Backlash {
     }
 
     fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
-        let carried = path.carried();
+        let carried = path.transmitted_torque();
         let half_plays = HALF_PLAYS_SCREENED.map(|part| part * path.scale.half_span());
         let forms = half_plays.map(|half_play| {
             let columns = floats_and_strikes(path, &carried, half_play);

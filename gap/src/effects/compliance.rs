@@ -83,7 +83,7 @@ impl Identification for Compliance {
     }
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
-        let carried = path.carried();
+        let carried = path.transmitted_torque();
         let inertia = path.device.mechanics.inertia;
         let [lowest, highest] = RESONANCES_SCREENED.map(|part| part * path.scale.rate());
         // The smoother does not follow faster resonances.

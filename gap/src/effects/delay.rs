@@ -6,8 +6,8 @@ use super::sensor_lag::SensorLag;
 use crate::guess::Evidence;
 use crate::guess::delays::{longer_times, shorter_time};
 use crate::missing_torque::axis::Axis;
+use crate::missing_torque::delay_forms::delay_form;
 use crate::missing_torque::form::Form;
-use crate::missing_torque::lateness::late;
 use crate::missing_torque::path::Path;
 use crate::missing_torque::target::Target;
 use crate::term::Term;
@@ -48,7 +48,9 @@ impl Identification for Delay {
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
         let stated_s = path.device.drive.delay_s;
-        late(path, target, &KIND, stated_s).into_iter().collect()
+        delay_form(path, target, &KIND, stated_s)
+            .into_iter()
+            .collect()
     }
 
     fn noun(&self) -> &'static str {

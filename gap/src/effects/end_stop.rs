@@ -116,9 +116,9 @@ impl Identification for EndStop {
             let mut free = path.device.clone();
             free.mechanics.barriers = Mechanics::inertia(1.0).barriers;
             let far = path.scale.half_span();
-            let [low, high] = path.scale.reach;
+            let [low, high] = path.scale.range;
             let values = move |_: &[f64]| with_defaults(&KIND, &[(0, low - far), (1, high + far)]);
-            forms.push(Form::new(vec![path.on_top(&free)], values).positive());
+            forms.push(Form::new(vec![path.added_torque(&free)], values).positive());
         }
         forms
     }
@@ -248,7 +248,7 @@ fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64
 
 /// A stop at the lower (−1) or upper (1) end of the motion that is pressed in by `depth` at most.
 fn pressed(path: &Path<'_>, side: f64, depth: f64) -> Form {
-    let [low, high] = path.scale.reach;
+    let [low, high] = path.scale.range;
     let at = if side > 0.0 { high } else { low } - side * depth;
     let pressed = |i: usize| side * (path.position[i] - at);
     let steps = 0..path.position.len();

@@ -5,8 +5,8 @@ use super::phrase::{Found, Part, Phrase};
 use crate::guess::Evidence;
 use crate::guess::delays::{longer_times, shorter_time, two_equal_lags};
 use crate::missing_torque::axis::Axis;
+use crate::missing_torque::delay_forms::{DELAYS, delay_form};
 use crate::missing_torque::form::{Form, with_defaults};
-use crate::missing_torque::lateness::{LATE, late};
 use crate::missing_torque::path::Path;
 use crate::missing_torque::target::Target;
 use crate::term::Term;
@@ -52,9 +52,11 @@ impl Identification for Lag {
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
         let stated_s = path.device.drive.lag_s;
-        let mut forms: Vec<Form> = late(path, target, &KIND, stated_s).into_iter().collect();
+        let mut forms: Vec<Form> = delay_form(path, target, &KIND, stated_s)
+            .into_iter()
+            .collect();
         if stated_s == 0.0 {
-            let twice = LATE.iter().map(|part| {
+            let twice = DELAYS.iter().map(|part| {
                 let values = with_defaults(&KIND, &[(0, part / path.scale.rate()), (1, 1.0)]);
                 Form::whole(path, &KIND, values, Some(0)).positive()
             });

@@ -90,7 +90,7 @@ fn behind(path: &Path<'_>, half_play: f64) -> Form {
     for i in 0..n {
         let shown = path.at(i);
         let step_s = path.samples.step_s[i];
-        if shown.slides && shown.direction.abs() == 1.0 {
+        if shown.is_sliding && shown.direction.abs() == 1.0 {
             side = -shown.direction;
             (way, speed) = (0.0, shown.velocity);
             reading[i] = half_play * side;
@@ -98,7 +98,7 @@ fn behind(path: &Path<'_>, half_play: f64) -> Form {
             let is = Moment {
                 velocity: speed,
                 direction: sign(speed),
-                slides: speed != 0.0,
+                is_sliding: speed != 0.0,
                 ..shown
             };
             let acceleration = torque(m, path.drive[i], &is) / m.inertia;
@@ -111,13 +111,13 @@ fn behind(path: &Path<'_>, half_play: f64) -> Form {
             position: shown.position - reading[i],
             ..shown
         };
-        let is = if shown.slides {
+        let is = if shown.is_sliding {
             is
         } else {
             Moment {
                 velocity: speed,
                 direction: sign(speed),
-                slides: speed != 0.0,
+                is_sliding: speed != 0.0,
                 ..is
             }
         };

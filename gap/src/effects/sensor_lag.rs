@@ -6,8 +6,8 @@ use crate::columns::{Disagreement, lowest};
 use crate::guess::Evidence;
 use crate::guess::delays::{longer_times, two_equal_lags};
 use crate::missing_torque::axis::Axis;
+use crate::missing_torque::delay_forms::delay_form;
 use crate::missing_torque::form::{Form, with_defaults};
-use crate::missing_torque::lateness::late;
 use crate::missing_torque::path::Path;
 use crate::missing_torque::target::Target;
 use crate::term::Term;
@@ -59,7 +59,7 @@ impl Identification for SensorLag {
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
         // It acts like a drive that is late, with the friction late by the same time.
-        let late = late(path, target, &lag::KIND, 0.0);
+        let late = delay_form(path, target, &lag::KIND, 0.0);
         let form = late.map(|form| {
             let late_s = (form.values)(&[1.0])[0];
             let drive = form.torque.into_iter().next().unwrap_or_default();

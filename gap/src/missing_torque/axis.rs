@@ -1,40 +1,40 @@
-//! The quantities that a missing torque may be a function of.
+//! The quantities of which a missing torque may be a function.
 
 use serde::Serialize;
 use std::fmt;
 
-/// A quantity along a motion that a missing torque may go with.
+/// A quantity along a motion of which the missing torque may be a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(into = "&'static str")]
 pub enum Axis {
-    /// None: the torque is the same all along.
+    /// No quantity: the torque is constant.
     Constant,
-    /// Velocity, with another function for either direction.
+    /// Velocity, with separate functions for both directions.
     Velocity,
-    /// The part of a function of velocity that is against the motion.
+    /// The odd part of a function of velocity, which opposes the motion.
     VelocityOdd,
-    /// The part of a function of velocity that has one sign in both directions.
+    /// The even part of a function of velocity, which has the same sign in both directions.
     VelocityEven,
-    /// Position, waves over it included.
+    /// Position, including waves over the position.
     Position,
-    /// Torque of the input.
+    /// Drive torque.
     Input,
-    /// The model's own torque, which accelerates.
+    /// Acceleration by the torque of the model.
     Acceleration,
-    /// Size of the driving torque, against the motion: where the motor drives, and where the load does.
+    /// Friction that depends on the magnitude of the drive torque, separately for a driving motor and for a driving load.
     Load,
-    /// Position, against the motion.
+    /// Friction that depends on the position.
     DirectionAndPosition,
-    /// Way since the last reversal, and late input.
+    /// Distance since the last reversal, and delayed input.
     Memory,
-    /// Time of the session.
+    /// Time on the clock of the session.
     Time,
-    /// Place within a wave over the position.
+    /// Phase of a wave over the position.
     Wave,
 }
 
 impl Axis {
-    /// Its name in JSON, text and pictures.
+    /// The name of the axis in JSON, text and plots.
     pub fn name(self) -> &'static str {
         match self {
             Self::Constant => "constant",

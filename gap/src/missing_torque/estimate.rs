@@ -1,4 +1,5 @@
-//! The missing torque of a recording: noise by likelihood, motion by smoothing, friction along the motion, and again.
+//! Estimates the missing torque of a recording. The noise is found by maximum likelihood and the motion by smoothing. The friction torque
+//! then follows from the direction of the motion, and the estimate is repeated.
 
 use super::path::Path;
 use super::samples::Samples;
@@ -7,29 +8,29 @@ use core::ops::Range;
 use host_sim::device::Device;
 use rayon::prelude::*;
 
-/// Corners of the smoother that are tried, rad per period: at most a third of what the rows could show.
+/// Highest corner frequency of the smoother, rad per sample period.
 const HIGHEST_CORNER: f64 = 1.0;
-/// And down to this part of a turn a horizon.
+/// Lowest corner frequency of the smoother, in periods per horizon.
 const LEAST_TURNS: f64 = 0.5;
 const CORNERS: usize = 9;
-/// Jitter of the clock, in periods.
+/// Standard deviations of the clock jitter that are tried, in sample periods.
 const JITTERS: [f64; 6] = [0.0, 0.02, 0.06, 0.15, 0.4, 1.0];
-/// Rows that suffice for the noise, in so many stretches.
+/// Number of rows that suffices for the noise, and the number of parts in which they are taken.
 const ROWS: usize = 4000;
 const STRETCHES: usize = 4;
-/// Speed below which the direction of sliding is not known, in its standard deviations.
+/// Speed, in its standard deviations, below which the direction of sliding is unknown.
 pub(super) const KNOWN_DIRECTION: f64 = 2.0;
 
-/// The missing torque along the motion of a recording.
+/// The estimated motion and missing torque of a recording.
 #[derive(Clone, Debug)]
 pub(super) struct Estimate {
     pub noise: Noise,
     pub smoothed: Smoothed,
-    /// Rows in which the direction of sliding is known.
+    /// True for the rows in which the direction of sliding is known.
     pub sliding: Vec<bool>,
 }
 
-/// Smooths a recording with a device; `drive` is the torque of its input over each step.
+/// Estimates the missing torque of a device. `drive` is the drive torque over each step, N m.
 pub(super) fn estimate(
     samples: &Samples,
     device: &Device,
@@ -38,18 +39,18 @@ pub(super) fn estimate(
 ) -> Estimate {
     let steps = Steps::of(samples, &device.mechanics);
     let within = some_rows(samples);
-    // Friction and what goes with the position stay in d at first: nothing is known of the motion yet.
+    // At first the missing torque d includes friction and position-dependent torques, because the motion is unknown.
     let mut sliding = vec![true; samples.len()];
-    let still = vec![0.0; samples.len()];
+    let at_rest = vec![0.0; samples.len()];
     let corners = corners(samples, horizon_s);
-    let noise = likeliest(&steps, &within, drive, &still, &sliding, &corners, &[0.0]);
-    let mut smoothed = steps.smoother(noise, &still, &sliding).smooth(drive);
+    let noise = likeliest(&steps, &within, drive, &at_rest, &sliding, &corners, &[0.0]);
+    let mut smoothed = steps.smoother(noise, &at_rest, &sliding).smooth(drive);
     let mut noise = noise;
-    for again in 0..2 {
-        sliding = slides(&smoothed);
+    for round in 0..2 {
+        sliding = is_sliding(&smoothed);
         let path = Path::along(samples, device, drive, &smoothed, &sliding);
         let force = path.force(device, drive);
-        if again == 0 {
+        if round == 0 {
             let velocity = &smoothed.velocity;
             noise = likeliest(
                 &steps, &within, &force, velocity, &sliding, &corners, &JITTERS,
@@ -58,7 +59,7 @@ pub(super) fn estimate(
         let smoother = steps.smoother(noise, &smoothed.velocity, &sliding);
         smoothed = smoother.smooth(&force);
     }
-    sliding = slides(&smoothed);
+    sliding = is_sliding(&smoothed);
     Estimate {
         noise,
         smoothed,
@@ -66,14 +67,14 @@ pub(super) fn estimate(
     }
 }
 
-fn slides(smoothed: &Smoothed) -> Vec<bool> {
+fn is_sliding(smoothed: &Smoothed) -> Vec<bool> {
     let pairs = smoothed.velocity.iter().zip(&smoothed.velocity_std);
     pairs
         .map(|(v, std)| v.abs() > KNOWN_DIRECTION * std)
         .collect()
 }
 
-/// By equal ratios.
+/// Corner frequencies in geometric progression, rad per sample period.
 fn corners(samples: &Samples, horizon_s: f64) -> Vec<f64> {
     let lowest = LEAST_TURNS * core::f64::consts::TAU * samples.period_s / horizon_s;
     let lowest = lowest.min(0.5 * HIGHEST_CORNER);
@@ -83,7 +84,7 @@ fn corners(samples: &Samples, horizon_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// The likeliest of the corners and jitters, the corner refined between those that were tried.
+/// The noise of maximum likelihood among all corners and jitters. The corner is then refined between its neighbours.
 fn likeliest(
     steps: &Steps<'_>,
     within: &[Range<usize>],
@@ -119,15 +120,15 @@ fn likeliest(
     refined.into_iter().fold(best, better).1
 }
 
-/// Some stretches of rows that stand for all.
+/// Evenly spread parts of the rows that represent all of them.
 fn some_rows(samples: &Samples) -> Vec<Range<usize>> {
     if samples.len() <= ROWS {
         return samples.stretches.iter().map(|s| s.rows.clone()).collect();
     }
     let each = ROWS / STRETCHES;
-    let apart = samples.len() / STRETCHES;
+    let spacing = samples.len() / STRETCHES;
     let pieces = (0..STRETCHES).filter_map(|k| {
-        let from = k * apart + (apart - each) / 2;
+        let from = k * spacing + (spacing - each) / 2;
         let stretch = samples.stretches.iter().find(|s| s.rows.contains(&from))?;
         Some(from..(from + each).min(stretch.rows.end))
     });

@@ -1,33 +1,33 @@
-//! A form of an effect: the torque that it makes along a motion.
+//! A form of an effect: the torque that the effect causes along a motion.
 //!
-//! An effect that acts on drive or mechanics is switched into the device, as a simulation does; its column is the torque
-//! that this makes along the measured motion. What a sensor hides is worked out from the torque that the device itself
-//! has there, never from the measured acceleration, which the missing torque contains.
+//! An effect on drive or mechanics is installed in the device model, and its column is the change of the torque along the measured
+//! motion. The column of a sensor error is computed from the torque of the device model. It does not use the measured acceleration, which
+//! contains the missing torque.
 
 use super::path::Path;
 use host_sim::effects::Kind;
 
-/// One way in which an effect may act: a torque for a unit of each coefficient.
+/// One way in which an effect may act: a torque per unit of each coefficient.
 pub(crate) struct Form {
-    /// Torque over each step, for a unit of each coefficient.
+    /// Torque over each step, per unit of each coefficient.
     pub torque: Vec<Vec<f64>>,
-    /// Error of the sensor in each row, in units of position, for a unit of each coefficient; empty if the effect is not in the sensor.
+    /// Sensor error in each row, in position units per unit of each coefficient. It is empty for an effect outside the sensor.
     pub reading: Vec<Vec<f64>>,
-    /// The effect's numbers, in the order of its kind, for some coefficients.
+    /// Computes the parameters of the effect, in the order of its kind, from the coefficients.
     pub values: Values,
-    /// Numbers that were searched for beside the coefficients, as of a place or an instant.
+    /// Number of parameters that were searched in addition to the coefficients, for example a position or an instant.
     pub searched: usize,
-    /// Whether it may show in so few moments that held-out time says nothing of it.
+    /// True if the effect may act in so few instants that held-out data cannot confirm it.
     pub seldom: bool,
-    /// Whether its first coefficient must be above 0 to have a meaning.
+    /// True if the first coefficient must be positive.
     pub positive: bool,
 }
 
-/// Makes an effect's numbers of coefficients.
+/// Computes the parameters of an effect from coefficients.
 pub(crate) type Values = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
 
 impl Form {
-    /// Of torques alone.
+    /// A form with torques and without a sensor error.
     pub fn new(
         torque: Vec<Vec<f64>>,
         values: impl Fn(&[f64]) -> Vec<f64> + Send + Sync + 'static,
@@ -42,7 +42,8 @@ impl Form {
         }
     }
 
-    /// In which some numbers of an effect move away from `base`, where it does nothing: place and step of each.
+    /// A form whose coefficients move parameters of an effect away from `base`, where the effect has no influence. `steps` holds the
+    /// index of each parameter and its change per unit of coefficient.
     pub fn linear(
         path: &Path<'_>,
         kind: &'static Kind,
@@ -65,8 +66,8 @@ impl Form {
         })
     }
 
-    /// In which an effect acts as a whole with these numbers; its coefficient is 1 where they are right, and scales the number at
-    /// `size`, if one is its size.
+    /// A form with the whole effect at given parameters and one coefficient, which is 1 if the parameters are right. The coefficient
+    /// multiplies the parameter at `size`, if given.
     pub fn whole(
         path: &Path<'_>,
         kind: &'static Kind,
@@ -84,13 +85,13 @@ impl Form {
         .searched(1)
     }
 
-    /// With numbers that were searched for.
+    /// Sets the number of searched parameters.
     #[must_use]
     pub fn searched(self, searched: usize) -> Self {
         Self { searched, ..self }
     }
 
-    /// That may show in a few moments only.
+    /// Marks the effect as one that may act in few instants.
     #[must_use]
     pub fn seldom(self) -> Self {
         Self {
@@ -99,7 +100,7 @@ impl Form {
         }
     }
 
-    /// Whose first coefficient must be above 0.
+    /// Requires a positive first coefficient.
     #[must_use]
     pub fn positive(self) -> Self {
         Self {
@@ -109,7 +110,7 @@ impl Form {
     }
 }
 
-/// The default numbers of an effect, some of them set, by their places.
+/// The default parameters of an effect, with some of them set by index.
 pub(crate) fn with_defaults(kind: &Kind, set: &[(usize, f64)]) -> Vec<f64> {
     let mut values: Vec<f64> = kind.parameters.iter().map(|p| p.default).collect();
     for &(place, value) in set {

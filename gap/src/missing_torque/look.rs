@@ -1,11 +1,11 @@
-//! What is to be seen of a missing torque: its axes, what may explain it, and the points that a picture shows.
+//! The presentation of a missing torque: its axes, possible explanations, and the points of a plot.
 
 use super::axis::Axis;
 use super::orders::{Order, orders};
 use super::repeats::repeats;
 use super::ripple::Waves;
 use super::shares::{Share, shares};
-use super::shortlist::{Field, Proposal, respond};
+use super::shortlist::{Proposal, ShortlistSearch, respond};
 use super::smoother::Steps;
 use super::target::Target;
 use super::{BLOCK_HORIZONS, MissingTorque};
@@ -13,23 +13,24 @@ use crate::effects;
 use host_sim::device::Device;
 use serde::Serialize;
 
-/// Horizons of a block of time for tables, which would remember shorter ones; no period of an excitation is likely to be this.
+/// Length of a sticking-out block of time for the shares of the axes, in horizons. Tables could memorize shorter blocks. The value is
+/// unlikely to be the period of an excitation.
 const TABLE_HORIZONS: f64 = 1.37;
-/// Sets of effects that are kept.
+/// Number of proposed sets of effects.
 const PROPOSALS: usize = 8;
 
-/// The summary that the recording format has.
+/// The summary of a missing torque, as defined by the recording format.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// Root mean square, in `unit`.
+    /// Rms of the missing torque, in `unit`.
     pub rms: f64,
-    /// Of the torque: that of the input, at the joint.
+    /// Unit of the torque: the unit of the input, at the joint.
     pub unit: String,
-    /// The most telling axis first.
+    /// Shares of the axes, largest first.
     pub shares: Vec<Share>,
-    /// Share of the best additive law over these axes.
+    /// Share that the best sum of functions of these axes explains.
     pub additive_share: f64,
-    /// True where the motion only repeats itself, so that shares say little.
+    /// True if the motion is only periodic. The shares then say little.
     pub repeats: bool,
 }
 
@@ -38,45 +39,45 @@ pub struct Summary {
 pub struct Point {
     /// Index of the run.
     pub run: usize,
-    /// In the run's time, s.
+    /// Time of the run, s.
     pub time_s: f64,
-    /// In units of position.
+    /// Position, in position units.
     pub position: f64,
-    /// Per s.
+    /// Velocity, in position units per s.
     pub velocity: f64,
-    /// Torque of the input by the model.
+    /// Drive torque of the model, in units of torque.
     pub drive: f64,
-    /// All torque of the model.
+    /// Total torque of the model.
     pub net: f64,
-    /// Missing.
+    /// Missing torque.
     pub torque: f64,
-    /// Standard deviation of that.
+    /// Standard deviation of the missing torque.
     pub std: f64,
-    /// What an explanation gives of it.
+    /// Part of the missing torque that the explanation gives.
     pub explained: f64,
 }
 
-/// Everything that a picture of the missing torque is made of.
+/// All data of a plot of the missing torque.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Look {
-    /// Shares and sizes.
+    /// Shares of the axes, and the rms.
     pub summary: Summary,
-    /// Sets of effects that explain it, the best first.
+    /// Sets of effects that explain the missing torque, best first.
     pub proposals: Vec<Proposal>,
-    /// Of a ripple, the largest first; empty where there is none.
+    /// Orders of a ripple, largest first. It is empty without a ripple.
     pub orders: Vec<Order>,
-    /// Where the direction of sliding is known, in the order of time.
+    /// Instants at which the direction of sliding is known, in the order of time.
     pub points: Vec<Point>,
-    /// The axis that carries it best: of a share, or [`Axis::Wave`] for a ripple.
+    /// The axis of the plot: the one that explains most, or [`Axis::Wave`] for a ripple.
     pub axis: Axis,
     /// Names of the effects behind [`Point::explained`].
     pub explained_by: Vec<&'static str>,
-    /// Share of the samples in which dry friction may hold, so that nothing is known of what is missing.
+    /// Share of the samples in which static friction may act, so that the missing torque is unknown.
     pub held_share: f64,
 }
 
 impl MissingTorque {
-    /// Shares and size.
+    /// The shares of the axes and the rms.
     pub fn summary(&self) -> Summary {
         let smoothed = &self.estimate.smoothed;
         let path = self.path();
@@ -96,7 +97,7 @@ impl MissingTorque {
         }
     }
 
-    /// Its instants, of which nothing is explained yet.
+    /// The instants of the missing torque, without an explanation.
     pub(crate) fn points(&self) -> Vec<Point> {
         let smoothed = &self.estimate.smoothed;
         let path = self.path();
@@ -120,7 +121,7 @@ impl MissingTorque {
         points.collect()
     }
 
-    /// What is to be seen of it. What explains it is the device `found` with its effects `names`, or else the best proposal.
+    /// All data of a plot. The explanation is the device `found` with its effects, or otherwise the best proposal.
     pub fn look(&self, found: Option<(&Device, Vec<&'static str>)>) -> Look {
         let smoothed = &self.estimate.smoothed;
         let path = self.path();
@@ -141,12 +142,12 @@ impl MissingTorque {
             innovation: &smoothed.innovation,
             waves: &waves,
         };
-        let field = Field::of(&self.recording, &path, &smoother, &rows, &torque);
-        let proposals = field.shortlist(PROPOSALS);
+        let search = ShortlistSearch::of(&self.recording, &path, &smoother, &rows, &torque);
+        let proposals = search.shortlist(PROPOSALS);
         let is_found = found.is_some();
         let (explained, explained_by) = match found {
             Some((device, names)) => {
-                // J' a = T', so that J a − T = J/J' T' − T.
+                // From J' a = T' follows J a − T = J/J' T' − T.
                 let ratio = self.device.mechanics.inertia / device.mechanics.inertia;
                 let pairs = path
                     .torque(device)
@@ -163,7 +164,7 @@ impl MissingTorque {
                     .first()
                     .map(|first| first.names())
                     .unwrap_or_default();
-                (field.explained(&names), names)
+                (search.explained(&names), names)
             }
         };
         let points = self.points().into_iter().enumerate();
@@ -171,18 +172,18 @@ impl MissingTorque {
             explained: explained.get(i).copied().unwrap_or(0.0),
             ..point
         });
-        let named = explained_by.first().filter(|_| is_found);
-        let axis = named
+        let explaining_effect = explained_by.first().filter(|_| is_found);
+        let axis = explaining_effect
             .and_then(|name| effects::find(name))
             .map(|effect| effect.axis());
-        let axis = axis.unwrap_or_else(|| carrying(&summary.shares, proposals.first()));
+        let axis = axis.unwrap_or_else(|| most_explaining(&summary.shares, proposals.first()));
         let orders = orders(&path, &smoother, &rows, &target, corner);
         let axis = if axis == Axis::Wave && orders.is_empty() {
             Axis::Position
         } else {
             axis
         };
-        let held = sliding.iter().filter(|slides| !**slides).count();
+        let sticking = sliding.iter().filter(|slides| !**slides).count();
         Look {
             points: points.collect(),
             summary,
@@ -190,13 +191,13 @@ impl MissingTorque {
             orders,
             axis,
             explained_by,
-            held_share: held as f64 / sliding.len().max(1) as f64,
+            held_share: sticking as f64 / sliding.len().max(1) as f64,
         }
     }
 }
 
-/// Axes that a picture can have.
-const DRAWN: [Axis; 7] = [
+/// Axes that a plot can have.
+const PLOTTED: [Axis; 7] = [
     Axis::Velocity,
     Axis::Position,
     Axis::Input,
@@ -205,12 +206,12 @@ const DRAWN: [Axis; 7] = [
     Axis::Time,
     Axis::DirectionAndPosition,
 ];
-/// Share by which named effects must explain more than a function of one axis for theirs to be drawn.
+/// Share by which proposed effects must explain more than a function of one axis for their axis to be plotted.
 const CLEARLY_MORE: f64 = 0.1;
 
-/// The axis that explains most, unless the first effect that is proposed has another and explains clearly more.
-fn carrying(shares: &[Share], proposal: Option<&Proposal>) -> Axis {
-    let most = shares.iter().find(|share| DRAWN.contains(&share.axis));
+/// The axis that explains most, unless the first proposed effect has another axis and explains clearly more.
+fn most_explaining(shares: &[Share], proposal: Option<&Proposal>) -> Axis {
+    let most = shares.iter().find(|share| PLOTTED.contains(&share.axis));
     let first = proposal.and_then(|proposal| {
         let least = most.map_or(0.0, |most| most.share) + CLEARLY_MORE;
         let name = proposal.effects.first()?.0;
@@ -223,7 +224,7 @@ fn carrying(shares: &[Share], proposal: Option<&Proposal>) -> Axis {
 }
 
 impl Proposal {
-    /// Names of its effects.
+    /// Names of the effects.
     pub fn names(&self) -> Vec<&'static str> {
         self.effects.iter().map(|(name, _)| *name).collect()
     }

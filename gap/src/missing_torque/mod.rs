@@ -1,18 +1,17 @@
-//! The torque that a model lacks over time, estimated from a recording alone, and what may explain it.
+//! Estimates the torque that a model lacks over time from a recording alone, and proposes explanations.
 //!
-//! A smoother with an unknown input turns the measured position into a torque with its standard deviation; no effect has to be
-//! named for that. Every effect of the library is then a torque along the smoothed motion, which goes through the same
-//! smoother, so that both sides are smoothed alike; least squares over blocks of time say which sets of effects explain the
-//! missing torque, and with which numbers. That takes milliseconds and proposes; it does not decide.
+//! A smoother with an unknown input turns the measured position into a missing torque with its standard deviation, without an assumption
+//! about its cause. The torque of each effect of the library along the smoothed motion passes through the same smoother, so both sides
+//! are smoothed equally. Least squares over blocks of time then show which sets of effects explain the missing torque, and with which
+//! parameters. That takes milliseconds and only proposes effects; the diagnosis decides.
 
 pub(crate) mod axis;
+pub(crate) mod delay_forms;
 mod estimate;
 pub(crate) mod form;
-pub(crate) mod lateness;
-mod load;
 mod look;
 pub(crate) mod misreading;
-mod numbers;
+mod one_load;
 mod orders;
 pub(crate) mod path;
 mod regression;
@@ -24,17 +23,18 @@ mod shortlist;
 mod smoother;
 pub mod table;
 pub(crate) mod target;
+mod tolerances;
 
 use crate::windows::excerpt::excerpt;
 use estimate::{Estimate, estimate};
 use host_sim::device::Device;
-use load::of_one_load;
+use one_load::of_one_load;
 use path::Path;
 use recording::Recording;
 use regression::{FOLDS, Rows};
 use ripple::Waves;
 use samples::{Samples, nominal_drive};
-use shortlist::Field;
+use shortlist::ShortlistSearch;
 use smoother::Steps;
 use table::{Table, TableAxis};
 use target::Target;
@@ -45,17 +45,18 @@ pub use orders::Order;
 pub use shares::Share;
 pub use shortlist::Proposal;
 
-/// Share of the missing torque's rms that a model of it is off by anyway: a small part that is known very well must not decide.
+/// Model error of any explanation, as a share of the rms missing torque. It limits the weight of instants with a small standard
+/// deviation.
 const MODEL_ERROR: f64 = 0.1;
-/// Rows of a fit in a time constant of the smoother.
-const ROWS_A_CONSTANT: f64 = 2.0;
-/// Rows of a recording that are looked at, in stretches of whole windows where it has more.
+/// Number of fitted rows per time constant of the smoother.
+const ROWS_PER_CONSTANT: f64 = 2.0;
+/// Largest number of rows that are used. Of a longer recording, parts of whole windows are used.
 const MOST_ROWS: usize = 200_000;
-/// Length of a block of time that is held out as a whole, in horizons, and in time constants of the smoother at least.
+/// Length of a held-out block of time, in horizons, and its least length in time constants of the smoother.
 const BLOCK_HORIZONS: f64 = 0.37;
 const BLOCK_CONSTANTS: f64 = 5.0;
 
-/// The torque that a device lacks along a recording.
+/// The missing torque of a device along a recording.
 #[derive(Clone, Debug)]
 pub struct MissingTorque {
     recording: Recording,
@@ -68,19 +69,19 @@ pub struct MissingTorque {
 /// The missing torque of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissingRun {
-    /// The run's CSV file.
+    /// CSV file of the run.
     pub file: String,
-    /// In the run's time, s.
+    /// Time of the run, s.
     pub time_s: Vec<f64>,
-    /// In units of input times the ratio.
+    /// Missing torque, in input units times the ratio of the drive.
     pub torque: Vec<f64>,
-    /// Standard deviation, likewise.
+    /// Standard deviation of the missing torque, in the same unit.
     pub std: Vec<f64>,
 }
 
 impl MissingTorque {
-    /// What `device` lacks along `recording`, or along stretches spread evenly over a long one. Where runs differ in their load, along
-    /// those of the load with the most rows.
+    /// Estimates the missing torque of `device` along `recording`, or along evenly spread parts of a long recording. If the runs differ
+    /// in their load, it uses the runs of the load with the most rows.
     pub fn of(recording: &Recording, device: &Device) -> Self {
         let one = of_one_load(recording);
         let device = &device.with_load(&recording.model, &one.model);
@@ -97,7 +98,8 @@ impl MissingTorque {
         }
     }
 
-    /// A table of it over the axis that carries it best of those that a table may be over; none where no such axis carries a part of it.
+    /// A table of the missing torque over the axis that explains most of it. Returns `None` if no axis that a table may have explains a
+    /// part of it.
     pub(crate) fn table(&self) -> Option<Table> {
         let shares = self.summary().shares.into_iter();
         let mut axes = shares.filter(|share| share.share > 0.0);
@@ -105,16 +107,16 @@ impl MissingTorque {
         Table::fitted(axis, &self.points(), self.device.drive.ratio)
     }
 
-    /// The torque over time, a run after the other.
+    /// The missing torque over time, run by run.
     pub fn runs(&self) -> Vec<MissingRun> {
         let mut runs: Vec<MissingRun> = Vec::new();
         for stretch in &self.samples.stretches {
             let file = &self.recording.runs[stretch.run].file;
-            let goes_on = runs.last().is_some_and(|run| {
+            let continues = runs.last().is_some_and(|run| {
                 let first_s = self.samples.time_s.get(stretch.rows.start);
                 run.file == *file && run.time_s.last() < first_s
             });
-            if !goes_on {
+            if !continues {
                 runs.push(MissingRun {
                     file: file.clone(),
                     time_s: Vec::new(),
@@ -133,7 +135,7 @@ impl MissingTorque {
         runs
     }
 
-    /// The `count` sets of effects that explain it best, the best first.
+    /// The `count` sets of effects that explain the missing torque best, best first.
     pub fn shortlist(&self, count: usize) -> Vec<Proposal> {
         let smoothed = &self.estimate.smoothed;
         let path = self.path();
@@ -152,10 +154,10 @@ impl MissingTorque {
         let steps = Steps::of(&self.samples, &self.device.mechanics);
         let sliding = &self.estimate.sliding;
         let smoother = steps.smoother(self.estimate.noise, &smoothed.velocity, sliding);
-        Field::of(&self.recording, &path, &smoother, &rows, &target).shortlist(count)
+        ShortlistSearch::of(&self.recording, &path, &smoother, &rows, &target).shortlist(count)
     }
 
-    /// The orders of a ripple in it, the largest first.
+    /// The orders of a ripple in the missing torque, largest first.
     pub fn ripple(&self) -> Vec<Order> {
         let smoothed = &self.estimate.smoothed;
         let path = self.path();
@@ -172,7 +174,7 @@ impl MissingTorque {
         Path::along(&self.samples, &self.device, &self.drive, smoothed, sliding)
     }
 
-    /// Weights of a fit at all rows, 0 where it does not see one.
+    /// Weights of all rows in a fit; 0 for rows that are not fitted.
     fn weights(&self, rows: &Rows) -> Vec<f64> {
         let mut weights = vec![0.0; self.samples.len()];
         let pairs = rows.rows.iter().zip(&rows.weight);
@@ -180,17 +182,17 @@ impl MissingTorque {
         weights
     }
 
-    /// Of the smoother, rad/s.
+    /// Corner frequency of the smoother, rad/s.
     fn corner(&self) -> f64 {
         self.estimate.noise.corner / self.samples.period_s
     }
 
-    /// Rows that a fit sees, in blocks of about `block_s` that are dealt to the folds.
+    /// The rows of a fit, in blocks of about `block_s` that are assigned to the folds in turn.
     fn rows(&self, block_s: f64) -> Rows {
         let smoothed = &self.estimate.smoothed;
         let corner = self.estimate.noise.corner;
         let constant = core::f64::consts::PI / corner;
-        let every = (constant / ROWS_A_CONSTANT).floor().max(1.0) as usize;
+        let every = (constant / ROWS_PER_CONSTANT).floor().max(1.0) as usize;
         let independent = (every as f64 / constant).min(1.0);
         let known = |row: &usize| self.estimate.sliding[*row];
         let model_error = MODEL_ERROR * self.rms();
@@ -202,7 +204,7 @@ impl MissingTorque {
         };
         let mut first_block = 0;
         for stretch in &self.samples.stretches {
-            // The smoother sees the ends from one side only.
+            // At the ends the smoother has samples on one side only.
             let edge = (0.5 * constant).ceil() as usize;
             let inner = stretch.rows.start + edge..stretch.rows.end.saturating_sub(edge);
             let start_s = self.samples.time_s[stretch.rows.start];
@@ -220,7 +222,7 @@ impl MissingTorque {
         rows
     }
 
-    /// Root mean square where the direction of sliding is known, in units of input times the ratio.
+    /// Rms missing torque at the instants at which the direction of sliding is known, in input units times the ratio of the drive.
     pub fn rms(&self) -> f64 {
         let pairs = self
             .estimate
@@ -229,7 +231,7 @@ impl MissingTorque {
             .iter()
             .zip(&self.estimate.sliding);
         let known = pairs
-            .filter(|(_, slides)| **slides)
+            .filter(|(_, is_sliding)| **is_sliding)
             .map(|(torque, _)| torque * torque);
         let (sum, count) = known.fold((0.0, 0.0), |(sum, count), square| {
             (sum + square, count + 1.0)

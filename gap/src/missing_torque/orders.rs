@@ -1,4 +1,4 @@
-//! Ripple of several orders, by regression on the whole map at once.
+//! Finds the orders of a ripple, by regression over all rows at once.
 
 use super::path::Path;
 use super::regression::{Normal, Rows};
@@ -6,27 +6,29 @@ use super::ripple::Waves;
 use super::shortlist::respond;
 use super::smoother::Smoother;
 
-/// Orders that are looked for at most.
-const MOST: usize = 8;
-/// Share of the missing torque, squared, that an order must explain on held-out time, and of what the others leave.
+/// Largest number of orders.
+const MOST_ORDERS: usize = 8;
+/// Share of the squared missing torque that an order must explain on held-out data, and its least share of the squares that the other
+/// orders leave.
 const LEAST_SHARE: f64 = 0.004;
-const LEAST_OF_REST: f64 = 0.05;
-/// Rounds in which the wave numbers are refined, all orders together, and parts of a peak's width that they move by.
+const LEAST_OF_RESIDUAL: f64 = 0.05;
+/// Number of refinements of the wave numbers, with all orders fitted together, and the steps of a wave number, in widths of a peak.
 const ROUNDS: usize = 2;
-const MOVES: [f64; 6] = [-0.4, -0.15, -0.05, 0.05, 0.15, 0.4];
+const STEPS: [f64; 6] = [-0.4, -0.15, -0.05, 0.05, 0.15, 0.4];
 
 /// One wave of a ripple: `amplitude · sin(wave_number · x + phase)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
-    /// Rad per unit of position.
+    /// Wave number, rad per position unit.
     pub wave_number: f64,
-    /// Torque, in units of input times the ratio.
+    /// Torque amplitude, in input units times the ratio of the drive.
     pub amplitude: f64,
-    /// At position zero, rad.
+    /// Phase at position zero, rad.
     pub phase: f64,
 }
 
-/// The orders of a ripple beside friction and a constant, the largest first.
+/// The orders of a ripple, largest first. They are fitted together with Coulomb friction, viscous friction, a linear spring and a
+/// constant.
 pub(super) fn orders(
     path: &Path<'_>,
     smoother: &Smoother<'_>,
@@ -36,13 +38,13 @@ pub(super) fn orders(
 ) -> Vec<Order> {
     let smoothed = |columns: &[Vec<f64>]| respond(smoother, rows, columns, &[]);
     let n = path.position.len();
-    let beside = smoothed(&[
+    let baseline = smoothed(&[
         vec![1.0; n],
         path.direction.clone(),
         path.velocity.clone(),
         path.position.clone(),
     ]);
-    // While they are looked for, the smoother is taken as a low-pass of the rate at which a wave is passed.
+    // During the search the smoother is approximated by a low-pass at the temporal frequency of the wave.
     let wave = |wave_number: f64| -> Vec<Vec<f64>> {
         let at = |f: fn(f64) -> f64| {
             let passed = rows.rows.iter().map(|&row| {
@@ -53,46 +55,46 @@ pub(super) fn orders(
         };
         vec![at(f64::sin), at(f64::cos)]
     };
-    let exact = |wave_number: f64| {
+    let smoothed_wave = |wave_number: f64| {
         let wave = |f: fn(f64) -> f64| path.position.iter().map(|x| f(wave_number * x)).collect();
         smoothed(&[wave(f64::sin), wave(f64::cos)])
     };
     let mut found: Vec<(f64, Vec<Vec<f64>>)> = Vec::new();
-    let mut left = Fit::of(rows, &beside, &found, torque);
+    let mut current = Fit::of(rows, &baseline, &found, torque);
     let peak = core::f64::consts::PI / path.scale.half_span();
-    while found.len() < MOST {
-        let waves = Waves::of(path, rows, &left.rest, corner);
+    while found.len() < MOST_ORDERS {
+        let waves = Waves::of(path, rows, &current.residual, corner);
         let Some(&next) = waves.strongest.first() else {
             break;
         };
         let mut more = found.clone();
         more.push((next, wave(next)));
-        let fit = Fit::of(rows, &beside, &more, torque);
-        let gain = left.held_out - fit.held_out;
-        if gain < LEAST_SHARE * fit.squares || gain < LEAST_OF_REST * left.held_out {
+        let fit = Fit::of(rows, &baseline, &more, torque);
+        let gain = current.held_out - fit.held_out;
+        if gain < LEAST_SHARE * fit.squares || gain < LEAST_OF_RESIDUAL * current.held_out {
             break;
         }
-        (found, left) = (more, fit);
+        (found, current) = (more, fit);
     }
     for _ in 0..ROUNDS {
         for k in 0..found.len() {
             let before = found[k].0;
-            for part in MOVES {
+            for part in STEPS {
                 let moved = before + part * peak;
                 let mut tried = found.clone();
                 tried[k] = (moved, wave(moved));
-                let fit = Fit::of(rows, &beside, &tried, torque);
-                if fit.held_out < left.held_out {
-                    (found, left) = (tried, fit);
+                let fit = Fit::of(rows, &baseline, &tried, torque);
+                if fit.held_out < current.held_out {
+                    (found, current) = (tried, fit);
                 }
             }
         }
     }
     found
         .iter_mut()
-        .for_each(|(wave_number, wave)| *wave = exact(*wave_number));
-    let left = Fit::of(rows, &beside, &found, torque);
-    let waves = left.coefficients[beside.len()..].chunks(2);
+        .for_each(|(wave_number, wave)| *wave = smoothed_wave(*wave_number));
+    let current = Fit::of(rows, &baseline, &found, torque);
+    let waves = current.coefficients[baseline.len()..].chunks(2);
     let orders = found.iter().zip(waves).map(|((wave_number, _), c)| Order {
         wave_number: *wave_number,
         amplitude: c[0].hypot(c[1]),
@@ -103,10 +105,10 @@ pub(super) fn orders(
     orders
 }
 
-/// All orders fitted at once.
+/// A fit of all orders at once.
 struct Fit {
     coefficients: Vec<f64>,
-    rest: Vec<f64>,
+    residual: Vec<f64>,
     held_out: f64,
     squares: f64,
 }
@@ -114,26 +116,29 @@ struct Fit {
 impl Fit {
     fn of(
         rows: &Rows,
-        beside: &[Vec<f64>],
+        baseline: &[Vec<f64>],
         waves: &[(f64, Vec<Vec<f64>>)],
         torque: &[f64],
     ) -> Self {
-        let columns = beside.iter().chain(waves.iter().flat_map(|(_, wave)| wave));
+        let columns = baseline
+            .iter()
+            .chain(waves.iter().flat_map(|(_, wave)| wave));
         let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
         let normal = Normal::of(rows, &columns, 0, torque);
         let all: Vec<usize> = (0..columns.len()).collect();
         let coefficients = normal.fit(&all);
-        let mut rest = torque.to_vec();
+        let mut residual = torque.to_vec();
         for (column, c) in columns.iter().zip(&coefficients) {
-            rest.iter_mut()
+            residual
+                .iter_mut()
                 .zip(*column)
-                .for_each(|(rest, value)| *rest -= c * value);
+                .for_each(|(residual, value)| *residual -= c * value);
         }
         Self {
             held_out: normal.held_out(&all),
             squares: normal.target_squares(),
             coefficients,
-            rest,
+            residual,
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The torques of a device along a motion that was measured.
+//! The torques of a device along a measured motion.
 
 use super::samples::Samples;
 use super::smoother::Smoothed;
@@ -7,73 +7,74 @@ use host_sim::effects::Kind;
 use host_sim::plant::Mechanics;
 use std::sync::OnceLock;
 
-/// A smoothed motion by steps, with what a device does along it. One value a step: a step of no length ends a stretch.
+/// A smoothed motion in steps, with the torques of a device along it. Each column has one value per step. A step of zero length ends a
+/// stretch.
 #[derive(Clone, Debug)]
 pub(crate) struct Path<'a> {
     pub samples: &'a Samples,
-    /// The device whose torque the missing one is on top of.
+    /// The device whose torque is subtracted.
     pub device: &'a Device,
-    /// Torque of the input, as that device has it.
+    /// Drive torque of that device.
     pub drive: Vec<f64>,
-    /// In the middle of the step.
+    /// Position in the middle of each step.
     pub position: Vec<f64>,
-    /// Mean over the step, per s.
+    /// Mean velocity over each step, in position units per s.
     pub velocity: Vec<f64>,
-    /// Of sliding, from −1 to 1: a step in which the motion turns is partly of one and partly of the other.
+    /// Direction of sliding, from −1 to 1. In a step with a reversal it is the mean of both directions.
     pub direction: Vec<f64>,
-    /// Whether the direction of sliding is known.
+    /// True if the direction of sliding is known.
     pub sliding: Vec<bool>,
-    /// Largest part of the motion: half of its span, rms velocity, rms torque of the input, likewise of the input.
+    /// Magnitudes of the motion.
     pub scale: Scale,
-    /// Torque of the device over each step, once it is asked for.
+    /// Torque of the device over each step, computed at the first request.
     nominal: OnceLock<Vec<f64>>,
 }
 
-/// How large the motion is.
+/// Magnitudes of a motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
     /// Lowest and highest position.
-    pub reach: [f64; 2],
-    /// Rms velocity, per s.
+    pub range: [f64; 2],
+    /// Rms velocity, in position units per s.
     pub velocity: f64,
-    /// Rms torque of the input.
+    /// Rms drive torque.
     pub torque: f64,
-    /// Largest input.
+    /// Largest magnitude of the input.
     pub input: f64,
     /// First and last instant of the session, s.
     pub session_s: [f64; 2],
 }
 
 impl Scale {
-    /// Half of the span of the position.
+    /// Half of the range of the position.
     pub fn half_span(&self) -> f64 {
-        (0.5 * (self.reach[1] - self.reach[0])).max(f64::MIN_POSITIVE)
+        (0.5 * (self.range[1] - self.range[0])).max(f64::MIN_POSITIVE)
     }
 
-    /// Middle of the span.
+    /// Middle of the range of the position.
     pub fn middle(&self) -> f64 {
-        0.5 * (self.reach[0] + self.reach[1])
+        0.5 * (self.range[0] + self.range[1])
     }
 
-    /// A torque that is small beside that of the input.
+    /// A torque that is small compared with the drive torque.
     pub fn torque_step(&self) -> f64 {
         0.2 * self.torque
     }
 
-    /// Frequency of a sine of this span and velocity, rad/s.
+    /// Angular frequency of a sine with this range and rms velocity, rad/s.
     pub fn rate(&self) -> f64 {
         core::f64::consts::SQRT_2 * self.velocity / self.half_span()
     }
 }
 
 impl<'a> Path<'a> {
-    /// The motion that was smoothed.
+    /// The smoothed motion with the torques of `device`.
     pub fn along(
         samples: &'a Samples,
         device: &'a Device,
         drive: &[f64],
         smoothed: &Smoothed,
-        slides: &[bool],
+        is_sliding: &[bool],
     ) -> Self {
         let n = samples.len();
         let next = |row: usize| {
@@ -103,13 +104,13 @@ impl<'a> Path<'a> {
             }
         });
         let direction: Vec<f64> = direction.collect();
-        let sliding = rows.map(|i| slides[i] || slides[next(i)]).collect();
+        let sliding = rows.map(|i| is_sliding[i] || is_sliding[next(i)]).collect();
         let rms =
             |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / n.max(1) as f64).sqrt();
         let ends = |[low, high]: [f64; 2], x: &f64| [low.min(*x), high.max(*x)];
         let none = [f64::INFINITY, f64::NEG_INFINITY];
         let scale = Scale {
-            reach: position.iter().fold(none, ends),
+            range: position.iter().fold(none, ends),
             velocity: rms(&velocity).max(f64::MIN_POSITIVE),
             torque: rms(drive).max(f64::MIN_POSITIVE),
             input: samples
@@ -131,7 +132,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// Torque of the input through another drive.
+    /// Drive torque of another device.
     pub fn drive_of(&self, device: &Device) -> Vec<f64> {
         if device.drive == self.device.drive {
             self.drive.clone()
@@ -140,7 +141,7 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// All that acts on the inertia of a device over each step, but for its viscous friction and its linear spring.
+    /// Total torque on the inertia of a device over each step, without its viscous friction and its linear spring.
     pub fn force(&self, device: &Device, drive: &[f64]) -> Vec<f64> {
         let m = &device.mechanics;
         let steps = (0..self.position.len()).map(|i| {
@@ -150,7 +151,7 @@ impl<'a> Path<'a> {
         steps.collect()
     }
 
-    /// All that acts on the inertia of a device over each step.
+    /// Total torque on the inertia of a device over each step.
     pub fn torque(&self, device: &Device) -> Vec<f64> {
         let drive = self.drive_of(device);
         (0..drive.len())
@@ -158,11 +159,11 @@ impl<'a> Path<'a> {
             .collect()
     }
 
-    /// What `device` does along the motion on top of the device of this path.
-    pub fn on_top(&self, device: &Device) -> Vec<f64> {
+    /// Torque of `device` along the motion less that of the device of this path.
+    pub fn added_torque(&self, device: &Device) -> Vec<f64> {
         let nominal = self.nominal.get_or_init(|| self.torque(self.device));
         if device.mechanics == self.device.mechanics && !self.has_friction() {
-            // Without friction the torque of the input only adds up.
+            // Without friction, a change of the drive torque is simply added.
             let pairs = self.drive_of(device).into_iter().zip(&self.drive);
             return pairs.map(|(with, without)| with - without).collect();
         }
@@ -173,15 +174,15 @@ impl<'a> Path<'a> {
         with
     }
 
-    /// What an effect with these numbers does along the motion on top of the device of this path.
+    /// Torque that an effect with given parameters adds to the device of this path.
     pub fn torque_of(&self, kind: &Kind, values: &[f64]) -> Vec<f64> {
         let mut device = self.device.clone();
         kind.install(&mut device, values);
-        self.on_top(&device)
+        self.added_torque(&device)
     }
 
-    /// Torque that a rigid transmission carries to a load with all of the inertia, per step.
-    pub fn carried(&self) -> Vec<f64> {
+    /// Torque that a rigid transmission transmits to a load with the whole inertia, over each step.
+    pub fn transmitted_torque(&self) -> Vec<f64> {
         let m = &self.device.mechanics;
         let net = self.torque(self.device);
         let steps = net.iter().enumerate();
@@ -193,7 +194,7 @@ impl<'a> Path<'a> {
             .collect()
     }
 
-    /// Level of the device's dry friction, the higher one of both directions; 0 if it has none.
+    /// The higher Coulomb friction level of both directions, or 0 without Coulomb friction.
     pub fn friction_level(&self) -> f64 {
         self.device.mechanics.friction.highest_nm()
     }
@@ -202,33 +203,33 @@ impl<'a> Path<'a> {
         !self.device.mechanics.friction.is_none()
     }
 
-    /// Where the motion is in the middle of a step.
+    /// The state of the motion in the middle of a step.
     pub fn at(&self, i: usize) -> Moment {
         Moment {
             time_s: self.samples.session_s[i],
             position: self.position[i],
             velocity: self.velocity[i],
             direction: self.direction[i],
-            slides: self.sliding[i],
+            is_sliding: self.sliding[i],
         }
     }
 }
 
-/// A moment of a motion.
+/// The state of a motion at an instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
-    /// Of the session, s.
+    /// Time on the clock of the session, s.
     pub time_s: f64,
     pub position: f64,
-    /// Per s.
+    /// Velocity, in position units per s.
     pub velocity: f64,
-    /// Of sliding, −1 to 1.
+    /// Direction of sliding, from −1 to 1.
     pub direction: f64,
-    /// Whether that is known.
-    pub slides: bool,
+    /// True if the direction of sliding is known.
+    pub is_sliding: bool,
 }
 
-/// All that acts on the inertia at a moment.
+/// Total torque on the inertia at an instant.
 pub(crate) fn torque(m: &Mechanics, drive: f64, at: &Moment) -> f64 {
     let (x, v) = (at.position, at.velocity);
     let passive = m.spring(x) - m.gravity * m.from_hanging_rad(x).sin();
@@ -249,18 +250,18 @@ pub(crate) fn torque(m: &Mechanics, drive: f64, at: &Moment) -> f64 {
     }
     let side = if at.direction < 0.0 { -1.0 } else { 1.0 };
     let transmitted = drive + m.friction.load_passive * passive;
-    if at.slides {
+    if at.is_sliding {
         let level = m.friction.sliding(side, x, v.abs(), at.time_s, transmitted);
         without_friction - at.direction * level
     } else {
-        // It holds what pushes, up to its level.
-        let pushed = if without_friction < 0.0 { -1.0 } else { 1.0 };
-        let level = m.friction.holding(pushed, x, at.time_s, transmitted);
+        // Static friction balances the other torques up to its level.
+        let side_of_push = if without_friction < 0.0 { -1.0 } else { 1.0 };
+        let level = m.friction.holding(side_of_push, x, at.time_s, transmitted);
         without_friction - without_friction.clamp(-level.abs(), level.abs())
     }
 }
 
-/// −1, 0 or 1.
+/// Sign of a value: −1, 0 or 1.
 pub(crate) fn sign(value: f64) -> f64 {
     if value > 0.0 {
         1.0

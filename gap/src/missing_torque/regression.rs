@@ -1,23 +1,23 @@
-//! Weighted least squares from normal equations by folds: fits on some of the time, judged on the rest of it.
+//! Weighted least squares from normal equations per fold, for cross-validation over blocks of time.
 
-/// Folds that the blocks of time are dealt to.
+/// Number of folds to which the blocks of time are assigned.
 pub(super) const FOLDS: usize = 5;
-/// A column may be in the span of others: this much of its own square keeps its coefficient finite.
+/// Ridge term, as a share of the square of a column. It keeps the coefficients finite if a column depends linearly on others.
 const RIDGE: f64 = 1e-9;
 
-/// Rows that a fit sees: those in which the missing torque is known, thinned to about two a time constant of the smoother.
+/// The rows of a fit: those at which the missing torque is known, thinned to about two per time constant of the smoother.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
-    /// Of the recording.
+    /// Indices of the rows in the recording.
     pub rows: Vec<usize>,
-    /// Independent readings that each stands for, over the variance of the torque.
+    /// Weight of each row: its equivalent number of independent readings over the variance of the torque.
     pub weight: Vec<f64>,
-    /// Block of time that each lies in is dealt to one of [`FOLDS`].
+    /// Fold of each row, below [`FOLDS`].
     pub fold: Vec<usize>,
 }
 
 impl Rows {
-    /// Of a column of all rows, those that a fit sees.
+    /// The values of a column at the rows of the fit.
     pub fn of(&self, column: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|&row| column[row]).collect()
     }
@@ -27,16 +27,17 @@ impl Rows {
 #[derive(Clone, Debug)]
 pub(super) struct Normal {
     columns: usize,
-    /// Folds, and last all of them.
+    /// One entry for each fold, and a last one for all rows.
     products: Vec<Vec<f64>>,
     right: Vec<Vec<f64>>,
     squares: Vec<f64>,
-    /// Of each column: the coefficient that is known beforehand, and 1 over its variance; no such knowledge is 0 and 0.
+    /// Prior of each column: the expected coefficient, and its precision (inverse variance). Both are 0 without a prior.
     prior: Vec<[f64; 2]>,
 }
 
 impl Normal {
-    /// Of `columns` and a target at the rows of a fit; the first of them are known beforehand to be within ±1.
+    /// Builds the normal equations of `columns` for a target at the rows of a fit. The coefficients of the first `known` columns have a
+    /// prior of 0 ± 1.
     pub fn of(rows: &Rows, columns: &[&[f64]], known: usize, target: &[f64]) -> Self {
         let n = columns.len();
         let mut normal = Self {
@@ -86,7 +87,7 @@ impl Normal {
         normal
     }
 
-    /// Takes the coefficients of some columns as known from all rows: what happens once shows in one fold only.
+    /// Sets priors from a fit to all rows, for the columns of an effect that acts once and is therefore visible in one fold only.
     pub fn fix(&mut self, columns: &[usize], coefficients: &[f64]) {
         for (&column, &coefficient) in columns.iter().zip(coefficients) {
             let own = self.products[FOLDS][column * self.columns + column];
@@ -99,34 +100,34 @@ impl Normal {
         self.squares[FOLDS]
     }
 
-    /// Coefficients of some columns by all rows.
+    /// Coefficients of some columns, fitted to all rows.
     pub fn fit(&self, columns: &[usize]) -> Vec<f64> {
         self.solve(columns, None)
     }
 
-    /// Squares that some columns leave of the folds that their fits have not seen.
+    /// Weighted sum of squared residuals on held-out folds, for fits of some columns to the other folds.
     pub fn held_out(&self, columns: &[usize]) -> f64 {
         let folds = (0..FOLDS).map(|fold| {
             let c = self.solve(columns, Some(fold));
-            self.left(columns, &c, fold)
+            self.squares_left(columns, &c, fold)
         });
         folds.sum()
     }
 
-    /// Squares that coefficients leave of one fold.
-    fn left(&self, columns: &[usize], c: &[f64], fold: usize) -> f64 {
+    /// Weighted sum of squared residuals of one fold for given coefficients.
+    fn squares_left(&self, columns: &[usize], c: &[f64], fold: usize) -> f64 {
         let (products, right) = (&self.products[fold], &self.right[fold]);
-        let mut left = self.squares[fold];
+        let mut sum_left = self.squares[fold];
         for (&a, ca) in columns.iter().zip(c) {
-            left -= 2.0 * ca * right[a];
+            sum_left -= 2.0 * ca * right[a];
             let row = &products[a * self.columns..(a + 1) * self.columns];
             let sum: f64 = columns.iter().zip(c).map(|(&b, cb)| cb * row[b]).sum();
-            left += ca * sum;
+            sum_left += ca * sum;
         }
-        left.max(0.0)
+        sum_left.max(0.0)
     }
 
-    /// Coefficients by all rows but those of a fold.
+    /// Coefficients, fitted to all rows except those of a fold.
     fn solve(&self, columns: &[usize], without: Option<usize>) -> Vec<f64> {
         let k = columns.len();
         let n = self.columns;
@@ -153,8 +154,8 @@ impl Normal {
     }
 }
 
-/// Solves `a x = b` in place by Cholesky; `a` is the lower half of a symmetric matrix. A pivot that is not positive drops its
-/// unknown.
+/// Solves `a x = b` in place by Cholesky decomposition. `a` is the lower half of a symmetric matrix. An unknown with a pivot that is not
+/// positive is set to 0.
 fn cholesky_solve(a: &mut [f64], b: &mut [f64], k: usize) {
     for i in 0..k {
         for j in 0..i {

@@ -1,4 +1,4 @@
-//! A recording as the estimate sees it: stretches without missing rows, at about a millisecond a row.
+//! The samples for the estimate: stretches without missing rows, at about 1 ms per row.
 
 use crate::windows::series::{FINE_PERIOD_S, median_period, session_offsets};
 use crate::windows::unbroken::Unbroken;
@@ -7,61 +7,61 @@ use host_sim::device::Device;
 use host_sim::drive::{Drive, DriveLine};
 use recording::{Recording, Run, low_pass_gain, sixth_differences};
 
-/// Rows of the whole recording that suffice; longer ones are averaged to at most [`COARSEST_S`] a row.
+/// Number of rows that suffices. Longer recordings are averaged to at most [`COARSEST_S`] per row.
 const ENOUGH_ROWS: f64 = 40_000.0;
-/// See [`ENOUGH_ROWS`].
+/// Longest period of averaged rows, s.
 const COARSEST_S: f64 = 4e-3;
-/// Median size of a sixth difference of white noise over its standard deviation.
+/// Median magnitude of the sixth difference of white noise, over its standard deviation.
 const MEDIAN_SIXTH_DIFFERENCE: f64 = 20.5;
 
-/// Rows of one run that follow each other without a gap.
+/// Rows of one run without a gap.
 #[derive(Clone, Debug)]
 pub(crate) struct Stretch {
     /// Index of the run in the recording.
     pub run: usize,
-    /// In the flat columns of [`Samples`].
+    /// Indices of the rows in the columns of [`Samples`].
     pub rows: Range<usize>,
-    /// What was told, at full rate.
-    told: Told,
+    /// The input at full rate.
+    input: FullRateInput,
 }
 
 /// The input of a stretch at full rate.
 #[derive(Clone, Debug)]
-struct Told {
-    /// s, in the run's time, from which each input is held.
+struct FullRateInput {
+    /// Time of the run from which on each input is held, s.
     time_s: Vec<f64>,
     input: Vec<f64>,
-    /// Velocity at each, which a drive with a no-load speed needs.
+    /// Velocity at each input, for a drive with a no-load speed, in position units per s.
     velocity: Vec<f64>,
 }
 
-/// All rows of a recording, one column a quantity, one stretch behind the other.
+/// All rows of a recording, with one column per quantity and the stretches one after the other.
 ///
-/// A step leads from a row to the next; that of the last row of a stretch has no length.
+/// A step leads from one row to the next. The step of the last row of a stretch has zero length.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples {
-    /// In the order of the recording.
+    /// The stretches in the order of the recording.
     pub stretches: Vec<Stretch>,
-    /// Of each row in its run's time, s.
+    /// Time of each row in its run, s.
     pub time_s: Vec<f64>,
-    /// Of each row on the session's clock, s.
+    /// Time of each row on the clock of the session, s.
     pub session_s: Vec<f64>,
-    /// Measured.
+    /// Measured position, in position units.
     pub position: Vec<f64>,
     /// Length of each step, s.
     pub step_s: Vec<f64>,
     /// Mean input over each step.
     pub input: Vec<f64>,
-    /// Standard deviation of a row by sensor noise and quantising, as stated.
+    /// Standard deviation of each row from sensor noise and quantization, in position units.
     pub noise: Vec<f64>,
     /// Median step, s.
     pub period_s: f64,
-    /// Time by which the low-pass of the logged column is behind, s.
+    /// Delay of the low-pass of the logged column, s.
     logged_lag_s: f64,
 }
 
 impl Samples {
-    /// Of a recording.
+    /// Builds the samples of a recording.
     pub fn of(recording: &Recording) -> Self {
         let unbroken = Unbroken::of(recording);
         let offsets = session_offsets(recording);
@@ -86,14 +86,14 @@ impl Samples {
             let noise = if stated > 0.0 {
                 stated
             } else {
-                seen_noise(run)
+                estimated_noise(run)
             };
             let gain = low_pass_gain(sensor.cutoff_hz, period_s);
             samples.logged_lag_s = period_s * (1.0 - gain) / gain;
             samples.push(run, index, offsets[index], group, noise);
         }
         samples.period_s = median_period(&samples.time_s);
-        samples.input = samples.of_told(|told| told.input.clone());
+        samples.input = samples.mean_over_steps(|full| full.input.clone());
         samples
     }
 
@@ -116,7 +116,7 @@ impl Samples {
         self.stretches.push(Stretch {
             run: index,
             rows: start..self.time_s.len(),
-            told: Told {
+            input: FullRateInput {
                 time_s: run.time.clone(),
                 input: run.input.clone(),
                 velocity,
@@ -129,21 +129,21 @@ impl Samples {
         self.time_s.len()
     }
 
-    /// Mean torque that `drive` makes of the input over each step, in units of input times its ratio.
+    /// Mean torque of `drive` over each step, in input units times its ratio.
     pub fn drive(&self, drive: &Drive) -> Vec<f64> {
         if drive.delay_s == 0.0 && drive.lag_s == 0.0 && drive.further_lag_s == 0.0 {
-            return self.of_told(|told| {
-                let pairs = told.input.iter().zip(&told.velocity);
+            return self.mean_over_steps(|input| {
+                let pairs = input.input.iter().zip(&input.velocity);
                 pairs.map(|(u, v)| drive.settled_at(*u, *v)).collect()
             });
         }
-        self.of_told(|told| {
+        self.mean_over_steps(|input| {
             let mut line = DriveLine::at_rest(drive);
-            let mut means = Vec::with_capacity(told.time_s.len());
-            for (i, &now_s) in told.time_s.iter().enumerate() {
-                let end_s = told.time_s.get(i + 1).copied();
+            let mut means = Vec::with_capacity(input.time_s.len());
+            for (i, &now_s) in input.time_s.iter().enumerate() {
+                let end_s = input.time_s.get(i + 1).copied();
                 let lasts_s = end_s.map_or(self.period_s, |end_s| end_s - now_s);
-                line.command(drive, now_s, told.input[i], told.velocity[i]);
+                line.command(drive, now_s, input.input[i], input.velocity[i]);
                 let mut passed_s = 0.0;
                 let mut impulse = 0.0;
                 while lasts_s - passed_s > 1e-9 * lasts_s {
@@ -157,26 +157,27 @@ impl Samples {
         })
     }
 
-    /// Means over each step of what `held` makes of each stretch at full rate, held from row to row.
-    fn of_told(&self, held: impl Fn(&Told) -> Vec<f64>) -> Vec<f64> {
+    /// Mean over each step of a quantity at full rate. `held` computes it from the input of a stretch, and each value is held until the
+    /// next row.
+    fn mean_over_steps(&self, held: impl Fn(&FullRateInput) -> Vec<f64>) -> Vec<f64> {
         let mut means = vec![0.0; self.len()];
         for stretch in &self.stretches {
-            let told = &stretch.told;
-            let values = held(told);
+            let input = &stretch.input;
+            let values = held(input);
             let mut at = 0;
-            // Integral from the first row to `time_s`, with `at` as the row that holds then.
+            // Integral from the first row to `time_s`; `at` is the row that holds then.
             let mut sums = Vec::with_capacity(values.len());
             let mut sum = 0.0;
             for (i, value) in values.iter().enumerate() {
                 sums.push(sum);
-                let next_s = told.time_s.get(i + 1).copied().unwrap_or(told.time_s[i]);
-                sum += value * (next_s - told.time_s[i]);
+                let next_s = input.time_s.get(i + 1).copied().unwrap_or(input.time_s[i]);
+                sum += value * (next_s - input.time_s[i]);
             }
             let mut integral = |time_s: f64| {
-                while at + 1 < told.time_s.len() && told.time_s[at + 1] <= time_s {
+                while at + 1 < input.time_s.len() && input.time_s[at + 1] <= time_s {
                     at += 1;
                 }
-                sums[at] + values[at] * (time_s - told.time_s[at]).max(0.0)
+                sums[at] + values[at] * (time_s - input.time_s[at]).max(0.0)
             };
             let rows = stretch.rows.clone();
             let shift_s = self.logged_lag_s;
@@ -193,13 +194,13 @@ impl Samples {
     }
 }
 
-/// The nominal device's mean torque of the input over each step.
+/// Mean drive torque of `device` over each step.
 pub(crate) fn nominal_drive(samples: &Samples, device: &Device) -> Vec<f64> {
     samples.drive(&device.drive)
 }
 
-/// Standard deviation of the noise that the position itself shows.
-fn seen_noise(run: &Run) -> f64 {
+/// Standard deviation of the noise, estimated from the position itself.
+fn estimated_noise(run: &Run) -> f64 {
     let mut sizes: Vec<f64> = sixth_differences(&run.position).map(f64::abs).collect();
     let middle = sizes.len() / 2;
     if sizes.is_empty() {
@@ -207,7 +208,7 @@ fn seen_noise(run: &Run) -> f64 {
     }
     let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
     let largest = run.position.iter().fold(0.0, |m: f64, x| x.abs().max(m));
-    // A position that stands still shows none; digits of the number format remain.
+    // A constant position shows no noise, so the resolution of the number format is assumed.
     (median / MEDIAN_SIXTH_DIFFERENCE)
         .max(1e-7 * largest)
         .max(f64::MIN_POSITIVE)

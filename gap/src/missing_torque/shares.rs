@@ -1,4 +1,4 @@
-//! How much of a missing torque is a function of one axis, on blocks of time that the fit has not seen.
+//! How much of a missing torque is a function of one axis, by cross-validation over blocks of time.
 
 use super::axis::Axis;
 use super::path::{Path, sign};
@@ -9,18 +9,18 @@ use super::smoother::Smoother;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Knots of a table over an axis.
+/// Number of knots of a table over an axis.
 const KNOTS: usize = 7;
-/// A table's values are within this many rms of the missing torque, as a standard deviation known beforehand.
+/// Prior standard deviation of a table value, in rms of the missing torque.
 const LARGEST: f64 = 1.0;
-/// Share by which an axis must explain more than one that says less.
-const CLEARLY: f64 = 0.02;
-/// Waves over the position that a function of it may have beside.
+/// Share by which a more general axis must explain more to be ranked first.
+const LEAST_ADVANTAGE: f64 = 0.02;
+/// Number of waves that a function of the position may contain.
 const WAVES: usize = 2;
-/// Delays of the input that memory may have, over the time of a radian of the motion.
+/// Delays of the input on the memory axis, over the time of one radian of the motion.
 const DELAYS: [f64; 2] = [0.1, 0.3];
 
-/// The axes in the order in which they are preferred where they explain alike: those that say least first.
+/// The axes in the order of preference if they explain nearly the same share: the simplest first.
 const AXES: [Axis; 9] = [
     Axis::Constant,
     Axis::Velocity,
@@ -32,7 +32,7 @@ const AXES: [Axis; 9] = [
     Axis::Memory,
     Axis::Time,
 ];
-/// Those of which the best additive law is made.
+/// Axes of the best additive law.
 const ADDITIVE: [Axis; 5] = [
     Axis::Velocity,
     Axis::Position,
@@ -41,16 +41,16 @@ const ADDITIVE: [Axis; 5] = [
     Axis::DirectionAndPosition,
 ];
 
-/// The share of the missing torque, squared, that a function of one axis explains.
+/// The share of the squared missing torque that a function of one axis explains.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// That which the function is of.
+    /// Axis of the function.
     pub axis: Axis,
-    /// On blocks of time that the fit has not seen; below 0 where it is worse than nothing.
+    /// Share on held-out blocks of time. It is negative if the function is worse than none.
     pub share: f64,
 }
 
-/// Shares of all axes, the most telling first, and of the best additive law.
+/// Shares of all axes, largest first, and the share of the best additive law.
 pub(super) fn shares(
     path: &Path<'_>,
     smoother: &Smoother<'_>,
@@ -95,35 +95,37 @@ pub(super) fn shares(
     (ranked(all), most)
 }
 
-/// The most telling first; of those that explain nearly alike, the one that says least.
-fn ranked(mut left: Vec<Share>) -> Vec<Share> {
-    let mut ranked = Vec::with_capacity(left.len());
-    while !left.is_empty() {
-        let most = left
+/// Ranks the shares, largest first. Among nearly equal shares the simplest axis comes first.
+fn ranked(mut remaining: Vec<Share>) -> Vec<Share> {
+    let mut ranked = Vec::with_capacity(remaining.len());
+    while !remaining.is_empty() {
+        let most = remaining
             .iter()
             .fold(f64::NEG_INFINITY, |most, s| s.share.max(most));
-        let first = left.iter().position(|s| s.share >= most - CLEARLY);
-        ranked.push(left.remove(first.unwrap_or(0)));
+        let first = remaining
+            .iter()
+            .position(|s| s.share >= most - LEAST_ADVANTAGE);
+        ranked.push(remaining.remove(first.unwrap_or(0)));
     }
     ranked
 }
 
-/// Columns of a table over an axis, each up to `size`.
+/// Columns of a table over an axis, each with a largest value of `size`.
 fn table(axis: Axis, path: &Path<'_>, waves: &Waves, size: f64) -> Vec<Vec<f64>> {
     let n = path.position.len();
-    let against: Vec<f64> = path.direction.iter().map(|d| -d).collect();
-    let alike = vec![1.0; n];
+    let opposing: Vec<f64> = path.direction.iter().map(|d| -d).collect();
+    let ones = vec![1.0; n];
     let magnitudes = |values: &[f64]| values.iter().map(|v| v.abs()).collect::<Vec<_>>();
-    let hats = |places: &[f64], by: &[f64]| hats(path, places, by, size);
+    let hats = |values: &[f64], by: &[f64]| hats(path, values, by, size);
     match axis {
         Axis::Constant => vec![vec![size; n]],
         Axis::Velocity => {
             let speed = magnitudes(&path.velocity);
-            [hats(&speed, &against), hats(&speed, &alike)].concat()
+            [hats(&speed, &opposing), hats(&speed, &ones)].concat()
         }
         Axis::Position => {
-            let mut columns = hats(&path.position, &alike);
-            // A ripple is finer than any knots.
+            let mut columns = hats(&path.position, &ones);
+            // A ripple is finer than the spacing of the knots.
             for n in waves.strongest.iter().take(WAVES) {
                 let wave = |f: fn(f64) -> f64| -> Vec<f64> {
                     path.position.iter().map(|x| size * f(n * x)).collect()
@@ -132,66 +134,66 @@ fn table(axis: Axis, path: &Path<'_>, waves: &Waves, size: f64) -> Vec<Vec<f64>>
             }
             columns
         }
-        Axis::Input => hats(&path.drive, &alike),
-        Axis::Acceleration => hats(&path.torque(path.device), &alike),
+        Axis::Input => hats(&path.drive, &ones),
+        Axis::Acceleration => hats(&path.torque(path.device), &ones),
         Axis::Load => {
-            // Friction may be another one where the load drives the motor.
+            // Friction may differ between a driving motor and a driving load.
             let size = magnitudes(&path.drive);
             let only = |motor: bool| -> Vec<f64> {
-                let drives = path.drive.iter().zip(&against).map(|(t, a)| t * a < 0.0);
-                let pairs = drives.zip(&against);
+                let drives = path.drive.iter().zip(&opposing).map(|(t, a)| t * a < 0.0);
+                let pairs = drives.zip(&opposing);
                 pairs
                     .map(|(drives, a)| if drives == motor { *a } else { 0.0 })
                     .collect()
             };
             [hats(&size, &only(true)), hats(&size, &only(false))].concat()
         }
-        Axis::DirectionAndPosition => hats(&path.position, &against),
-        Axis::Memory => memory(path, &against, size),
-        Axis::Time => hats(&path.samples.session_s, &alike),
+        Axis::DirectionAndPosition => hats(&path.position, &opposing),
+        Axis::Memory => memory(path, &opposing, size),
+        Axis::Time => hats(&path.samples.session_s, &ones),
         Axis::VelocityOdd | Axis::VelocityEven | Axis::Wave => Vec::new(),
     }
 }
 
-/// Way since the last reversal, and the input some time ago.
-fn memory(path: &Path<'_>, against: &[f64], size: f64) -> Vec<Vec<f64>> {
-    let (mut way, mut last) = (0.0, 0.0);
-    let ways = (0..against.len()).map(|i| {
+/// Columns of the memory axis: distance since the last reversal, and delayed input.
+fn memory(path: &Path<'_>, opposing: &[f64], size: f64) -> Vec<Vec<f64>> {
+    let (mut distance, mut last) = (0.0, 0.0);
+    let distances = (0..opposing.len()).map(|i| {
         let now = sign(path.direction[i]);
         if now != last || path.samples.step_s[i] == 0.0 {
-            (way, last) = (0.0, now);
+            (distance, last) = (0.0, now);
         }
-        way += (path.velocity[i] * path.samples.step_s[i]).abs();
-        way
+        distance += (path.velocity[i] * path.samples.step_s[i]).abs();
+        distance
     });
-    let ways: Vec<f64> = ways.collect();
-    let mut columns = hats(path, &ways, against, size);
+    let distances: Vec<f64> = distances.collect();
+    let mut columns = hats(path, &distances, opposing, size);
     for part in DELAYS {
-        let mut late = path.device.clone();
-        late.drive.delay_s += part / path.scale.rate();
-        let change = path.on_top(&late).into_iter();
+        let mut delayed = path.device.clone();
+        delayed.drive.delay_s += part / path.scale.rate();
+        let change = path.added_torque(&delayed).into_iter();
         columns.push(change.map(|t| t * size / path.scale.torque).collect());
     }
     columns
 }
 
-/// Hat functions over the places, from the rarest on either side, times a factor each.
-fn hats(path: &Path<'_>, places: &[f64], by: &[f64], size: f64) -> Vec<Vec<f64>> {
-    const RAREST: f64 = 0.005;
-    let moving = places
+/// Hat functions over the values of an axis, between its 0.5 % and 99.5 % quantiles, each multiplied by a factor per step.
+fn hats(path: &Path<'_>, values: &[f64], by: &[f64], size: f64) -> Vec<Vec<f64>> {
+    const EDGE_SHARE: f64 = 0.005;
+    let moving = values
         .iter()
         .zip(&path.sliding)
-        .filter(|(_, slides)| **slides);
-    let mut sorted: Vec<f64> = moving.map(|(place, _)| *place).collect();
+        .filter(|(_, is_sliding)| **is_sliding);
+    let mut sorted: Vec<f64> = moving.map(|(value, _)| *value).collect();
     sorted.sort_by(f64::total_cmp);
     let at = |share: f64| sorted.get((sorted.len().saturating_sub(1) as f64 * share) as usize);
-    let (Some(&low), Some(&high)) = (at(RAREST), at(1.0 - RAREST)) else {
-        return vec![vec![0.0; places.len()]; KNOTS];
+    let (Some(&low), Some(&high)) = (at(EDGE_SHARE), at(1.0 - EDGE_SHARE)) else {
+        return vec![vec![0.0; values.len()]; KNOTS];
     };
-    let mut columns = vec![vec![0.0; places.len()]; KNOTS];
+    let mut columns = vec![vec![0.0; values.len()]; KNOTS];
     let per_knot = (KNOTS - 1) as f64 / (high - low).max(f64::MIN_POSITIVE);
-    for (i, place) in places.iter().enumerate() {
-        let at = ((place - low) * per_knot).clamp(0.0, (KNOTS - 1) as f64);
+    for (i, value) in values.iter().enumerate() {
+        let at = ((value - low) * per_knot).clamp(0.0, (KNOTS - 1) as f64);
         let knot = (at as usize).min(KNOTS - 2);
         let part = at - knot as f64;
         columns[knot][i] = size * by[i] * (1.0 - part);

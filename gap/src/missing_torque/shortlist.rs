@@ -1,42 +1,42 @@
-//! Sets of up to three effects that explain a missing torque, with their numbers.
+//! Finds sets of up to three effects that explain a missing torque, with their parameters.
 
 use super::form::{Form, Values};
-use super::numbers::numbers;
 use super::path::Path;
 use super::regression::{Normal, Rows};
 use super::smoother::Smoother;
 use super::target::Target;
+use super::tolerances::tolerance_torques;
 use crate::effects::{self, Identification};
 use rayon::prelude::*;
 use recording::Recording;
 
-/// Effects that go together at most.
+/// Largest number of effects in a set.
 const MOST: usize = 3;
-/// Effects that sets of three are made of.
-const OF_THREE: usize = 12;
-/// By how much the logarithm of what is left must fall for a further coefficient, or for a number that was searched for.
+/// Number of effects from which sets of three are formed.
+const TRIPLE_MEMBERS: usize = 12;
+/// Least decrease of the logarithm of the residual share per additional coefficient, and per searched parameter.
 const PER_COEFFICIENT: f64 = 0.03;
 const PER_SEARCHED: f64 = 0.03;
-/// Likewise for a further effect.
+/// Least decrease of the logarithm of the residual share per additional effect.
 const PER_EFFECT: f64 = 0.15;
-/// Share of the missing torque that another formula for the same effect may leave.
+/// Residual share that a different formula for the same effect may leave.
 const NEGLIGIBLE: f64 = 0.008;
-/// Columns that go through the smoother at once.
+/// Number of columns that pass through the smoother at once.
 const LANES: usize = 8;
 
-/// A set of effects with their numbers.
+/// A set of effects with their parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
-    /// Names and numbers, in the order of each kind's parameters.
+    /// Names and parameters, in the order of the parameters of each kind.
     pub effects: Vec<(&'static str, Vec<f64>)>,
-    /// Share of the missing torque, squared, that they explain on blocks of time that were held out.
+    /// Share of the squared missing torque that they explain on held-out blocks of time.
     pub share: f64,
 }
 
 /// An effect in the form that explains most.
-pub(super) struct Group {
+pub(super) struct EffectColumns {
     effect: &'static dyn Identification,
-    /// Smoothed as the missing torque is, at the rows of a fit.
+    /// Columns of the effect, smoothed like the missing torque, at the rows of a fit.
     pub columns: Vec<Vec<f64>>,
     values: Values,
     searched: usize,
@@ -44,14 +44,14 @@ pub(super) struct Group {
     positive: bool,
 }
 
-/// All effects in their best forms, beside the numbers of the model that are known to within a tolerance only.
-pub(super) struct Field {
-    groups: Vec<Group>,
+/// The normal equations of all effects in their best forms, together with the model parameters that have a tolerance.
+pub(super) struct ShortlistSearch {
+    candidates: Vec<EffectColumns>,
     known: usize,
     normal: Normal,
 }
 
-impl Field {
+impl ShortlistSearch {
     pub fn of(
         recording: &Recording,
         path: &Path<'_>,
@@ -60,9 +60,9 @@ impl Field {
         target: &Target<'_>,
     ) -> Self {
         let missing = rows.of(target.torque);
-        let known = respond(smoother, rows, &numbers(recording, path), &[]);
+        let known = respond(smoother, rows, &tolerance_torques(recording, path), &[]);
         let effects: Vec<&dyn Identification> = effects::all().collect();
-        let groups = effects.into_par_iter().filter_map(|effect| {
+        let candidates = effects.into_par_iter().filter_map(|effect| {
             let forms = effect.torque_forms(path, target).into_iter();
             let tried = forms.map(|form| {
                 let columns = respond(smoother, rows, &form.torque, &form.reading);
@@ -78,7 +78,7 @@ impl Field {
                 positive,
                 ..
             } = form;
-            Some(Group {
+            Some(EffectColumns {
                 effect,
                 columns,
                 values,
@@ -87,12 +87,14 @@ impl Field {
                 positive,
             })
         });
-        let groups: Vec<Group> = groups.collect();
-        let all = known.iter().chain(groups.iter().flat_map(|g| &g.columns));
+        let candidates: Vec<EffectColumns> = candidates.collect();
+        let all = known
+            .iter()
+            .chain(candidates.iter().flat_map(|g| &g.columns));
         let all: Vec<&[f64]> = all.map(Vec::as_slice).collect();
         let mut normal = Normal::of(rows, &all, known.len(), &missing);
         let mut first = known.len();
-        for group in &groups {
+        for group in &candidates {
             let own: Vec<usize> = (first..first + group.columns.len()).collect();
             first += group.columns.len();
             if group.seldom {
@@ -100,43 +102,43 @@ impl Field {
             }
         }
         Self {
-            groups,
+            candidates,
             known: known.len(),
             normal,
         }
     }
 
-    /// The `count` best sets, the best first.
+    /// The `count` best sets, best first.
     pub fn shortlist(&self, count: usize) -> Vec<Proposal> {
-        let ones: Vec<Vec<usize>> = (0..self.groups.len()).map(|g| vec![g]).collect();
-        let mut all = self.scored(ones);
-        let pairs = (0..self.groups.len()).flat_map(|a| (0..a).map(move |b| vec![b, a]));
+        let singles: Vec<Vec<usize>> = (0..self.candidates.len()).map(|g| vec![g]).collect();
+        let mut all = self.scored(singles);
+        let pairs = (0..self.candidates.len()).flat_map(|a| (0..a).map(move |b| vec![b, a]));
         all.extend(self.scored(pairs.collect()));
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut members: Vec<usize> = Vec::new();
         for (_, set) in &all {
             for group in set {
-                if members.len() < OF_THREE && !members.contains(group) {
+                if members.len() < TRIPLE_MEMBERS && !members.contains(group) {
                     members.push(*group);
                 }
             }
         }
         members.sort_unstable();
-        let mut threes = Vec::new();
+        let mut triples = Vec::new();
         for (i, &a) in members.iter().enumerate() {
             for (j, &b) in members.iter().enumerate().skip(i + 1) {
-                threes.extend(members[j + 1..].iter().map(|&c| vec![a, b, c]));
+                triples.extend(members[j + 1..].iter().map(|&c| vec![a, b, c]));
             }
         }
-        debug_assert!(threes.iter().all(|set| set.len() <= MOST));
-        all.extend(self.scored(threes));
+        debug_assert!(triples.iter().all(|set| set.len() <= MOST));
+        all.extend(self.scored(triples));
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all.truncate(count);
         let sets = all.into_iter().map(|(_, set)| self.ordered(set));
         sets.map(|set| self.proposal(&set)).collect()
     }
 
-    /// A set in the order of what each effect explains: its Shapley share times what it explains alone.
+    /// Orders a set by the Shapley share of each effect times the squares that it explains alone.
     fn ordered(&self, set: Vec<usize>) -> Vec<usize> {
         let subset = |mask: usize| -> Vec<usize> {
             let members = set.iter().enumerate();
@@ -152,7 +154,7 @@ impl Field {
         let share = |i: usize| {
             let others = (0..explained.len()).filter(|mask| mask >> i & 1 == 0);
             let parts = others.map(|mask| {
-                // Orders in which the members of `mask` come before and the others after.
+                // Number of orders in which the members of `mask` come before and the others after.
                 let before = mask.count_ones() as usize;
                 let orders = factorial(before) * factorial(set.len() - 1 - before);
                 orders * (explained[mask | 1 << i] - explained[mask])
@@ -164,39 +166,44 @@ impl Field {
         order.into_iter().map(|i| set[i]).collect()
     }
 
-    /// Sets with their scores, the lower the better.
+    /// Sets with their scores; a lower score is better. Sets with a coefficient of the wrong sign are residual_share out.
     fn scored(&self, sets: Vec<Vec<usize>>) -> Vec<(f64, Vec<usize>)> {
         let scored = sets.into_par_iter().map(|set| {
             let columns = self.columns(&set);
             let all = self.normal.target_squares().max(f64::MIN_POSITIVE);
-            let left = self.normal.held_out(&columns) / all;
-            let searched = set.iter().map(|&g| self.groups[g].searched).sum();
-            let score = score(left, columns.len() - self.known, searched, set.len());
-            (self.makes_sense(&set, &columns).then_some(score), set)
+            let residual_share = self.normal.held_out(&columns) / all;
+            let searched = set.iter().map(|&g| self.candidates[g].searched).sum();
+            let score = score(
+                residual_share,
+                columns.len() - self.known,
+                searched,
+                set.len(),
+            );
+            (self.has_valid_signs(&set, &columns).then_some(score), set)
         });
-        let sensible = scored.filter_map(|(score, set)| Some((score?, set)));
-        sensible.collect()
+        let valid = scored.filter_map(|(score, set)| Some((score?, set)));
+        valid.collect()
     }
 
-    /// Whether every coefficient that must be above 0 is.
-    fn makes_sense(&self, set: &[usize], columns: &[usize]) -> bool {
+    /// True if every coefficient that must be positive is positive.
+    fn has_valid_signs(&self, set: &[usize], columns: &[usize]) -> bool {
         let coefficients = self.normal.fit(columns);
         let mut first = self.known;
         set.iter().all(|&group| {
-            let group = &self.groups[group];
+            let group = &self.candidates[group];
             let coefficient = coefficients[first];
             first += group.columns.len();
             coefficient > 0.0 || !group.positive
         })
     }
 
-    /// Columns of a set, those of the model's numbers first.
+    /// Indices of the columns of a set, preceded by those of the model parameters.
     fn columns(&self, set: &[usize]) -> Vec<usize> {
         let mut columns: Vec<usize> = (0..self.known).collect();
         for &group in set {
-            let before = self.groups[..group].iter().map(|g| g.columns.len());
+            let before = self.candidates[..group].iter().map(|g| g.columns.len());
             let first = self.known + before.sum::<usize>();
-            columns.extend(first..first + self.groups[group].columns.len());
+            columns.extend(first..first + self.candidates[group].columns.len());
         }
         columns
     }
@@ -206,29 +213,29 @@ impl Field {
         let coefficients = self.normal.fit(&columns);
         let mut rest = &coefficients[self.known..];
         let effects = set.iter().map(|&group| {
-            let group = &self.groups[group];
+            let group = &self.candidates[group];
             let (own, others) = rest.split_at(group.columns.len());
             rest = others;
             (group.effect.name(), (group.values)(own))
         });
         let effects = effects.collect();
-        let left = self.normal.held_out(&columns);
+        let residual_squares = self.normal.held_out(&columns);
         let all = self.normal.target_squares().max(f64::MIN_POSITIVE);
         Proposal {
             effects,
-            share: 1.0 - left / all,
+            share: 1.0 - residual_squares / all,
         }
     }
 
-    /// What a set of effects explains of the missing torque at each row of the fit.
+    /// The part of the missing torque that a set of effects explains at each row of the fit.
     pub fn explained(&self, names: &[&str]) -> Vec<f64> {
-        let named = self.groups.iter().enumerate();
+        let named = self.candidates.iter().enumerate();
         let set: Vec<usize> = named
             .filter(|(_, g)| names.contains(&g.effect.name()))
             .map(|(i, _)| i)
             .collect();
         let coefficients = self.normal.fit(&self.columns(&set));
-        let columns = set.iter().flat_map(|&g| &self.groups[g].columns);
+        let columns = set.iter().flat_map(|&g| &self.candidates[g].columns);
         let mut sum = Vec::new();
         for (column, coefficient) in columns.zip(&coefficients[self.known..]) {
             sum.resize(column.len(), 0.0);
@@ -244,9 +251,9 @@ fn factorial(n: usize) -> f64 {
     (1..=n).map(|k| k as f64).product()
 }
 
-/// Logarithm of the share that is left, and what coefficients, searches and further effects must have brought at least.
-fn score(left: f64, coefficients: usize, searched: usize, effects: usize) -> f64 {
-    (left + NEGLIGIBLE).ln()
+/// Score of a set: the logarithm of the residual share, with a penalty for coefficients, searched parameters and effects.
+fn score(residual_share: f64, coefficients: usize, searched: usize, effects: usize) -> f64 {
+    (residual_share + NEGLIGIBLE).ln()
         + PER_COEFFICIENT * coefficients as f64
         + PER_SEARCHED * searched as f64
         + PER_EFFECT * effects as f64
@@ -266,11 +273,11 @@ fn score_alone(
     if form.seldom {
         normal.fix(own, &normal.fit(own));
     }
-    let left = normal.held_out(&every) / normal.target_squares().max(f64::MIN_POSITIVE);
-    score(left, columns.len(), form.searched, 1)
+    let residual_share = normal.held_out(&every) / normal.target_squares().max(f64::MIN_POSITIVE);
+    score(residual_share, columns.len(), form.searched, 1)
 }
 
-/// Torques (and errors of the reading, if any) as the smoother shows them, at the rows of a fit.
+/// The response of the smoother to torques, and to sensor errors if any, at the rows of a fit.
 pub(super) fn respond(
     smoother: &Smoother<'_>,
     rows: &Rows,

@@ -1,46 +1,47 @@
-//! A Kalman smoother whose third state is an unknown torque.
+//! A Kalman smoother with an unknown torque as third state.
 //!
-//! State (x, v, d): `J dv/dt = f(t) − k x − b v + d`, d a random walk. Time is counted in median periods T and d as d T²/J, so
-//! that all states have the unit of position. Forward a Kalman filter, backward the modified Bryson-Frazier recursion
-//! (Bierman, "Fixed interval smoothing with discrete measurements", 1973), which inverts no matrix and of which a
-//! second signal can be run through the same gains for a few multiplications a row.
+//! The state is (x, v, d) with `J dv/dt = f(t) − k x − b v + d`, where d is a random walk. The unit of time is the median period T, and d
+//! is scaled by T²/J, so that all states have the unit of position. The forward pass is a Kalman filter. The backward pass is the
+//! modified Bryson-Frazier recursion (Bierman, "Fixed interval smoothing with discrete measurements", 1973). It needs no matrix
+//! inversion, and further signals can pass through the same gains with few multiplications per row.
 
 use super::samples::Samples;
 use core::ops::Range;
 use host_sim::plant::Mechanics;
 
-/// Intensity of d over its usual one where dry friction holds: what is missing there may be anything up to its level.
+/// Factor on the intensity of d where friction may stick, because the missing torque there may have any value up to the friction level.
 const STICK_INTENSITY: f64 = 100.0;
-/// First rows of a stretch that say nothing of the noise: the filter does not know the state yet.
+/// Number of first rows of a stretch that do not count in the likelihood, because the filter has not converged.
 const SETTLING_ROWS: usize = 5;
-/// Noise may be this much less than stated, as a variance: a coarse counter at rest.
+/// Least variance of the noise over the stated one. A coarse encoder at standstill has no noise.
 const LEAST_SCALE: f64 = 0.1;
 
-/// How the state goes from a row to the next: x and v by `x`, `v` of both and by a constant acceleration.
+/// The state transition from a row to the next. The fields `xx`, `xv`, `vx` and `vv` are the entries of the transition matrix for x and
+/// v.
 #[derive(Clone, Copy, Debug)]
 struct Transition {
     xx: f64,
     xv: f64,
     vx: f64,
     vv: f64,
-    /// Of x and v by a unit acceleration.
-    push: [f64; 2],
-    /// Covariance by a unit intensity of d: xx, xv, xd, vv, vd, dd.
-    spread: [f64; 6],
+    /// Change of x and v by a unit acceleration.
+    by_acceleration: [f64; 2],
+    /// Covariance by a unit intensity of d: entries xx, xv, xd, vv, vd, dd.
+    covariance: [f64; 6],
 }
 
 impl Transition {
-    /// Over `t`, with stiffness and viscous friction over inertia, all in units of the period.
+    /// The transition over a time `t`. Stiffness and viscous friction are divided by the inertia. All are in units of the period.
     fn of(t: f64, stiffness: f64, viscous: f64) -> Self {
         let (phi, push) = exponential(t, stiffness, viscous);
-        // Gauss-Legendre: exact for a free inertia.
+        // Gauss-Legendre quadrature, exact for a free inertia.
         let nodes = [0.5 - 0.15f64.sqrt(), 0.5, 0.5 + 0.15f64.sqrt()];
         let weights = [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0];
-        let mut spread = [0.0; 6];
+        let mut covariance = [0.0; 6];
         for (node, weight) in nodes.iter().zip(weights) {
             let [x, v] = exponential(node * t, stiffness, viscous).1;
             let pairs = [x * x, x * v, x, v * v, v, 1.0];
-            for (sum, pair) in spread.iter_mut().zip(pairs) {
+            for (sum, pair) in covariance.iter_mut().zip(pairs) {
                 *sum += weight * t * pair;
             }
         }
@@ -49,8 +50,8 @@ impl Transition {
             xv: phi[1],
             vx: phi[2],
             vv: phi[3],
-            push,
-            spread,
+            by_acceleration: push,
+            covariance,
         }
     }
 }
@@ -83,66 +84,66 @@ fn exponential(t: f64, stiffness: f64, viscous: f64) -> ([f64; 4], [f64; 2]) {
     };
     let xx = cosine - mean * sine;
     let phi = [xx, sine, -stiffness * sine, cosine + mean * sine];
-    // A constant acceleration holds the spring at 1/k in the end.
+    // A constant unit acceleration finally deflects the spring by 1/k.
     (phi, [(1.0 - xx) / stiffness, sine])
 }
 
-/// What is not known of the noise.
+/// The unknown parameters of the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Noise {
-    /// Corner of the smoother, rad per period: where as much of a position is torque as is noise.
+    /// Corner frequency of the smoother, rad per period: where torque and noise contribute equally to the position.
     pub corner: f64,
-    /// Jitter of the clock, in periods.
+    /// Standard deviation of the clock jitter, in periods.
     pub jitter: f64,
-    /// Variance of a reading over what is stated.
+    /// Variance of a reading over the stated one.
     pub scale: f64,
 }
 
-/// The steps of a recording for one inertia, stiffness and viscous friction.
+/// The state transitions of a recording for one inertia, stiffness and viscous friction.
 #[derive(Clone, Debug)]
 pub(crate) struct Steps<'a> {
     samples: &'a Samples,
     transitions: Vec<Transition>,
-    /// Place of each row's step in `transitions`.
+    /// Index in `transitions` of the step of each row.
     of_row: Vec<u32>,
-    /// Acceleration per torque, position a period².
+    /// Acceleration per torque, in position units per period² and torque unit.
     per_torque: f64,
-    /// Typical variance of a reading, position².
+    /// Mean variance of a reading, in position units².
     noise_variance: f64,
-    /// Typical velocity, position a period.
+    /// Rms velocity, in position units per period.
     speed: f64,
 }
 
-/// What the smoother knows of a row: the gain of its reading, the variance of its innovation, and the predicted covariance.
+/// Filter quantities of a row: Kalman gain, inverse variance of the innovation, and predicted_covariance covariance.
 #[derive(Clone, Copy, Debug)]
 struct Gain {
     gain: [f64; 3],
     per_variance: f64,
-    /// xx, xv, xd, vv, vd, dd.
+    /// Entries xx, xv, xd, vv, vd, dd.
     predicted: [f64; 6],
 }
 
-/// The smoother's gains along a recording.
+/// The gains of the smoother along a recording.
 #[derive(Clone, Debug)]
 pub(crate) struct Smoother<'a> {
     steps: &'a Steps<'a>,
     gains: Vec<Gain>,
 }
 
-/// A smoothed recording, per row.
+/// A smoothed recording, with one value per row.
 #[derive(Clone, Debug)]
 pub(crate) struct Smoothed {
-    /// Position.
+    /// Position, in position units.
     pub position: Vec<f64>,
-    /// Velocity, position a second.
+    /// Velocity, in position units per s.
     pub velocity: Vec<f64>,
-    /// Standard deviation of the velocity.
+    /// Standard deviation of the velocity, in position units per s.
     pub velocity_std: Vec<f64>,
-    /// The torque that is missing.
+    /// Missing torque.
     pub torque: Vec<f64>,
-    /// Its standard deviation.
+    /// Standard deviation of the missing torque.
     pub torque_std: Vec<f64>,
-    /// Innovations in their standard deviations.
+    /// Innovations, in their standard deviations.
     pub innovation: Vec<f64>,
 }
 
@@ -166,10 +167,10 @@ impl<'a> Steps<'a> {
         let squares = samples.stretches.iter().flat_map(|stretch| {
             let x = &samples.position[stretch.rows.clone()];
             let t = &samples.time_s[stretch.rows.clone()];
-            // Over some rows, so that noise does not pass for speed.
-            let apart = 8.min(x.len().saturating_sub(1)).max(1);
-            let pairs = (apart..x.len())
-                .map(move |i| ((x[i] - x[i - apart]) / (t[i] - t[i - apart]) * period_s).powi(2));
+            // Differences over several rows, so that noise does not count as velocity.
+            let lag = 8.min(x.len().saturating_sub(1)).max(1);
+            let pairs = (lag..x.len())
+                .map(move |i| ((x[i] - x[i - lag]) / (t[i] - t[i - lag]) * period_s).powi(2));
             pairs.collect::<Vec<_>>()
         });
         let speed = (squares.sum::<f64>() / n).sqrt();
@@ -183,20 +184,20 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Intensity of d at a corner, position² a period^5.
+    /// Intensity of d at a corner frequency, in position units² per period⁵.
     fn intensity(&self, noise: &Noise) -> f64 {
         let jitter = (noise.jitter * self.speed).powi(2);
         (self.noise_variance + jitter) * noise.corner.powi(6)
     }
 
-    /// Variance of the reading of a row that moves at `velocity` (position a second).
+    /// Variance of the reading of a row at `velocity`, in position units per s.
     #[inline]
     fn reading_variance(&self, row: usize, noise: &Noise, velocity: f64) -> f64 {
         let moved = velocity * self.samples.period_s * noise.jitter;
         self.samples.noise[row].powi(2) + moved * moved
     }
 
-    /// State and covariance before the first reading of a stretch: position from it, the rest hardly known.
+    /// Covariance before the first reading of a stretch. The position comes from the reading; velocity and torque are nearly unknown.
     fn first(&self, row: usize, noise: &Noise) -> [f64; 6] {
         let acceleration = self.speed * self.speed + self.noise_variance;
         [
@@ -209,7 +210,7 @@ impl<'a> Steps<'a> {
         ]
     }
 
-    /// Profile log-likelihood of the rows `within` at a corner and a jitter, and the scale of all variances that it takes.
+    /// Profile log-likelihood of the rows `within` at a corner frequency and a jitter, and the scale of all variances that maximizes it.
     pub fn likelihood(
         &self,
         within: &[Range<usize>],
@@ -238,8 +239,8 @@ impl<'a> Steps<'a> {
                 }
                 let q = if sliding[row] { 1.0 } else { STICK_INTENSITY };
                 let transition = &self.transitions[self.of_row[row] as usize];
-                p = predicted(&updated(&p, &gain), transition, q * intensity);
-                m = moved(&m, transition, self.per_torque * force[row]);
+                p = predicted_covariance(&updated_covariance(&p, &gain), transition, q * intensity);
+                m = predicted_state(&m, transition, self.per_torque * force[row]);
             }
         }
         if count == 0.0 {
@@ -250,7 +251,7 @@ impl<'a> Steps<'a> {
         (likelihood, scale)
     }
 
-    /// Slope of the first rows, position a period.
+    /// Velocity of the first rows, in position units per period.
     fn first_speed(&self, rows: &Range<usize>) -> f64 {
         let last = (rows.start + 8).min(rows.end - 1);
         let passed =
@@ -262,7 +263,7 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// The gains with a noise, along a motion of `velocity` that slides where it is said to.
+    /// The gains for a noise, along a motion with `velocity` and with known direction of sliding where `sliding` is true.
     pub fn smoother(&'a self, noise: Noise, velocity: &[f64], sliding: &[bool]) -> Smoother<'a> {
         let intensity = noise.scale * self.intensity(&noise);
         let mut gains = Vec::with_capacity(self.samples.len());
@@ -279,7 +280,7 @@ impl<'a> Steps<'a> {
                 });
                 let q = if sliding[row] { 1.0 } else { STICK_INTENSITY };
                 let transition = &self.transitions[self.of_row[row] as usize];
-                p = predicted(&updated(&p, &gain), transition, q * intensity);
+                p = predicted_covariance(&updated_covariance(&p, &gain), transition, q * intensity);
             }
         }
         Smoother { steps: self, gains }
@@ -288,7 +289,7 @@ impl<'a> Steps<'a> {
 
 /// Covariance after a reading.
 #[inline]
-fn updated(p: &[f64; 6], k: &[f64; 3]) -> [f64; 6] {
+fn updated_covariance(p: &[f64; 6], k: &[f64; 3]) -> [f64; 6] {
     [
         p[0] - k[0] * p[0],
         p[1] - k[0] * p[1],
@@ -301,9 +302,9 @@ fn updated(p: &[f64; 6], k: &[f64; 3]) -> [f64; 6] {
 
 /// Covariance at the next row.
 #[inline]
-fn predicted(p: &[f64; 6], t: &Transition, intensity: f64) -> [f64; 6] {
+fn predicted_covariance(p: &[f64; 6], t: &Transition, intensity: f64) -> [f64; 6] {
     let [pxx, pxv, pxd, pvv, pvd, pdd] = *p;
-    let [gx, gv] = t.push;
+    let [gx, gv] = t.by_acceleration;
     // Φ P, rows x and v.
     let [ax, av, ad] = [
         t.xx * pxx + t.xv * pxv + gx * pxd,
@@ -315,7 +316,7 @@ fn predicted(p: &[f64; 6], t: &Transition, intensity: f64) -> [f64; 6] {
         t.vx * pxv + t.vv * pvv + gv * pvd,
         t.vx * pxd + t.vv * pvd + gv * pdd,
     ];
-    let q = &t.spread;
+    let q = &t.covariance;
     [
         ax * t.xx + av * t.xv + ad * gx + intensity * q[0],
         ax * t.vx + av * t.vv + ad * gv + intensity * q[1],
@@ -326,19 +327,19 @@ fn predicted(p: &[f64; 6], t: &Transition, intensity: f64) -> [f64; 6] {
     ]
 }
 
-/// State at the next row, with an acceleration on top of its d.
+/// State at the next row, with a known acceleration in addition to d.
 #[inline]
-fn moved(m: &[f64; 3], t: &Transition, acceleration: f64) -> [f64; 3] {
+fn predicted_state(m: &[f64; 3], t: &Transition, acceleration: f64) -> [f64; 3] {
     let push = m[2] + acceleration;
     [
-        t.xx * m[0] + t.xv * m[1] + t.push[0] * push,
-        t.vx * m[0] + t.vv * m[1] + t.push[1] * push,
+        t.xx * m[0] + t.xv * m[1] + t.by_acceleration[0] * push,
+        t.vx * m[0] + t.vv * m[1] + t.by_acceleration[1] * push,
         m[2],
     ]
 }
 
 impl Smoother<'_> {
-    /// The smoothed motion and the missing torque of the recording itself, which a `force` that is known drives.
+    /// The smoothed motion and the missing torque of the recording under a known `force`.
     pub fn smooth(&self, force: &[f64]) -> Smoothed {
         let n = self.gains.len();
         let samples = self.steps.samples;
@@ -367,24 +368,24 @@ impl Smoother<'_> {
                 for (m, k) in m.iter_mut().zip(g.gain) {
                     *m += k * e;
                 }
-                m = moved(
+                m = predicted_state(
                     &m,
                     self.steps.transition(row),
                     self.steps.per_torque * force[row],
                 );
             }
             let mut l = [0.0; 3];
-            let mut big = [0.0; 6];
+            let mut information = [0.0; 6];
             for row in rows.clone().rev() {
                 let g = &self.gains[row];
                 if row + 1 < rows.end {
                     let t = self.steps.transition(row);
-                    l = turned_back(&l, t);
-                    big = spread_back(&big, t);
+                    l = propagated_adjoint(&l, t);
+                    information = propagated_information(&information, t);
                 }
                 let e = samples.position[row] - means[row - rows.start][0];
-                read_back(&mut l, g, e);
-                big = spread_read_back(&big, g);
+                update_adjoint(&mut l, g, e);
+                information = updated_information(&information, g);
                 let mean = &means[row - rows.start];
                 let p = &g.predicted;
                 let at = |k: usize| {
@@ -394,7 +395,7 @@ impl Smoother<'_> {
                 let variance = |k: usize| {
                     let r = row_of(p, k);
                     let own = r[k];
-                    let b = times(&big, &r);
+                    let b = product_with(&information, &r);
                     (own - (r[0] * b[0] + r[1] * b[1] + r[2] * b[2])).max(0.0)
                 };
                 smoothed.position[row] = at(0);
@@ -407,8 +408,8 @@ impl Smoother<'_> {
         smoothed
     }
 
-    /// What the smoother would make of torques that act on top of the known ones, one a lane and a step, and of errors of the
-    /// reading, one a lane and a row: a torque of each row, smoothed as the missing torque is.
+    /// The response of the smoother to torques in addition to the known ones, one per step and lane, and to sensor errors, one per row
+    /// and lane. The result is a torque per row, smoothed like the missing torque.
     pub fn respond<const L: usize>(
         &self,
         torque: &[[f64; L]],
@@ -434,10 +435,11 @@ impl Smoother<'_> {
                     let x = m[0][lane] + g.gain[0] * e;
                     let v = m[1][lane] + g.gain[1] * e;
                     let d = m[2][lane] + g.gain[2] * e;
-                    // The torque acts and the model does not know of it: d̂ is what its absence would be taken for.
+                    // The torque acts on the motion and is unknown to the model. The estimated d is the torque that the model would need
+                    // instead.
                     let push = d - self.steps.per_torque * torque[row][lane];
-                    m[0][lane] = t.xx * x + t.xv * v + t.push[0] * push;
-                    m[1][lane] = t.vx * x + t.vv * v + t.push[1] * push;
+                    m[0][lane] = t.xx * x + t.xv * v + t.by_acceleration[0] * push;
+                    m[1][lane] = t.vx * x + t.vv * v + t.by_acceleration[1] * push;
                     m[2][lane] = d;
                 }
             }
@@ -450,9 +452,9 @@ impl Smoother<'_> {
                 for lane in 0..L {
                     let mut a = [l[0][lane], l[1][lane], l[2][lane]];
                     if inner {
-                        a = turned_back(&a, t);
+                        a = propagated_adjoint(&a, t);
                     }
-                    read_back(&mut a, g, errors[row][lane]);
+                    update_adjoint(&mut a, g, errors[row][lane]);
                     let d = out[row][lane] - (r[0] * a[0] + r[1] * a[1] + r[2] * a[2]);
                     out[row][lane] = d / self.steps.per_torque;
                     for (l, a) in l.iter_mut().zip(a) {
@@ -474,22 +476,22 @@ impl Steps<'_> {
 
 /// `Φᵀ l`.
 #[inline]
-fn turned_back(l: &[f64; 3], t: &Transition) -> [f64; 3] {
+fn propagated_adjoint(l: &[f64; 3], t: &Transition) -> [f64; 3] {
     [
         t.xx * l[0] + t.vx * l[1],
         t.xv * l[0] + t.vv * l[1],
-        t.push[0] * l[0] + t.push[1] * l[1] + l[2],
+        t.by_acceleration[0] * l[0] + t.by_acceleration[1] * l[1] + l[2],
     ]
 }
 
 /// `(1 − K H)ᵀ l − Hᵀ e/s`.
 #[inline]
-fn read_back(l: &mut [f64; 3], g: &Gain, e: f64) {
+fn update_adjoint(l: &mut [f64; 3], g: &Gain, e: f64) {
     let carried = g.gain[0] * l[0] + g.gain[1] * l[1] + g.gain[2] * l[2];
     l[0] -= carried + e * g.per_variance;
 }
 
-/// A row of a symmetric matrix that is kept as xx, xv, xd, vv, vd, dd.
+/// A row of a symmetric matrix that is stored as xx, xv, xd, vv, vd, dd.
 #[inline]
 fn row_of(p: &[f64; 6], row: usize) -> [f64; 3] {
     match row {
@@ -500,7 +502,7 @@ fn row_of(p: &[f64; 6], row: usize) -> [f64; 3] {
 }
 
 #[inline]
-fn times(p: &[f64; 6], r: &[f64; 3]) -> [f64; 3] {
+fn product_with(p: &[f64; 6], r: &[f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| {
         let row = row_of(p, k);
         row[0] * r[0] + row[1] * r[1] + row[2] * r[2]
@@ -509,13 +511,13 @@ fn times(p: &[f64; 6], r: &[f64; 3]) -> [f64; 3] {
 
 /// `Φᵀ Λ Φ`.
 #[inline]
-fn spread_back(p: &[f64; 6], t: &Transition) -> [f64; 6] {
+fn propagated_information(p: &[f64; 6], t: &Transition) -> [f64; 6] {
     let columns = [
         [t.xx, t.vx, 0.0],
         [t.xv, t.vv, 0.0],
-        [t.push[0], t.push[1], 1.0],
+        [t.by_acceleration[0], t.by_acceleration[1], 1.0],
     ];
-    let products = columns.map(|column| times(p, &column));
+    let products = columns.map(|column| product_with(p, &column));
     let dot = |a: usize, b: usize| {
         let (c, q) = (&columns[a], &products[b]);
         c[0] * q[0] + c[1] * q[1] + c[2] * q[2]
@@ -532,11 +534,11 @@ fn spread_back(p: &[f64; 6], t: &Transition) -> [f64; 6] {
 
 /// `(1 − K H)ᵀ Λ (1 − K H) + Hᵀ H/s`.
 #[inline]
-fn spread_read_back(p: &[f64; 6], g: &Gain) -> [f64; 6] {
+fn updated_information(p: &[f64; 6], g: &Gain) -> [f64; 6] {
     let k = &g.gain;
     // Column x of 1 − K H is (1 − k_x, −k_v, −k_d), the others are unit vectors.
     let first = [1.0 - k[0], -k[1], -k[2]];
-    let product = times(p, &first);
+    let product = product_with(p, &first);
     let xx = first[0] * product[0] + first[1] * product[1] + first[2] * product[2];
     [
         xx + g.per_variance,

@@ -1,4 +1,4 @@
-//! A torque as a table over one axis, for what no effect of the library has the form of.
+//! A torque as a table over one axis, for a missing torque that no effect of the library describes.
 
 use super::axis::Axis;
 use super::look::Point;
@@ -6,27 +6,27 @@ use host_sim::plant::{Moment, TorqueLaw};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// Knots of a table.
+/// Number of knots of a table.
 const KNOTS: usize = 17;
-/// Share of the points beyond the outermost knots, to either side.
+/// Share of the points beyond the outermost knots, on each side.
 const BEYOND: f64 = 0.01;
-/// Weight that holds a knot to its neighbours, over that of all points: where there are none it is a straight line.
+/// Weight of the second differences of the knots, over the weight of all points. It makes the table linear where there are no points.
 const STIFFNESS: f64 = 1e-4;
 
 /// The quantity of which a table is a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TableAxis {
-    /// Units of position a second.
+    /// Velocity, in position units per s.
     Velocity,
-    /// Units of position.
+    /// Position, in position units.
     Position,
-    /// Units of input, as it acts.
+    /// Input that acts after delay and lag, in input units.
     Input,
 }
 
 impl TableAxis {
-    /// The axis of a table for an axis of the missing torque, if a table may be over it.
+    /// The table axis for an axis of the missing torque, if a table may have it.
     pub(super) fn of(axis: Axis) -> Option<Self> {
         match axis {
             Axis::Velocity | Axis::VelocityOdd | Axis::VelocityEven => Some(Self::Velocity),
@@ -36,7 +36,7 @@ impl TableAxis {
         }
     }
 
-    /// Its name.
+    /// The name of the axis.
     pub fn name(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",
@@ -54,23 +54,23 @@ impl TableAxis {
     }
 }
 
-/// A torque in straight lines between knots, constant beyond them.
+/// A torque that is linear between knots and constant beyond them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Table {
-    /// The quantity of which it is a function.
+    /// The quantity of which the torque is a function.
     pub axis: TableAxis,
-    /// Knots, ascending.
+    /// Knots in ascending order.
     pub at: Vec<f64>,
     /// Torque at each knot, N m.
     pub torque: Vec<f64>,
 }
 
 impl Table {
-    /// The table that fits the missing torque at some points best; none if they do not spread over the axis. `ratio` is the torque of
-    /// the drive per unit of input.
+    /// The table that fits the missing torque at the points best. Returns `None` if the points do not spread over the axis. `ratio` is
+    /// the torque of the drive per unit of input.
     pub(super) fn fitted(axis: TableAxis, points: &[Point], ratio: f64) -> Option<Self> {
-        let place = |point: &Point| {
+        let coordinate = |point: &Point| {
             let moment = Moment {
                 position: point.position,
                 velocity: point.velocity,
@@ -79,11 +79,11 @@ impl Table {
             };
             axis.at(&moment)
         };
-        let mut places: Vec<f64> = points.iter().map(place).collect();
-        places.sort_by(f64::total_cmp);
+        let mut coordinates: Vec<f64> = points.iter().map(coordinate).collect();
+        coordinates.sort_by(f64::total_cmp);
         let quantile = |share: f64| {
-            let last = places.len().checked_sub(1)?;
-            places.get((last as f64 * share) as usize).copied()
+            let last = coordinates.len().checked_sub(1)?;
+            coordinates.get((last as f64 * share) as usize).copied()
         };
         let (low, high) = (quantile(BEYOND)?, quantile(1.0 - BEYOND)?);
         if high <= low {
@@ -95,7 +95,7 @@ impl Table {
         let mut right = DVector::<f64>::zeros(KNOTS);
         for point in points {
             let weight = point.std.powi(-2);
-            let (knot, part) = between(&at, place(point));
+            let (knot, part) = between(&at, coordinate(point));
             for (a, of_a) in [(knot, 1.0 - part), (knot + 1, part)] {
                 right[a] += weight * of_a * point.torque;
                 for (b, of_b) in [(knot, 1.0 - part), (knot + 1, part)] {
@@ -105,9 +105,9 @@ impl Table {
         }
         let stiffness = STIFFNESS * normal.trace();
         for knot in 1..KNOTS - 1 {
-            let bend = [(knot - 1, 1.0), (knot, -2.0), (knot + 1, 1.0)];
-            for (a, of_a) in bend {
-                for (b, of_b) in bend {
+            let second_difference = [(knot - 1, 1.0), (knot, -2.0), (knot + 1, 1.0)];
+            for (a, of_a) in second_difference {
+                for (b, of_b) in second_difference {
                     normal[(a, b)] += stiffness * of_a * of_b;
                 }
             }
@@ -118,7 +118,7 @@ impl Table {
         is_finite.then_some(Self { axis, at, torque })
     }
 
-    /// True if its knots ascend and each has a torque.
+    /// True if the knots ascend and each has a finite torque.
     pub(crate) fn is_sound(&self) -> bool {
         let ascends = self.at.windows(2).all(|pair| pair[0] < pair[1]);
         let numbers = self.at.iter().chain(&self.torque);
@@ -129,12 +129,12 @@ impl Table {
     }
 }
 
-/// The knot below a place, and the share of the way to the next one.
-fn between(at: &[f64], place: f64) -> (usize, f64) {
+/// Index of the knot below a value, and the share of the distance to the next knot.
+fn between(at: &[f64], coordinate: f64) -> (usize, f64) {
     let last = at.len() - 2;
-    let knot = at.partition_point(|knot| *knot <= place);
+    let knot = at.partition_point(|knot| *knot <= coordinate);
     let knot = knot.saturating_sub(1).min(last);
-    let part = (place - at[knot]) / (at[knot + 1] - at[knot]);
+    let part = (coordinate - at[knot]) / (at[knot + 1] - at[knot]);
     (knot, part.clamp(0.0, 1.0))
 }
 
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_table_is_what_its_points_are_and_flat_beyond_them() {
+    fn a_table_follows_its_points_and_is_constant_beyond_them() {
         let points = (0..400).map(|k| {
             let velocity = -2.0 + f64::from(k) * 0.01;
             Point {

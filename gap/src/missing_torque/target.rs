@@ -5,24 +5,24 @@ use super::path::Path;
 use super::ripple::Waves;
 use nalgebra::{DMatrix, DVector};
 
-/// The missing torque that forms are to explain, and what else the smoother says of it.
+/// The missing torque that forms are to explain, with further results of the smoother.
 pub(crate) struct Target<'a> {
-    /// Estimated, per row.
+    /// Estimated missing torque of each row.
     pub torque: &'a [f64],
-    /// Corner of the smoother, rad/s.
+    /// Corner frequency of the smoother, rad/s.
     pub corner: f64,
-    /// Rows that a fit sees.
+    /// Indices of the rows of a fit.
     pub rows: &'a [usize],
-    /// Of each row in a fit; 0 where it says nothing.
+    /// Weight of each row; 0 for a row outside the fit.
     pub weight: &'a [f64],
-    /// In standard deviations, per row.
+    /// Innovation of each row, in its standard deviations.
     pub innovation: &'a [f64],
-    /// Waves over the position that the torque may have.
+    /// Wave numbers over the position that the torque may have.
     pub waves: &'a Waves,
 }
 
 impl Target<'_> {
-    /// The `count` forms that explain most of it, not smoothed alike yet.
+    /// The `count` forms that explain most of the torque. The forms are not smoothed like the torque for this comparison.
     pub fn screened(&self, forms: Vec<Form>, count: usize) -> Vec<Form> {
         if forms.len() <= count {
             return forms;
@@ -36,7 +36,7 @@ impl Target<'_> {
         tried.into_iter().map(|(_, form)| form).collect()
     }
 
-    /// Squares that some torques explain by least squares.
+    /// Weighted sum of squares that some torques explain by least squares.
     pub fn explained(&self, torque: &[Vec<f64>]) -> f64 {
         let n = torque.len();
         let mut normal = DMatrix::<f64>::zeros(n, n);
@@ -66,12 +66,12 @@ impl Target<'_> {
         if square > 0.0 { product / square } else { 0.0 }
     }
 
-    /// First and last row of the stretch of time in which most more is missing than on the average.
+    /// First and last row of the interval whose missing torque exceeds twice the mean by the largest sum.
     pub fn most_missing(&self, path: &Path<'_>) -> Option<(usize, usize)> {
         let missing = |i: usize| (self.weight[i] * self.torque[i].powi(2)).sqrt();
         let rows = 0..path.samples.len();
-        let weighed: f64 = self.weight.iter().map(|w| w.sqrt()).sum();
-        let mean = rows.map(missing).sum::<f64>() / weighed.max(f64::MIN_POSITIVE);
+        let total_weight: f64 = self.weight.iter().map(|w| w.sqrt()).sum();
+        let mean = rows.map(missing).sum::<f64>() / total_weight.max(f64::MIN_POSITIVE);
         let mut best: Option<(f64, usize, usize)> = None;
         for stretch in &path.samples.stretches {
             let (mut sum, mut from) = (0.0, stretch.rows.start);
@@ -79,7 +79,7 @@ impl Target<'_> {
                 if sum <= 0.0 {
                     (sum, from) = (0.0, row);
                 }
-                // Twice the mean, so that what is usual does not add up.
+                // Twice the mean is subtracted, so that a usual missing torque does not add up.
                 sum += missing(row) - 2.0 * mean * self.weight[row].sqrt();
                 if best.is_none_or(|(most, ..)| sum > most) {
                     best = Some((sum, from, row));

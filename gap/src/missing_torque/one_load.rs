@@ -1,28 +1,28 @@
-//! Runs of one load.
+//! Selects the runs with one load.
 
 use recording::Recording;
 use std::borrow::Cow;
 
-/// The runs whose load has the most rows, with the numbers of that load in `[model]`. A torque along runs of several loads is no one
-/// law of the motion.
+/// The runs with the load that has the most rows, with the parameters of that load in the model. The missing torque of runs with
+/// different loads is not one function of the motion.
 pub(super) fn of_one_load(recording: &Recording) -> Cow<'_, Recording> {
     let runs = &recording.runs;
     if runs.iter().all(|run| run.numbers.is_empty()) {
         return Cow::Borrowed(recording);
     }
     let rows_of = |of: &&recording::Run| -> usize {
-        let alike = runs.iter().filter(|run| run.numbers == of.numbers);
-        alike.map(recording::Run::len).sum()
+        let with_load = runs.iter().filter(|run| run.numbers == of.numbers);
+        with_load.map(recording::Run::len).sum()
     };
     let Some(most) = runs.iter().rev().max_by_key(rows_of) else {
         return Cow::Borrowed(recording);
     };
-    let alike = runs.iter().filter(|run| run.numbers == most.numbers);
-    let alike = alike.cloned().map(|run| recording::Run {
+    let with_load = runs.iter().filter(|run| run.numbers == most.numbers);
+    let with_load = with_load.cloned().map(|run| recording::Run {
         numbers: [].into(),
         ..run
     });
-    let mut one = recording.with_runs(alike.collect());
+    let mut one = recording.with_runs(with_load.collect());
     one.model = recording.model_of(most);
     Cow::Owned(one)
 }
@@ -33,7 +33,7 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn the_load_with_the_most_rows_is_looked_at() {
+    fn the_runs_of_the_load_with_the_most_rows_are_selected() {
         let mut recording = made::recording(&[]);
         assert_eq!(*of_one_load(&recording), recording);
         let heavy = 3.0 * recording.model.inertia;

@@ -50,7 +50,7 @@ impl StandIn {
             if let Some(index) = most_of_run(problem, &episode) {
                 return Some(Self::Run { index });
             }
-            let stays = episode::stays(&episode);
+            let stays = episode::occurrences(&episode);
             let is_sure = confidence(round, selection.expected.level) >= SURE_EPISODE;
             (stays > 1 && !is_sure).then_some(Self::Episode { stays })
         };
@@ -224,7 +224,7 @@ mod tests {
                 acceptance: Acceptance::given(true),
                 measured: None,
             });
-            episode.map(|episode| episode::stays(&episode))
+            episode.map(|episode| episode::occurrences(&episode))
         };
         assert_eq!(taken("contact:from=1,to=2"), Some(1));
         let twice = taken("contact:from_1=1,to_1=2,from_2=4,to_2=5");

@@ -1,4 +1,4 @@
-//! Dry friction of another level in each direction.
+//! Coulomb friction with different levels in the two directions.
 
 use super::coulomb::Coulomb;
 use super::identification::{Family, Identification, SmallMotion};
@@ -48,7 +48,7 @@ impl Identification for AsymmetricCoulomb {
     }
 
     fn simpler_substitutes(&self) -> &'static [&'static dyn Identification] {
-        // While the joint slides, a constant torque is less friction in one direction and more in the other.
+        // During sliding a constant torque acts like less friction in one direction and more in the other.
         &[&TorqueOffset]
     }
 
@@ -60,7 +60,7 @@ impl Identification for AsymmetricCoulomb {
         let SmallMotion::Push { torque_nm } = other else {
             return None;
         };
-        // A torque forwards is less friction forwards and more backwards.
+        // A positive torque acts like less friction in the positive direction and more in the negative one.
         let levels = [-1.0, 1.0].map(|way| model.coulomb + way * torque_nm);
         let is_friction = levels.iter().all(|level| *level > 0.0);
         is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]))

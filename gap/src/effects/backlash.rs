@@ -1,4 +1,4 @@
-//! Play in the transmission, between two masses.
+//! Backlash in the transmission between two masses.
 
 use super::compliance::Compliance;
 use super::identification::{Fitted, Identification, Landscape};
@@ -16,20 +16,19 @@ use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use host_sim::effects::backlash::KIND;
 
-/// Narrowest and widest play over the span of the motion, and the ratio of the widths that are tried. If a run moves
-/// less than all runs together, narrower ones are tried as well.
+/// Narrowest and widest play that are tried, as shares of the range of the motion, and the ratio between neighbours. If one run moves
+/// less than all runs together, narrower plays are tried as well.
 const PLAYS: [f64; 2] = [0.0027, 0.15];
 const PLAY_RATIO: f64 = 1.78;
-/// Natural frequency of the flanks of a play, over the coarse sampling rate. An impact then lasts some samples; harder
-/// flanks act nearly alike.
+/// Natural frequency of the flanks, over the coarse sampling rate. An impact then lasts some samples. Stiffer flanks act nearly equally.
 const FLANK_FREQUENCY: f64 = 0.06;
-/// Damping ratio of the flanks: a rebound has half the speed.
+/// Damping ratio of the flanks. A rebound has half of the speed.
 const FLANK_DAMPING: f64 = 0.22;
-/// Shares of the inertia and of the friction on the load side that are tried with each width. A side that moves freely
-/// reveals them.
+/// Shares of the inertia and of the friction on the load side that are tried with each play. They are observable while one side moves
+/// freely.
 const FREE_SHARES: [f64; 4] = [0.2, 0.4, 0.6, 0.8];
 const FREE_FRICTIONS: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
-/// Half of the play over half of the span, as screened for the missing torque.
+/// Half of the play, over half of the range of the motion, that are screened for the missing torque.
 const HALF_PLAYS_SCREENED: [f64; 5] = [0.006, 0.014, 0.03, 0.06, 0.12];
 
 #[derive(Debug)]
@@ -81,8 +80,8 @@ impl Identification for Backlash {
         &[&Compliance]
     }
 
-    /// If the spring does not relax through its damper within a prediction, the effect is a lag. If one side has no
-    /// inertia, its friction bends. Play that is narrower than a step of the position sensor is none.
+    /// If the damper prevents the spring from relaxing within a prediction, the effect acts like a lag. If one side has no inertia, the
+    /// transmission acts like presliding friction. A play narrower than the resolution of the position sensor is not observable.
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
         is_degenerate_link(fit.device, fit.horizon_s) || fit.term.values[0] < fit.resolution
     }
@@ -95,7 +94,7 @@ impl Identification for Backlash {
         let carried = path.transmitted_torque();
         let half_plays = HALF_PLAYS_SCREENED.map(|part| part * path.scale.half_span());
         let forms = half_plays.map(|half_play| {
-            let columns = floats_and_strikes(path, &carried, half_play);
+            let columns = free_and_impact_torques(path, &carried, half_play);
             let values = move |c: &[f64]| {
                 let share = (0.5 + c[0].abs().min(1.0) * 0.2).clamp(0.1, 0.9);
                 with_defaults(&KIND, &[(0, 2.0 * half_play), (1, share)])
@@ -118,14 +117,15 @@ impl Identification for Backlash {
     }
 }
 
-/// Torque that does not reach the load while it crosses the play, and the torque of the impact at the end, per step.
-/// `carried` is the torque that a transmission without play would carry to the load.
-fn floats_and_strikes(path: &Path<'_>, carried: &[f64], half_play: f64) -> [Vec<f64>; 2] {
+/// Torque that does not reach the load while the play is crossed, and torque of the impact afterwards, over each step. `carried` is the
+/// torque that a transmission without play would transmit.
+fn free_and_impact_torques(path: &Path<'_>, carried: &[f64], half_play: f64) -> [Vec<f64>; 2] {
     let inertia = path.device.mechanics.inertia;
-    // Side on which the load lies, way of the motor since contact was lost, and velocity of the load at that instant.
-    let (mut side, mut passed, mut speed, mut free) = (0.0, 0.0, 0.0, false);
+    // Side of the contact, distance that the motor moved relative to the load since contact was lost, and velocity of the load at that
+    // instant.
+    let (mut side, mut relative_travel, mut speed, mut free) = (0.0, 0.0, 0.0, false);
     let n = carried.len();
-    let [mut floats, mut strikes] = [vec![0.0; n], vec![0.0; n]];
+    let [mut free_torques, mut impacts] = [vec![0.0; n], vec![0.0; n]];
     for i in 0..n {
         let step_s = path.samples.step_s[i];
         if step_s == 0.0 {
@@ -140,19 +140,19 @@ fn floats_and_strikes(path: &Path<'_>, carried: &[f64], half_play: f64) -> [Vec<
             if pushes == side || pushes == 0.0 {
                 continue;
             }
-            (free, passed, speed) = (true, 0.0, path.velocity[i]);
+            (free, relative_travel, speed) = (true, 0.0, path.velocity[i]);
         }
-        passed -= side * (path.velocity[i] - speed) * step_s;
-        let crossed = passed >= 2.0 * half_play;
-        if crossed || passed < -0.5 * half_play {
-            strikes[i] = -inertia * (path.velocity[i] - speed) / step_s;
+        relative_travel -= side * (path.velocity[i] - speed) * step_s;
+        let crossed = relative_travel >= 2.0 * half_play;
+        if crossed || relative_travel < -0.5 * half_play {
+            impacts[i] = -inertia * (path.velocity[i] - speed) / step_s;
             free = false;
             if crossed {
                 side = -side;
             }
         } else {
-            floats[i] = carried[i];
+            free_torques[i] = carried[i];
         }
     }
-    [floats, strikes]
+    [free_torques, impacts]
 }

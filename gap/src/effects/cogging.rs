@@ -1,4 +1,4 @@
-//! Torque ripple over position: a search over wave numbers before any fit.
+//! Torque ripple over the position. Wave numbers are searched before any fit.
 
 use super::gravity::Gravity;
 use super::identification::Identification;
@@ -19,13 +19,13 @@ use core::f64::consts::{FRAC_PI_2, TAU};
 use host_sim::effects::Kind;
 use host_sim::effects::cogging::KIND;
 
-/// Number of starts of a fit among the wave numbers that most of the motion follows, and again among finer ones.
+/// Number of starts among the wave numbers that the samples resolve at the rms speed, and again among higher ones.
 const PEAKS: usize = 3;
-/// Share of the moments that are slow.
+/// Share of the instants that count as slow.
 const SLOW_SHARE: f64 = 0.25;
-/// Fewest waves within the motion with which a ripple is seen to repeat.
+/// Least number of periods within the motion that shows a ripple to be periodic.
 const LEAST_WAVES: f64 = 1.0;
-/// Place of the wave number among its parameters.
+/// Offset of the parameter wave number.
 const WAVE_NUMBER: usize = 1;
 
 #[derive(Debug)]
@@ -36,8 +36,7 @@ impl Identification for Cogging {
         &KIND
     }
 
-    /// The strongest wave numbers in the missing torque, by the share of its variance that a sine and a cosine over position
-    /// explain.
+    /// Starts at the wave numbers whose sine and cosine have the largest amplitudes in the missing torque.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         peaks(e)
             .into_iter()
@@ -61,8 +60,8 @@ impl Identification for Cogging {
         let resolved = TAU / e.scales.span();
         let mut all = peaks(e);
         all.retain(|wave| {
-            let apart = known.iter().map(|n| (n - wave.wave_number).abs());
-            apart.fold(f64::INFINITY, f64::min) > resolved
+            let distances = known.iter().map(|n| (n - wave.wave_number).abs());
+            distances.fold(f64::INFINITY, f64::min) > resolved
         });
         let more = all.into_iter().map(|wave| {
             let mut term = fitted.clone();
@@ -81,7 +80,7 @@ impl Identification for Cogging {
     fn too_few_periods(&self, fitted: &Term, extremes: [f64; 2]) -> Option<f64> {
         let waves = 0..KIND.event_count(&fitted.values);
         let numbers = waves.map(|k| fitted.values[KIND.event_place(k) + WAVE_NUMBER]);
-        waves_short(numbers.fold(f64::INFINITY, f64::min), extremes)
+        too_few_waves(numbers.fold(f64::INFINITY, f64::min), extremes)
     }
 
     fn axis(&self) -> Axis {
@@ -125,7 +124,7 @@ impl Identification for Cogging {
     }
 }
 
-/// A wave of the torque that is missing.
+/// A wave in the missing torque.
 #[derive(Clone, Copy, Debug)]
 struct Peak {
     amplitude: f64,
@@ -134,21 +133,21 @@ struct Peak {
 }
 
 impl Peak {
-    /// Coordinates of amplitude, wave number and phase of this wave, whose parameters begin at `place`.
-    fn coordinates(&self, e: &Evidence<'_>, place: usize) -> [Coordinate; 3] {
+    /// Coordinates of amplitude, wave number and phase, whose parameters start at index `first`.
+    fn coordinates(&self, e: &Evidence<'_>, first: usize) -> [Coordinate; 3] {
         [
-            log(place, self.amplitude),
+            log(first, self.amplitude),
             linear(
-                place + WAVE_NUMBER,
+                first + WAVE_NUMBER,
                 self.wave_number,
                 0.2 * TAU / e.scales.span(),
             ),
-            linear(place + 2, self.phase, 0.5),
+            linear(first + 2, self.phase, 0.5),
         ]
     }
 }
 
-/// The strongest waves of the torque that is missing, those that most of the motion follows first.
+/// The strongest waves in the missing torque. Those that the samples resolve at the rms speed come first.
 fn peaks(e: &Evidence<'_>) -> Vec<Peak> {
     let s = e.scales;
     let known: Vec<Moment> = moments(e).collect();
@@ -160,24 +159,24 @@ fn peaks(e: &Evidence<'_>) -> Vec<Peak> {
         waves::strongest(some.collect(), range, s.span())
     };
     let all = strongest(f64::INFINITY, s.wave_numbers());
-    // A ripple that mostly passes too fast for the sampling shows where the motion is slow.
+    // A ripple of a higher wave number is resolved only where the motion is slow.
     let finest = s.finest_wave_number();
-    let told_apart = waves::highest_resolved(finest, s.span());
-    let finer = s.finest_wave_number_at(slow).min(told_apart);
+    let resolved = waves::highest_resolved(finest, s.span());
+    let finer = s.finest_wave_number_at(slow).min(resolved);
     let fine = strongest(slow, [finest, finer]);
     let peaks = all.into_iter().take(PEAKS);
     let peaks = peaks.chain(fine.into_iter().take(PEAKS));
     let peaks = peaks.map(|(wave_number, [a, b])| Peak {
         amplitude: a.hypot(b).max(1e-3 * s.torque),
         wave_number,
-        // The missing torque is the torque that the motion needed: the ripple itself.
+        // The missing torque is the torque that the motion needed, so it has the phase of the ripple.
         phase: b.atan2(a),
     });
     peaks.collect()
 }
 
-/// Number of waves between the lowest and the highest position, if they are too few to show that the ripple repeats.
-fn waves_short(wave_number: f64, [low, high]: [f64; 2]) -> Option<f64> {
+/// Number of periods between the lowest and the highest position, if they are too few to show that the ripple is periodic.
+fn too_few_waves(wave_number: f64, [low, high]: [f64; 2]) -> Option<f64> {
     let travelled = wave_number * (high - low) / TAU;
     (travelled < LEAST_WAVES).then_some(travelled)
 }
@@ -188,7 +187,7 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn a_ripple_that_most_of_the_motion_is_too_fast_for_is_looked_for_where_it_is_slow() {
+    fn a_ripple_beyond_the_resolution_at_the_rms_speed_is_found_in_slow_motion() {
         const WAVE_NUMBER: f64 = 120.0;
         let hidden = format!("cogging:amplitude=0.004,wave_number={WAVE_NUMBER},phase=0");
         let nearest = made::seen(

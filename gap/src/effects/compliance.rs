@@ -1,4 +1,4 @@
-//! A transmission that twists, between two masses.
+//! A compliant transmission between two masses.
 
 use super::identification::{Fitted, Identification, Landscape};
 use super::phrase::Found;
@@ -15,19 +15,19 @@ use core::f64::consts::TAU;
 use host_sim::effects::Kind;
 use host_sim::effects::compliance::KIND;
 
-/// Lowest and highest resonance over the frequency of the motion, and the number of resonances that are tried. A fit
-/// converges only from within some percent of the resonance.
+/// Lowest and highest resonance that are tried, over the frequency of the motion, and their number. A fit converges only from within some
+/// percent of the resonance.
 const RESONANCES: [f64; 2] = [1.0, 100.0];
 const RESONANCE_STARTS: usize = 90;
-/// Highest frequency that samples follow, over their rate.
+/// Highest frequency that samples resolve, over the sampling rate.
 const HIGHEST_RESONANCE: f64 = 0.2;
-/// Damping ratio of the resonance.
+/// Damping ratio of the resonance at the start.
 const TWIST_DAMPING: f64 = 0.05;
-/// Shares of the friction on the load side that are tried. The side with most of the friction decides how the
-/// transmission rings while one side sticks.
+/// Shares of the friction on the load side that are tried. The side with most of the friction determines the oscillation while the other
+/// side moves.
 const TWIST_FRICTIONS: [f64; 2] = [0.2, 0.8];
-/// Lowest and highest resonance over the rate of the motion that are screened for the missing torque, their number at
-/// equal ratios, the number of forms among them, and their damping ratio.
+/// Lowest and highest resonance that are screened for the missing torque, over the angular frequency of the motion. The following
+/// constants are their number in geometric progression, the number of forms, and the damping ratio.
 const RESONANCES_SCREENED: [f64; 2] = [1.5, 40.0];
 const RESONANCES_TRIED: usize = 70;
 const RESONANCES_KEPT: usize = 2;
@@ -72,8 +72,8 @@ impl Identification for Compliance {
         true
     }
 
-    /// If the spring does not relax through its damper within a prediction, the effect is a lag. If one side has no
-    /// inertia, its friction bends.
+    /// If the damper prevents the spring from relaxing within a prediction, the effect acts like a lag. If one side has no inertia, the
+    /// transmission acts like presliding friction.
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
         is_degenerate_link(fit.device, fit.horizon_s)
     }
@@ -86,7 +86,7 @@ impl Identification for Compliance {
         let carried = path.transmitted_torque();
         let inertia = path.device.mechanics.inertia;
         let [lowest, highest] = RESONANCES_SCREENED.map(|part| part * path.scale.rate());
-        // The smoother does not follow faster resonances.
+        // The smoother does not resolve higher resonances.
         let highest = highest.min(target.corner).max(1.1 * lowest);
         let rates = geometric([lowest, highest], RESONANCES_TRIED);
         let tried = rates.map(|rate| {
@@ -100,8 +100,8 @@ impl Identification for Compliance {
         let mut tried: Vec<(f64, f64, Vec<f64>)> = tried.collect();
         tried.sort_by(|a, b| b.0.total_cmp(&a.0));
         tried.truncate(RESONANCES_KEPT);
-        // The masses swing against each other. For two masses and a spring between them, `J s² x/T − 1` is `s²/(s² +
-        // ω²)` times the ratio of the masses on the motor's side, and −1 times that on the load's.
+        // Both masses oscillate in opposite phase. For two masses and a spring between them, `J s² x/T − 1` is `s²/(s² + ω²)` times the
+        // ratio of the masses at the motor, and −1 times that at the load.
         let forms = tried.into_iter().map(|(_, rate, column)| {
             Form::new(vec![column], move |c| {
                 let load = if c[0] > 0.0 { c[0] / (1.0 + c[0]) } else { 0.5 };
@@ -127,7 +127,7 @@ impl Identification for Compliance {
     }
 }
 
-/// The part of a torque above a resonance, per step.
+/// The part of a torque above a resonance, over each step.
 fn above_resonance(path: &Path<'_>, torque: &[f64], rate: f64) -> Vec<f64> {
     let (mut y, mut w) = (0.0, 0.0);
     let steps = torque.iter().zip(&path.samples.step_s);
@@ -136,7 +136,7 @@ fn above_resonance(path: &Path<'_>, torque: &[f64], rate: f64) -> Vec<f64> {
             (y, w) = (0.0, 0.0);
             return 0.0;
         }
-        // In parts of at most a fifth of a radian.
+        // Integration steps of at most a fifth of a radian.
         let count = (5.0 * rate * step_s).ceil().max(1.0);
         let t = step_s / count;
         for _ in 0..count as usize {

@@ -1,7 +1,7 @@
-//! Something outside that pushes back or holds for a while.
+//! A contact with an external object that pushes back or holds for a limited time.
 
 use super::end_stop::EndStop;
-use super::episode::{Episode, instant_coordinates, last_stay, phrase_between};
+use super::episode::{Episode, instant_coordinates, last_occurrence, phrase_between};
 use super::gravity::Gravity;
 use super::identification::Identification;
 use super::phrase::{Found, Phrase};
@@ -22,19 +22,19 @@ use host_sim::effects::Kind;
 use host_sim::effects::contact::KIND;
 use std::ops::Range;
 
-/// Sides: against motion from below, against motion from above, and 0, which holds against both.
+/// Sides of a contact: 1 pushes back a motion from below, −1 one from above, and 0 holds in both directions.
 const SIDES: [f64; 3] = [1.0, -1.0, 0.0];
-/// Places among its numbers of the stiffness and of the damping.
+/// Indices of the parameters stiffness and damping.
 const STIFFNESS: usize = 0;
 const DAMPING: usize = 1;
-/// Places within a stay of the side, of the position, and of the two instants.
+/// Offsets of the parameters of an occurrence: side, position, and begin and end.
 const SIDE: usize = 0;
 const POSITION: usize = 1;
 const INSTANTS: [usize; 2] = [2, 3];
-/// Scale of the position over the span of the motion during the stay.
-const PLACE_SCALE: f64 = 0.1;
-/// Positions that are screened for the missing torque, between the ends of the motion during the stay.
-const PLACES_SCREENED: [f64; 9] = [0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85];
+/// Scale of the coordinate of the position, as a share of the range of the motion during the contact.
+const POSITION_SCALE: f64 = 0.1;
+/// Positions of a one-sided contact that are screened for the missing torque, as shares of the range of the motion during the contact.
+const POSITIONS_SCREENED: [f64; 9] = [0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85];
 
 #[derive(Debug)]
 pub(super) struct Contact;
@@ -45,11 +45,11 @@ impl Identification for Contact {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        let contacts = contact_starts(e, &SIDES).into_iter().map(|stay| {
-            let mut free = vec![log(STIFFNESS, stay.stiffness), log(DAMPING, stay.damping)];
-            free.extend(stay_coordinates(&stay, KIND.event_place(0)));
+        let contacts = contact_starts(e, &SIDES).into_iter().map(|start| {
+            let mut free = vec![log(STIFFNESS, start.stiffness), log(DAMPING, start.damping)];
+            free.extend(contact_coordinates(&start, KIND.event_place(0)));
             let side = KIND.event_place(0) + SIDE;
-            term(&KIND, free, &[(side, stay.side)])
+            term(&KIND, free, &[(side, start.side)])
         });
         contacts.collect()
     }
@@ -80,10 +80,10 @@ impl Identification for Contact {
             [l.min(*x), h.max(*x)]
         });
         let span = (high - low).max(f64::MIN_POSITIVE);
-        let mut forms = vec![held(path, &during, [low, high])];
+        let mut forms = vec![holding_form(path, &during, [low, high])];
         for side in [-1.0, 1.0] {
-            let places = PLACES_SCREENED.iter().map(|part| low + part * span);
-            forms.extend(places.map(|at| pushed(path, &during, side, at, span)));
+            let places = POSITIONS_SCREENED.iter().map(|part| low + part * span);
+            forms.extend(places.map(|at| pushing_form(path, &during, side, at, span)));
         }
         target.screened(forms, 2)
     }
@@ -117,8 +117,8 @@ impl Episode for Contact {
         STIFFNESS
     }
 
-    fn otherwise(&self, contact: &Term) -> Vec<Term> {
-        let side = last_stay(contact) + SIDE;
+    fn other_forms(&self, contact: &Term) -> Vec<Term> {
+        let side = last_occurrence(contact) + SIDE;
         let others = SIDES
             .into_iter()
             .filter(|other| *other != contact.values[side]);
@@ -127,14 +127,14 @@ impl Episode for Contact {
             .collect()
     }
 
-    fn returning(&self, contact: &Term, series: &Series, windows: Range<usize>) -> Term {
+    fn with_occurrence(&self, contact: &Term, series: &Series, windows: Range<usize>) -> Term {
         let span = |positions: &[f64]| quantile(positions, 1.0) - quantile(positions, 0.0);
         let [first, last] = [windows.start, windows.end - 1].map(|w| &series.windows[w].samples);
         let rows = first.start..last.end;
         let positions = &series.position[rows.clone()];
-        let stay = ContactStart {
+        let start = ContactStart {
             position: quantile(positions, 0.5),
-            side: contact.values[last_stay(contact) + SIDE],
+            side: contact.values[last_occurrence(contact) + SIDE],
             stiffness: contact.values[STIFFNESS],
             damping: contact.values[DAMPING],
             from_s: series.session(rows.start),
@@ -143,46 +143,50 @@ impl Episode for Contact {
         };
         let mut contact = contact.clone();
         let place = contact.values.len();
-        contact.free.extend(stay_coordinates(&stay, place));
-        let again = [stay.side, stay.position, stay.from_s, stay.to_s];
-        contact.values.extend(again);
+        contact.free.extend(contact_coordinates(&start, place));
+        let occurrence = [start.side, start.position, start.from_s, start.to_s];
+        contact.values.extend(occurrence);
         contact
     }
 }
 
-/// Coordinates of position, start and end of a stay, whose parameters begin at `place`.
-fn stay_coordinates(stay: &ContactStart, place: usize) -> Vec<Coordinate> {
-    let position = linear(place + POSITION, stay.position, PLACE_SCALE * stay.span);
-    let instants = instant_coordinates(INSTANTS, [stay.from_s, stay.to_s], place);
+/// Coordinates of position, begin and end of a contact, whose parameters start at index `first`.
+fn contact_coordinates(start: &ContactStart, first: usize) -> Vec<Coordinate> {
+    let position = linear(
+        first + POSITION,
+        start.position,
+        POSITION_SCALE * start.span,
+    );
+    let instants = instant_coordinates(INSTANTS, [start.from_s, start.to_s], first);
     core::iter::once(position).chain(instants).collect()
 }
 
-/// Something that holds during some rows, in which the motion lies between two ends.
-fn held(path: &Path<'_>, during: &Range<usize>, [low, high]: [f64; 2]) -> Form {
+/// The form of a contact that holds in both directions during some rows, in which the motion lies between two positions.
+fn holding_form(path: &Path<'_>, during: &Range<usize>, [low, high]: [f64; 2]) -> Form {
     let span = (high - low).max(f64::MIN_POSITIVE);
     let middle = 0.5 * (low + high);
     let speed = path.scale.velocity;
     let instants_s = instants_s(path, during);
     let columns = vec![
-        only(path, during, |i| -(path.position[i] - middle) / span),
-        only(path, during, |i| -path.velocity[i] / speed),
-        only(path, during, |_| 1.0),
+        column_during(path, during, |i| -(path.position[i] - middle) / span),
+        column_during(path, during, |i| -path.velocity[i] / speed),
+        column_during(path, during, |_| 1.0),
     ];
     let form = Form::new(columns, move |c| {
         let k = c[0] / span;
         let at = middle + c[2] / k;
-        stay([k, c[1] / speed], 0.0, at, instants_s)
+        parameters([k, c[1] / speed], 0.0, at, instants_s)
     });
     form.searched(4).seldom()
 }
 
-/// Something that pushes back to one side from a place on during some rows, in which the motion has a span.
-fn pushed(path: &Path<'_>, during: &Range<usize>, side: f64, at: f64, span: f64) -> Form {
+/// The form of a contact that pushes back from a position on during some rows. `span` is the range of the motion in these rows.
+fn pushing_form(path: &Path<'_>, during: &Range<usize>, side: f64, at: f64, span: f64) -> Form {
     let speed = path.scale.velocity;
     let instants_s = instants_s(path, during);
     let depth = |i: usize| side * (path.position[i] - at);
-    let push = only(path, during, |i| -side * depth(i).max(0.0) / span);
-    let damp = only(path, during, |i| {
+    let push = column_during(path, during, |i| -side * depth(i).max(0.0) / span);
+    let damp = column_during(path, during, |i| {
         if depth(i) > 0.0 {
             -path.velocity[i] / speed
         } else {
@@ -190,25 +194,30 @@ fn pushed(path: &Path<'_>, during: &Range<usize>, side: f64, at: f64, span: f64)
         }
     });
     let form = Form::new(vec![push, damp], move |c| {
-        stay([c[0] / span, c[1] / speed], side, at, instants_s)
+        parameters([c[0] / span, c[1] / speed], side, at, instants_s)
     });
     form.searched(5).seldom().positive()
 }
 
-/// A value at each of some rows, and 0 at all others.
-fn only(path: &Path<'_>, during: &Range<usize>, value: impl Fn(usize) -> f64) -> Vec<f64> {
+/// A column with a value at each of some rows, and 0 at all others.
+fn column_during(path: &Path<'_>, during: &Range<usize>, value: impl Fn(usize) -> f64) -> Vec<f64> {
     let rows = 0..path.position.len();
     rows.map(|i| if during.contains(&i) { value(i) } else { 0.0 })
         .collect()
 }
 
-/// Instants of the first and the last of some rows, s of the session.
+/// Times of the first and the last of some rows, s of the session.
 fn instants_s(path: &Path<'_>, during: &Range<usize>) -> [f64; 2] {
     [during.start, during.end - 1].map(|row| path.samples.session_s[row])
 }
 
-/// The numbers of a contact of one stay, with this stiffness and damping.
-fn stay([stiffness, damping]: [f64; 2], side: f64, at: f64, [from_s, to_s]: [f64; 2]) -> Vec<f64> {
+/// The parameters of a contact with one occurrence.
+fn parameters(
+    [stiffness, damping]: [f64; 2],
+    side: f64,
+    at: f64,
+    [from_s, to_s]: [f64; 2],
+) -> Vec<f64> {
     let place = KIND.event_place(0);
     let values = [
         (STIFFNESS, stiffness.max(0.0)),

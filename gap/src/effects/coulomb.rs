@@ -1,4 +1,4 @@
-//! Dry friction of another level.
+//! Coulomb friction with a different level.
 
 use super::identification::{Identification, MainNumber};
 use super::phrase::{Found, Part, Phrase};
@@ -15,7 +15,7 @@ use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::coulomb::KIND;
 
-/// Share of the nominal level below which dry friction does not act.
+/// Share of the nominal level below which the friction counts as absent.
 const INERT: f64 = 0.01;
 
 #[derive(Debug)]
@@ -31,7 +31,7 @@ impl Identification for Coulomb {
         let level = e.device.mechanics.friction.level_nm;
         let guess = regress(e, |m| [-m.velocity.signum()]);
         let guess = guess.map(|[f]| vec![log(0, (level[0] + f).max(0.05 * s.friction))]);
-        // Only a linear scale contains the level 0.
+        // Only a linear coordinate can reach the level 0.
         let none = vec![linear(0, 0.02 * s.friction, 0.1 * s.friction)];
         let [less, more] = [0.6, 1.4].map(|f| vec![log(0, f * s.friction)]);
         terms(&KIND, guess, [less, more, none])

@@ -1,4 +1,4 @@
-//! Small inputs that do nothing.
+//! A dead band: small inputs have no effect.
 
 use super::identification::Identification;
 use super::phrase::Found;
@@ -12,16 +12,15 @@ use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::deadband::KIND;
 
-/// Narrowest and widest dead band with a jump at its edge, over the input's root mean square, and the number of widths
-/// that are tried.
-const GATES: [f64; 2] = [0.03, 1.5];
-const GATE_STARTS: usize = 40;
-/// Place of the parameter `first`.
+/// Narrowest and widest dead band with a jump at its edge that are tried, over the rms input, and their number.
+const JUMP_WIDTHS: [f64; 2] = [0.03, 1.5];
+const JUMP_STARTS: usize = 40;
+/// Index of the parameter `first`.
 const BEFORE_LIMIT: usize = 2;
-/// Place of the parameter `skew`, and one unit of its coordinate.
+/// Index of the parameter `skew`, and one unit of its coordinate.
 const SKEW: usize = 3;
 const SKEWED: f64 = 0.5;
-/// Widths over the largest input that are screened for the missing torque.
+/// Widths that are screened for the missing torque, over the largest input.
 const WIDTHS_SCREENED: [f64; 8] = [0.03, 0.06, 0.1, 0.15, 0.21, 0.28, 0.36, 0.46];
 
 #[derive(Debug)]
@@ -41,7 +40,7 @@ impl Identification for Deadband {
         let before_limit: Vec<Term> = before_limit.collect();
         let skewed = [0.2, 0.6].map(|f| vec![log(0, f * s.input), linear(SKEW, 0.0, SKEWED)]);
         let skewed = terms(&KIND, None, skewed);
-        [missing, skewed, before_limit, gates(e)].concat()
+        [missing, skewed, before_limit, starts_with_jump(e)].concat()
     }
 
     fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
@@ -56,7 +55,7 @@ impl Identification for Deadband {
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
         let widths = WIDTHS_SCREENED.iter().map(|part| part * path.scale.input);
         let forms = widths.flat_map(|width| {
-            // Beyond the dead band the torque starts from zero or with a jump to the whole input.
+            // Beyond the dead band the torque begins at zero, or it jumps to that of the whole input.
             [(0.0, Some(0)), (1.0, None)].map(|(jump, size)| {
                 let values = with_defaults(&KIND, &[(0, width), (1, jump)]);
                 Form::whole(path, &KIND, values, size).positive()
@@ -78,9 +77,9 @@ impl Identification for Deadband {
     }
 }
 
-/// Dead bands with a jump at their edge: each sample passes up to a width of its own.
-fn gates(e: &Evidence<'_>) -> Vec<Term> {
-    let widths = geometric(GATES, GATE_STARTS).map(|f| f * e.scales.input);
+/// Starts of dead bands with a jump at the edge. The cost has a local optimum at each, because each sample passes up to a certain width.
+fn starts_with_jump(e: &Evidence<'_>) -> Vec<Term> {
+    let widths = geometric(JUMP_WIDTHS, JUMP_STARTS).map(|f| f * e.scales.input);
     widths
         .map(|width| term(&KIND, vec![log(0, width)], &[(1, 1.0)]))
         .collect()

@@ -1,4 +1,4 @@
-//! A torque that follows the input after a dead time.
+//! A dead time of the drive: the torque follows the input after a delay.
 
 use super::identification::{Family, Identification};
 use super::phrase::{Found, Part, Phrase};
@@ -31,7 +31,7 @@ impl Identification for Delay {
     }
 
     fn indistinguishable(&self, fitted: &Term) -> &'static [&'static dyn Identification] {
-        // A reading that is late by a dead time is that of a device whose drive is late.
+        // A delayed reading cannot be distinguished from a delayed drive.
         match fitted.values[0] > 0.0 {
             true => &[&SensorLag],
             false => &[],

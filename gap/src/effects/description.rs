@@ -8,23 +8,23 @@ use host_sim::effects::Kind;
 /// An experiment in which the simulated paddle shows an effect on its page in the documentation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Demonstration {
-    /// What moves the paddle.
+    /// The excitation of the paddle.
     pub multisine: Multisine,
-    /// Numbers of the effect that differ from their defaults, by their names, in the units of the paddle.
+    /// Parameters of the effect that differ from their defaults, by name, in the units of the paddle.
     pub numbers: &'static [(&'static str, f64)],
 }
 
-/// A sum of six harmonics.
+/// An excitation by a sum of six harmonics.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Multisine {
-    /// The position that the controller follows.
+    /// A setpoint of the position controller.
     Position {
         /// Largest position, °.
         amplitude_deg: f64,
         /// Frequency of the fundamental, Hz.
         frequency_hz: f64,
     },
-    /// The torque of the motor, without a controller.
+    /// A motor torque without a controller.
     Torque {
         /// Largest torque, N m.
         amplitude_nm: f64,
@@ -34,7 +34,7 @@ pub enum Multisine {
 }
 
 impl Demonstration {
-    /// Shows most effects at their default numbers.
+    /// The experiment for most effects, at their default parameters.
     pub(super) const USUAL: Self = Self {
         multisine: Multisine::Position {
             amplitude_deg: 15.0,
@@ -47,23 +47,23 @@ impl Demonstration {
 /// An effect as its page in the documentation describes it. Other effects are given by their names.
 #[derive(Clone, Debug)]
 pub struct Description {
-    /// Equation, parameters, bounds and typical sizes.
+    /// Equation, parameters, bounds and typical values.
     pub kind: &'static Kind,
     /// The noun for the effect in a sentence, without its parameters.
     pub noun: &'static str,
-    /// The axis along which its torque is seen best.
+    /// The axis along which the torque of the effect is most visible.
     pub axis: Axis,
-    /// Effects that this one equals for some values of its parameters.
+    /// Effects that equal this one for certain values of its parameters.
     pub special_cases: Vec<&'static str>,
-    /// Effects that equal this one for some values of their parameters.
+    /// Effects that this one equals for certain values of their parameters.
     pub special_case_of: Vec<&'static str>,
-    /// Simpler effects that are named in its place where they explain nearly as much.
+    /// Simpler effects that are named instead if they explain nearly as much.
     pub simpler_substitutes: Vec<&'static str>,
-    /// Effects that cannot be told apart from this one on small, slow motion.
+    /// Effects that cannot be distinguished from this one on small, slow motion.
     pub near_equivalents: Vec<&'static str>,
-    /// Which evidence separates the effect from those that it is confused with, and which recording shows it.
+    /// The evidence that distinguishes the effect from similar ones, and a recording that shows it.
     pub tell_apart: &'static str,
-    /// The experiment that shows it.
+    /// The experiment that demonstrates the effect.
     pub demonstration: Demonstration,
 }
 

@@ -1,4 +1,4 @@
-//! Hard stops on either side.
+//! Hard stops at the ends of the travel.
 
 use super::description::Demonstration;
 use super::gravity::Gravity;
@@ -20,18 +20,18 @@ use host_sim::effects::end_stop::KIND;
 use host_sim::plant::Mechanics;
 use recording::Model;
 
-/// Shares of the samples that may lie beyond a stop; 0 for a stop that is touched once.
+/// Shares of the samples that lie beyond a stop at the start; 0 for a stop that is touched once.
 const STOPPED_SHARES: [f64; 3] = [0.0, 0.005, 0.05];
-/// Stiffness of a stop over torque by span of the motion.
-const HARDNESS: [f64; 2] = [20.0, 200.0];
-/// Damping ratio of a stop.
+/// Stiffness of a stop at the start, over rms torque by range of the motion.
+const STIFFNESSES: [f64; 2] = [20.0, 200.0];
+/// Damping ratio of a stop at the start.
 const STOP_DAMPING: f64 = 0.1;
-/// Unit of the coordinate of a stop of the model that is moved, over the span of the motion.
-const MOVED: f64 = 0.1;
-/// Distance from the motion at which a stop is out of reach, in spans of the motion.
+/// Unit of the coordinate of a moved stop of the model, as a share of the range of the motion.
+const MOVED_UNIT: f64 = 0.1;
+/// Distance from the motion at which a stop is out of reach, in ranges of the motion.
 const OUT_OF_REACH: f64 = 10.0;
-/// Distances of a stop from the end of the motion that are screened for the missing torque, over half of the span.
-const WAYS_SCREENED: [f64; 11] = [
+/// Depths of a stop within the motion that are screened for the missing torque, over half of the range.
+const DEPTHS_SCREENED: [f64; 11] = [
     0.003, 0.006, 0.012, 0.02, 0.03, 0.045, 0.07, 0.11, 0.18, 0.3, 0.5,
 ];
 
@@ -43,8 +43,8 @@ impl Identification for EndStop {
         &KIND
     }
 
-    /// One stop at a time with the other out of reach, then both. Stops of the model that the device passed are tried
-    /// farther out.
+    /// Starts with one stop and the other out of reach, then with both. Stops of the model that the device passed are also tried moved_model_stops
+    /// out.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let s = e.scales;
         let inertia = e.device.mechanics.inertia;
@@ -53,13 +53,13 @@ impl Identification for EndStop {
         let far = untouched(e.model.travel, s.position);
         let ends = |share: f64| [share, 1.0 - share].map(|share| quantile(&positions, share));
         let ends = STOPPED_SHARES.map(ends);
-        let mut all = pushing(e, far);
-        all.extend(farther(e.model, ends[0]));
+        let mut all = stops_from_contacts(e, far);
+        all.extend(moved_model_stops(e.model, ends[0]));
         let sizes = ends
             .iter()
-            .flat_map(|&ends| HARDNESS.map(|hardness| (ends, hardness)));
+            .flat_map(|&ends| STIFFNESSES.map(|hardness| (ends, hardness)));
         for (ends, hardness) in sizes {
-            for [lower, upper] in places(ends, far) {
+            for [lower, upper] in stop_pairs(ends, far) {
                 let stiffness = hardness * s.torque / s.span();
                 let damping = 2.0 * STOP_DAMPING * (stiffness * inertia).sqrt();
                 let mut free = vec![log(2, stiffness), log(3, damping)];
@@ -99,7 +99,7 @@ impl Identification for EndStop {
 
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
         let positions = fit.series.iter().flat_map(|s| s.position.iter().copied());
-        push_at_most(fit.term, positions)
+        acts_at_most_positions(fit.term, positions)
     }
 
     fn axis(&self) -> Axis {
@@ -108,8 +108,8 @@ impl Identification for EndStop {
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
         let forms = [-1.0, 1.0].into_iter().flat_map(|side| {
-            let ways = WAYS_SCREENED.into_iter();
-            ways.map(move |part| pressed(path, side, part * path.scale.half_span()))
+            let depths = DEPTHS_SCREENED.into_iter();
+            depths.map(move |part| stop_form(path, side, part * path.scale.half_span()))
         });
         let mut forms = target.screened(forms.collect(), 3);
         if path.device.mechanics.barriers.iter().any(Option::is_some) {
@@ -164,44 +164,44 @@ impl Identification for EndStop {
     }
 }
 
-/// One stop at an end of the motion and the other `far`, then both at the ends. No stop is tried beyond a known one.
-fn places([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
+/// One stop at an end of the motion with the other at `far`, then both at the ends. No stop is tried beyond a known one.
+fn stop_pairs([low, high]: [f64; 2], far: [f64; 2]) -> Vec<[f64; 2]> {
     let (low, high) = (low.max(far[0]), high.min(far[1]));
-    let mut places = vec![[far[0], high], [low, far[1]], [low, high]];
-    places.retain(|place| *place != far);
-    places.dedup();
-    places
+    let mut pairs = vec![[far[0], high], [low, far[1]], [low, high]];
+    pairs.retain(|pair| *pair != far);
+    pairs.dedup();
+    pairs
 }
 
-/// The model's own stops, one or both, out of reach or at the ends of the motion, if the motion passed them.
-fn farther(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
+/// The stops of the model that the motion passed, one or both of them moved out of reach or to the ends of the motion.
+fn moved_model_stops(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
     let Some(travel) = model.travel else {
         return Vec::new();
     };
     let passed = [extremes[0] < travel[0], extremes[1] > travel[1]];
     let moved = [vec![0], vec![1], vec![0, 1]].into_iter();
     let moved = moved.filter(|sides| sides.iter().all(|&side| passed[side]));
-    let unit = MOVED * (extremes[1] - extremes[0]);
+    let unit = MOVED_UNIT * (extremes[1] - extremes[0]);
     let hardness = [(2, model.stop_stiffness), (3, model.stop_damping)];
     let own = term(&KIND, Vec::new(), &hardness);
     let own = own.begun(&[(0, travel[0]), (1, travel[1])]);
     let stops = moved.flat_map(|sides| {
-        [untouched(None, extremes), extremes].map(|places| {
-            let places: Vec<_> = sides.iter().map(|&side| (side, places[side])).collect();
-            let free = places.iter().map(|&(side, at)| linear(side, at, unit));
+        [untouched(None, extremes), extremes].map(|positions| {
+            let targets: Vec<_> = sides.iter().map(|&side| (side, positions[side])).collect();
+            let free = targets.iter().map(|&(side, at)| linear(side, at, unit));
             Term {
                 free: free.collect(),
-                ..own.begun(&places)
+                ..own.begun(&targets)
             }
         })
     });
     stops.collect()
 }
 
-/// Stops at the positions at which something pushes back for a while; the other stop is `far`.
-fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
+/// Starts of a stop at the positions of temporary contacts, with the other stop at `far`.
+fn stops_from_contacts(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
     let mut pushes = contact_starts(e, &[1.0, -1.0]);
-    // The duration does not matter for a stop.
+    // A stop has no duration.
     pushes.dedup_by_key(|push| (push.position.to_bits(), push.side.to_bits()));
     let stops = pushes.into_iter().map(|push| {
         let upper = usize::from(push.side > 0.0);
@@ -215,22 +215,22 @@ fn pushing(e: &Evidence<'_>, far: [f64; 2]) -> Vec<Term> {
     stops.collect()
 }
 
-/// Positions of the stops that a motion between `extremes` does not show: those of the nominal model, or out of reach.
+/// Positions of the stops that a motion between `extremes` does not touch: those of the nominal model, or positions out of reach.
 fn untouched(travel: Option<[f64; 2]>, extremes: [f64; 2]) -> [f64; 2] {
     let [low, high] = extremes;
     let away = OUT_OF_REACH * (high - low);
     travel.unwrap_or([low - away, high + away])
 }
 
-/// True if the stops push at most of the positions: such a torque is no stop.
-fn push_at_most(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
+/// True if the stops act at most of the positions, which is not a stop.
+fn acts_at_most_positions(stops: &Term, positions: impl Iterator<Item = f64>) -> bool {
     let [lower, upper] = [stops.values[0], stops.values[1]];
     let pushes = |x: f64| if (lower..=upper).contains(&x) { -1 } else { 1 };
     positions.map(pushes).sum::<i64>() > 0
 }
 
-/// From two stops, fitted at `x`, each of them alone, with the other at its position in `untouched`; each with its
-/// coordinates.
+/// The terms with only one of two stops that were fitted at `x`, with the coordinates of each. The other stop is at its position in
+/// `untouched`.
 fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64>)> {
     let place = |stop: usize| stops.free.iter().position(|c| c.parameter == stop);
     let (Some(lower), Some(upper)) = (place(0), place(1)) else {
@@ -246,15 +246,16 @@ fn one_sided(stops: &Term, x: &[f64], untouched: [f64; 2]) -> Vec<(Term, Vec<f64
     [(0, lower), (1, upper)].map(without).into()
 }
 
-/// A stop at the lower (−1) or upper (1) end of the motion that is pressed in by `depth` at most.
-fn pressed(path: &Path<'_>, side: f64, depth: f64) -> Form {
+/// The form of a stop at the lower (`side` −1) or upper (1) end of the motion. `depth` is the distance between the stop and the end of
+/// the motion.
+fn stop_form(path: &Path<'_>, side: f64, depth: f64) -> Form {
     let [low, high] = path.scale.range;
     let at = if side > 0.0 { high } else { low } - side * depth;
-    let pressed = |i: usize| side * (path.position[i] - at);
+    let depth_at = |i: usize| side * (path.position[i] - at);
     let steps = 0..path.position.len();
-    let push = steps.clone().map(|i| -side * pressed(i).max(0.0) / depth);
+    let push = steps.clone().map(|i| -side * depth_at(i).max(0.0) / depth);
     let damp = steps.map(|i| {
-        if pressed(i) > 0.0 {
+        if depth_at(i) > 0.0 {
             -path.velocity[i] / path.scale.velocity
         } else {
             0.0
@@ -279,39 +280,39 @@ fn pressed(path: &Path<'_>, side: f64, depth: f64) -> Form {
 mod tests {
     use super::*;
     #[test]
-    fn stops_are_left_most_of_the_time() {
+    fn stops_that_act_at_most_positions_are_recognized() {
         let at = |lower| term(&KIND, Vec::new(), &[(0, lower), (1, 0.5)]);
         let positions = || [-0.2, -0.1, 0.0, 0.1, 0.2].into_iter();
-        assert!(!push_at_most(&at(-0.15), positions()));
-        assert!(push_at_most(&at(0.05), positions()));
-        assert!(push_at_most(&at(0.6), positions()));
+        assert!(!acts_at_most_positions(&at(-0.15), positions()));
+        assert!(acts_at_most_positions(&at(0.05), positions()));
+        assert!(acts_at_most_positions(&at(0.6), positions()));
     }
 
     #[test]
-    fn no_stop_is_looked_for_beyond_one_that_is_known() {
+    fn no_stop_is_tried_beyond_a_known_one() {
         let known = [-0.61, 0.61];
-        assert_eq!(places([-0.63, 0.4], known), [[-0.61, 0.4]]);
-        assert_eq!(places([-0.63, 0.65], known), [[0.0; 2]; 0]);
+        assert_eq!(stop_pairs([-0.63, 0.4], known), [[-0.61, 0.4]]);
+        assert_eq!(stop_pairs([-0.63, 0.65], known), [[0.0; 2]; 0]);
         let all = [[-0.61, 0.4], [-0.3, 0.61], [-0.3, 0.4]];
-        assert_eq!(places([-0.3, 0.4], known), all);
+        assert_eq!(stop_pairs([-0.3, 0.4], known), all);
     }
 
     #[test]
-    fn the_other_stop_is_left_where_the_model_has_it() {
+    fn a_stop_that_is_not_fitted_keeps_its_position_in_the_model() {
         let free = vec![linear(0, -0.2, 0.1), linear(1, 0.3, 0.1), log(2, 20.0)];
         let both = term(&KIND, free, &[]);
-        let places = |travel| {
+        let positions = |travel| {
             let singles = one_sided(&both, &[0.5, 0.0, 0.1], untouched(travel, [-0.2, 0.3]));
             let hundredths = |place: &f64| (100.0 * place).round();
-            let places = singles
+            let positions = singles
                 .iter()
                 .map(|(term, x)| term.at(x)[..2].iter().map(hundredths).collect::<Vec<_>>());
-            places.collect::<Vec<_>>()
+            positions.collect::<Vec<_>>()
         };
         assert_eq!(
-            places(Some([-0.6, 0.6])),
+            positions(Some([-0.6, 0.6])),
             [vec![-60.0, 30.0], vec![-15.0, 60.0]]
         );
-        assert_eq!(places(None)[0], [-520.0, 30.0]);
+        assert_eq!(positions(None)[0], [-520.0, 30.0]);
     }
 }

@@ -1,4 +1,4 @@
-//! Effects that come and go: they act between instants of the session, once or more often.
+//! Effects that act temporarily: in one or more intervals of the session, called occurrences.
 
 use super::phrase::{Found, Part, Phrase};
 use crate::guess::contact::stretches;
@@ -8,117 +8,122 @@ use crate::windows::series::Series;
 use std::fmt::Debug;
 use std::ops::Range;
 
-/// Scale of the instants at which a stay begins and ends, over its duration.
+/// Scale of the coordinates of begin and end of an occurrence, as a share of its duration.
 const TIME_SCALE: f64 = 0.1;
 
-/// The parts of the search that differ between effects that come and go.
+/// The parts of the search that differ between temporary effects.
 pub(crate) trait Episode: Debug + Sync {
-    /// Place of the number that is 0 if the effect does nothing.
+    /// Index of the parameter that is 0 if the effect has no influence.
     fn strength(&self) -> usize;
 
-    /// The terms with each other form of its last stay.
-    fn otherwise(&self, _term: &Term) -> Vec<Term> {
+    /// The terms with all other forms of the last occurrence, for example with another side.
+    fn other_forms(&self, _term: &Term) -> Vec<Term> {
         Vec::new()
     }
 
-    /// The term with one more stay, during some windows of a series.
-    fn returning(&self, term: &Term, series: &Series, windows: Range<usize>) -> Term;
+    /// The term with one more occurrence, during some windows of a series.
+    fn with_occurrence(&self, term: &Term, series: &Series, windows: Range<usize>) -> Term;
 }
 
-/// A template with its numbers; `None` if one of them was not found. `{from}` and `{to}` are written as exactly as the
-/// time between them asks for.
+/// A template filled with its numbers. Returns `None` if one of them was not found. `{from}` and `{to}` are rounded according to the time
+/// between them.
 pub(super) fn phrase_between(found: &Found<'_>, template: &'static str) -> Option<Phrase> {
     let ends = found.value("to").zip(found.value("from"));
-    let lasts = ends.map_or(0.0, |(to, from)| (to - from).abs());
+    let duration = ends.map_or(0.0, |(to, from)| (to - from).abs());
     found.filled_by(template, |name, at| match name {
-        "from" | "to" if lasts.is_normal() => Part::Instant {
+        "from" | "to" if duration.is_normal() => Part::Instant {
             at: at.clone(),
-            lasts,
+            lasts: duration,
         },
         _ => Part::Number(at.clone()),
     })
 }
 
-/// Coordinates of start and end of a stay, whose parameters begin at `place`; `places` are those of the two within a stay.
+/// Coordinates of begin and end of an occurrence. Its parameters start at index `first`; `offsets` are the offsets of the two instants.
 pub(super) fn instant_coordinates(
-    places: [usize; 2],
+    offsets: [usize; 2],
     instants_s: [f64; 2],
-    place: usize,
+    first: usize,
 ) -> [Coordinate; 2] {
     let scale = TIME_SCALE * (instants_s[1] - instants_s[0]);
-    [0, 1].map(|end| linear(place + places[end], instants_s[end], scale))
+    [0, 1].map(|end| linear(first + offsets[end], instants_s[end], scale))
 }
 
-/// Number of its stays.
-pub(crate) fn stays(term: &Term) -> usize {
+/// Number of occurrences.
+pub(crate) fn occurrences(term: &Term) -> usize {
     term.kind.event_count(&term.values)
 }
 
-/// Place of the last stay among its numbers.
-pub(super) fn last_stay(term: &Term) -> usize {
-    term.kind.event_place(stays(term) - 1)
+/// Index of the first parameter of the last occurrence.
+pub(super) fn last_occurrence(term: &Term) -> usize {
+    term.kind.event_place(occurrences(term) - 1)
 }
 
-/// Places of the instants of its last stay.
+/// Indices of begin and end of the last occurrence.
 fn last_instants(term: &Term) -> [usize; 2] {
     let within = term.kind.instants().unwrap_or_default();
-    within.map(|place| last_stay(term) + place)
+    within.map(|place| last_occurrence(term) + place)
 }
 
-/// When it comes and goes in its last stay, s of the session.
+/// Begin and end of the last occurrence, s of the session.
 pub(crate) fn instants(term: &Term) -> [f64; 2] {
     last_instants(term).map(|place| term.values[place])
 }
 
-/// Duration of all stays together, s.
-pub(crate) fn there_s(term: &Term) -> f64 {
-    let stays = term.kind.meanwhile(&term.values).into_iter().flatten();
-    stays.map(|[from_s, to_s]| (to_s - from_s).max(0.0)).sum()
+/// Total duration of all occurrences, s.
+pub(crate) fn total_duration_s(term: &Term) -> f64 {
+    let occurrences = term.kind.meanwhile(&term.values).into_iter().flatten();
+    occurrences
+        .map(|[from_s, to_s]| (to_s - from_s).max(0.0))
+        .sum()
 }
 
-/// The times between the instants of the last stay of two terms, where those differ, s of the session.
-pub(crate) fn moves(term: &Term, moved: &Term) -> Vec<[f64; 2]> {
-    let pairs = instants(term).into_iter().zip(instants(moved));
+/// Intervals between the instants of the last occurrence of two terms, s of the session.
+pub(crate) fn changed_intervals(term: &Term, other: &Term) -> Vec<[f64; 2]> {
+    let pairs = instants(term).into_iter().zip(instants(other));
     let between = pairs.map(|(a, b)| [a.min(b), a.max(b)]);
     between.filter(|[from_s, to_s]| from_s < to_s).collect()
 }
 
-/// A term whose last stay begins (0) or ends (1) later by `by_s`.
-pub(crate) fn moved(term: &Term, which: usize, by_s: f64) -> Term {
+/// The term with the begin (`which` 0) or the end (1) of the last occurrence shifted by `by_s`.
+pub(crate) fn with_shifted_instant(term: &Term, which: usize, by_s: f64) -> Term {
     let place = last_instants(term)[which];
     term.begun(&[(place, term.values[place] + by_s)])
 }
 
-/// Two terms, with the first and the second half of the last stay.
+/// Two terms, with the first and the second half of the last occurrence.
 pub(crate) fn halves(term: &Term) -> [Term; 2] {
     let [from_s, to_s] = instants(term);
     let half_s = 0.5 * (to_s - from_s);
-    [moved(term, 1, -half_s), moved(term, 0, half_s)]
+    [
+        with_shifted_instant(term, 1, -half_s),
+        with_shifted_instant(term, 0, half_s),
+    ]
 }
 
-/// Its first stay from before the first sample until after the last, with no instants to fit.
-pub(crate) fn lasting(term: &Term) -> Term {
+/// The term with only the first occurrence, which duration for the whole session and has no instants to fit.
+pub(crate) fn permanent(term: &Term) -> Term {
     let within = term.kind.instants().unwrap_or_default();
     let [from, to] = within.map(|place| term.kind.event_place(0) + place);
-    let mut lasting = term.begun(&[(from, f64::NEG_INFINITY), (to, f64::INFINITY)]);
-    lasting.free.retain(|c| c.parameter < from);
-    lasting.values.truncate(term.kind.parameters.len());
-    lasting
+    let mut permanent = term.begun(&[(from, f64::NEG_INFINITY), (to, f64::INFINITY)]);
+    permanent.free.retain(|c| c.parameter < from);
+    permanent.values.truncate(term.kind.parameters.len());
+    permanent
 }
 
-/// A term with one more stay: in the run of windows with the largest sum of costs, and in the window with the largest cost. Empty if it
-/// has its largest number of stays.
-pub(crate) fn returns(
+/// The terms with one more occurrence: in the range of windows with the largest sum of costs, and in the window with the largest cost.
+/// Returns none if the effect has its largest number of occurrences.
+pub(crate) fn with_another_occurrence(
     episode: &dyn Episode,
     term: &Term,
     series: &[Series],
     window_costs: &[f64],
 ) -> Vec<Term> {
-    if stays(term) >= term.kind.most_events() {
+    if occurrences(term) >= term.kind.most_events() {
         return Vec::new();
     }
     let counts: Vec<usize> = series.iter().map(|s| s.windows.len()).collect();
-    let again = stretches(&counts, window_costs).into_iter();
-    let again = again.map(|(index, windows)| episode.returning(term, &series[index], windows));
-    again.collect()
+    let more = stretches(&counts, window_costs).into_iter();
+    let more = more.map(|(index, windows)| episode.with_occurrence(term, &series[index], windows));
+    more.collect()
 }

@@ -1,4 +1,4 @@
-//! Dry friction that changes over time.
+//! Coulomb friction that changes over time.
 
 use super::coulomb::Coulomb;
 use super::identification::Identification;
@@ -15,16 +15,16 @@ use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::friction_drift::KIND;
 
-/// Time constants with which a friction settles, over the duration.
+/// Time constants of a settling friction, over the duration of the recording.
 const SETTLINGS: [f64; 2] = [0.15, 0.5];
-/// Places of the parameters `anew` and `settled`.
+/// Indices of the parameters `anew` and `settled`.
 const ANEW: usize = 2;
 const SETTLED: usize = 3;
-/// Places of the parameters `step` and `step_at`, and the number of instants at which a step is tried.
+/// Indices of the parameters `step` and `step_at`, and the number of instants at which a step is tried.
 const STEP: usize = 4;
 const STEP_AT: usize = 5;
 const STEPS: usize = 48;
-/// Parts of the session after which it has settled or steps, as screened for the missing torque.
+/// Time constants and instants of a step that are screened for the missing torque, as shares of the session.
 const SETTLINGS_SCREENED: [f64; 2] = [0.2, 0.5];
 const STEPS_SCREENED: [f64; 13] = [
     0.15, 0.21, 0.27, 0.33, 0.39, 0.45, 0.51, 0.57, 0.63, 0.69, 0.75, 0.81, 0.87,
@@ -38,9 +38,9 @@ impl Identification for FrictionDrift {
         &KIND
     }
 
-    /// A friction that grows or falls all the time, that settles as the device warms up, or that steps: over the
-    /// session, or anew in every run whose clock starts anew. A single run cannot tell. It is then assumed to start
-    /// anew, so that no other run is predicted from a time beyond the recorded one.
+    /// Starts of a friction that changes linearly, settles as the device warms up, or steps. The change refers to the session, or to each
+    /// run if the clock restarts in each run. A single run does not distinguish the two. Then the change is assumed to refer to the run,
+    /// so that no other run is extrapolated beyond the recorded time.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         if !has_coulomb_friction(e) {
             return Vec::new();
@@ -49,11 +49,11 @@ impl Identification for FrictionDrift {
         let start_s = starts.min_by(f64::total_cmp).unwrap_or(0.0);
         let session = drifts_since(e, |m| m.session_s - start_s);
         if e.series.iter().all(|series| series.run == e.series[0].run) {
-            return session.into_iter().map(anew).collect();
+            return session.into_iter().map(restarted_per_run).collect();
         }
         let starts_anew = e.series.iter().any(|series| series.session_offset_s != 0.0);
         let runs = starts_anew.then(|| drifts_since(e, |m| m.run_s));
-        let runs = runs.into_iter().flatten().map(anew);
+        let runs = runs.into_iter().flatten().map(restarted_per_run);
         session.into_iter().chain(runs).collect()
     }
 
@@ -100,7 +100,7 @@ impl Identification for FrictionDrift {
     fn template(&self, found: &Found<'_>) -> &'static str {
         match (found.fitted("step"), found.fitted("step_at")) {
             (Some(_), Some(_)) => "dry friction that steps by {step} at {step_at}",
-            // No sample shows the instant.
+            // The instant lies between two runs, so it is unknown.
             (Some(_), None) => "dry friction that steps by {step} between two runs",
             (None, _) => "dry friction that changes by {rate}",
         }
@@ -117,14 +117,14 @@ impl Identification for FrictionDrift {
     }
 }
 
-/// The fitted drift, anew in every run whose clock starts anew.
-fn anew(drift: Term) -> Term {
+/// The drift, restarted in every run.
+fn restarted_per_run(drift: Term) -> Term {
     drift.begun(&[(ANEW, 1.0)])
 }
 
 fn drifts_since(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Vec<Term> {
     let duration_s = e.scales.duration_s;
-    // A change of the level is an effect of its own, but it must not distort the drift.
+    // A constant change of the level is another effect. It is fitted too, so that it does not distort the drift.
     let guess = regress(e, |m| {
         let friction = friction_nm(e, m);
         [friction * since_s(m), friction]
@@ -152,15 +152,15 @@ fn drifts_since(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Vec<Term>
 
 /// A step of the level at the instant at which it explains most.
 fn step(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Option<Term> {
-    let apart_s = e.scales.duration_s / STEPS as f64;
-    let instants = (1..STEPS).map(|k| k as f64 * apart_s);
+    let spacing_s = e.scales.duration_s / STEPS as f64;
+    let instants = (1..STEPS).map(|k| k as f64 * spacing_s);
     let tried = instants.filter_map(|at_s| {
         let found = regress_in(moments(e), |m| {
             let friction = friction_nm(e, m);
             [friction * f64::from(since_s(m) >= at_s), friction]
         });
         let ([step, _], explained) = found?;
-        let free = vec![linear(STEP, step, 0.3), linear(STEP_AT, at_s, apart_s)];
+        let free = vec![linear(STEP, step, 0.3), linear(STEP_AT, at_s, spacing_s)];
         Some((explained, term(&KIND, free, &[(0, 0.0)])))
     });
     best_explaining(tried)

@@ -1,4 +1,4 @@
-//! Another weight, or another position at which it hangs.
+//! A different gravity torque: another weight, or another position at which it hangs.
 
 use super::identification::{Family, Identification, MainNumber, SmallMotion};
 use super::phrase::Found;
@@ -17,7 +17,7 @@ use host_sim::effects::Kind;
 use host_sim::effects::gravity::KIND;
 use recording::{Model, Recording};
 
-/// Place of the parameter `zero`.
+/// Index of the parameter `zero`.
 const ZERO: usize = 1;
 
 #[derive(Debug)]
@@ -57,7 +57,7 @@ impl Identification for Gravity {
     }
 
     fn is_impossible(&self, recording: &Recording) -> bool {
-        // A linear axis whose model has no weight is no pendulum.
+        // A linear axis without a weight in its model is no pendulum.
         recording.units.is_length() && recording.model.gravity == 0.0
     }
 

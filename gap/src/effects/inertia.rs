@@ -63,7 +63,7 @@ impl Identification for Inertia {
     }
 
     fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
-        // J' a = T, so that J a − T = (J/J' − 1) T.
+        // From J' a = T follows J a − T = (J/J' − 1) T.
         let stated = path.device.mechanics.inertia;
         let column = path.torque(path.device);
         vec![Form::new(vec![column], move |c| {

@@ -1,4 +1,4 @@
-//! A torque that is a curve of the input.
+//! A nonlinear characteristic from input to torque.
 
 use super::deadband::Deadband;
 use super::description::Demonstration;
@@ -17,16 +17,16 @@ use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
 use host_sim::effects::input_nonlinearity::KIND;
 
-/// Places of the parameters.
+/// Indices of the parameters.
 const GAIN: usize = 0;
 const POWER: usize = 1;
 const DEAD_ZONE: usize = 2;
 const REFERENCE: usize = 3;
-/// Powers and dead zones, over the reference input, from which the curve is looked for.
+/// Starts of the power and of the dead zone, the latter over the reference input.
 const STARTS: [(f64, f64); 4] = [(0.6, 0.0), (1.6, 0.0), (0.6, 0.1), (1.2, 0.1)];
-/// Share of the inputs below the reference, so that the few largest inputs do not set the gain of all others.
+/// Quantile of the inputs that is the reference. The few largest inputs then do not set the gain of all others.
 const LARGE: f64 = 0.9;
-/// Powers that are screened for the missing torque, and reference inputs over the largest.
+/// Powers that are screened for the missing torque, and reference inputs over the largest input.
 const POWERS_SCREENED: [f64; 4] = [0.4, 0.7, 1.5, 2.2];
 const REFERENCES_SCREENED: [f64; 2] = [0.5, 0.9];
 /// One unit of the coordinate of the dead zone, over the reference input.

@@ -1,4 +1,4 @@
-//! What is known of each effect, one file each, and the list of them.
+//! The effects, one file each, and the list of them.
 
 mod asymmetric_coulomb;
 mod backlash;
@@ -51,7 +51,7 @@ use host_sim::effects::{Channel, KINDS};
 use phrase::Found;
 use rayon::prelude::*;
 
-/// Every effect, in the order of the vocabulary.
+/// Every effect of the library, in the order of the vocabulary.
 static ALL: [&dyn Identification; KINDS.len()] = [
     &torque_gain::TorqueGain,
     &torque_offset::TorqueOffset,
@@ -86,14 +86,14 @@ static ALL: [&dyn Identification; KINDS.len()] = [
     &push::Push,
 ];
 
-/// An effect with the points from which it may be fitted.
+/// An effect with the starts of its fit.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
     pub effect: &'static dyn Identification,
     pub starts: Vec<Term>,
 }
 
-/// Every effect that the recording could show, in the order of the vocabulary.
+/// Every effect that the recording may show, in the order of the vocabulary.
 pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
     let all: Vec<&dyn Identification> = all().collect();
     let all = all.into_par_iter().map(|effect| Candidate {
@@ -104,40 +104,41 @@ pub(crate) fn candidates(evidence: &Evidence<'_>) -> Vec<Candidate> {
         .collect()
 }
 
-/// The effect called `name`, if there is one.
+/// The effect with the name `name`, if it exists.
 pub(crate) fn find(name: &str) -> Option<&'static dyn Identification> {
     all().find(|effect| effect.name() == name)
 }
 
-/// The effect called `name`.
+/// The effect with the name `name`.
 ///
 /// # Panics
-/// If no effect is called so. Names within this crate are those of [`KINDS`] and of effects that were added, all of which are here.
+///
+/// If no effect has this name. The names within this crate are those of [`KINDS`] and of effects that were added, which all exist.
 pub(crate) fn of(name: &str) -> &'static dyn Identification {
     find(name).expect("a name of the vocabulary")
 }
 
-/// All effects, those that a user added last.
+/// All effects. Those that a user added come last.
 pub(crate) fn all() -> impl Iterator<Item = &'static dyn Identification> {
     ALL.iter().copied().chain(own::all())
 }
 
-/// The effect that replaces a number of the model, if there is one.
+/// The effect that replaces a parameter of the model, if it exists.
 pub(crate) fn replacing(number: &str) -> Option<&'static dyn Identification> {
     all().find(|effect| effect.replaces() == Some(number))
 }
 
-/// The effects that lie between a position and its reading.
+/// The effects of the sensing channel.
 pub(crate) fn sensing() -> impl Iterator<Item = &'static dyn Identification> {
     all().filter(|effect| effect.kind().channel == Channel::Sensing)
 }
 
-/// What the effect `name` is called in a sentence, without its numbers; `name` itself if there is no such effect.
+/// The noun for the effect `name` in a sentence, without its parameters. Returns `name` if the effect does not exist.
 pub fn noun(name: &str) -> &str {
     find(name).map_or(name, |effect| effect.noun())
 }
 
-/// What was found of an effect on a recording of a `nominal` model, as words and numbers.
+/// The description of a finding, as words and numbers, for a recording of a `nominal` model.
 pub fn phrase(finding: &Finding, nominal: &Nominal) -> Phrase {
     let found = Found { finding, nominal };
     find(finding.name).map_or_else(|| Phrase::of(finding.name), |effect| effect.phrase(&found))
@@ -156,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn every_template_names_numbers_that_exist() {
+    fn every_template_uses_existing_parameters() {
         let nominal = Nominal {
             coulomb: 0.0,
             input_limit: None,

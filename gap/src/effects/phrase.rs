@@ -14,11 +14,11 @@ pub enum Part {
     Words(Cow<'static, str>),
     /// A number, to be written with its unit.
     Number(Estimate),
-    /// An instant, to be written to a tenth of the duration of the stay that begins or ends then.
+    /// An instant, to be rounded to a tenth of the duration of the interval that it begins or ends.
     Instant {
         /// The instant.
         at: Estimate,
-        /// The duration, in the unit of the instant.
+        /// Duration of the interval, in the unit of the instant.
         lasts: f64,
     },
 }
@@ -36,16 +36,16 @@ impl Phrase {
     }
 }
 
-/// The facts of a recording's nominal model on which sentences about its effects depend.
+/// The properties of the nominal model on which the sentences about its effects depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nominal {
-    /// Dry friction, torque at the joint.
+    /// Coulomb friction torque at the joint.
     pub coulomb: f64,
-    /// Largest input, in units of the input.
+    /// Limit of the input, in input units.
     pub input_limit: Option<f64>,
-    /// True if it has hard stops.
+    /// True if the model has hard stops.
     pub has_stops: bool,
-    /// True if there are several runs.
+    /// True if the recording has several runs.
     pub has_runs: bool,
 }
 
@@ -71,7 +71,7 @@ impl Found<'_> {
         self.estimate(name).filter(|estimate| estimate.is_fitted)
     }
 
-    /// Size of a negative parameter, which shortens something of the model; `None` if it is not negative.
+    /// Magnitude of a negative parameter, which shortens a time of the model. Returns `None` if it is not negative.
     pub(crate) fn shortened_by(&self, name: &str) -> Option<Estimate> {
         let shorter = self
             .estimate(name)
@@ -82,29 +82,30 @@ impl Found<'_> {
         })
     }
 
-    /// Number of parameters whose names begin with `name`: how often an event happens.
+    /// Number of parameters whose names begin with `name`. It is the number of occurrences of an event.
     pub(crate) fn count(&self, name: &str) -> usize {
         let names = self.finding.parameters.keys();
         names.filter(|n| n.starts_with(name)).count()
     }
 
-    /// A template with its numbers; `None` if one of them was not found.
+    /// A template filled with its values. Returns `None` if one of them was not found.
     pub(crate) fn filled(&self, template: &'static str) -> Option<Phrase> {
         self.filled_by(template, |_, estimate| Part::Number(estimate.clone()))
     }
 
-    /// A template with its numbers, each as `said` by the name of its parameter; `None` if one of them was not found.
+    /// A template filled with its values, each written by `written` with the name of its parameter. Returns `None` if one of them was not
+    /// found.
     pub(crate) fn filled_by(
         &self,
         template: &'static str,
-        said: impl Fn(&str, &Estimate) -> Part,
+        written: impl Fn(&str, &Estimate) -> Part,
     ) -> Option<Phrase> {
         let mut parts = Vec::new();
         let mut rest = template;
         while let Some((before, after)) = rest.split_once('{') {
             let (name, after) = after.split_once('}')?;
             parts.push(Part::Words(before.into()));
-            parts.push(said(name, self.estimate(name)?));
+            parts.push(written(name, self.estimate(name)?));
             rest = after;
         }
         parts.push(Part::Words(rest.into()));

@@ -1,6 +1,6 @@
-//! A torque from outside for a moment.
+//! A constant external torque for a limited time.
 
-use super::episode::{Episode, instant_coordinates, last_stay, phrase_between};
+use super::episode::{Episode, instant_coordinates, last_occurrence, phrase_between};
 use super::identification::{Family, Identification};
 use super::phrase::{Found, Phrase};
 use super::torque_offset::TorqueOffset;
@@ -18,10 +18,10 @@ use host_sim::effects::Kind;
 use host_sim::effects::push::KIND;
 use std::ops::Range;
 
-/// Places of the torque and of the two instants among the numbers of a push.
+/// Offsets of the parameters torque, begin and end of an occurrence.
 const TORQUE: usize = 0;
 const INSTANTS: [usize; 2] = [1, 2];
-/// Torque of a start over that of the drive, where no other torque is known.
+/// Torque of a start, over the rms drive torque, if the regression gives no torque.
 const USUAL: f64 = 0.3;
 
 #[derive(Debug)]
@@ -36,8 +36,8 @@ impl Identification for Push {
         let usual_nm = USUAL * e.scales.torque;
         let pushes = worst_intervals(e).into_iter().flat_map(|during_s| {
             let [from_s, to_s] = during_s;
-            let meanwhile = moments(e).filter(|m| m.session_s >= from_s && m.session_s <= to_s);
-            let mean_nm = regress_in(meanwhile, |_| [1.0]).map(|([mean], _)| mean);
+            let during = moments(e).filter(|m| m.session_s >= from_s && m.session_s <= to_s);
+            let mean_nm = regress_in(during, |_| [1.0]).map(|([mean], _)| mean);
             let torques = match mean_nm.filter(|mean| *mean != 0.0) {
                 Some(mean) => vec![mean],
                 None => vec![usual_nm, -usual_nm],
@@ -122,11 +122,11 @@ impl Episode for Push {
         TORQUE
     }
 
-    fn returning(&self, push: &Term, series: &Series, windows: Range<usize>) -> Term {
+    fn with_occurrence(&self, push: &Term, series: &Series, windows: Range<usize>) -> Term {
         let [first, last] = [windows.start, windows.end - 1].map(|w| &series.windows[w].samples);
         let during_s = [first.start, last.end - 1].map(|row| series.session(row));
         let place = push.values.len();
-        let torque_nm = push.values[last_stay(push) + TORQUE];
+        let torque_nm = push.values[last_occurrence(push) + TORQUE];
         let mut push = push.clone();
         let torque: Coordinate = guessed(place + TORQUE, torque_nm, 0.0);
         push.free.push(torque);
@@ -136,8 +136,8 @@ impl Episode for Push {
         push
     }
 
-    fn otherwise(&self, push: &Term) -> Vec<Term> {
-        let place = last_stay(push) + TORQUE;
+    fn other_forms(&self, push: &Term) -> Vec<Term> {
+        let place = last_occurrence(push) + TORQUE;
         vec![push.begun(&[(place, -push.values[place])])]
     }
 }

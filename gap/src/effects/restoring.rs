@@ -1,10 +1,10 @@
-//! Torques towards one position: on small motion a weight acts like a spring.
+//! Torques towards one position. On small motion a weight acts like a spring.
 
 use super::identification::SmallMotion;
 use crate::term::Term;
 
-/// The action on small motion of an effect whose first two parameters are the slope of a torque and the position at
-/// which it vanishes. They are `fitted` in place of the `stated` ones.
+/// The action on small motion of an effect whose first two parameters are the slope of a torque and the position at which it is zero. The
+/// fitted parameters replace the `stated` ones.
 pub(super) fn small_motion(fitted: &Term, stated: [f64; 2]) -> SmallMotion {
     SmallMotion::Restoring {
         fitted: [fitted.values[0], fitted.values[1]],
@@ -12,8 +12,8 @@ pub(super) fn small_motion(fitted: &Term, stated: [f64; 2]) -> SmallMotion {
     }
 }
 
-/// A start of such an effect at the values with which it acts like another one on small motion, in place of its own
-/// `stated` values. `None` if it would push away from its position, or if the other effect is of another family.
+/// A start of a restoring effect at the values with which it acts like another one on small motion. Its parameters replace its `stated`
+/// ones. Returns `None` if the torque would push away from its position, or if the other effect belongs to another family.
 pub(super) fn begun(own: &Term, other: SmallMotion, stated: [f64; 2]) -> Option<Term> {
     let SmallMotion::Restoring {
         fitted,

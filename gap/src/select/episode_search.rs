@@ -59,8 +59,9 @@ fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let windows = 0..problem.window_count();
     let costs: Vec<f64> = windows.map(|w| fit.costs.log(w)).collect();
     let last = fit.last_term()?;
-    let mut returns = episode::returns(kind(&last)?, &last, &problem.series, &costs);
-    returns.retain(|term| episode::there_s(term) <= longest_s(problem));
+    let mut returns =
+        episode::with_another_occurrence(kind(&last)?, &last, &problem.series, &costs);
+    returns.retain(|term| episode::total_duration_s(term) <= longest_s(problem));
     best_of(problem, fit, returns, iterations)
 }
 
@@ -72,7 +73,7 @@ fn kind(term: &Term) -> Option<&'static dyn Episode> {
 /// A term with each other form of its last stay.
 fn otherwise(term: &Term) -> Vec<Term> {
     let kind = kind(term);
-    kind.map_or_else(Vec::new, |kind| kind.otherwise(term))
+    kind.map_or_else(Vec::new, |kind| kind.other_forms(term))
 }
 
 /// The last effect of a fit in its best form.
@@ -122,7 +123,7 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: us
     };
     // Moving an instant changes only the windows between its two places.
     let gain = |term: &Term, moved: &Term| {
-        let between = episode::moves(term, moved);
+        let between = episode::changed_intervals(term, moved);
         let windows = problem.during(&between);
         let [here, there] = [term, moved].map(|term| -> f64 {
             let predictor = problem.predictor(&with(term), &x);
@@ -158,7 +159,7 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     let Some(term) = fit.last_term() else {
         return false;
     };
-    let (hypothesis, x) = fit.with_last(episode::lasting(&term));
+    let (hypothesis, x) = fit.with_last(episode::permanent(&term));
     let lasting = problem.fit(&hypothesis, x, Part::All, iterations);
     level(&lasting) < level(fit)
 }
@@ -171,8 +172,8 @@ fn timed(mut term: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sy
         let moves = MOVES.into_iter().flat_map(|by| [by, -by]);
         let moves: Vec<(usize, f64)> = moves.flat_map(|by| [(0, by), (1, by)]).collect();
         let moved = moves.into_par_iter().map(|(which, by)| {
-            let moved = episode::moved(&term, which, by * (to_s - from_s).abs());
-            let passes = episode::there_s(&moved) <= longest_s;
+            let moved = episode::with_shifted_instant(&term, which, by * (to_s - from_s).abs());
+            let passes = episode::total_duration_s(&moved) <= longest_s;
             passes.then(|| (gain(&term, &moved), moved))
         });
         match moved.flatten().max_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -284,7 +285,7 @@ mod tests {
             let null = problem.fit(&bare, Vec::new(), Part::All, 0);
             let expected = ExpectedLoss::of(problem, &null).bounded();
             let found = found(problem, &expected, &null, fit, 8);
-            episode::stays(&found.last_term().unwrap())
+            episode::occurrences(&found.last_term().unwrap())
         });
         assert_eq!(stays, 2);
     }

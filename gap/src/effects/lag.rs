@@ -1,4 +1,4 @@
-//! A torque that follows the input as a first-order lag.
+//! A lag of the drive: the torque follows the input with a first-order lag.
 
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::{Found, Part, Phrase};
@@ -14,7 +14,7 @@ use host_sim::effects::Kind;
 use host_sim::effects::lag::KIND;
 use recording::Model;
 
-/// Places of the parameters `apart` and `twice`.
+/// Indices of the parameters `apart` and `twice`.
 const APART: usize = 1;
 const TWICE: usize = 2;
 
@@ -27,7 +27,7 @@ impl Identification for Lag {
     }
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
-        [longer(e), shorter_time(&KIND, e.model.lag)].concat()
+        [longer_lags(e), shorter_time(&KIND, e.model.lag)].concat()
     }
 
     fn family(&self) -> Option<Family> {
@@ -38,8 +38,8 @@ impl Identification for Lag {
         let SmallMotion::LateReading { time_s } = other else {
             return None;
         };
-        // Behind a lag of the model, the lag of a sensor is another effect.
-        (model.lag > 0.0).then(|| further(&own.begun(&[(0, time_s)])))
+        // If the model has a lag, a lag of the sensor acts like a second lag of the drive.
+        (model.lag > 0.0).then(|| in_series(&own.begun(&[(0, time_s)])))
     }
 
     fn replaces(&self) -> Option<&'static str> {
@@ -92,16 +92,20 @@ impl Identification for Lag {
     }
 }
 
-/// A longer lag than the model's, another lag behind it, or two equal lags.
-fn longer(e: &Evidence<'_>) -> Vec<Term> {
-    let longer = longer_times(&KIND, e);
+/// A longer_lags lag than that of the model, a second lag in series with it, or two equal lags.
+fn longer_lags(e: &Evidence<'_>) -> Vec<Term> {
+    let longer_lags = longer_times(&KIND, e);
     let has_one = e.device.drive.lag_s > 0.0;
-    let behind: Vec<Term> = longer.iter().filter(|_| has_one).map(further).collect();
-    let both = two_equal_lags(&longer, TWICE);
-    [longer, behind, both].concat()
+    let behind: Vec<Term> = longer_lags
+        .iter()
+        .filter(|_| has_one)
+        .map(in_series)
+        .collect();
+    let both = two_equal_lags(&longer_lags, TWICE);
+    [longer_lags, behind, both].concat()
 }
 
-/// The fitted lag, as another one behind the model's.
-fn further(lag: &Term) -> Term {
+/// The lag in series with that of the model.
+fn in_series(lag: &Term) -> Term {
     lag.begun(&[(APART, 1.0)])
 }

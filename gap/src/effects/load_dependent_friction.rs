@@ -1,4 +1,4 @@
-//! Dry friction that grows with the load.
+//! Coulomb friction that increases with the load.
 
 use super::identification::Identification;
 use super::phrase::Found;
@@ -13,13 +13,13 @@ use crate::term::{Coordinate, Term};
 use host_sim::effects::Kind;
 use host_sim::effects::load_dependent_friction::KIND;
 
-/// Values of `passive` from which a fit starts.
-const PASSIVE: [f64; 3] = [1.0, -1.0, 10.0];
+/// Starts of the parameter `passive`.
+const PASSIVE_STARTS: [f64; 3] = [1.0, -1.0, 10.0];
 /// Values of `passive` that are screened for the missing torque.
 const PASSIVE_SCREENED: [f64; 3] = [0.0, 1.0, -1.0];
-/// Place of the parameter `backdriven`, and values of it from which a fit starts.
+/// Index of the parameter `backdriven`, and its starts.
 const BACKDRIVEN: usize = 2;
-const BACKDRIVES: [f64; 2] = [0.3, 4.0];
+const BACKDRIVEN_STARTS: [f64; 2] = [0.3, 4.0];
 /// Values of `backdriven` that are screened for the missing torque.
 const BACKDRIVEN_SCREENED: [f64; 2] = [1.0, 5.0];
 
@@ -36,10 +36,10 @@ impl Identification for LoadDependentFriction {
         let guess = guess.map(|[share]| vec![log(0, share.max(0.01))]);
         let mut starts = terms(&KIND, guess, [0.05, 0.2].map(|share| vec![log(0, share)]));
         if e.device.mechanics.is_pulled() {
-            let carried = PASSIVE.map(|part| vec![log(0, 0.1), linear(1, part, 1.0)]);
+            let carried = PASSIVE_STARTS.map(|part| vec![log(0, 0.1), linear(1, part, 1.0)]);
             starts.extend(terms(&KIND, None, carried));
         }
-        let backdriven = BACKDRIVES.map(|times| vec![log(0, 0.1), log(BACKDRIVEN, times)]);
+        let backdriven = BACKDRIVEN_STARTS.map(|factor| vec![log(0, 0.1), log(BACKDRIVEN, factor)]);
         starts.extend(terms(&KIND, None, backdriven));
         starts
     }
@@ -58,8 +58,9 @@ impl Identification for LoadDependentFriction {
         let parts = PASSIVE_SCREENED.iter();
         let parts = parts.filter(|part| pulled || **part == 0.0);
         let forms = parts.flat_map(|&part| {
-            BACKDRIVEN_SCREENED
-                .map(|times| Form::linear(path, &KIND, &[0.0, part, times], &[(0, 0.1)]).positive())
+            BACKDRIVEN_SCREENED.map(|factor| {
+                Form::linear(path, &KIND, &[0.0, part, factor], &[(0, 0.1)]).positive()
+            })
         });
         forms.collect()
     }

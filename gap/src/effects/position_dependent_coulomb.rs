@@ -1,4 +1,4 @@
-//! Dry friction that depends on the position.
+//! Coulomb friction that depends on the position.
 
 use super::coulomb::Coulomb;
 use super::identification::Identification;
@@ -18,17 +18,17 @@ use host_sim::effects::Kind;
 use host_sim::effects::position_dependent_coulomb::KIND;
 use host_sim::plant::Spot;
 
-/// Periods of a ripple over the span of the motion that are tried, and the number of ripples with more periods.
+/// Numbers of periods of a ripple over the range of the motion that are tried, and the number of ripples with more periods.
 const RIPPLES: [f64; 3] = [0.5, 1.0, 1.8];
 const FINE_RIPPLES: usize = 2;
-/// Number of positions of a spot that rubs that are tried, and its widths over the span of the motion.
-const SPOT_PLACES: usize = 16;
+/// Number of positions of a spot with increased friction that are tried, and its widths over the range of the motion.
+const SPOT_POSITIONS: usize = 16;
 const SPOT_WIDTHS: [f64; 3] = [0.05, 0.1, 0.2];
-/// Places of the parameters `spot` and `spot_exponent`, and an exponent between a bell and a band.
+/// Indices of the parameters `spot` and `spot_exponent`, and an exponent for a shape between a bell and a rectangle.
 const SPOT: usize = 6;
 const SPOT_EXPONENT: usize = 9;
 const STEEP: f64 = 4.0;
-/// Places of a spot that rubs and its width, over half of the span, as screened for the missing torque.
+/// Positions of a spot and its widths that are screened for the missing torque, over half of the range of the motion.
 const SPOTS_SCREENED: [f64; 7] = [-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75];
 const SPOT_WIDTHS_SCREENED: [f64; 2] = [0.25, 0.5];
 
@@ -40,8 +40,8 @@ impl Identification for PositionDependentCoulomb {
         &KIND
     }
 
-    /// A friction that rises with the position, that has a minimum or a maximum, or that ripples with the turns of a
-    /// part that is not round.
+    /// Starts of a friction that changes linearly with the position, has a minimum or a maximum, or has a ripple, for example from an
+    /// eccentric part.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         if !has_coulomb_friction(e) {
             return Vec::new();
@@ -63,7 +63,7 @@ impl Identification for PositionDependentCoulomb {
                 log(2, level_ratio(more)),
             ]
         });
-        let bent = [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.8)].map(|(slope, curve)| {
+        let curved = [(0.4, 0.0), (-0.4, 0.0), (0.0, 0.8)].map(|(slope, curve)| {
             vec![
                 linear(0, slope / reach, 0.5 / reach),
                 linear(1, curve / (reach * reach), 0.5 / (reach * reach)),
@@ -91,16 +91,19 @@ impl Identification for PositionDependentCoulomb {
             let resisting_nm = -m.missing_nm * m.velocity.signum();
             (m.position, m.velocity > 0.0, resisting_nm)
         });
-        let fine = waves::strongest(resistance.collect(), s.wave_numbers(), s.span()).into_iter();
-        let fine = fine.map(|(wave_number, _)| wave_number);
-        let fine = fine.filter(|wave_number| *wave_number > coarse);
+        let fine_ripples =
+            waves::strongest(resistance.collect(), s.wave_numbers(), s.span()).into_iter();
+        let fine_ripples = fine_ripples.map(|(wave_number, _)| wave_number);
+        let fine_ripples = fine_ripples.filter(|wave_number| *wave_number > coarse);
         let ripples = RIPPLES.into_iter().map(|turns| turns * turn);
-        let ripples = ripples.chain(fine.take(FINE_RIPPLES)).filter_map(ripple);
+        let ripples = ripples
+            .chain(fine_ripples.take(FINE_RIPPLES))
+            .filter_map(ripple);
         terms(&KIND, guess, [])
             .into_iter()
             .chain(ripples)
             .chain(spot(e))
-            .chain(terms(&KIND, None, bent))
+            .chain(terms(&KIND, None, curved))
             .collect()
     }
 
@@ -125,8 +128,8 @@ impl Identification for PositionDependentCoulomb {
         let half = path.scale.half_span();
         let level = [(0, 0.0), (1, 0.0), (2, 1.0)];
         let varied = |more: &[(usize, f64)]| with_defaults(&KIND, &[&level, more].concat());
-        let rise = [(0, 0.2 / half), (2, 0.2)];
-        let bend = [(0, 0.2 / half), (1, 0.2 / (half * half)), (2, 0.2)];
+        let linear_steps = [(0, 0.2 / half), (2, 0.2)];
+        let quadratic_steps = [(0, 0.2 / half), (1, 0.2 / (half * half)), (2, 0.2)];
         let mut forms = Vec::new();
         for &place in &SPOTS_SCREENED {
             for &width in &SPOT_WIDTHS_SCREENED {
@@ -141,8 +144,8 @@ impl Identification for PositionDependentCoulomb {
             forms.push(Form::linear(path, &KIND, &base, &steps).searched(1));
         }
         let mut forms = target.screened(forms, 2);
-        forms.push(Form::linear(path, &KIND, &varied(&[]), &rise));
-        forms.push(Form::linear(path, &KIND, &varied(&[]), &bend));
+        forms.push(Form::linear(path, &KIND, &varied(&[]), &linear_steps));
+        forms.push(Form::linear(path, &KIND, &varied(&[]), &quadratic_steps));
         forms
     }
 
@@ -162,10 +165,10 @@ impl Identification for PositionDependentCoulomb {
     }
 }
 
-/// A spot that rubs, at the position at which it explains most.
+/// A spot with another friction, at the position at which it explains most.
 fn spot(e: &Evidence<'_>) -> Option<Term> {
     let [low, high] = e.scales.position;
-    let places = (0..SPOT_PLACES).map(|k| (k as f64 + 0.5) / SPOT_PLACES as f64);
+    let places = (0..SPOT_POSITIONS).map(|k| (k as f64 + 0.5) / SPOT_POSITIONS as f64);
     let places = places.map(|share| low + share * (high - low));
     let spots = places.flat_map(|place| SPOT_WIDTHS.map(|width| (place, width * e.scales.span())));
     let tried = spots.filter_map(|(position, width)| {
@@ -197,15 +200,15 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn a_friction_that_comes_and_goes_many_times_is_looked_for_where_it_does() {
+    fn starts_contain_the_wave_number_of_a_fine_friction_ripple() {
         const WAVE_NUMBER: f64 = 40.0;
         let rippled = format!("{}:ripple_sine=0.8,wave_number={WAVE_NUMBER}", KIND.name);
         let near = |e: &Evidence<'_>| {
             let turn = TAU / e.scales.span();
             assert!(WAVE_NUMBER > 2.0 * RIPPLES[2] * turn);
             let starts = PositionDependentCoulomb.starts(e).into_iter();
-            let fine = starts.filter(|start| start.values[3] > 0.4);
-            let mut off = fine.map(|start| (start.values[5] - WAVE_NUMBER).abs());
+            let fine_ripples = starts.filter(|start| start.values[3] > 0.4);
+            let mut off = fine_ripples.map(|start| (start.values[5] - WAVE_NUMBER).abs());
             off.any(|off| off < 0.3 * turn)
         };
         assert!(made::seen(&[&rippled], |_| (), near));

@@ -1,4 +1,4 @@
-//! Dry friction as bristles that bend before they slide.
+//! Presliding: Coulomb friction as bristles that deflect before they slide.
 
 use super::identification::{Identification, Landscape};
 use super::phrase::Found;
@@ -14,14 +14,14 @@ use crate::windows::series::FINE_PERIOD_S;
 use host_sim::effects::Kind;
 use host_sim::effects::presliding::KIND;
 
-/// Natural frequency of bristles, in rad a coarse sample.
+/// Highest natural frequency of the bristles, rad per coarse sample.
 const RESOLVED_RATE: f64 = 2.0;
-/// How far they bend, over the span of the motion: from those that are hardly softer than stick on.
-const BENDS: [f64; 6] = [3e-5, 3e-4, 0.003, 0.015, 0.06, 0.2];
-/// Their damping over that of the springs that bend alike, as a share of the critical one.
+/// Deflections of the bristles at the start, over the range of the motion. The smallest one acts nearly like rigid sticking.
+const DEFLECTIONS: [f64; 6] = [3e-5, 3e-4, 0.003, 0.015, 0.06, 0.2];
+/// Damping of the bristles at the start, as a share of the critical damping.
 const BRISTLE_DAMPING: f64 = 0.3;
-/// How far bristles bend before they slide, over half of the span, as screened for the missing torque.
-const BENDS_SCREENED: [f64; 8] = [0.004, 0.008, 0.015, 0.03, 0.055, 0.1, 0.16, 0.25];
+/// Deflections that are screened for the missing torque, over half of the range of the motion.
+const DEFLECTIONS_SCREENED: [f64; 8] = [0.004, 0.008, 0.015, 0.03, 0.055, 0.1, 0.16, 0.25];
 
 #[derive(Debug)]
 pub(super) struct Presliding;
@@ -35,7 +35,7 @@ impl Identification for Presliding {
         if !has_coulomb_friction(e) {
             return Vec::new();
         }
-        BENDS.iter().flat_map(|&f| bristles(e, f)).collect()
+        DEFLECTIONS.iter().flat_map(|&f| bristles(e, f)).collect()
     }
 
     fn landscape(&self) -> Landscape {
@@ -54,9 +54,9 @@ impl Identification for Presliding {
         if path.friction_level() == 0.0 {
             return Vec::new();
         }
-        let distances = BENDS_SCREENED.map(|part| part * path.scale.half_span());
+        let distances = DEFLECTIONS_SCREENED.map(|part| part * path.scale.half_span());
         let forms = distances.map(|distance| {
-            Form::new(vec![not_held(path, distance)], move |_| {
+            Form::new(vec![friction_deficit(path, distance)], move |_| {
                 with_defaults(&KIND, &[(0, distance), (1, 0.0)])
             })
             .searched(1)
@@ -78,42 +78,43 @@ impl Identification for Presliding {
     }
 }
 
-/// Bristles that bend by a share of the span of the motion, and what they lose by sliding or by bending.
-fn bristles(e: &Evidence<'_>, bend: f64) -> [Term; 2] {
+/// Starts with a deflection of a share of the range of the motion. Their friction during sliding is lower or higher than that during
+/// deflection.
+fn bristles(e: &Evidence<'_>, deflection_share: f64) -> [Term; 2] {
     let inertia = e.device.mechanics.inertia;
     let level = e.device.mechanics.friction.highest_nm();
-    // Bristles that ring faster than samples follow are stick.
+    // Bristles with a higher natural frequency than the samples resolve act like rigid sticking.
     let stiffest = inertia * (RESOLVED_RATE / e.scales.period_s.max(FINE_PERIOD_S)).powi(2);
-    let distance = (bend * e.scales.span()).max(level / stiffest);
-    let much = BRISTLE_DAMPING * 2.0 * (level / distance * inertia).sqrt();
-    // They may not damp at all.
-    let damping = guessed(1, much, 0.0);
+    let distance = (deflection_share * e.scales.span()).max(level / stiffest);
+    let damping_scale = BRISTLE_DAMPING * 2.0 * (level / distance * inertia).sqrt();
+    // The damping may be zero.
+    let damping = guessed(1, damping_scale, 0.0);
     [log(2, 0.7), linear(3, 0.4, 0.2)]
         .map(|last| term(&KIND, vec![log(0, distance), damping, last], &[]))
 }
 
-/// What bristles that bend so far do not yet hold of the dry friction, per step.
-fn not_held(path: &Path<'_>, distance: f64) -> Vec<f64> {
+/// The part of the Coulomb friction that the bristles do not transmit yet, over each step.
+fn friction_deficit(path: &Path<'_>, distance: f64) -> Vec<f64> {
     let levels = path.device.mechanics.friction.level_nm;
-    let mut bent = 0.0f64;
+    let mut deflection = 0.0f64;
     let steps = (0..path.position.len()).map(|i| {
         let step_s = path.samples.step_s[i];
         if step_s == 0.0 {
-            bent = 0.0;
+            deflection = 0.0;
             return 0.0;
         }
         let passed = path.velocity[i] * step_s / distance;
-        let before = bent;
-        // Dahl's bristles: s' = x'(1 − s sgn x')/z, in one step.
-        let way = sign(passed);
-        bent = way + (bent - way) * (-passed.abs()).exp();
-        let held = 0.5 * (before + bent);
+        let before = deflection;
+        // One step of the model of Dahl: s' = x'(1 − s sgn x')/z.
+        let direction = sign(passed);
+        deflection = direction + (deflection - direction) * (-passed.abs()).exp();
+        let transmitted = 0.5 * (before + deflection);
         let full = if path.direction[i] < 0.0 {
             levels[1]
         } else {
             levels[0]
         };
-        full * (path.direction[i] - held)
+        full * (path.direction[i] - transmitted)
     });
     steps.collect()
 }

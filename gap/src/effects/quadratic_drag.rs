@@ -1,4 +1,4 @@
-//! Drag with the square of the speed.
+//! Drag proportional to the square of the speed.
 
 use super::identification::{Family, Identification};
 use super::phrase::Found;

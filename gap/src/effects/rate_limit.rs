@@ -13,9 +13,9 @@ use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::rate_limit::KIND;
 
-/// Shortest and longest time in which the limited input passes the largest input, over the time of a radian of the
-/// motion. The limit is hardly met with the shortest, and met all the time with the longest.
-const SWING: [f64; 2] = [0.1, 10.0];
+/// Shortest and longest time in which the limited input changes by the largest input, over the time of one radian of the motion. The
+/// shortest time is hardly a limit; with the longest the limit always acts.
+const SWING_TIMES: [f64; 2] = [0.1, 10.0];
 const STARTS: usize = 6;
 
 #[derive(Debug)]
@@ -56,7 +56,8 @@ impl Identification for RateLimit {
         "The torque is late where the input changes fast, whatever its size. A lag delays slow changes too. A saturation goes with the size of the input. Record steps of several heights: under a rate limit the delay grows with the height."
     }
 
-    /// Without a controller: a controller reacts to the late torque with more torque, and the paddle would swing up.
+    /// The experiment has no controller, because a controller would react to the delayed torque with more torque, and the oscillation
+    /// would grow.
     fn demonstration(&self) -> Demonstration {
         Demonstration {
             multisine: Multisine::Torque {
@@ -72,7 +73,7 @@ impl Identification for RateLimit {
     }
 }
 
-/// Limits that a motion of this rate, rad/s, may meet, in units of input a second.
+/// Rate limits that may affect a motion of angular frequency `rate`, rad/s, in input units per s.
 fn rates(input: f64, rate: f64) -> impl Iterator<Item = f64> {
-    geometric(SWING, STARTS).map(move |swing| (input * rate / swing).max(f64::MIN_POSITIVE))
+    geometric(SWING_TIMES, STARTS).map(move |swing| (input * rate / swing).max(f64::MIN_POSITIVE))
 }

@@ -1,4 +1,4 @@
-//! An input that is clipped.
+//! Saturation: the input is limited.
 
 use super::description::{Demonstration, Multisine};
 use super::identification::Identification;
@@ -14,19 +14,17 @@ use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
 use host_sim::effects::saturation::KIND;
 
-/// Knee from which a fit of a gradual saturation starts.
+/// Start of the knee of a gradual saturation.
 const KNEE: f64 = 0.5;
-/// Place of the parameter `no_load`, its starts over the fastest speed, and the quantile of the speeds that counts as
-/// the fastest.
+/// Index of the parameter `no_load`, its starts over the highest speed, and the quantile of the speeds that counts as the highest.
 const NO_LOAD_SPEED: usize = 2;
 const NO_LOAD: [f64; 2] = [1.2, 3.0];
 const FASTEST: f64 = 0.99;
-/// Starts of a limit above the model's: shares of the way from the model's limit to the largest input, and a multiple
-/// of the largest input that is never reached.
-const RAISED: [f64; 2] = [0.3, 0.9];
+/// Starts of a limit above that of the model: shares of the distance from the limit of the model to the largest input, and a multiple of
+/// the largest input that is never reached.
+const RAISED_SHARES: [f64; 2] = [0.3, 0.9];
 const OUT_OF_REACH: f64 = 10.0;
-/// Limits that are screened for the missing torque: over the largest input, and over the model's limit if that may be
-/// too low.
+/// Limits that are screened for the missing torque, over the largest input, and over the limit of the model if that one may be too low.
 const LOWER_SCREENED: [f64; 8] = [0.92, 0.84, 0.76, 0.67, 0.58, 0.49, 0.4, 0.3];
 const HIGHER_SCREENED: [f64; 3] = [1.15, 1.5, 2.2];
 
@@ -40,16 +38,16 @@ impl Identification for Saturation {
 
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let inputs = e.series.iter().flat_map(|s| &s.input);
-        // An input that the model's drive clips cannot show another limit.
+        // The drive of the model limits the input, so inputs beyond its limit do not show another limit.
         let inputs: Vec<f64> = inputs.map(|u| e.device.drive.taken(*u)).collect();
-        // Limits that clip the largest input, a few inputs, or many.
+        // Limits that affect only the largest input, a few inputs, or many.
         let limits = [1.0, 0.99, 0.95, 0.8, 0.5].map(|share| quantile(&inputs, share));
         let limits = limits.map(|limit| log(0, 0.9 * limit.max(0.1 * e.scales.input)));
         let clipped = limits.map(|limit| term(&KIND, vec![limit], &[(1, 0.0)]));
         let rounded = limits.map(|limit| term(&KIND, vec![limit, log(1, KNEE)], &[]));
-        let falling = falling(e, &limits);
-        let lower = clipped.into_iter().chain(rounded).chain(falling);
-        lower.chain(raised(e)).collect()
+        let speed_dependent = speed_dependent(e, &limits);
+        let lower = clipped.into_iter().chain(rounded).chain(speed_dependent);
+        lower.chain(raised_limits(e)).collect()
     }
 
     fn may_show_in_few_windows(&self) -> bool {
@@ -110,24 +108,24 @@ impl Identification for Saturation {
     }
 }
 
-/// Limits of a voltage, which fall with speed.
-fn falling(e: &Evidence<'_>, limits: &[Coordinate]) -> Vec<Term> {
+/// Limits of a drive with limited voltage, which decrease with speed.
+fn speed_dependent(e: &Evidence<'_>, limits: &[Coordinate]) -> Vec<Term> {
     let speeds = e.motions.iter().flat_map(|m| &m.velocity).map(|v| v.abs());
     let fastest = quantile(&speeds.collect::<Vec<f64>>(), FASTEST);
     let no_load = NO_LOAD.map(|f| log(NO_LOAD_SPEED, f * fastest));
-    let falling = limits
+    let speed_dependent = limits
         .iter()
         .flat_map(|limit| no_load.map(|no_load| term(&KIND, vec![*limit, no_load], &[(1, 0.0)])));
-    falling.collect()
+    speed_dependent.collect()
 }
 
-/// Limits above the model's, if the model's limit clips the commanded input.
-fn raised(e: &Evidence<'_>) -> Vec<Term> {
+/// Limits above that of the model, if the limit of the model affects the commanded input.
+fn raised_limits(e: &Evidence<'_>) -> Vec<Term> {
     let largest = e.largest_input();
     let limit = e.device.drive.taken(largest);
-    let raised = RAISED.map(|share| limit + share * (largest - limit));
-    let raised = [OUT_OF_REACH * largest].into_iter().chain(raised);
-    raised
+    let raised_limits = RAISED_SHARES.map(|share| limit + share * (largest - limit));
+    let raised_limits = [OUT_OF_REACH * largest].into_iter().chain(raised_limits);
+    raised_limits
         .filter(|_| e.clips_input())
         .map(|limit| term(&KIND, vec![log(0, limit)], &[(1, 0.0)]))
         .collect()

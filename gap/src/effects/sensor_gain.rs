@@ -1,4 +1,4 @@
-//! A reading that is another multiple of the true motion.
+//! A sensor with a different gain.
 
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::Found;
@@ -16,8 +16,8 @@ use host_sim::effects::sensor_gain::KIND;
 use host_sim::plant::Mechanics;
 use recording::Model;
 
-/// Usual distance of the position at which it reads right from the middle of the motion, over the span of the motion.
-const RIGHT: f64 = 0.2;
+/// Typical distance from the middle of the motion to the position at which the sensor reads correctly, over the range of the motion.
+const CORRECT_AT: f64 = 0.2;
 
 #[derive(Debug)]
 pub(super) struct SensorGain;
@@ -30,9 +30,10 @@ impl Identification for SensorGain {
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let s = e.scales;
         let about_zero = vec![log(0, 1.0)];
-        let elsewhere = vec![log(0, 1.0), linear(1, s.middle(), RIGHT * s.span())];
-        let elsewhere = depends_on_place(&e.device.mechanics).then_some(elsewhere);
-        terms(&KIND, elsewhere, [about_zero])
+        let about_other_position = vec![log(0, 1.0), linear(1, s.middle(), CORRECT_AT * s.span())];
+        let about_other_position =
+            depends_on_position(&e.device.mechanics).then_some(about_other_position);
+        terms(&KIND, about_other_position, [about_zero])
     }
 
     fn family(&self) -> Option<Family> {
@@ -69,19 +70,19 @@ impl Identification for SensorGain {
         if !path.device.mechanics.is_pulled() {
             return vec![alone];
         }
-        // The position at which it reads right may differ from zero.
+        // The position at which the sensor reads correctly may differ from zero.
         let half = path.scale.half_span();
         let shift = misread(path, |_| [STEP * half, 0.0, 0.0]);
-        let elsewhere = Form::new(vec![gain, shift], move |c| {
-            let right_at = if c[0] == 0.0 {
+        let about_other_position = Form::new(vec![gain, shift], move |c| {
+            let correct_at = if c[0] == 0.0 {
                 0.0
             } else {
                 -c[1] * half / c[0]
             };
-            let values = [(0, (1.0 + STEP * c[0]).max(0.1)), (1, right_at)];
+            let values = [(0, (1.0 + STEP * c[0]).max(0.1)), (1, correct_at)];
             with_defaults(&KIND, &values)
         });
-        vec![alone, elsewhere]
+        vec![alone, about_other_position]
     }
 
     fn noun(&self) -> &'static str {
@@ -98,7 +99,7 @@ impl Identification for SensorGain {
 }
 
 /// True if the dynamics of the device depend on its position.
-fn depends_on_place(mechanics: &Mechanics) -> bool {
-    let meets = mechanics.barriers.iter().any(Option::is_some);
-    mechanics.is_pulled() || mechanics.cogging.is_some() || meets
+fn depends_on_position(mechanics: &Mechanics) -> bool {
+    let has_stops = mechanics.barriers.iter().any(Option::is_some);
+    mechanics.is_pulled() || mechanics.cogging.is_some() || has_stops
 }

@@ -1,4 +1,4 @@
-//! A reading that stays behind after a reversal.
+//! Hysteresis of the sensor: the reading lags by a fixed distance after a reversal.
 
 use super::identification::Identification;
 use super::phrase::Found;
@@ -13,19 +13,19 @@ use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::sensor_hysteresis::KIND;
 
-/// Limits of the width and the ratio of the widths that are tried. The narrowest is a multiple of the noise, or a share
-/// of the widest if there is almost no noise; the widest is a share of the span.
+/// Limits of the widths that are tried, and the ratio between neighbours. The narrowest real a multiple of the noise, or a share of the
+/// widest if there real almost no noise. The widest real a share of the range of the motion.
 const LEAST_PLAY: f64 = 3.0;
 const LEAST_PLAY_SHARE: f64 = 1e-4;
 const WIDEST_PLAY: f64 = 0.2;
 const PLAY_RATIO: f64 = 2.0;
-/// Way after a reversal over which a gradual hysteresis builds up, over its width.
-const SOFT_REACH: f64 = 1.5;
-/// Widths between two columns, over the span of the motion.
+/// Distance after a reversal over which a gradual hysteresis builds up, over its width.
+const BUILD_UP_DISTANCE: f64 = 1.5;
+/// Range of the widths between two columns, over the range of the motion.
 const WIDTHS: [f64; 2] = [1e-4, 0.5];
-/// Ways after a reversal over which the hysteresis of a column builds up, over its width; 0 for play.
-const REACHES: [f64; 3] = [0.0, 1.5, 3.0];
-/// Half of the play over half of the span, as screened for the missing torque.
+/// Distances after a reversal over which the hysteresis between two columns builds up, over its width; 0 for play.
+const BUILD_UP_DISTANCES: [f64; 3] = [0.0, 1.5, 3.0];
+/// Halves of the play that are screened for the missing torque, over half of the range of the motion.
 const HALF_PLAYS_SCREENED: [f64; 7] = [0.005, 0.01, 0.02, 0.035, 0.06, 0.1, 0.16];
 
 #[derive(Debug)]
@@ -43,17 +43,17 @@ impl Identification for SensorHysteresis {
         let sizes = [least.clamp(LEAST_PLAY_SHARE * widest, 0.5 * widest), widest];
         let widths = geometric(sizes, count(sizes, PLAY_RATIO));
         let play = widths.clone().map(|width| vec![log(0, width)]);
-        let soft = widths.map(|width| vec![log(0, width), log(1, SOFT_REACH * width)]);
-        [terms(&KIND, None, play), terms(&KIND, None, soft)].concat()
+        let gradual = widths.map(|width| vec![log(0, width), log(1, BUILD_UP_DISTANCE * width)]);
+        [terms(&KIND, None, play), terms(&KIND, None, gradual)].concat()
     }
 
     fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {
-        let of_reach = |reach: f64| {
+        let with_build_up = |reach: f64| {
             let range = WIDTHS.map(|f| f * columns.span);
             let values = |width: f64| vec![width, reach * width];
             values(lowest(range, |width| columns.left(&KIND, &values(width))))
         };
-        REACHES.map(of_reach).to_vec()
+        BUILD_UP_DISTANCES.map(with_build_up).to_vec()
     }
 
     fn axis(&self) -> Axis {
@@ -62,7 +62,9 @@ impl Identification for SensorHysteresis {
 
     fn torque_forms(&self, path: &Path<'_>, _target: &Target<'_>) -> Vec<Form> {
         let half_plays = HALF_PLAYS_SCREENED.map(|part| part * path.scale.half_span());
-        half_plays.map(|half_play| behind(path, half_play)).into()
+        half_plays
+            .map(|half_play| play_form(path, half_play))
+            .into()
     }
 
     fn noun(&self) -> &'static str {
@@ -78,52 +80,52 @@ impl Identification for SensorHysteresis {
     }
 }
 
-/// A reading that stays behind by half of the play. At a reversal it rests until the position has crossed the play, and
-/// then suddenly follows the position.
-fn behind(path: &Path<'_>, half_play: f64) -> Form {
+/// The form of a reading that lags by half of the play. After a reversal the reading real constant until the position has crossed the play.
+/// Then it suddenly follows the position.
+fn play_form(path: &Path<'_>, half_play: f64) -> Form {
     let m = &path.device.mechanics;
     let n = path.position.len();
     let mut reading = vec![0.0; n];
     let mut torques = vec![0.0; n];
-    // Sign of the reading's error, and way and velocity of the position since the reading rests.
-    let (mut side, mut way, mut speed) = (0.0, 0.0, 0.0);
+    // Sign of the error of the reading, and distance and velocity of the position since the reading became constant.
+    let (mut side, mut distance, mut speed) = (0.0, 0.0, 0.0);
     for i in 0..n {
-        let shown = path.at(i);
+        let reading_state = path.at(i);
         let step_s = path.samples.step_s[i];
-        if shown.is_sliding && shown.direction.abs() == 1.0 {
-            side = -shown.direction;
-            (way, speed) = (0.0, shown.velocity);
+        if reading_state.is_sliding && reading_state.direction.abs() == 1.0 {
+            side = -reading_state.direction;
+            (distance, speed) = (0.0, reading_state.velocity);
             reading[i] = half_play * side;
         } else {
-            let is = Moment {
+            let real = Moment {
                 velocity: speed,
                 direction: sign(speed),
                 is_sliding: speed != 0.0,
-                ..shown
+                ..reading_state
             };
-            let acceleration = torque(m, path.drive[i], &is) / m.inertia;
+            let acceleration = torque(m, path.drive[i], &real) / m.inertia;
             speed += acceleration * step_s;
-            way = (way + speed * side * step_s).clamp(0.0, 2.0 * half_play);
-            // The position first moves on and then comes back through the play.
-            reading[i] = side * (half_play - way);
+            distance = (distance + speed * side * step_s).clamp(0.0, 2.0 * half_play);
+            // The position moves on, then reverses and comes back through the play.
+            reading[i] = side * (half_play - distance);
         }
-        let is = Moment {
-            position: shown.position - reading[i],
-            ..shown
+        let real = Moment {
+            position: reading_state.position - reading[i],
+            ..reading_state
         };
-        let is = if shown.is_sliding {
-            is
+        let real = if reading_state.is_sliding {
+            real
         } else {
             Moment {
                 velocity: speed,
                 direction: sign(speed),
                 is_sliding: speed != 0.0,
-                ..is
+                ..real
             }
         };
-        torques[i] = torque(m, path.drive[i], &is) - torque(m, path.drive[i], &shown);
+        torques[i] = torque(m, path.drive[i], &real) - torque(m, path.drive[i], &reading_state);
         if step_s == 0.0 {
-            (side, way, speed) = (0.0, 0.0, 0.0);
+            (side, distance, speed) = (0.0, 0.0, 0.0);
         }
     }
     let form = Form::new(vec![torques], move |c| {

@@ -1,4 +1,4 @@
-//! A reading that follows the position as a first-order lag.
+//! A lag of the sensor: the reading follows the position with a first-order lag.
 
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::Found;
@@ -16,9 +16,9 @@ use host_sim::effects::lag;
 use host_sim::effects::sensor_lag::KIND;
 use recording::Model;
 
-/// Place of the parameter `twice`.
+/// Index of the parameter `twice`.
 const TWICE: usize = 1;
-/// Lags between two columns, over the duration of a window.
+/// Range of the lags between two columns, over the duration of a window.
 const LAGS: [f64; 2] = [1e-4, 1.0];
 
 #[derive(Debug)]
@@ -58,13 +58,13 @@ impl Identification for SensorLag {
     }
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
-        // It acts like a drive that is late, with the friction late by the same time.
-        let late = delay_form(path, target, &lag::KIND, 0.0);
-        let form = late.map(|form| {
-            let late_s = (form.values)(&[1.0])[0];
+        // A lag of the sensor acts like a delay of the drive and of the friction.
+        let delayed = delay_form(path, target, &lag::KIND, 0.0);
+        let form = delayed.map(|form| {
+            let delay_s = (form.values)(&[1.0])[0];
             let drive = form.torque.into_iter().next().unwrap_or_default();
-            let column = with_late_friction(path, drive, late_s);
-            let values = move |c: &[f64]| with_defaults(&KIND, &[(0, (late_s * c[0]).max(0.0))]);
+            let column = with_delayed_friction(path, drive, delay_s);
+            let values = move |c: &[f64]| with_defaults(&KIND, &[(0, (delay_s * c[0]).max(0.0))]);
             Form::new(vec![column], values).searched(1).positive()
         });
         form.into_iter().collect()
@@ -86,23 +86,23 @@ impl Identification for SensorLag {
     }
 }
 
-/// The torque of a drive and of a friction that are late by a time, s. The position is ahead of its reading, and so is
-/// the friction.
-fn with_late_friction(path: &Path<'_>, mut drive: Vec<f64>, late_s: f64) -> Vec<f64> {
+/// The apparent missing torque of a drive torque and a friction that are delayed by `delay_s`, s. The position is ahead of its reading,
+/// and so is its friction.
+fn with_delayed_friction(path: &Path<'_>, mut drive: Vec<f64>, delay_s: f64) -> Vec<f64> {
     let friction = &path.device.mechanics.friction;
-    let held = |i: usize| friction.level(path.direction[i]) * path.direction[i];
+    let friction_at = |i: usize| friction.level(path.direction[i]) * path.direction[i];
     let last = path.samples.len().saturating_sub(1);
-    let rows_ahead = (late_s / path.samples.period_s) as usize;
+    let rows_ahead = (delay_s / path.samples.period_s) as usize;
     let mut lagging = 0.0;
     for (i, torque) in drive.iter_mut().enumerate() {
         let step_s = path.samples.step_s[i];
         if step_s == 0.0 {
-            lagging = held(i);
+            lagging = friction_at(i);
             continue;
         }
-        let passed = 1.0 - (-step_s / late_s).exp();
-        lagging += passed * (held((i + rows_ahead).min(last)) - lagging);
-        *torque -= lagging - held(i);
+        let passed = 1.0 - (-step_s / delay_s).exp();
+        lagging += passed * (friction_at((i + rows_ahead).min(last)) - lagging);
+        *torque -= lagging - friction_at(i);
     }
     drive
 }

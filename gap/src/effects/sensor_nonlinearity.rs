@@ -1,4 +1,4 @@
-//! A reading that is bent over the position, or ripples with it.
+//! A nonlinear sensor characteristic: a curve over the position, or a ripple.
 
 use super::identification::Identification;
 use super::phrase::Found;
@@ -19,30 +19,29 @@ use host_sim::effects::Kind;
 use host_sim::effects::sensor_nonlinearity::KIND;
 use nalgebra::{Matrix2, Vector2};
 
-/// Quadratic and cubic deviation of a curve at the ends of the motion, over half of its span.
-const BENDS: [[f64; 2]; 5] = [
+/// Quadratic and cubic deviation of a curve at the ends of the motion, over half of its range.
+const CURVES: [[f64; 2]; 5] = [
     [0.0, 0.0],
     [0.2, 0.0],
     [-0.2, 0.0],
     [0.0, 0.3],
     [0.0, -0.15],
 ];
-/// Places among the parameters of its cube, of the amplitudes of its ripple, and of the place around which it is bent.
+/// Indices of the cubic coefficient, of the amplitudes of the ripple, and of the position around which the curve is defined.
 const CUBIC: usize = 1;
 const RIPPLE: [usize; 2] = [2, 3];
 const MIDDLE: usize = 6;
-/// Periods of a ripple over the span of the motion.
+/// Numbers of periods of a ripple over the range of the motion that are tried.
 const RIPPLES: [f64; 3] = [0.5, 1.0, 2.0];
-/// Periods over the span of the motion are tried at this spacing, up to so many.
-const TURNS_APART: f64 = 0.25;
-const MOST_TURNS: f64 = 150.0;
-/// Number of samples for the search of ripples, number of wave numbers from which a fit starts, and slope of such a
-/// ripple.
+/// Spacing and largest number of periods over the range of the motion in the search of ripples.
+const PERIODS_SPACING: f64 = 0.25;
+const MOST_PERIODS: f64 = 150.0;
+/// Number of instants for the search of ripples, number of wave numbers for starts, and largest slope of a ripple at the start.
 const MOST_MOMENTS: usize = 1500;
 const PEAKS: usize = 2;
 const MOST_SLOPE: f64 = 0.5;
-/// Periods of a ripple between two columns, over the span of the motion.
-const TURNS: [f64; 2] = [0.25, 4.0];
+/// Range of the number of periods of a ripple between two columns, over the range of the motion.
+const PERIODS: [f64; 2] = [0.25, 4.0];
 
 #[derive(Debug)]
 pub(super) struct SensorNonlinearity;
@@ -52,27 +51,27 @@ impl Identification for SensorNonlinearity {
         &KIND
     }
 
-    /// Bent curves, and the ripples of an eccentric disk or of poles, of which the motion passes one period or a few.
+    /// Starts with curves, and with ripples from an eccentric disk or from poles, with one period or a few over the motion.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let s = e.scales;
         let reach = s.position[0].abs().max(s.position[1].abs());
         let middle = s.middle();
-        // A curve that is right at zero, or in the middle of the motion.
-        let bent = |middle: f64, reach: f64, [square, cube]: [f64; 2]| {
+        // A curve without error at zero, or in the middle of the motion.
+        let curved = |middle: f64, reach: f64, [square, cube]: [f64; 2]| {
             let free = vec![
                 linear(0, square / reach, 0.2 / reach),
                 linear(1, cube / (reach * reach), 0.2 / (reach * reach)),
             ];
             term(&KIND, free, &[(MIDDLE, middle)])
         };
-        let rippled = |turns: f64| {
-            let wave_number = turns * TAU / s.span();
+        let rippled = |periods: f64| {
+            let wave_number = periods * TAU / s.span();
             let amplitude = 0.1 / wave_number;
             let waves = linear(4, wave_number, 0.2 * wave_number);
             ripple(e, [0.0, amplitude], amplitude, waves)
         };
-        let mut all = vec![bent(0.0, reach, [0.0, 0.0])];
-        all.extend(BENDS.map(|bend| bent(middle, 0.5 * s.span(), bend)));
+        let mut all = vec![curved(0.0, reach, [0.0, 0.0])];
+        all.extend(CURVES.map(|curvature| curved(middle, 0.5 * s.span(), curvature)));
         all.extend(RIPPLES.map(rippled));
         all.extend(ripples(e));
         all
@@ -89,13 +88,13 @@ impl Identification for SensorNonlinearity {
         &[&SensorGain]
     }
 
-    /// A bent curve, and one with a ripple.
+    /// A curve, and a curve with a ripple.
     fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {
         let r = columns.reach;
         let curve =
             |[a, b, s, c, n]: [f64; 5], o| vec![a / (r * r), b / r.powi(3), s, c, n, o, 0.0];
-        let bent = columns.linear(|x| [(x / r).powi(2), (x / r).powi(3), 1.0]);
-        let bent = bent.map(|[a, b, o]| curve([a, b, 0.0, 0.0, 1.0 / r], o));
+        let curved = columns.linear(|x| [(x / r).powi(2), (x / r).powi(3), 1.0]);
+        let curved = curved.map(|[a, b, o]| curve([a, b, 0.0, 0.0, 1.0 / r], o));
         let rippled = |wave_number: f64| {
             columns
                 .linear(|x| {
@@ -104,16 +103,16 @@ impl Identification for SensorNonlinearity {
                 })
                 .map(|[a, b, s, c, o]| curve([a, b, s, c, wave_number], o))
         };
-        let range = TURNS.map(|turns| turns * TAU / columns.span);
+        let range = PERIODS.map(|periods| periods * TAU / columns.span);
         let wave_number = lowest(range, |n| {
             rippled(n).map_or(f64::INFINITY, |values| columns.left(&KIND, &values))
         });
-        bent.into_iter().chain(rippled(wave_number)).collect()
+        curved.into_iter().chain(rippled(wave_number)).collect()
     }
 
     fn count_in_columns(&self, values: &[f64]) -> usize {
         if RIPPLE.iter().all(|&place| values[place] == 0.0) {
-            // Square, cube and offset.
+            // Quadratic coefficient, cubic coefficient and offset.
             return 3;
         }
         values.iter().filter(|value| **value != 0.0).count()
@@ -125,15 +124,15 @@ impl Identification for SensorNonlinearity {
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
         let (half, middle) = (path.scale.half_span(), path.scale.middle());
-        let bent = |power: i32| {
+        let curved = |power: i32| {
             misread(path, |x| {
                 let z = (x - middle) / half;
                 let n = f64::from(power);
-                let bend = n * (n - 1.0) * z.powi(power - 2) / half;
+                let curvature = n * (n - 1.0) * z.powi(power - 2) / half;
                 [
                     STEP * half * z.powi(power),
                     STEP * n * z.powi(power - 1),
-                    STEP * bend,
+                    STEP * curvature,
                 ]
             })
         };
@@ -146,14 +145,14 @@ impl Identification for SensorNonlinearity {
             with_defaults(&KIND, &[(0, 0.0), (CUBIC, cubic), (MIDDLE, middle)])
         };
         let mut forms = vec![
-            Form::new(vec![bent(2)], square),
-            Form::new(vec![bent(3)], cube),
+            Form::new(vec![curved(2)], square),
+            Form::new(vec![curved(3)], cube),
         ];
         for &n in &target.waves.of_reading {
             let wave = |shift: f64| {
                 misread(path, |x| {
                     let (sin, cos) = (n * x + shift).sin_cos();
-                    // The steepest slope of the ripple is that of a gain of this size.
+                    // The largest slope of the ripple per unit of coefficient is [`STEP`].
                     [STEP * sin / n, STEP * cos, -STEP * n * sin]
                 })
             };
@@ -181,8 +180,8 @@ impl Identification for SensorNonlinearity {
     }
 }
 
-/// A ripple from the amplitudes of its sine and its cosine. Only a torque that depends on the position can show what
-/// the sensor reads at zero.
+/// A start of a ripple with the amplitudes of its sine and cosine. The offset of the sensor at zero is observable only if a torque
+/// depends on the position.
 fn ripple(e: &Evidence<'_>, [sine, cosine]: [f64; 2], scale: f64, waves: Coordinate) -> Term {
     let m = &e.device.mechanics;
     let mut free = vec![linear(2, sine, scale), linear(3, cosine, scale), waves];
@@ -192,8 +191,8 @@ fn ripple(e: &Evidence<'_>, [sine, cosine]: [f64; 2], scale: f64, waves: Coordin
     term(&KIND, free, &[(0, 0.0), (1, 0.0)])
 }
 
-/// The ripples that explain most of the missing torque: where the reading is x + g(x), its acceleration is g'(x) ẍ + g''(x) ẋ²
-/// more than that of the position.
+/// Starts of the ripples that explain most of the missing torque. For a reading x + g(x), the acceleration of the reading exceeds that of
+/// the position by g'(x) ẍ + g''(x) ẋ².
 fn ripples(e: &Evidence<'_>) -> Vec<Term> {
     let s = e.scales;
     let moments: Vec<Moment> = moments(e).collect();
@@ -201,13 +200,13 @@ fn ripples(e: &Evidence<'_>) -> Vec<Term> {
     let some: Vec<&Moment> = moments.iter().step_by(stride).collect();
     let positions: Vec<f64> = some.iter().map(|m| m.position).collect();
     let turn = TAU / s.span();
-    let highest = s.finest_wave_number().min(MOST_TURNS * turn);
-    let apart = TURNS_APART * turn;
-    let count = (highest / apart) as usize;
-    let mut waves = Waves::of(&positions, apart, apart);
+    let highest = s.finest_wave_number().min(MOST_PERIODS * turn);
+    let spacing = PERIODS_SPACING * turn;
+    let count = (highest / spacing) as usize;
+    let mut waves = Waves::of(&positions, spacing, spacing);
     let tried: Vec<(f64, [f64; 3])> = (1..=count)
         .map(|k| {
-            let n = apart * k as f64;
+            let n = spacing * k as f64;
             let waved = some.iter().copied().zip(waves.current());
             let (explained, [sine, cosine]) = explained(waved, n, e.device.mechanics.inertia);
             waves.advance();
@@ -227,13 +226,13 @@ fn ripples(e: &Evidence<'_>) -> Vec<Term> {
             let most = MOST_SLOPE / n;
             let part = (most / amplitude).min(1.0);
             let scale = (part * amplitude).max(0.1 * most);
-            let waves = linear(4, n, apart);
+            let waves = linear(4, n, spacing);
             ripple(e, [part * sine, part * cosine], scale, waves)
         })
         .collect()
 }
 
-/// How much of the missing torque, squared, a sine and a cosine in the reading explain, and their amplitudes.
+/// Sum of squares of the missing torque that a sine and a cosine in the reading explain, and their amplitudes.
 fn explained<'a>(
     moments: impl Iterator<Item = (&'a Moment, &'a [f64; 2])>,
     wave_number: f64,
@@ -242,9 +241,10 @@ fn explained<'a>(
     let mut normal = Matrix2::zeros();
     let mut right = Vector2::zeros();
     for (m, [sin, cos]) in moments {
-        let bend = wave_number * m.acceleration;
+        let curvature = wave_number * m.acceleration;
         let turn = (wave_number * m.velocity).powi(2);
-        let row = inertia * Vector2::new(bend * cos - turn * sin, -bend * sin - turn * cos);
+        let row =
+            inertia * Vector2::new(curvature * cos - turn * sin, -curvature * sin - turn * cos);
         normal += row * row.transpose();
         right += row * m.missing_nm;
     }

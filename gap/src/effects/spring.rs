@@ -1,4 +1,4 @@
-//! A spring towards a position, which may harden.
+//! A spring towards a position, which may be progressive.
 
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::Found;
@@ -16,11 +16,11 @@ use host_sim::effects::Kind;
 use host_sim::effects::spring::KIND;
 use recording::Model;
 
-/// Place of the parameter `hardening`, and the share by which the spring hardens at the ends of the motion in a start.
+/// Index of the parameter `hardening`, and the relative increase of the stiffness at the ends of the motion at the start.
 const HARDENING: usize = 2;
 const HARDENED: f64 = 0.3;
-/// These values for a spring that hardens strongly.
-const STEEP: f64 = 3.0;
+/// Relative increase for a start with a strongly progressive spring.
+const STRONGLY_HARDENED: f64 = 3.0;
 
 #[derive(Debug)]
 pub(super) struct Spring;
@@ -45,11 +45,11 @@ impl Identification for Spring {
         } else {
             m.stiffness_zero
         };
-        let soft = vec![
+        let weak = vec![
             linear(0, m.stiffness + 0.05 * stiffness, 0.1 * stiffness),
             linear(1, zero, 0.2 * s.span()),
         ];
-        let mut starts = terms(&KIND, guess, [soft]);
+        let mut starts = terms(&KIND, guess, [weak]);
         if m.stiffness == 0.0 {
             starts.extend(hardening(e, stiffness));
         }
@@ -127,12 +127,12 @@ fn stated(model: &Model) -> [f64; 2] {
     [model.stiffness, model.stiffness_zero]
 }
 
-/// A start of a spring that hardens away from the middle of the motion.
+/// A start of a spring whose stiffness increases with the distance from the middle of the motion.
 fn hardening(e: &Evidence<'_>, stiffness: f64) -> Option<Term> {
     let s = e.scales;
     let half_span = 0.5 * s.span();
     let middle = s.middle();
-    let hardening = STEEP / (half_span * half_span);
+    let hardening = STRONGLY_HARDENED / (half_span * half_span);
     let [pull, offset_nm] = regress(e, |m| {
         let away = m.position - middle;
         [-away * (1.0 + hardening * away * away), 1.0]

@@ -1,4 +1,4 @@
-//! Static friction above the sliding level.
+//! Stribeck friction: static friction above the sliding level.
 
 use super::coulomb::Coulomb;
 use super::identification::Identification;
@@ -15,23 +15,22 @@ use crate::windows::statistics::quantile;
 use host_sim::effects::Kind;
 use host_sim::effects::stribeck::KIND;
 
-/// Exponents from which a fit starts, and the places of the parameters `exponent` and `tail`.
-const FALLS: [f64; 2] = [2.0, 1.0];
+/// Starts of the exponent, and the indices of the parameters `exponent` and `tail`.
+const EXPONENTS: [f64; 2] = [2.0, 1.0];
 const EXPONENT: usize = 2;
 const TAIL: usize = 3;
-/// Half way from an exponential to a hyperbola.
+/// Start of `tail`: half way between an exponential and a hyperbolic decrease.
 const SOME_TAIL: f64 = 0.5;
-/// Starts of the excess over the sliding level, and of the velocity over that of the motion.
-const RISES: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
-/// Starts of the velocity over that of the motion where rests show the static level, and factor of the excess that they
-/// show.
-const HELD_FALLS: [f64; 2] = [0.03, 0.15];
-const HELD_MARGIN: f64 = 1.05;
-/// Quantile of the torque that rests held, and largest torque of inertia at a rest, as a share of the friction: at a
-/// reversal nothing rests.
-const HELD: f64 = 0.98;
-const RESTS: f64 = 0.1;
-/// Velocities of the fall that are screened for the missing torque, over the rms velocity.
+/// Starts of the static friction above the sliding level, as a share of that level, and of the Stribeck velocity over the rms velocity.
+const STARTS: [(f64, f64); 4] = [(0.1, 0.15), (0.4, 0.03), (0.4, 0.15), (1.0, 0.4)];
+/// Starts of the Stribeck velocity, over the rms velocity, if the static level is estimated from standstill, and a factor on that level.
+const STANDSTILL_VELOCITIES: [f64; 2] = [0.03, 0.15];
+const STANDSTILL_MARGIN: f64 = 1.05;
+/// Quantile of the torque during standstill, and largest inertial torque at standstill, as a share of the friction. At a reversal the
+/// joint accelerates, so it is no standstill.
+const STANDSTILL_QUANTILE: f64 = 0.98;
+const LARGEST_INERTIAL_SHARE: f64 = 0.1;
+/// Stribeck velocities that are screened for the missing torque, over the rms velocity.
 const VELOCITIES_SCREENED: [f64; 6] = [0.02, 0.04, 0.08, 0.15, 0.3, 0.6];
 
 #[derive(Debug)]
@@ -46,13 +45,13 @@ impl Identification for Stribeck {
         if !has_coulomb_friction(e) {
             return Vec::new();
         }
-        let held = held_rise(e).into_iter();
-        let held = held.flat_map(|rise| HELD_FALLS.map(|v| (rise, v)));
-        let falls = RISES.into_iter().chain(held).flat_map(|(rise, v)| {
+        let held = least_static_excess(e).into_iter();
+        let held = held.flat_map(|rise| STANDSTILL_VELOCITIES.map(|v| (rise, v)));
+        let starts = STARTS.into_iter().chain(held).flat_map(|(rise, v)| {
             let free = vec![linear(0, 1.0 + rise, 0.3), log(1, v * e.scales.velocity)];
-            FALLS.map(|exponent| term(&KIND, free.clone(), &[(EXPONENT, exponent)]))
+            EXPONENTS.map(|exponent| term(&KIND, free.clone(), &[(EXPONENT, exponent)]))
         });
-        falls.collect()
+        starts.collect()
     }
 
     fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
@@ -77,7 +76,7 @@ impl Identification for Stribeck {
         if path.friction_level() == 0.0 {
             return Vec::new();
         }
-        let falls = VELOCITIES_SCREENED.iter().flat_map(|part| {
+        let starts = VELOCITIES_SCREENED.iter().flat_map(|part| {
             [1.0, 2.0].map(|exponent| {
                 let velocity = part * path.scale.velocity;
                 let base = [(0, 1.0), (1, velocity), (EXPONENT, exponent)];
@@ -87,7 +86,7 @@ impl Identification for Stribeck {
                     .positive()
             })
         });
-        target.screened(falls.collect(), 2)
+        target.screened(starts.collect(), 2)
     }
 
     fn noun(&self) -> &'static str {
@@ -103,18 +102,17 @@ impl Identification for Stribeck {
     }
 }
 
-/// Excess of static friction over the sliding level without which the joint would have slid at the rests that were
-/// seen.
-fn held_rise(e: &Evidence<'_>) -> Option<f64> {
+/// Static friction above the sliding level that is at least required for the observed standstills, as a share of the sliding level.
+fn least_static_excess(e: &Evidence<'_>) -> Option<f64> {
     let m = &e.device.mechanics;
     let level = m.friction.highest_nm();
-    let rests = e.motions.iter().flat_map(|motion| {
+    let standstill_torques = e.motions.iter().flat_map(|motion| {
         let all = motion.held_nm.iter().zip(&motion.acceleration);
-        all.filter(|(_, a)| m.inertia * a.abs() < RESTS * level)
+        all.filter(|(_, a)| m.inertia * a.abs() < LARGEST_INERTIAL_SHARE * level)
             .map(|(held, _)| held.abs())
     });
-    let rests: Vec<f64> = rests.filter(|held| held.is_finite()).collect();
-    let rise = HELD_MARGIN * quantile(&rests, HELD) / level - 1.0;
+    let standstill_torques: Vec<f64> = standstill_torques.filter(|held| held.is_finite()).collect();
+    let rise = STANDSTILL_MARGIN * quantile(&standstill_torques, STANDSTILL_QUANTILE) / level - 1.0;
     (rise > 0.0).then_some(rise)
 }
 
@@ -124,8 +122,8 @@ mod tests {
     use crate::made;
     use crate::windows::motion::Motion;
 
-    /// Lower bound of static friction from a torque, N m, that was held at this acceleration.
-    fn told(held: &[(f64, f64)]) -> Option<f64> {
+    /// Lower bound of the static friction above the sliding level from torques, N m, and accelerations during standstill.
+    fn excess(held: &[(f64, f64)]) -> Option<f64> {
         let hold = |motions: &mut [Motion]| {
             for motion in motions.iter_mut() {
                 motion.held_nm.fill(f64::NAN);
@@ -135,17 +133,20 @@ mod tests {
                 motions[0].acceleration[i] = *acceleration;
             }
         };
-        made::seen(&[], hold, held_rise)
+        made::seen(&[], hold, least_static_excess)
     }
 
     #[test]
-    fn rests_tell_how_much_static_friction_there_is_at_least() {
+    fn standstill_gives_a_lower_bound_of_static_friction() {
         let level = made::recording(&[]).model.coulomb;
-        assert_eq!(told(&[]), None);
-        assert_eq!(told(&[(0.9 * level, 0.0)]), None);
-        let rise = told(&[(1.6 * level, 0.0), (-1.6 * level, 0.0), (0.2 * level, 0.0)]).unwrap();
-        assert!((rise + 1.0 - 1.6 * HELD_MARGIN).abs() < 1e-9, "{rise}");
-        // At a reversal, inertia takes part of the torque.
-        assert_eq!(told(&[(0.9 * level, 0.0), (3.0 * level, 50.0)]), None);
+        assert_eq!(excess(&[]), None);
+        assert_eq!(excess(&[(0.9 * level, 0.0)]), None);
+        let rise = excess(&[(1.6 * level, 0.0), (-1.6 * level, 0.0), (0.2 * level, 0.0)]).unwrap();
+        assert!(
+            (rise + 1.0 - 1.6 * STANDSTILL_MARGIN).abs() < 1e-9,
+            "{rise}"
+        );
+        // At a reversal, the inertia takes a part of the torque.
+        assert_eq!(excess(&[(0.9 * level, 0.0), (3.0 * level, 50.0)]), None);
     }
 }

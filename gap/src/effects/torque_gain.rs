@@ -1,4 +1,4 @@
-//! A torque that is another multiple of the input.
+//! A drive with a different gain.
 
 use super::identification::{Family, Identification, MainNumber, SmallMotion};
 use super::phrase::Found;
@@ -31,7 +31,7 @@ impl Identification for TorqueGain {
     }
 
     fn sets_in_model(&self) -> Option<&'static str> {
-        // The gain multiplies the stated ratio. Moving both would move one number twice.
+        // The gain multiplies the stated ratio, so both must not be free.
         Some("ratio")
     }
 

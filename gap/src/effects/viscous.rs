@@ -1,4 +1,4 @@
-//! Friction in proportion to velocity.
+//! Viscous friction: proportional to the velocity.
 
 use super::identification::{Family, Identification, MainNumber};
 use super::phrase::Found;

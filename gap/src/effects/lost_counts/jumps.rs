@@ -1,4 +1,4 @@
-//! Jumps of a counter: steps between two samples that no motion makes.
+//! Jumps of an encoder count: steps between two samples that no motion causes.
 
 use crate::columns::Disagreement;
 use crate::guess::Evidence;
@@ -11,38 +11,38 @@ use crate::windows::statistics::quantile;
 use host_sim::effects::lost_counts::KIND;
 use recording::low_pass_gain;
 
-/// A step counts from this many times the spread of the steps of the motion itself, and of the noise.
+/// Least size of a jump, over the spread of the steps of the motion and over the noise.
 const STEP_RATIO: f64 = 12.0;
-/// 0.75 quantile of |N(0, 1)| over its standard deviation is 1.15.
+/// The 0.75 quantile of |N(0, 1)|, over its standard deviation.
 const UPPER_QUARTILE: f64 = 1.15;
-/// Steps this share of the largest beside them are as large.
-const TIED: f64 = 0.8;
-/// More jumps than this are noise of another kind, or motion, but for those this many times larger than the next.
+/// Share of the largest neighbouring step from which a step counts as equally large.
+const EQUAL_SHARE: f64 = 0.8;
+/// Largest number of jumps. More jumps are noise or motion, except for those that are larger than the next by the factor [`OUTSTANDING`].
 const MOST_JUMPS: usize = 40;
 const OUTSTANDING: f64 = 3.0;
-/// Most jumps whose instants are fitted. Of more jumps the heights alone are fitted.
+/// Largest number of jumps whose instants are fitted. With more jumps only the heights are fitted.
 const MOST_TIMED: usize = 12;
-/// Between two columns more jumps than this are no lost counts.
+/// Largest number of jumps between two position columns.
 const MOST_IN_COLUMNS: usize = 12;
-/// There a jump must reduce the squares by this, in variances, and be this high, in standard deviations.
+/// Least reduction of the sum of squares by a jump between two columns, in noise variances, and its least height, in standard deviations.
 const JUMP_GAIN: f64 = 40.0;
 const JUMP_HEIGHT: f64 = 3.0;
-/// And this share of the highest.
+/// Least height of a jump between two columns, as a share of the highest jump.
 const LEAST_JUMP: f64 = 0.1;
-/// Samples between two jumps at least: a column that lags shows the kick of a loop that believed the jump.
-const APART: usize = 10;
-/// Jumps that are looked for in the missing torque, and rows between two of them at least; the first rows of a stretch surprise
-/// the smoother anyway.
+/// Least number of samples between two jumps. In a column with a lag, a controller that reacts to a jump causes a further error.
+const SAMPLES_APART: usize = 10;
+/// Largest number of jumps that are searched in the missing torque, and the least number of rows between two of them. The first rows of a
+/// stretch are excluded because the smoother has not converged there.
 const JUMPS_SCREENED: usize = 3;
 const ROWS_APART: usize = 20;
 const FIRST_ROWS: usize = 10;
 
-/// The jumps found, as one term with time and height of each; none if there are none.
+/// Starts with all jumps that were found, each with its instant and height. Returns none without a jump.
 pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
     let mut jumps = Vec::new();
     for series in e.series {
         let x = &series.position;
-        // What a sample differs from the line through its neighbours on either side.
+        // Deviation of the step to a sample from the mean slope of its neighbours.
         let breaks: Vec<f64> = (0..x.len())
             .map(|i| {
                 if i < 2 || i + 1 >= x.len() {
@@ -58,12 +58,13 @@ pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
         let sizes: Vec<f64> = breaks.iter().map(|b| b.abs()).collect();
         let spread = (quantile(&sizes, 0.75) / UPPER_QUARTILE).max(e.scales.noise);
         for (i, height) in breaks.iter().enumerate() {
-            // A step shows in the slopes beside it too: the largest of neighbours is the step.
+            // A step also changes the neighbouring deviations, so only the largest one counts.
             let near = i.saturating_sub(2)..(i + 3).min(sizes.len());
             let largest = near.clone().all(|k| sizes[k] <= height.abs());
             if largest && height.abs() > STEP_RATIO * spread {
-                // Halfway within a mean it is as large in all of them, and whole in what is around it alone.
-                let tied = near.filter(|&k| sizes[k] >= TIED * height.abs());
+                // If a jump lies within an averaged sample, the steps to both neighbours are equally large. The samples around them then
+                // show the full height.
+                let tied = near.filter(|&k| sizes[k] >= EQUAL_SHARE * height.abs());
                 let whole = tied.filter_map(|k| Some((k, height_around(&series.time, x, k)?)));
                 let whole = whole.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
                 let (i, height) = whole.unwrap_or((i, *height));
@@ -76,39 +77,39 @@ pub(super) fn starts(e: &Evidence<'_>) -> Vec<Term> {
     if jumps.is_empty() {
         return Vec::new();
     }
-    // A counter may also start anew with every run.
-    let mut anew = Vec::new();
+    // The count may also be reset at the begin of every run.
+    let mut reset_per_run = Vec::new();
     for (index, series) in e.series.iter().enumerate() {
         let Some([from, to]) = series.session_span_s() else {
             continue;
         };
         let within = |j: &Found| (from..=to).contains(&j.0);
-        let mine: Vec<_> = jumps.iter().copied().filter(within).collect();
-        let sum: f64 = mine.iter().map(|j| j.2).sum();
-        anew.extend(mine);
+        let in_run: Vec<_> = jumps.iter().copied().filter(within).collect();
+        let sum: f64 = in_run.iter().map(|j| j.2).sum();
+        reset_per_run.extend(in_run);
         let mut next = e.series[index + 1..].iter().filter(|s| !s.time.is_empty());
         if let Some(next) = next.next().filter(|_| sum != 0.0) {
             let start = next.session(0) - 0.5 * next.span_s;
-            anew.push((start, start, -sum));
+            reset_per_run.push((start, start, -sum));
         }
     }
-    // The first sample after a jump that went through a low-pass shows a part of it.
-    let shown = low_pass_gain(e.cutoff_hz, e.series[0].period_s.max(e.series[0].span_s));
-    let parts = if shown < 1.0 {
-        &[1.0, shown][..]
+    // Behind a low-pass the first sample after a jump shows only a part of the height.
+    let shown_share = low_pass_gain(e.cutoff_hz, e.series[0].period_s.max(e.series[0].span_s));
+    let parts = if shown_share < 1.0 {
+        &[1.0, shown_share][..]
     } else {
         &[1.0]
     };
     let terms = parts
         .iter()
-        .flat_map(|part| [&jumps, &anew].map(|jumps| term(jumps, *part)));
+        .flat_map(|part| [&jumps, &reset_per_run].map(|jumps| term(jumps, *part)));
     terms.collect()
 }
 
-/// One that the counter makes: the first and the last instant that it may have, s of the session, and its height.
+/// A jump that was found: the first and the last instant that it may have, s of the session, and its height.
 type Found = (f64, f64, f64);
 
-/// The jumps that are not too many: the largest ones where the others are a motion's.
+/// All jumps, or if they are too many, those that are much larger than the others.
 fn outstanding(jumps: Vec<Found>) -> Vec<Found> {
     if jumps.len() <= MOST_JUMPS {
         return jumps;
@@ -123,7 +124,7 @@ fn outstanding(jumps: Vec<Found>) -> Vec<Found> {
     large.collect()
 }
 
-/// Height of a jump that samples `i − 1` to `i` show, of which their neighbours, as means, may show a part.
+/// Height of a jump between samples `i − 1` and `i`, from the samples around them. An averaged sample may show only a part of the height.
 fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
     let (a, b) = (i.checked_sub(2)?, i + 1);
     let slope =
@@ -132,7 +133,7 @@ fn height_around(time: &[f64], x: &[f64], i: usize) -> Option<f64> {
     Some(x[b] - x[a] - motion * (time[b] - time[a]))
 }
 
-/// A term of jumps, each between two instants, or at one, and with a height of which a `part` is given.
+/// A term of jumps. Each lies between two instants, or at one, and has a height of which only the share `part` is seen.
 fn term(jumps: &[Found], part: f64) -> Term {
     let jumps = jumps
         .iter()
@@ -141,7 +142,7 @@ fn term(jumps: &[Found], part: f64) -> Term {
     let is_timed = jumps.len() <= MOST_TIMED;
     for (index, (before, after, height)) in jumps.clone().enumerate() {
         let place = KIND.event_place(index);
-        // Within a sample that is a mean the instant shows in the height of that sample.
+        // Within an averaged sample the instant determines the value of the sample, so it can be fitted.
         if is_timed && after > before {
             free.push(linear(
                 place,
@@ -171,11 +172,12 @@ pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
     }
     let total = |from: usize, to: usize| (sums[to] - sums[from], (to - from) as f64);
     let variance = columns.columns.variance;
-    // Height and place of the next split, if it is no noise.
+    // Height and index of the next jump, unless it is noise.
     let next = |edges: &[usize]| {
         let splits = edges.windows(2).flat_map(|pair| {
             let (from, to) = (pair[0], pair[1]);
-            (from + APART..(to + 1).saturating_sub(APART)).map(move |at| (from, at, to))
+            (from + SAMPLES_APART..(to + 1).saturating_sub(SAMPLES_APART))
+                .map(move |at| (from, at, to))
         });
         let gains = splits.map(|(from, at, to)| {
             let ((a, n), (b, m)) = (total(from, at), total(at, to));
@@ -194,7 +196,7 @@ pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
         edges.sort_unstable();
         further = next(&edges);
     }
-    // Level before each edge and height there.
+    // Level before each jump, and its height.
     let steps = |edges: &[usize]| -> Vec<(usize, f64, f64)> {
         let steps = edges.windows(3).map(|edge| {
             let ((a, n), (b, m)) = (total(edge[0], edge[1]), total(edge[1], edge[2]));
@@ -213,19 +215,22 @@ pub(super) fn between_columns(columns: &Disagreement<'_>) -> Option<Vec<f64>> {
         edges.retain(|edge| edge != at);
     }
     let timed = |(at, level, height): (usize, f64, f64)| {
-        // Samples that are means show by their heights when within them it jumped.
+        // The value of an averaged sample shows at which instant within it the jump occurred.
         let share = |i: usize| ((columns.difference[i] - level) / height).clamp(0.0, 1.0);
-        let late = 1.5 - share(at - 1) - share(at);
-        [times[at - 1] + late * (times[at] - times[at - 1]), height]
+        let share_before = 1.5 - share(at - 1) - share(at);
+        [
+            times[at - 1] + share_before * (times[at] - times[at - 1]),
+            height,
+        ]
     };
     let steps: Vec<_> = steps(&edges).into_iter().map(timed).collect();
     (!steps.is_empty()).then(|| KIND.events(&steps))
 }
 
-/// Jumps of the counter where the smoother is most surprised: the largest one, the two largest, and so on.
+/// Forms with jumps at the largest innovations of the smoother: the largest one, the two largest, and so on.
 pub(super) fn torque_forms(path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
     let n = path.position.len();
-    let found = most_surprising(path, target);
+    let found = largest_innovations(path, target);
     let unit = 0.1 * path.scale.half_span();
     let column = |row: usize| -> Vec<f64> {
         let end = path
@@ -259,8 +264,8 @@ pub(super) fn torque_forms(path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
     forms.collect()
 }
 
-/// The rows whose innovations are largest, apart from each other.
-fn most_surprising(path: &Path<'_>, target: &Target<'_>) -> Vec<usize> {
+/// The rows with the largest innovations, at least [`ROWS_APART`] rows apart.
+fn largest_innovations(path: &Path<'_>, target: &Target<'_>) -> Vec<usize> {
     let mut rows: Vec<usize> = (0..path.position.len()).collect();
     for stretch in &path.samples.stretches {
         let first = stretch.rows.start..(stretch.rows.start + FIRST_ROWS).min(stretch.rows.end);
@@ -284,7 +289,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_many_jumps_the_heights_alone_are_fitted() {
+    fn with_many_jumps_only_the_heights_are_fitted() {
         let fitted = |count: usize| {
             let jumps = (0..count).map(|k| (k as f64, k as f64 + 1e-3, 0.1));
             let jumps: Vec<Found> = jumps.collect();
@@ -295,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn jumps_are_what_stands_out_from_the_motions_own_steps() {
+    fn only_jumps_that_stand_out_from_the_steps_of_the_motion_are_kept() {
         let steps = |count: u32, height: f64| (0..count).map(move |k| (f64::from(k), 0.5, height));
         let motion: Vec<Found> = steps(MOST_JUMPS as u32 + 1, 0.04).collect();
         let with = |jumps: &[Found]| outstanding([jumps, &motion].concat());

@@ -1,4 +1,4 @@
-//! A counter that loses counts: at moments, or of motion that is too fast for it.
+//! An encoder that loses counts, at single instants or during fast motion.
 
 mod jumps;
 mod overspeed;
@@ -34,7 +34,7 @@ impl Identification for LostCounts {
 
     fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
         let speeds = fit.series.iter().flat_map(Series::restart_speeds);
-        overspeed::loses_all_along(fit.term, &speeds.collect::<Vec<f64>>())
+        overspeed::loses_at_every_speed(fit.term, &speeds.collect::<Vec<f64>>())
     }
 
     fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {

@@ -1,4 +1,4 @@
-//! A user's effect as it is written in TOML.
+//! The definition of a user's effect in TOML.
 
 use super::error::OwnEffectError;
 use super::expression::VARIABLES;
@@ -7,23 +7,23 @@ use host_sim::effects::{Parameter, Quantity};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// Most parameters of an effect.
+/// Largest number of parameters of an effect.
 pub(super) const MOST_PARAMETERS: usize = 4;
 
-/// The table of an effect.
+/// The TOML table of an effect.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Definition {
-    /// Its name in results.
+    /// Name of the effect in results.
     pub name: String,
-    /// The effect in a sentence.
+    /// Description of the effect in a sentence.
     pub about: String,
-    /// Its torque at the joint, N m, as an expression of `x`, `v`, `u`, `t` and the parameters.
+    /// Torque at the joint, N m, as an expression of `x`, `v`, `u`, `t` and the parameters.
     pub torque: String,
-    /// The quantity on which its torque mainly depends.
+    /// The quantity on which the torque mainly depends.
     #[serde(default)]
     pub axis: OwnAxis,
-    /// Its parameters, by name.
+    /// Parameters by name.
     pub parameters: BTreeMap<String, OwnParameter>,
 }
 
@@ -31,12 +31,12 @@ pub(super) struct Definition {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct OwnParameter {
-    /// Lowest and highest usual value. A fit starts between them. If both are positive, the number stays positive.
+    /// Lowest and highest typical value. A fit starts between them. If both are positive, the parameter stays positive.
     pub typical: [f64; 2],
-    /// The quantity, which gives its unit.
+    /// The quantity of the parameter, which determines its unit.
     #[serde(default)]
     pub quantity: OwnQuantity,
-    /// Its meaning, for the report.
+    /// Meaning of the parameter, for the report.
     #[serde(default)]
     pub about: String,
 }
@@ -63,7 +63,7 @@ impl From<OwnAxis> for Axis {
     }
 }
 
-/// The quantity that a parameter measures, for its unit.
+/// The quantity of a parameter, which determines its unit.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum OwnQuantity {
@@ -126,7 +126,7 @@ impl Definition {
         Ok(own)
     }
 
-    /// Its parameters in the order of their names.
+    /// The parameters in the order of their names.
     pub(super) fn parameters(&self) -> Vec<Parameter> {
         let all = self.parameters.iter();
         all.map(|(name, own)| Parameter {
@@ -142,7 +142,7 @@ impl Definition {
 }
 
 impl OwnParameter {
-    /// True if its value stays positive and is varied by ratios.
+    /// True if the value stays positive and has a logarithmic coordinate.
     fn is_positive(&self) -> bool {
         self.typical[0] > 0.0
     }

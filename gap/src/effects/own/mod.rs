@@ -34,23 +34,24 @@ use host_sim::effects::Kind;
 use host_sim::effects::own::{OwnKind, add as add_kind};
 use std::sync::{PoisonError, RwLock};
 
-/// Values of each number from which a fit starts, where there are so many numbers.
-const VALUES: [usize; 5] = [0, 5, 3, 2, 2];
+/// Number of start values of each parameter, by the number of parameters.
+const STARTS_PER_PARAMETER: [usize; 5] = [0, 5, 3, 2, 2];
 
 static OWN: RwLock<Vec<&'static OwnEffect>> = RwLock::new(Vec::new());
 
-/// An effect of a user.
+/// An effect that a user defined.
 #[derive(Debug)]
 pub(super) struct OwnEffect {
     kind: &'static Kind,
     axis: Axis,
 }
 
-/// Adds the effect that a text in TOML defines to the vocabulary, for as long as the program runs, and returns its name. From then on
-/// it is searched, reported, saved and read as any other.
+/// Adds the effect that a TOML text defines to the vocabulary, until the program ends, and returns its name. The effect is then searched,
+/// reported, saved and read like any other.
 ///
 /// # Errors
-/// [`OwnEffectError`] for a text that defines none.
+///
+/// [`OwnEffectError`] for a text that does not define an effect.
 pub fn add_own(text: &str) -> Result<&'static str, OwnEffectError> {
     let own = Definition::read(text)?;
     let names: Vec<String> = own.parameters.keys().cloned().collect();
@@ -78,10 +79,10 @@ pub(super) fn all() -> Vec<&'static dyn Identification> {
 }
 
 impl OwnEffect {
-    /// Sets of numbers within what is typical.
+    /// Sets of parameter values within their typical ranges.
     fn sets(&self) -> Vec<Vec<f64>> {
         let parameters = self.kind.parameters;
-        let count = VALUES[parameters.len().min(VALUES.len() - 1)];
+        let count = STARTS_PER_PARAMETER[parameters.len().min(STARTS_PER_PARAMETER.len() - 1)];
         let mut sets = vec![Vec::new()];
         for parameter in parameters {
             let [low, high] = parameter.typical;
@@ -100,7 +101,7 @@ impl OwnEffect {
         sets
     }
 
-    /// What is free from where its numbers are these.
+    /// Coordinates of all parameters with the given start values.
     fn coordinates(&self, values: &[f64]) -> Vec<Coordinate> {
         let all = self.kind.parameters.iter().zip(values).enumerate();
         all.map(|(place, (parameter, &value))| {

@@ -1,4 +1,4 @@
-//! How far each part of a corrected model closes the gap: its effects, and the numbers of the model that had to move.
+//! Divides the shrink of the gap among the parts of a corrected model: its effects, and the model parameters that moved.
 
 use crate::effects;
 use crate::fit::Fit;
@@ -10,32 +10,33 @@ use crate::shrink::{part_on_another, shrink};
 use rayon::prelude::*;
 
 const ITERATIONS: usize = 6;
-/// Standard deviations of its own estimate by which a number must have moved.
-const SURE: f64 = 2.0;
-/// Standard deviations of what is stated below which a number is where it was.
+/// Least move of a parameter, in standard deviations of its estimate.
+const LEAST_SIGNIFICANCE: f64 = 2.0;
+/// Least move of a parameter, in standard deviations of its tolerance.
 const LEAST_MOVE: f64 = 0.01;
 
 /// A part of a corrected model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cause {
-    /// A number that moved, by its place among those that may.
+    /// A model parameter that moved, by its index among the prior parameters.
     Number(usize),
-    /// An effect, by its place in the fit.
+    /// An effect, by its index in the fit.
     Effect(usize),
 }
 
-/// What a part accounts for.
+/// The shrink that is attributed to a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attributed {
     pub cause: Cause,
-    /// Its part of the shrink of the whole model, with its 95 % interval on another recording.
+    /// Share of the shrink of the whole model, with its 95 % interval on another recording.
     pub shrink: [f64; 3],
 }
 
-/// Divides the `total` shrink of a fit, given with its 95 % interval, among its effects and the numbers that moved; `elsewhere` is the
-/// 95 % interval of the total on another recording. The one that closes most comes first. Each part gets its Shapley share: subsets of
-/// the parts are refitted, and what several parts can close is divided among them. `nominal` and `floor` are squared residuals by window,
-/// in units of position squared.
+/// Divides the `total` shrink of a fit, with its 95 % interval, among the effects and the parameters that moved. The part that closes
+/// most comes first. `elsewhere` is the 95 % interval of the total on another recording.
+///
+/// Each part gets its Shapley share: subsets of the parts are refitted, and the shrink that several parts could cause is divided among
+/// them. `nominal` and `floor` are sums of squared residuals by window, in position units squared.
 pub(super) fn attributed(
     problem: &Problem<'_>,
     fit: &Fit,
@@ -52,17 +53,17 @@ pub(super) fn attributed(
     if let [cause] = causes[..] {
         return vec![part(cause, total)];
     }
-    let is_taken = |subset: u32, cause: Cause| {
+    let is_included = |subset: u32, cause: Cause| {
         let place = causes.iter().position(|other| *other == cause);
         place.is_some_and(|place| subset >> place & 1 == 1)
     };
     let subsets = shapley::subsets(causes.len()).into_par_iter();
-    let left = subsets.map(|subset| {
-        let squares = left_with(problem, fit, |cause| is_taken(subset, cause));
+    let refits = subsets.map(|subset| {
+        let squares = window_squares_with(problem, fit, |cause| is_included(subset, cause));
         (subset, squares)
     });
-    let left: Vec<(u32, Vec<f64>)> = left.collect();
-    let rms = left
+    let refits: Vec<(u32, Vec<f64>)> = refits.collect();
+    let rms = refits
         .iter()
         .map(|(subset, squares)| (*subset, problem.rms(squares)));
     let shares = shapley::shares(causes.len(), &rms.collect::<Vec<_>>());
@@ -71,13 +72,13 @@ pub(super) fn attributed(
     let with = problem.window_squares(fit, Part::All);
     let parts = causes.iter().zip(&shares).map(|(&cause, share)| {
         let own = total[0] * share.of_all.max(0.0) / sum;
-        let others = left.iter().find(|(subset, _)| {
+        let others = refits.iter().find(|(subset, _)| {
             let mut causes = causes.iter();
-            causes.all(|&other| is_taken(*subset, other) != (other == cause))
+            causes.all(|&other| is_included(*subset, other) != (other == cause))
         });
-        let beside = others.map(|(_, others)| shrink(others, &with, floor, nominal));
-        let [beside, low, high] = beside.unwrap_or_default();
-        let interval = [(low - beside).min(0.0), (high - beside).max(0.0)];
+        let own_shrink = others.map(|(_, others)| shrink(others, &with, floor, nominal));
+        let [own_shrink, low, high] = own_shrink.unwrap_or_default();
+        let interval = [(low - own_shrink).min(0.0), (high - own_shrink).max(0.0)];
         part(cause, [own, own + interval[0], own + interval[1]])
     });
     let mut parts: Vec<Attributed> = parts.collect();
@@ -85,9 +86,9 @@ pub(super) fn attributed(
     parts
 }
 
-/// The effects of a fit, and the numbers that surely moved.
+/// The effects of a fit, and the parameters that moved significantly.
 fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
-    let is_said_anew = |number: &str| {
+    let is_replaced = |number: &str| {
         let mut terms = fit.hypothesis.terms.iter();
         terms.any(|term| effects::of(term.kind.name).replaces() == Some(number))
     };
@@ -95,8 +96,8 @@ fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
     let has_moved = |place: &usize| {
         let name = &problem.priors[*place].name;
         let moved = fit.x[*place].abs();
-        let is_sure = moved > LEAST_MOVE && moved > SURE * fit.std[*place];
-        is_sure && (name != INPUT_TIME || is_common) && !is_said_anew(name)
+        let is_sure = moved > LEAST_MOVE && moved > LEAST_SIGNIFICANCE * fit.std[*place];
+        is_sure && (name != INPUT_TIME || is_common) && !is_replaced(name)
     };
     let numbers = (0..problem.priors.len()).filter(has_moved);
     let effects = 0..fit.hypothesis.terms.len();
@@ -106,18 +107,18 @@ fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
         .collect()
 }
 
-/// Squares of each window that are left with those causes that are `taken`, refitted; other numbers are as stated.
-fn left_with(problem: &Problem<'_>, fit: &Fit, taken: impl Fn(Cause) -> bool) -> Vec<f64> {
+/// Sum of squared residuals of each window in a fit of the `included` causes. The other model parameters have their stated values.
+fn window_squares_with(problem: &Problem<'_>, fit: &Fit, included: impl Fn(Cause) -> bool) -> Vec<f64> {
     let is_common = common_input_shift_s(problem.recording, &problem.priors, &fit.x).is_some();
     let is_free = |place: &usize| {
         let is_time = problem.priors[*place].name == INPUT_TIME;
-        is_time && !is_common || taken(Cause::Number(*place))
+        is_time && !is_common || included(Cause::Number(*place))
     };
     let kept: Vec<usize> = (0..problem.priors.len()).filter(is_free).collect();
     let numbers: Vec<_> = kept.iter().map(|&k| problem.priors[k].clone()).collect();
     let mut some = fit.clone();
     for place in (0..fit.hypothesis.terms.len()).rev() {
-        if !taken(Cause::Effect(place)) {
+        if !included(Cause::Effect(place)) {
             (some.hypothesis, some.x) = some.without(place);
         }
     }
@@ -135,9 +136,9 @@ mod tests {
     use crate::guess::start::linear;
     use crate::made;
 
-    /// Shrink that is attributed to the number `viscous` and to a constant torque, out of 0.9 in all. The device has so much of either
-    /// beyond its model, in N m s/rad and N m.
-    fn accounted(viscous: f64, offset_nm: f64) -> [f64; 2] {
+    /// Shrink that is attributed to the parameter `viscous` and to a constant torque, of 0.9 in all. The device has these additional
+    /// values, in N m s/rad and N m.
+    fn attributed_shrinks(viscous: f64, offset_nm: f64) -> [f64; 2] {
         let hidden = [
             format!("viscous:coefficient={viscous}"),
             format!("torque_offset:torque={offset_nm}"),
@@ -170,11 +171,11 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_moved_and_an_effect_share_what_they_close_together() {
-        let [number, offset] = accounted(5.3e-4, 3e-4);
+    fn a_moved_parameter_and_an_effect_share_the_common_shrink() {
+        let [number, offset] = attributed_shrinks(5.3e-4, 3e-4);
         assert!((number + offset - 0.9).abs() < 1e-9, "{number} {offset}");
         assert!(number > 2.0 * offset, "{number} {offset}");
-        let [number, offset] = accounted(2.6e-4, 4e-3);
+        let [number, offset] = attributed_shrinks(2.6e-4, 4e-3);
         assert!(offset > 2.0 * number, "{number} {offset}");
     }
 }

@@ -1,4 +1,4 @@
-//! The nominal model as a diagnosis corrects it.
+//! The nominal model with the corrections of a diagnosis.
 
 use crate::fit::Fit;
 use crate::fit::hypothesis::common_input_shift_s;
@@ -9,28 +9,28 @@ use host_sim::effects::Effect;
 use host_sim::plant::Law;
 use std::sync::Arc;
 
-/// The nominal model with its numbers moved and effects on top.
+/// The nominal model with corrected parameters and additional effects.
 #[derive(Clone, Debug)]
 pub struct CorrectedModel {
-    /// The numbers.
+    /// The parameters.
     pub model: recording::Model,
     /// The effects, with all their parameters, in the order in which they are installed.
     pub effects: Vec<CorrectedEffect>,
-    /// Torques that are tables over an axis.
+    /// Torques as tables over an axis.
     pub tables: Vec<Table>,
 }
 
 /// An effect of a corrected model.
 #[derive(Clone, Debug)]
 pub struct CorrectedEffect {
-    /// Kind and numbers.
+    /// Kind and parameters.
     pub effect: Effect,
     /// Side of the transmission on which the position sensor sits.
     pub sensor_on_load: bool,
 }
 
 impl CorrectedModel {
-    /// The device that it describes.
+    /// The device of the corrected model.
     pub fn device(&self) -> Device {
         let mut device = Device::nominal(&self.model);
         for corrected in &self.effects {
@@ -45,7 +45,7 @@ impl CorrectedModel {
     }
 }
 
-/// The nominal model as a fit corrects it. Its delay includes the time by which the input of all runs acts later than their rows say.
+/// The nominal model with the corrections of a fit. Its delay includes the common additional delay of the input.
 pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
     let effects = fit
         .hypothesis
@@ -68,7 +68,7 @@ pub(super) fn corrected(problem: &Problem<'_>, fit: &Fit) -> CorrectedModel {
     }
 }
 
-/// The nominal model, as the recording states it.
+/// The nominal model without a correction.
 pub(super) fn nominal(recording: &recording::Recording) -> CorrectedModel {
     CorrectedModel {
         model: recording.model,

@@ -1,7 +1,7 @@
-//! The effects that are named, how sure that is, and what was tried beside them.
+//! The effects that the diagnosis names, with their confidence, and the other effects that were tried.
 
-use super::relief::is_relieved;
-use super::steps::{Step, is_spare};
+use super::prior_tension::relieves_tension;
+use super::steps::{Step, is_redundant};
 use crate::comparison::{Comparison, Match};
 use crate::diagnosis::{Estimate, Finding, Tried, Verdict};
 use crate::fit::problem::Problem;
@@ -10,25 +10,24 @@ use crate::plausible::Implausible;
 use crate::select::{self, Round, Selection};
 use indexmap::IndexMap;
 
-/// Standard errors of gain beyond which the number of windows no longer limits the confidence.
-const SURE: f64 = 6.0;
-/// Probability that two columns and the dynamics are not wrong together.
-const COMPARED: f64 = 0.97;
-/// Probability that a name is right where something else is missing, for which it may stand in: of 21 such names on five
-/// blind sets 17 were right.
+/// Significance of the gain, in standard errors, beyond which the number of windows no longer limits the confidence.
+const SIGNIFICANT: f64 = 6.0;
+/// Confidence in an effect that both the comparison of two columns and the prediction show.
+const SURE_BY_COMPARISON: f64 = 0.97;
+/// Highest confidence if the gap is only partly explained, because the effect may stand for another cause.
 const SURE_IN_PART: f64 = 0.85;
-/// Probability that the name of a further effect is right that hardly closes anything by itself: most often it makes up for
-/// another form of the one before it. Of eleven such names on seven blind sets two were right.
+/// Highest confidence in a further effect that closes hardly anything by itself. Such an effect most often corrects the formula of the
+/// effect before it.
 const SURE_IF_SMALL: f64 = 0.5;
-/// Probability that a name is right beside a timing that the data contradict: less than even.
+/// Highest confidence if the data contradict the stated timing of the input.
 const SURE_IF_TIMING_IS_DOUBTED: f64 = 0.45;
-/// What an effect rests on.
+/// The evidence for an effect.
 pub(super) const PREDICTION: &str = "prediction";
 const SENSOR_COMPARISON: &str = "sensor_comparison";
 
-/// Probability that a name is right at most, by the verdict and by whether the data prefer another timing of the input than stated:
-/// effects found with a wrong timing make up for it.
-pub(super) fn most_sure(verdict: Verdict, timing: Option<&TimingDoubt>) -> f64 {
+/// Highest confidence in an effect, by the verdict and by a doubt of the input timing. Effects that are fitted with a wrong timing
+/// compensate it.
+pub(super) fn confidence_limit(verdict: Verdict, timing: Option<&TimingDoubt>) -> f64 {
     match (verdict, timing) {
         (_, Some(_)) => SURE_IF_TIMING_IS_DOUBTED,
         (Verdict::PartlyExplained, None) => SURE_IN_PART,
@@ -36,8 +35,8 @@ pub(super) fn most_sure(verdict: Verdict, timing: Option<&TimingDoubt>) -> f64 {
     }
 }
 
-/// The effects of a selection, each of which `closes` so much of the gap with its 95 % interval, and those that are moved `numbers` of
-/// the model; the one that closes most comes first.
+/// The findings: the effects of a selection, each with the shrink `closes` and its 95 % interval, and the moved model parameters
+/// `numbers`. The finding that closes most comes first.
 pub(super) fn findings(
     problem: &Problem<'_>,
     selection: &Selection,
@@ -45,7 +44,7 @@ pub(super) fn findings(
     closes: &[[f64; 3]],
     numbers: Vec<Finding>,
     comparison: Option<&Comparison>,
-    most_sure: f64,
+    confidence_limit: f64,
 ) -> Vec<Finding> {
     let fit = selection.fit();
     let units = &problem.recording.units;
@@ -57,9 +56,13 @@ pub(super) fn findings(
     let rounds = selection.rounds.iter().zip(steps).zip(closes);
     for ((place, ((round, step), closes)), ((term, x), (_, std))) in rounds.enumerate().zip(fitted)
     {
-        let is_aside =
-            step.is_small() && !is_relieved(round) && is_spare(problem, selection, place);
-        let most_sure = most_sure.min(if is_aside { SURE_IF_SMALL } else { 1.0 });
+        let is_redundant_small =
+            step.is_small() && !relieves_tension(round) && is_redundant(problem, selection, place);
+        let confidence_limit = confidence_limit.min(if is_redundant_small {
+            SURE_IF_SMALL
+        } else {
+            1.0
+        });
         let values = term.at(x);
         let mut parameters = IndexMap::new();
         for (i, value) in values.iter().enumerate() {
@@ -80,7 +83,7 @@ pub(super) fn findings(
         all.push(Finding {
             name: term.kind.name,
             channel: term.kind.channel.name(),
-            confidence: confidence(round, selection.expected.level).min(most_sure),
+            confidence: confidence(round, selection.expected.level).min(confidence_limit),
             not_separable_from: select::inseparable(round),
             basis: PREDICTION,
             held_out: !round.acceptance.by_few,
@@ -94,30 +97,29 @@ pub(super) fn findings(
     let like = comparison.and_then(Comparison::like);
     for finding in &mut all {
         if let Some(like) = like.filter(|like| like.kind.name == finding.name) {
-            compared(finding, like, selection.given);
+            base_on_comparison(finding, like, selection.given);
         }
     }
     if selection.given {
-        // What two columns show comes before what only predicts.
+        // Findings from the comparison of two columns come before findings from the prediction.
         all.sort_by_key(|finding| finding.basis != SENSOR_COMPARISON);
     }
     all
 }
 
-/// Rests an effect on the comparison of two columns, from which it was `given` or that it was found to agree with.
-fn compared(finding: &mut Finding, like: &Match, given: bool) {
+/// Bases a finding on the comparison of two columns. Either the effect was `given` by the comparison, or the comparison agrees with it.
+fn base_on_comparison(finding: &mut Finding, like: &Match, given: bool) {
     let [shrink, low, high] = like.shrink;
     finding.basis = SENSOR_COMPARISON;
     finding.shrink = shrink;
     finding.shrink_interval = [low, high];
     if given {
-        finding.confidence = COMPARED;
+        finding.confidence = SURE_BY_COMPARISON;
         finding.not_separable_from.clone_from(&like.ties);
     }
 }
 
-/// Probability that the winner of a round is right: from how much better it is than the next that is not more of the
-/// same, and how little it leaves.
+/// Confidence in the winner of a round: from its lead over the next effect that is not equivalent, and from the excess that it leaves.
 pub(super) fn confidence(round: &Round, expected: f64) -> f64 {
     if let Some(measured) = &round.measured {
         return measured.confidence;
@@ -127,23 +129,23 @@ pub(super) fn confidence(round: &Round, expected: f64) -> f64 {
     let gain = known.costs.level() - winner.fit.costs.level();
     let next = select::others(round).next();
     let next = next.map_or(known.costs.level(), |r| r.fit.costs.level());
-    let ahead = next - winner.fit.costs.level() - select::chance_gain(&winner.fit);
-    let margin = (ahead / gain.max(1e-9)).clamp(0.0, 1.0);
-    let left = ((winner.fit.costs.level() - expected)
+    let lead = next - winner.fit.costs.level() - select::chance_gain(&winner.fit);
+    let margin = (lead / gain.max(1e-9)).clamp(0.0, 1.0);
+    let excess_left = ((winner.fit.costs.level() - expected)
         / (known.costs.level() - expected).max(f64::MIN_POSITIVE))
     .clamp(0.0, 1.0);
-    let sure = (round.acceptance.significance / SURE).min(1.0);
-    (0.55 + 0.8 * sure * margin.sqrt() * (1.0 - 0.6 * left)).clamp(0.3, 0.99)
+    let sure = (round.acceptance.significance / SIGNIFICANT).min(1.0);
+    (0.55 + 0.8 * sure * margin.sqrt() * (1.0 - 0.6 * excess_left)).clamp(0.3, 0.99)
 }
 
-/// What was tried and not `named`, those that leave least first.
+/// The effects that were tried and not `named`, smallest residual first.
 pub(super) fn tried(
     problem: &Problem<'_>,
     selection: &Selection,
     named: &[&str],
     implausible: &[Implausible],
 ) -> Vec<Tried> {
-    let left = |fit| problem.plain_gap(&problem.series, fit);
+    let residual = |fit| problem.plain_gap(&problem.series, fit);
     let mut all: Vec<Tried> = Vec::new();
     for round in selection.rounds.iter().chain(&selection.last) {
         let winner = &round.rivals[0];
@@ -153,7 +155,7 @@ pub(super) fn tried(
                 continue;
             }
             let gain = round.known.costs.level() - rival.fit.costs.level();
-            let after = left(&rival.fit);
+            let after = residual(&rival.fit);
             let withdrawn = implausible.iter().find(|one| one.effect == rival.name);
             let last = rival.fit.hypothesis.terms.len().saturating_sub(1);
             let no_device = withdrawn
@@ -167,7 +169,7 @@ pub(super) fn tried(
                 "no gain on held-out data".to_owned()
             } else if !stands_alone {
                 format!("earns no place beside {}", named.join(" and "))
-            } else if after >= left(&winner.fit) {
+            } else if after >= residual(&winner.fit) {
                 format!("leaves more than {}", winner.name)
             } else {
                 format!("misses more windows than {}", winner.name)

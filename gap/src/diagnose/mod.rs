@@ -1,12 +1,12 @@
-//! The diagnosis: how large the gap is, where it lies, which effects cause it, how far it shrinks.
+//! The diagnosis: the size of the gap, its location, the effects that cause it, and how far they close it.
 
 mod attribution;
 mod corrected;
 mod findings;
 mod numbers;
 mod rejection;
-mod relief;
-mod stand_in;
+mod prior_tension;
+mod confounder;
 mod steps;
 mod unit_factor;
 mod verdict;
@@ -34,22 +34,22 @@ use crate::{comparison, experiment, locate, ruler};
 use attribution::{Attributed, Cause, attributed};
 pub use corrected::{CorrectedEffect, CorrectedModel};
 use corrected::{corrected, nominal};
-use findings::{findings, most_sure, tried};
+use findings::{findings, confidence_limit, tried};
 use host_sim::device::Device;
 use recording::Recording;
 use rejection::Rejection;
-use stand_in::StandIn;
+use confounder::Confounder;
 use std::time::Instant;
 use steps::{Closed, Step, closing_steps};
 use unit_factor::UnitFactor;
 use verdict::verdict;
 
-/// What to leave out, and whom to tell.
+/// Options of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Names of effects that are not tried.
     pub without: Vec<String>,
-    /// Called as each stage begins.
+    /// Called at the begin of each stage.
     pub progress: fn(Stage),
 }
 
@@ -62,16 +62,16 @@ impl Default for Options {
     }
 }
 
-/// A diagnosis with the model that it arrived at.
+/// A diagnosis with the corrected model.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// What is said.
+    /// The diagnosis.
     pub diagnosis: Diagnosis,
-    /// The corrected model, on which `gap.after` was measured; without effects and moved numbers it is the nominal one.
+    /// The corrected model, for which `gap.after` was measured. Without effects and moved parameters it is the nominal model.
     pub model: CorrectedModel,
 }
 
-/// Share of the gap that a right effect in another formulation may leave: less is not worth a name.
+/// Share of the gap that the right effect may leave because of another formula. Smaller residuals are not analysed.
 const MODELLING_SHARE: f64 = 0.01;
 
 fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
@@ -82,56 +82,56 @@ fn few(recording: &Recording, horizon_s: f64) -> Vec<series::Series> {
 pub fn diagnose(recording: &Recording, options: &Options) -> Outcome {
     let started = Instant::now();
     (options.progress)(Stage::Windows);
-    let (ordered, places) = canonical(recording);
+    let (ordered, indices) = canonical(recording);
     let Unbroken { recording, runs } = &Unbroken::of(&ordered);
-    let as_stated = Attempt::of(recording, options);
+    let as_stated = SearchResult::of(recording, options);
     let preferred = as_stated.preferred_timing();
     let within_a_row = preferred.is_some().then(|| timing::within_a_row(recording));
-    let retimed = within_a_row.as_ref().map(|r| Attempt::of(r, options));
+    let retimed = within_a_row.as_ref().map(|r| SearchResult::of(r, options));
     let closes_more =
-        |other: &Attempt<'_>| other.correction.gap.after < as_stated.correction.gap.after;
-    let of_run = |part| places[runs[part]];
+        |other: &SearchResult<'_>| other.correction.gap.after < as_stated.correction.gap.after;
+    let of_run = |part| indices[runs[part]];
     match retimed.filter(closes_more) {
         Some(retimed) => retimed.outcome(preferred, options, started, of_run),
         None => as_stated.outcome(None, options, started, of_run),
     }
 }
 
-/// A search under one assumption about the time between input and position, and what it found.
-struct Attempt<'a> {
+/// The result of a search under one assumption about the delay between input and position.
+struct SearchResult<'a> {
     problem: Problem<'a>,
     comparison: Option<Comparison>,
     selection: Selection,
     correction: Correction,
     implausible: Vec<Implausible>,
     rejection: Option<Rejection>,
-    stand_in: Option<StandIn>,
+    confounder: Option<Confounder>,
     verdict: Verdict,
     timing: Option<TimingDoubt>,
-    /// The effects that were found, even if they were rejected.
+    /// The fit with the effects that were found, even if they were rejected.
     found: Fit,
-    /// Error of a right model in another formulation, in units of position.
-    formulation: f64,
+    /// Allowed model error, rms in position units.
+    model_error: f64,
 }
 
-impl<'a> Attempt<'a> {
+impl<'a> SearchResult<'a> {
     fn of(recording: &'a Recording, options: &Options) -> Self {
         let progress = options.progress;
-        // Where noise and restarts alone leave as much, there is hardly anything to name.
+        // If noise and restarts alone explain the residual, there is hardly an effect to name.
         let (before, is_gap) = exceeds(recording, &Device::nominal(&recording.model), FLOOR_DOUBT);
         let problem = problem(recording, before);
         let comparison = comparison::compare(&problem, |own| few(own, own.horizon));
         let given = given(recording, is_gap, comparison.as_ref(), options);
 
         let base = ruler::with_unstated(&problem, &given, progress);
-        let left = base
+        let residual = base
             .as_ref()
             .map(|fit| problem.plain_gap(&problem.series, fit));
-        let problem = match left {
-            Some(left) => problem.off_by(MODELLING_SHARE * left.min(before)),
+        let problem = match residual {
+            Some(residual) => problem.off_by(MODELLING_SHARE * residual.min(before)),
             None => problem,
         };
-        let formulation = problem.modelling;
+        let model_error = problem.modelling;
         let found = select::select(&problem, base, &given, progress);
         let (problem, mut selection, closed) = chosen(problem, found, &given, progress);
         let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
@@ -149,8 +149,8 @@ impl<'a> Attempt<'a> {
             selection.withdraw(0);
             correction = Correction::none(&problem, &baseline);
         }
-        let stand_in = StandIn::of(&problem, &selection);
-        let verdict = verdict(&problem, &selection, &correction.gap, stand_in);
+        let confounder = Confounder::of(&problem, &selection);
+        let verdict = verdict(&problem, &selection, &correction.gap, confounder);
         if verdict == Verdict::NoGap && is_gap {
             correction = Correction::of_numbers(&problem, &selection, &baseline);
         }
@@ -162,15 +162,15 @@ impl<'a> Attempt<'a> {
             correction,
             implausible,
             rejection,
-            stand_in,
+            confounder,
             verdict,
             timing,
             found,
-            formulation,
+            model_error,
         }
     }
 
-    /// Another timing of the input that surely predicts better beside what was found, if the gap is not explained.
+    /// Another input timing that predicts significantly better together with the effects that were found, if the gap is not explained.
     fn preferred_timing(&self) -> Option<TimingDoubt> {
         let is_open = matches!(
             self.verdict,
@@ -183,13 +183,13 @@ impl<'a> Attempt<'a> {
         if !is_open || is_mistake {
             return None;
         }
-        // At an error scale of its own a search is content with any timing.
-        let problem = self.problem.off_by(self.formulation);
+        // At the error scale of a joint fit no timing is significantly better, so the allowed model error is used.
+        let problem = self.problem.off_by(self.model_error);
         timing::preferred(&problem, &self.found)
     }
 
-    /// The diagnosis. `retimed` is the timing for which the input's time was estimated. `of_run` gives the place of a run in the
-    /// recording as it was given.
+    /// The diagnosis. `retimed` is the preferred timing if the delay was estimated for it. `of_run` converts the index of a run in the
+    /// search to the index in the recording.
     fn outcome(
         self,
         retimed: Option<TimingDoubt>,
@@ -205,13 +205,13 @@ impl<'a> Attempt<'a> {
             correction,
             implausible,
             rejection,
-            stand_in,
+            confounder,
             verdict,
             timing,
             ..
         } = self;
         let comparison = comparison.as_ref();
-        let most_sure = most_sure(verdict, timing.as_ref());
+        let confidence_limit = confidence_limit(verdict, timing.as_ref());
         let named = selection.rounds.iter().map(|round| round.rivals[0].name);
         let named: Vec<&str> = named.collect();
         let effects = findings(
@@ -219,9 +219,9 @@ impl<'a> Attempt<'a> {
             &selection,
             &correction.steps,
             &correction.closes,
-            numbers::beyond_tolerance(&correction.numbers, &named, most_sure),
+            numbers::beyond_tolerance(&correction.numbers, &named, confidence_limit),
             comparison,
-            most_sure,
+            confidence_limit,
         );
         let names: Vec<&str> = effects.iter().map(|effect| effect.name).collect();
 
@@ -240,7 +240,7 @@ impl<'a> Attempt<'a> {
             comparison,
             rejection: rejection.as_ref(),
             timing: retimed.as_ref().or(timing.as_ref()),
-            stand_in,
+            confounder,
             steps: &correction.steps,
             effects: &effects,
         };
@@ -265,7 +265,7 @@ impl<'a> Attempt<'a> {
     }
 }
 
-/// The data that every fit shares, where the nominal model leaves a gap of `before`, in units of position.
+/// The data that all fits share, for a gap `before` of the nominal model, in position units.
 fn problem(recording: &Recording, before: f64) -> Problem<'_> {
     let of = |horizon_s, quarter| Problem {
         recording,
@@ -278,7 +278,7 @@ fn problem(recording: &Recording, before: f64) -> Problem<'_> {
     of(recording.horizon, Some(Box::new(quarter)))
 }
 
-/// What is known before the search.
+/// The results that are known before the search.
 fn given<'a>(
     recording: &Recording,
     is_gap: bool,
@@ -300,7 +300,7 @@ fn given<'a>(
     }
 }
 
-/// What is left of a search once all sets of effects that it met were measured alike, with what each of its effects closes.
+/// The final selection, after a comparison of all sets of effects by the same measure, with the shrink by each of its effects.
 fn chosen<'a>(
     problem: Problem<'a>,
     found: Selection,
@@ -325,7 +325,7 @@ fn chosen<'a>(
     (problem, found, closed)
 }
 
-/// Takes back the effects of which a number is one that no device has; says which and why.
+/// Withdraws the effects with a parameter value that no device has, and returns them with the reasons.
 fn without_implausible(
     problem: &Problem<'_>,
     selection: &mut Selection,
@@ -334,8 +334,8 @@ fn without_implausible(
     let mut all = Vec::new();
     loop {
         let base = selection.base();
-        let mut places = selection.kept()..selection.rounds.len();
-        let found = places.find_map(|place| {
+        let mut indices = selection.kept()..selection.rounds.len();
+        let found = indices.find_map(|place| {
             let implausible = Implausible::of(problem, selection.fit(), base + place)?;
             Some((place, implausible))
         });
@@ -348,11 +348,11 @@ fn without_implausible(
     }
 }
 
-/// What predicts without any correction.
+/// Predictions without a correction.
 struct Baseline {
     /// Gap and floor of the nominal model.
     nominal: Gap,
-    /// Squares of each window that it leaves.
+    /// Sum of squared residuals of each window under the nominal model.
     squares: Vec<f64>,
     model_free: ModelFree,
 }
@@ -367,7 +367,7 @@ impl Baseline {
         }
     }
 
-    /// How far a gap closes above a floor, by its shrink and the 95 % interval of that.
+    /// The report of a gap that closes above a floor, from its shrink and the 95 % interval of the shrink.
     fn closing(
         &self,
         problem: &Problem<'_>,
@@ -396,17 +396,17 @@ struct Correction {
     model: CorrectedModel,
     gap: Closing,
     steps: Vec<Step>,
-    /// What each effect closes, with its 95 % interval.
+    /// Shrink by each effect, with its 95 % interval.
     closes: Vec<[f64; 3]>,
     numbers: Vec<NumberFinding>,
-    /// Squares of each window that it leaves on data that its fit has not seen.
+    /// Sum of squared residuals of each window on held-out data.
     after: Vec<f64>,
-    /// Lowest shrink with 97.5 % probability on this recording's windows.
+    /// Lower bound of the shrink on the windows of this recording, with 97.5 % probability.
     lowest: f64,
 }
 
 impl Correction {
-    /// The nominal model.
+    /// The nominal model without a correction.
     fn none(problem: &Problem<'_>, baseline: &Baseline) -> Self {
         let floor = (baseline.nominal.floor, FloorOf::NominalModel);
         Self {
@@ -420,7 +420,7 @@ impl Correction {
         }
     }
 
-    /// The effects of a selection, with the numbers of the model where they have gone.
+    /// The effects of a selection, with the fitted model parameters.
     fn of(
         problem: &Problem<'_>,
         selection: &Selection,
@@ -434,15 +434,15 @@ impl Correction {
         let before = baseline.nominal.before;
         let model = corrected(problem, selection.fit());
         let (measured, _) = measure(problem.recording, &model.device());
-        // A model that could not come below what there was before closes nothing of it.
+        // A model whose floor is above the original gap closes nothing of it.
         let (floor, floor_of) = if measured.floor < before {
             (measured.floor, FloorOf::CorrectedModel)
         } else {
             (baseline.nominal.floor, FloorOf::NominalModel)
         };
-        // What the model leaves of the very recording that it was fitted to is the least that it leaves of others.
+        // The residual on the fitted recording is a lower bound of that on other recordings.
         if before > floor {
-            Step::bounded(&mut steps, (before - measured.before) / (before - floor));
+            Step::limit(&mut steps, (before - measured.before) / (before - floor));
         }
         let total = steps.last().map_or([0.0; 3], |step| step.total);
         let floors = problem.floor_squares(selection.fit());
@@ -460,7 +460,7 @@ impl Correction {
         }
     }
 
-    /// The numbers of the model where the null has moved them, if that surely closes something.
+    /// The model parameters as fitted without an effect, if they significantly close a part of the gap.
     fn of_numbers(problem: &Problem<'_>, selection: &Selection, baseline: &Baseline) -> Self {
         let none = Self::none(problem, baseline);
         let fit = &selection.null;
@@ -488,10 +488,10 @@ impl Correction {
         }
     }
 
-    /// The reason to reject it, if there is one; what two columns show needs no prediction.
+    /// The reason to reject the correction, if any. An effect that two columns show needs no prediction.
     fn rejection(&self, model_free: &ModelFree, selection: &Selection) -> Option<Rejection> {
         let is_judged = !selection.rounds.is_empty() && !selection.given;
-        // Nothing was held out of what shows in a window or two.
+        // For effects in a few windows no data were held out.
         let lowest = match (self.gap.shrink > 0.0, selection.shows_in_few()) {
             (true, true) => self.gap.shrink,
             (true, false) => self.lowest,
@@ -503,10 +503,10 @@ impl Correction {
     }
 }
 
-/// What each effect of a selection closes, with its 95 % interval: its part of the whole, or where the first was given, its step.
+/// Shrink by each effect of a selection, with its 95 % interval: its share of the total, or if the first effect was given, its own step.
 fn closes(selection: &Selection, steps: &[Step], parts: &[Attributed]) -> Vec<[f64; 3]> {
-    let places = 0..selection.rounds.len();
-    let closes = places.map(|place| {
+    let indices = 0..selection.rounds.len();
+    let closes = indices.map(|place| {
         let own = Cause::Effect(selection.base() + place);
         let part = parts.iter().find(|part| part.cause == own);
         match part {

@@ -1,4 +1,4 @@
-//! The numbers of the model that had to move, or that are not stated.
+//! The model parameters that moved, or that are not stated.
 
 use super::attribution::{Attributed, Cause};
 use super::findings::PREDICTION;
@@ -13,10 +13,10 @@ use recording::Recording;
 /// Name of the delay in the model.
 const DELAY: &str = "delay";
 
-/// Share of the gap that the move of a number must close to be said.
+/// Least share of the gap that a moved parameter must close to be reported.
 const LEAST_SHRINK: f64 = 0.05;
 
-/// The numbers that a fit had to move, in the order of what they account for. Numbers that are not stated are always said.
+/// The parameters that a fit moved, in the order of their shares of the shrink. Parameters without a stated value are always reported.
 pub(super) fn moved(
     problem: &Problem<'_>,
     fit: &Fit,
@@ -24,19 +24,19 @@ pub(super) fn moved(
 ) -> Vec<NumberFinding> {
     let numbers = attributed.iter().filter_map(|part| match part.cause {
         Cause::Number(place) => {
-            let is_said = part.shrink[0] >= LEAST_SHRINK;
-            is_said.then(|| stated(problem, fit, place, part.shrink))
+            let is_reported = part.shrink[0] >= LEAST_SHRINK;
+            is_reported.then(|| stated(problem, fit, place, part.shrink))
         }
         Cause::Effect(place) => estimated(problem, fit, place, part.shrink),
     });
     numbers.collect()
 }
 
-/// A number that is stated, as it was found.
+/// The finding of a parameter with a stated value.
 fn stated(problem: &Problem<'_>, fit: &Fit, place: usize, shrink: [f64; 3]) -> NumberFinding {
     let number = &problem.priors[place];
     let moved_by = fit.x[place];
-    // By how much later the input acts is a delay on top of the one that is stated.
+    // An additional delay of the input is added to the stated delay.
     let (name, stated, at): (_, _, &dyn Fn(f64) -> f64) = if number.name == INPUT_TIME {
         let stated_s = problem.recording.model.delay;
         (DELAY, stated_s, &move |z| stated_s + z * number.value)
@@ -58,7 +58,7 @@ fn stated(problem: &Problem<'_>, fit: &Fit, place: usize, shrink: [f64; 3]) -> N
     }
 }
 
-/// A number that is not stated, as it was found; none if the effect at that place stands for none.
+/// The finding of a parameter without a stated value. Returns `None` if the effect at that index does not estimate such a parameter.
 fn estimated(
     problem: &Problem<'_>,
     fit: &Fit,
@@ -73,7 +73,7 @@ fn estimated(
     if !recording.unstated.contains(&name) {
         return None;
     }
-    // A number that only scales the others is said as a multiple of what is assumed.
+    // A parameter that only scales the others is estimated as a multiple of the assumed value.
     let assumed = match number.usual_error {
         None => recording.model.get(name).unwrap_or(1.0),
         Some(_) => 1.0,
@@ -92,30 +92,29 @@ fn estimated(
     })
 }
 
-/// Stated standard deviations beyond which a number that moved is an effect.
+/// Deviation, in stated standard deviations, beyond which a moved parameter is reported as an effect.
 const BEYOND_TOLERANCE: f64 = 3.0;
-/// Probability that such an effect is the right name. Another number or effect may have been missing in its place: of 13 such names on a
-/// blind set with mess 6 were right.
+/// Confidence in such an effect. Another parameter or effect may be the cause.
 const SURE_BEYOND_TOLERANCE: f64 = 0.45;
 
-/// The numbers that moved beyond what is stated of them, or that were stated as exact, as effects, but for those that are `named`
-/// already.
+/// The parameters that moved beyond their tolerances, or that were stated as exact, as effects. Effects that are already `named` are left
+/// out.
 pub(super) fn beyond_tolerance(
     numbers: &[NumberFinding],
     named: &[&str],
-    most_sure: f64,
+    confidence_limit: f64,
 ) -> Vec<Finding> {
-    let far = numbers.iter().filter(|number| {
+    let beyond = numbers.iter().filter(|number| {
         let is_within = number
             .sigmas
             .is_some_and(|sigmas| sigmas <= BEYOND_TOLERANCE);
         number.stated.is_some() && !is_within
     });
-    let findings = far.filter_map(|number| {
+    let findings = beyond.filter_map(|number| {
         let effect = effects::replacing(&number.name)?;
         let kind = effect.kind();
         let is_named = named.contains(&kind.name);
-        // A number that only scales the others is said as a multiple of what is stated.
+        // A parameter that only scales the others is reported as a multiple of the stated value.
         let is_scale = effect
             .main_number()
             .is_some_and(|main| main.usual_error.is_none());
@@ -133,7 +132,7 @@ pub(super) fn beyond_tolerance(
         (!is_named).then(|| Finding {
             name: kind.name,
             channel: kind.channel.name(),
-            confidence: SURE_BEYOND_TOLERANCE.min(most_sure),
+            confidence: SURE_BEYOND_TOLERANCE.min(confidence_limit),
             not_separable_from: Vec::new(),
             basis: PREDICTION,
             held_out: true,
@@ -145,7 +144,7 @@ pub(super) fn beyond_tolerance(
     findings.collect()
 }
 
-/// Unit of a number of the model.
+/// Unit of a model parameter.
 fn unit(name: &str, recording: &Recording) -> String {
     let units = &recording.units;
     let of = |quantity: Quantity| quantity.unit(&units.position, &units.input);
@@ -176,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_moved_beyond_what_is_stated_of_it_is_an_effect() {
+    fn a_parameter_beyond_its_tolerance_is_reported_as_an_effect() {
         assert_eq!(
             named(Some(0.02), Some(2.0)),
             [""; 0],

@@ -1,36 +1,36 @@
-//! Corrections that explain nothing, however they were found.
+//! Reasons to reject a correction as a whole.
 
 use super::unit_factor::UnitFactor;
 use crate::model_free::ModelFree;
 use crate::shrink::resampled;
 use std::fmt;
 
-/// Share of the residual of the better model-free predictor that a correction may leave at most, with 97.5 % probability. A model
-/// that stands still or coasts leaves all of it.
+/// Largest residual of a correction, with 97.5 % probability, as a share of the residual of the better model-free predictor. A model that
+/// stands still or moves at constant velocity leaves all of it.
 const MOST_OF_MODEL_FREE: f64 = 0.8;
 
-/// Lowest shrink with 97.5 % probability down to which a correction counts. One that acts in a window or two is missing from many
-/// resamplings of the windows, which then shrink nothing and lose a little in the others.
-const MOST_LOST: f64 = -0.05;
+/// Least lower bound of the shrink, with 97.5 % probability. It is negative because an effect in one or two windows is missing from many
+/// resamplings, in which the other windows may become slightly worse.
+const LEAST_SHRINK: f64 = -0.05;
 
-/// Why a correction explains nothing.
+/// The reason why a correction is rejected.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Rejection {
-    /// It is a factor between units.
+    /// The correction is a factor between units.
     UnitMistake(UnitFactor),
-    /// The input never changes while the device is driven.
+    /// The input column is constant while the device is driven.
     FrozenInput,
-    /// It leaves no less than a predictor that knows no model.
+    /// The correction predicts no better than a predictor without a model.
     NoBetterThanModelFree,
-    /// It does not surely shrink the gap on data that its fit has not seen.
+    /// The correction does not significantly shrink the gap on held-out data.
     ShrinksNothing,
 }
 
 impl Rejection {
-    /// The reason to reject a correction that leaves these squares of each window, if there is one. `shrink` is its lowest value
-    /// with 95 % probability.
+    /// The reason to reject a correction with the sums of squared residuals `after`, if any. `shrink` is the lower bound of its shrink,
+    /// with 97.5 % probability.
     pub(super) fn of(after: &[f64], model_free: &ModelFree, shrink: f64) -> Option<Self> {
-        if shrink < MOST_LOST {
+        if shrink < LEAST_SHRINK {
             return Some(Self::ShrinksNothing);
         }
         let other = model_free.better();
@@ -65,19 +65,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_model_that_stands_still_explains_nothing() {
+    fn a_correction_no_better_than_standing_still_is_rejected() {
         let squares: Vec<f64> = (0..40).map(|w| 1.0 + f64::from(w % 5)).collect();
         let model_free = ModelFree {
             standing: squares.clone(),
             coasting: squares.iter().map(|s| 3.0 * s).collect(),
         };
-        let left = |share: f64| {
+        let squares_with = |share: f64| {
             squares
                 .iter()
                 .map(|s| share * share * s)
                 .collect::<Vec<_>>()
         };
-        let rejected = |share, shrink| Rejection::of(&left(share), &model_free, shrink);
+        let rejected = |share, shrink| Rejection::of(&squares_with(share), &model_free, shrink);
         assert_eq!(rejected(1.0, 0.9), Some(Rejection::NoBetterThanModelFree));
         assert_eq!(rejected(0.5, 0.9), None);
         assert_eq!(rejected(0.5, -0.1), Some(Rejection::ShrinksNothing));

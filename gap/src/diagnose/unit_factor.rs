@@ -1,4 +1,4 @@
-//! Gains that are a factor between units: a column or a number in another unit than the model takes it for.
+//! Detects gains that are a factor between units: a column or a model parameter has another unit than assumed.
 
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
@@ -6,7 +6,7 @@ use core::f64::consts::{PI, TAU};
 use host_sim::effects::Quantity;
 use std::fmt;
 
-/// Factors that people get wrong, and what they convert.
+/// Common unit mistakes: the factor, and the units that it converts.
 const FACTORS: [(f64, &str); 5] = [
     (180.0 / PI, "degrees and radians"),
     (60.0 / TAU, "revolutions per minute and radians per second"),
@@ -15,29 +15,29 @@ const FACTORS: [(f64, &str); 5] = [
     (100.0, "a unit and its hundredth"),
 ];
 
-/// A gain is taken for a factor that is nearer than this share of it, or than this many standard deviations of the fit, up to a
-/// largest share: another effect that is not modelled biases a fitted gain by some percent.
+/// Largest distance between a gain and a factor: a share of the gain, or a number of standard deviations of the fit, up to a largest
+/// share. An effect that is not modelled biases a fitted gain by some percent.
 const RELATIVE: f64 = 0.02;
 const DEVIATIONS: f64 = 3.0;
 const MOST: f64 = 0.05;
 
-/// A gain that is such a factor.
+/// A gain that is a factor between units.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct UnitFactor {
-    /// As fitted.
+    /// The fitted gain.
     gain: f64,
-    /// What it converts.
+    /// The units that it converts.
     between: String,
 }
 
 impl UnitFactor {
-    /// The first gain among the effects of a fit beyond its first `kept` terms that converts between units.
+    /// The first gain, among the effects of a fit beyond its first `kept` terms, that converts between units.
     pub(super) fn in_fit(problem: &Problem<'_>, fit: &Fit, kept: usize) -> Option<Self> {
         let model = &problem.recording.model;
         let resolution = problem.recording.sensor("position").resolution;
-        let mut own = vec![(model.ratio.abs(), "the two sides of the gear")];
+        let mut own_factors = vec![(model.ratio.abs(), "the two sides of the gear")];
         if resolution > 0.0 {
-            own.push((TAU / resolution, "counts and radians"));
+            own_factors.push((TAU / resolution, "counts and radians"));
         }
         let parts = fit
             .hypothesis
@@ -47,23 +47,25 @@ impl UnitFactor {
             let value = term.at(x)[0];
             let spread = term.spread(0, x, std);
             match term.kind.parameter(0).quantity {
-                Quantity::Inertia => Self::of(value / model.inertia, spread / model.inertia, &own),
+                Quantity::Inertia => {
+                    Self::of(value / model.inertia, spread / model.inertia, &own_factors)
+                }
                 Quantity::Ratio if term.kind.name.ends_with("gain") => {
-                    Self::of(value, spread, &own)
+                    Self::of(value, spread, &own_factors)
                 }
                 _ => None,
             }
         })
     }
 
-    /// What a gain converts, if it is one of the known factors or of those of this recording, `own`: the gear's ratio and the counts
-    /// of a turn.
-    pub(super) fn of(gain: f64, std: f64, own: &[(f64, &str)]) -> Option<Self> {
+    /// The units that a gain converts, if it is one of the common factors or of the factors `own_factors` of the recording: the gear ratio and
+    /// the counts per revolution.
+    pub(super) fn of(gain: f64, std: f64, own_factors: &[(f64, &str)]) -> Option<Self> {
         let near = (RELATIVE * gain.abs())
             .max(DEVIATIONS * std)
             .min(MOST * gain.abs());
         let known = |factor: f64| (gain.abs() - factor).abs() <= near;
-        let all = FACTORS.iter().chain(own);
+        let all = FACTORS.iter().chain(own_factors);
         let mut all = all.filter(|(factor, _)| (factor.ln()).abs() > LEAST_LOG);
         let (_, between) = all.find(|(factor, _)| known(*factor) || known(factor.recip()))?;
         Some(Self {
@@ -73,7 +75,7 @@ impl UnitFactor {
     }
 }
 
-/// Logarithm of the least factor that is no plausible gain: a ratio of 2 may well be one.
+/// Least magnitude of the logarithm of a factor. A ratio of 2, for example, is a plausible gain.
 const LEAST_LOG: f64 = 1.5;
 
 impl fmt::Display for UnitFactor {

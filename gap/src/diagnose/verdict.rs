@@ -1,21 +1,21 @@
-//! Whether there is a gap, and whether what was found explains it.
+//! The verdict: whether a gap exists, and whether the findings explain it.
 
-use super::stand_in::StandIn;
+use super::confounder::Confounder;
 use crate::diagnosis::{Closing, Verdict};
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::select::{self, Selection};
 
-/// Share of the robust excess that may be left where the gap is at its floor: a wrong name for a hum may come that near
-/// by the few windows that are large.
+/// Largest share of the robust excess that may remain if the gap is at its floor. A wrong effect in place of a periodic disturbance can
+/// reach the floor through the few windows with large errors.
 const MOST_MISSING_AT_FLOOR: f64 = 0.25;
 
-/// The verdict on a selection that closes the gap so far, with a reason to doubt it if there is one.
+/// The verdict on a selection that closes the gap as `closing` states, with a reason to doubt it, if any.
 pub(super) fn verdict(
     problem: &Problem<'_>,
     selection: &Selection,
     closing: &Closing,
-    doubt: Option<StandIn>,
+    doubt: Option<Confounder>,
 ) -> Verdict {
     if selection.rounds.is_empty() {
         let is_hidden = || selection.null_leaves_at_most(select::ADEQUATE_GAP, problem);

@@ -1,8 +1,8 @@
-//! What is odd about a recording, and what not to rely on in a diagnosis.
+//! Warnings: unusual properties of a recording, and results of the diagnosis that are uncertain.
 
+use super::confounder::Confounder;
+use super::prior_tension::PriorTension;
 use super::rejection::Rejection;
-use super::relief::Relief;
-use super::stand_in::StandIn;
 use super::steps::Step;
 use crate::comparison::Comparison;
 use crate::diagnosis::Finding;
@@ -10,17 +10,17 @@ use crate::fit::problem::Problem;
 use crate::instrument::timing::TimingDoubt;
 use crate::select::Selection;
 
-/// What the other stages of a diagnosis have to say.
+/// The results of the other stages that cause warnings.
 pub(super) struct Doubts<'a> {
     pub comparison: Option<&'a Comparison>,
     pub rejection: Option<&'a Rejection>,
     pub timing: Option<&'a TimingDoubt>,
-    pub stand_in: Option<StandIn>,
+    pub confounder: Option<Confounder>,
     pub steps: &'a [Step],
     pub effects: &'a [Finding],
 }
 
-/// All warnings, a line each: of the recording, of what is not stated, of the fit, of the names.
+/// All warnings, one line each: about the recording, about parameters that are not stated, about the fit, and about the effects.
 pub(super) fn all(
     problem: &Problem<'_>,
     selection: &Selection,
@@ -38,11 +38,11 @@ pub(super) fn all(
     lines.extend(doubts.timing.iter().map(ToString::to_string));
     let stalls = selection.fit().stalls(&problem.priors);
     lines.extend(stalls.iter().map(ToString::to_string));
-    lines.extend(doubts.stand_in.iter().map(ToString::to_string));
+    lines.extend(doubts.confounder.iter().map(ToString::to_string));
     let small = selection.rounds.iter().zip(doubts.steps);
     let small = small.filter(|(_, step)| step.is_small());
-    let reliefs = small.filter_map(|(round, _)| Relief::of(round, &problem.priors));
-    lines.extend(reliefs.map(|relief| relief.to_string()));
+    let tensions = small.filter_map(|(round, _)| PriorTension::of(round, &problem.priors));
+    lines.extend(tensions.map(|tension| tension.to_string()));
     let seen = doubts.effects.iter().filter(|effect| !effect.held_out);
     lines.extend(seen.map(|effect| {
         format!(

@@ -1,4 +1,4 @@
-//! A rival model in a trial, with what is known of its numbers.
+//! A rival model in a simulated trial, with the information on its parameters.
 
 use super::separation::separation;
 use super::trial::{Setting, readings};
@@ -9,17 +9,17 @@ use haptic_paddle::excitation::Excitation;
 use host_sim::device::Device;
 use nalgebra::{DMatrix, DVector};
 
-/// A rival as it was fitted.
+/// A rival model as fitted.
 pub(super) struct Contender {
     device: Device,
-    /// With one coordinate moved, and by how much.
+    /// The step of each coordinate, and the device with that coordinate moved.
     moved: Vec<(f64, Device)>,
-    /// Inverse of the covariance of the coordinates.
+    /// Information matrix of the coordinates.
     information: DMatrix<f64>,
 }
 
-/// What a contender would show, a constant left out, and how that changes along its coordinates, a column each.
-pub(super) struct Shown {
+/// The readings of a contender without their mean, and their slopes along its coordinates, one column each.
+pub(super) struct LinearReadings {
     readings: DVector<f64>,
     slopes: DMatrix<f64>,
     information: DMatrix<f64>,
@@ -49,20 +49,25 @@ impl Contender {
         }
     }
 
-    /// Readings as it was fitted, a constant left out; `None` if it does not stay where it may be.
+    /// Readings of the fitted device without their mean. Returns `None` if the device leaves its range.
     pub(super) fn readings(&self, excitation: &Excitation, at: &Setting) -> Option<DVector<f64>> {
-        readings(&self.device, excitation, at).map(centred)
+        readings(&self.device, excitation, at).map(without_mean)
     }
 
-    /// The same, and along its coordinates.
-    pub(super) fn shown(&self, excitation: &Excitation, at: &Setting) -> Option<Shown> {
+    /// Readings of the fitted device without their mean, with their slopes along its coordinates. Returns `None` if the device leaves its
+    /// range.
+    pub(super) fn linear_readings(
+        &self,
+        excitation: &Excitation,
+        at: &Setting,
+    ) -> Option<LinearReadings> {
         let fitted = self.readings(excitation, at)?;
         let mut slopes = DMatrix::zeros(fitted.len(), self.moved.len());
         for (mut slope, (by, device)) in slopes.column_iter_mut().zip(&self.moved) {
-            let there = centred(readings(device, excitation, at)?);
+            let there = without_mean(readings(device, excitation, at)?);
             slope.copy_from(&((there - &fitted) / *by));
         }
-        Some(Shown {
+        Some(LinearReadings {
             readings: fitted,
             slopes,
             information: self.information.clone(),
@@ -70,8 +75,8 @@ impl Contender {
     }
 }
 
-impl Shown {
-    /// How far this is from another, over the noise of a reading.
+impl LinearReadings {
+    /// Separation from another contender, over the noise of a reading.
     pub(super) fn separation(&self, other: &Self, noise: f64) -> f64 {
         let (own, all) = (
             self.slopes.ncols(),
@@ -95,7 +100,7 @@ impl Shown {
     }
 }
 
-fn centred(readings: Vec<f64>) -> DVector<f64> {
+fn without_mean(readings: Vec<f64>) -> DVector<f64> {
     let readings = DVector::from_vec(readings);
     let mean = readings.mean();
     readings.add_scalar(-mean)

@@ -1,20 +1,20 @@
-//! The excitations of the firmware that come into question.
+//! The excitations of the firmware that are tried.
 
 use haptic_paddle::excitation::{Excitation, Shape};
 
-/// Shares of the largest input.
+/// Amplitudes, as shares of the largest input.
 const AMPLITUDES: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
-/// Periods in a horizon.
+/// Frequencies, in periods per horizon.
 const FREQUENCIES: [f64; 3] = [0.25, 1.0, 3.0];
 /// Length of every excitation, in horizons.
 const DURATION: f64 = 8.0;
 
-/// All of them, for inputs up to `largest_input` and a device whose motion unfolds over `horizon_s`.
+/// All excitations, for inputs up to `largest_input` and a prediction horizon `horizon_s`.
 pub(super) fn excitations(largest_input: f64, horizon_s: f64) -> Vec<Excitation> {
-    let duration_s = told(DURATION * horizon_s);
-    let [slow, .., fast] = FREQUENCIES.map(|f| told(f / horizon_s));
+    let duration_s = rounded(DURATION * horizon_s);
+    let [slow, .., fast] = FREQUENCIES.map(|f| rounded(f / horizon_s));
     let mut all = Vec::new();
-    for amplitude in AMPLITUDES.map(|share| told(share * largest_input)) {
+    for amplitude in AMPLITUDES.map(|share| rounded(share * largest_input)) {
         let plain = Excitation {
             duration_s,
             ..Excitation::step(amplitude)
@@ -26,7 +26,7 @@ pub(super) fn excitations(largest_input: f64, horizon_s: f64) -> Vec<Excitation>
             end_frequency_hz: fast,
             ..of(Shape::Chirp)
         });
-        for frequency_hz in FREQUENCIES.map(|f| told(f / horizon_s)) {
+        for frequency_hz in FREQUENCIES.map(|f| rounded(f / horizon_s)) {
             let waves = [
                 Shape::Sine,
                 Shape::Square,
@@ -42,8 +42,8 @@ pub(super) fn excitations(largest_input: f64, horizon_s: f64) -> Vec<Excitation>
     all
 }
 
-/// To two digits: what is simulated is what is told.
-fn told(value: f64) -> f32 {
+/// Rounds to two digits, so that the simulated excitation equals the reported one.
+fn rounded(value: f64) -> f32 {
     let text = format!("{value:.1e}");
     text.parse().unwrap_or(value as f32)
 }
@@ -54,9 +54,9 @@ mod tests {
 
     #[test]
     fn numbers_have_two_digits() {
-        assert_eq!(told(0.012_345), 0.012);
-        assert_eq!(told(6.666_7), 6.7);
-        assert_eq!(told(0.0), 0.0);
+        assert_eq!(rounded(0.012_345), 0.012);
+        assert_eq!(rounded(6.666_7), 6.7);
+        assert_eq!(rounded(0.0), 0.0);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The excitation of the firmware that would tell rival models apart best.
+//! Proposes the excitation of the firmware that distinguishes rival models best.
 
 mod contender;
 mod menu;
@@ -15,25 +15,25 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use trial::Setting;
 
-/// Ticks in a horizon.
+/// Number of readings in a horizon.
 const TICKS: f64 = 250.0;
-/// Rivals that are told apart at most.
+/// Largest number of rivals that are compared.
 const MOST_RIVALS: usize = 4;
-/// By how much of its span on either side the positions of the recording may be left, where no travel is
-/// stated.
+/// Distance by which the device may leave the recorded positions on each side if no travel is stated, as a share of their range.
 const MARGIN: f64 = 0.5;
-/// Separation, over the noise, below which an excitation is not worth its time.
+/// Least separation over the noise for an experiment to be useful.
 const LEAST_SEPARATION: f64 = 1.0;
-/// Shapes of excitations that are tried with other numbers of the models, for each rival.
+/// Number of shapes per rival that are evaluated with variable parameters.
 const MOST_SHAPES: usize = 3;
 
-/// An excitation, and how far the winner is from each of its rivals under it, over the noise.
+/// An excitation, and the separation of the winner from each rival, over the noise.
 type Trial = (Excitation, Vec<f64>);
 
-/// The best excitation for what the selection leaves open: that which separates most rivals from the winner, and these best.
-/// `None` if nothing is open, or if every excitation would drive a model out of its travel or separate none.
+/// The best excitation for rivals that the selection does not distinguish: the one that separates most rivals from the winner, and
+/// separates these best. Returns `None` if there are no such rivals, if every excitation would drive a model out of its range, or if none
+/// separates a rival.
 pub(crate) fn separating(problem: &Problem<'_>, selection: &Selection) -> Option<NextExperiment> {
-    let rivals = open(selection)?;
+    let rivals = undecided_rivals(selection)?;
     let largest_input = largest_input(problem);
     if largest_input <= 0.0 {
         return None;
@@ -45,30 +45,30 @@ pub(crate) fn separating(problem: &Problem<'_>, selection: &Selection) -> Option
     let excitations = menu::excitations(largest_input, problem.recording.horizon);
     let as_fitted = excitations.into_par_iter().filter_map(|excitation| {
         let readings = |c: &Contender| c.readings(&excitation, &setting);
-        let differences = apart(&contenders, readings, |a, b| {
+        let differences = distances(&contenders, readings, |a, b| {
             rms((a - b).as_slice()) / noise
         })?;
         Some((excitation, differences))
     });
-    let likely = most_likely(as_fitted.collect(), rivals.len() - 1);
-    let trials = likely.into_par_iter().filter_map(|excitation| {
-        let shown = |c: &Contender| c.shown(&excitation, &setting);
-        let separations = apart(&contenders, shown, |a, b| a.separation(b, noise))?;
+    let promising = most_promising(as_fitted.collect(), rivals.len() - 1);
+    let trials = promising.into_par_iter().filter_map(|excitation| {
+        let linear_readings = |c: &Contender| c.linear_readings(&excitation, &setting);
+        let separations = distances(&contenders, linear_readings, |a, b| a.separation(b, noise))?;
         Some((excitation, separations))
     });
     let trials: Vec<Trial> = trials.collect();
-    let far = |(_, separations): &Trial| {
-        let far = separations.iter().filter(|s| **s > LEAST_SEPARATION);
+    let separated_rivals = |(_, separations): &Trial| {
+        let separated_rivals = separations.iter().filter(|s| **s > LEAST_SEPARATION);
         (
-            far.clone().count(),
-            far.copied().fold(f64::INFINITY, f64::min),
+            separated_rivals.clone().count(),
+            separated_rivals.copied().fold(f64::INFINITY, f64::min),
         )
     };
     let best = trials.into_iter().max_by(|a, b| {
-        let ((a, least_of_a), (b, least_of_b)) = (far(a), far(b));
+        let ((a, least_of_a), (b, least_of_b)) = (separated_rivals(a), separated_rivals(b));
         a.cmp(&b).then(least_of_a.total_cmp(&least_of_b))
     })?;
-    let (separated, difference_over_noise) = far(&best);
+    let (separated, difference_over_noise) = separated_rivals(&best);
     let (excitation, separations) = best;
     let others = rivals[1..].iter().zip(&separations);
     let others = others.filter(|(_, s)| **s > LEAST_SEPARATION);
@@ -85,36 +85,37 @@ pub(crate) fn separating(problem: &Problem<'_>, selection: &Selection) -> Option
     })
 }
 
-/// For each of so many rivals the best excitations, each of another shape: numbers that give way only bring rivals nearer.
-fn most_likely(trials: Vec<Trial>, rivals: usize) -> Vec<Excitation> {
-    let mut likely: Vec<Excitation> = Vec::new();
+/// The best excitations for each rival, each with another shape. The separation is computed for fixed parameters, which is an upper
+/// bound.
+fn most_promising(trials: Vec<Trial>, rivals: usize) -> Vec<Excitation> {
+    let mut promising: Vec<Excitation> = Vec::new();
     for rival in 0..rivals {
-        let far = trials.iter().filter(|(_, d)| d[rival] > LEAST_SEPARATION);
-        let mut far: Vec<&Trial> = far.collect();
-        far.sort_by(|(_, a), (_, b)| b[rival].total_cmp(&a[rival]));
+        let separated_rivals = trials.iter().filter(|(_, d)| d[rival] > LEAST_SEPARATION);
+        let mut separated_rivals: Vec<&Trial> = separated_rivals.collect();
+        separated_rivals.sort_by(|(_, a), (_, b)| b[rival].total_cmp(&a[rival]));
         let mut shapes: Vec<Shape> = Vec::new();
-        for (excitation, _) in far {
+        for (excitation, _) in separated_rivals {
             if shapes.len() < MOST_SHAPES && !shapes.contains(&excitation.shape) {
                 shapes.push(excitation.shape);
-                if !likely.contains(excitation) {
-                    likely.push(*excitation);
+                if !promising.contains(excitation) {
+                    promising.push(*excitation);
                 }
             }
         }
     }
-    likely
+    promising
 }
 
-/// Of a reading, with what a right model may be off by, in units of position.
+/// Noise of a reading including the allowed model error, in position units.
 fn noise(problem: &Problem<'_>) -> f64 {
     let noises = problem.series.iter().flat_map(|s| &s.windows);
     let noise = rms(&noises.map(|w| w.noise).collect::<Vec<_>>());
     noise.hypot(problem.modelling).max(f64::MIN_POSITIVE)
 }
 
-/// The rivals between which the recording does not decide: a winner and its ties, of the last round that
-/// has any, or the best two where none earned its place.
-fn open(selection: &Selection) -> Option<Vec<&Rival>> {
+/// The rivals that the recording does not distinguish: a winner and its ties in the last round that has any, or the best two if no effect
+/// was accepted.
+fn undecided_rivals(selection: &Selection) -> Option<Vec<&Rival>> {
     let mut tied = selection.rounds.iter().rev().filter_map(|round| {
         let names = ties(round);
         let (winner, others) = round.rivals.split_first()?;
@@ -133,18 +134,19 @@ fn open(selection: &Selection) -> Option<Vec<&Rival>> {
     unexplained.then(|| best.iter().collect())
 }
 
-/// How far the winner is from each rival by what all of them have `shown`; `None` if one of them does not stay where it may be.
-fn apart<S>(
+/// The distance of the winner from each rival, by the readings that `readings_of` computes. Returns `None` if one of the models leaves
+/// its range.
+fn distances<S>(
     contenders: &[Contender],
-    shown: impl Fn(&Contender) -> Option<S>,
+    readings_of: impl Fn(&Contender) -> Option<S>,
     distance: impl Fn(&S, &S) -> f64,
 ) -> Option<Vec<f64>> {
-    let shown: Vec<S> = contenders.iter().map(shown).collect::<Option<_>>()?;
-    let (winner, others) = shown.split_first()?;
+    let readings: Vec<S> = contenders.iter().map(readings_of).collect::<Option<_>>()?;
+    let (winner, others) = readings.split_first()?;
     Some(others.iter().map(|other| distance(winner, other)).collect())
 }
 
-/// The largest input that was given, within the limit.
+/// The largest recorded input, within the limit of the model.
 fn largest_input(problem: &Problem<'_>) -> f64 {
     let inputs = problem.series.iter().flat_map(|s| &s.input);
     let largest = inputs.fold(0.0f64, |m, u| m.max(u.abs()));
@@ -152,7 +154,7 @@ fn largest_input(problem: &Problem<'_>) -> f64 {
     largest.min(limit.unwrap_or(f64::INFINITY))
 }
 
-/// From rest at the middle of what was recorded, or where a spring or gravity holds it.
+/// The setting of the trials. The device starts at rest in the middle of the recorded positions, or where a spring or gravity holds it.
 fn setting(problem: &Problem<'_>) -> Setting {
     let model = &problem.recording.model;
     let [low, high] = problem.extremes();
@@ -176,19 +178,19 @@ fn setting(problem: &Problem<'_>) -> Setting {
     }
 }
 
-/// The numbers of an excitation that have a meaning for its shape.
+/// The settings of an excitation that apply to its shape.
 fn settings(excitation: &Excitation) -> BTreeMap<&'static str, f64> {
-    // The shortest decimal that is this number, not the binary one behind it.
-    let told = |x: f32| x.to_string().parse().unwrap_or(f64::from(x));
+    // The shortest decimal that gives the same `f32`.
+    let decimal = |x: f32| x.to_string().parse().unwrap_or(f64::from(x));
     let mut settings = BTreeMap::from([
-        ("amplitude", told(excitation.amplitude)),
-        ("duration_s", told(excitation.duration_s)),
+        ("amplitude", decimal(excitation.amplitude)),
+        ("duration_s", decimal(excitation.duration_s)),
     ]);
     if !matches!(excitation.shape, Shape::Step | Shape::Ramp) {
-        settings.insert("frequency_hz", told(excitation.frequency_hz));
+        settings.insert("frequency_hz", decimal(excitation.frequency_hz));
     }
     if excitation.shape == Shape::Chirp {
-        settings.insert("end_frequency_hz", told(excitation.end_frequency_hz));
+        settings.insert("end_frequency_hz", decimal(excitation.end_frequency_hz));
     }
     settings
 }
@@ -209,7 +211,7 @@ mod tests {
 
     const LARGEST_INPUT: f64 = 0.001;
 
-    /// A paddle that was moved a little.
+    /// A recording of a paddle with small motion.
     fn recording() -> Recording {
         let model = Model {
             coulomb: 0.004,
@@ -230,7 +232,7 @@ mod tests {
         recording
     }
 
-    /// The null, or one effect, with the same cost in each of ten windows.
+    /// A fit without or with one effect, with the same cost in each of ten windows.
     fn fit(effect: Option<&str>, cost: f64) -> Fit {
         let effect = effect.map(|text| text.parse::<Effect>().unwrap());
         let terms = effect.map(|effect| Term {
@@ -268,14 +270,14 @@ mod tests {
         }
     }
 
-    fn next(rounds: Vec<Round>, last: Option<Round>, quiet: bool) -> Option<NextExperiment> {
+    fn next(rounds: Vec<Round>, last: Option<Round>, has_no_gap: bool) -> Option<NextExperiment> {
         separating(
             &made::problem(&recording()),
-            &selection(rounds, last, quiet),
+            &selection(rounds, last, has_no_gap),
         )
     }
 
-    fn selection(rounds: Vec<Round>, last: Option<Round>, quiet: bool) -> Selection {
+    fn selection(rounds: Vec<Round>, last: Option<Round>, has_no_gap: bool) -> Selection {
         let null = fit(None, 9.0);
         let expected = ExpectedLoss {
             level: WHITE,
@@ -283,7 +285,7 @@ mod tests {
             worst: 0.0,
         };
         Selection {
-            has_no_gap: quiet,
+            has_no_gap,
             is_unambiguous: false,
             given: false,
             null,
@@ -297,7 +299,7 @@ mod tests {
     const ELASTIC: &str = "presliding:distance=0.01,damping=0.02";
 
     #[test]
-    fn tied_rivals_are_separated_within_what_was_given() {
+    fn tied_rivals_are_separated_within_the_recorded_input() {
         let next = next(vec![round(&[(STATIC, 1.0), (ELASTIC, 1.0)])], None, false).unwrap();
         assert_eq!(next.separates, ["stribeck", "presliding"]);
         assert!(next.difference_over_noise > 1.0, "{next:?}");
@@ -305,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_open_needs_no_experiment() {
+    fn without_undecided_rivals_no_experiment_is_proposed() {
         assert_eq!(
             next(vec![round(&[(STATIC, 1.0), (ELASTIC, 5.0)])], None, false),
             None
@@ -317,14 +319,14 @@ mod tests {
     }
 
     #[test]
-    fn an_unexplained_gap_asks_between_the_two_best() {
+    fn for_an_unexplained_gap_the_two_best_rivals_are_separated() {
         let last = round(&[(STATIC, 5.0), (ELASTIC, 6.0), ("viscous", 7.0)]);
         let next = next(vec![], Some(last), false).unwrap();
         assert_eq!(next.separates, ["stribeck", "presliding"]);
     }
 
     #[test]
-    fn numbers_that_this_recording_leaves_open_separate_nothing() {
+    fn a_difference_that_a_free_parameter_can_compensate_separates_nothing() {
         let recording = made::recording(&["spring:stiffness=0.06,zero=0"]);
         let problem = made::problem(&recording);
         let free = Coordinate {
@@ -336,7 +338,7 @@ mod tests {
             terms: vec![made::term("spring", &[free])],
         };
         let best = problem.fit(&hypothesis, vec![0.0], Part::All, 5);
-        // The same with a number that is a little off, free or held there.
+        // The fit with its parameter moved by `by`, either free or fixed.
         let other = |by: f64, free: bool| {
             let mut fit = best.clone();
             fit.x[0] += by;

@@ -1,13 +1,13 @@
-//! How much of a difference of two models is left, whatever their numbers are within what is known of them: T-optimality
-//! (Atkinson and Fedorov, Biometrika 62, 1975) to first order, with what was recorded before.
+//! The separation of two models that no choice of their uncertain parameters can compensate: T-optimality (Atkinson and Fedorov,
+//! Biometrika 62, 1975) to first order, with the information of the recorded data.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Information that every coordinate has, over its own and at least: that of numbers that cannot be told apart.
-const VAGUE: f64 = 1e-9;
+/// Least information of every coordinate, and as a share of its own. It keeps coordinates finite that cannot be distinguished.
+const LEAST_INFORMATION: f64 = 1e-9;
 
-/// Root mean square, over a noise, of what is left of a `difference` of readings once the coordinates whose `slopes` are the
-/// columns have moved so that the squares of what is left, and of the moves by their `information`, are least.
+/// Rms of the remaining `difference` of readings, over the noise. The coordinates, whose `slopes` are the columns, move so that the sum
+/// of the squared remaining difference and of the squared moves, weighted by their `information`, is least.
 pub(super) fn separation(
     difference: &DVector<f64>,
     slopes: &DMatrix<f64>,
@@ -18,13 +18,13 @@ pub(super) fn separation(
     let slopes = slopes / noise;
     let mut normal = slopes.tr_mul(&slopes) + information;
     for i in 0..normal.nrows() {
-        normal[(i, i)] += VAGUE * (1.0 + normal[(i, i)]);
+        normal[(i, i)] += LEAST_INFORMATION * (1.0 + normal[(i, i)]);
     }
-    let pull = slopes.tr_mul(&difference);
-    let moves = normal.cholesky().map(|normal| normal.solve(&pull));
-    let made_up = moves.map_or(0.0, |moves| pull.dot(&moves));
-    let left = (difference.norm_squared() - made_up).max(0.0);
-    (left / difference.len().max(1) as f64).sqrt()
+    let gradient = slopes.tr_mul(&difference);
+    let moves = normal.cholesky().map(|normal| normal.solve(&gradient));
+    let compensated = moves.map_or(0.0, |moves| gradient.dot(&moves));
+    let remaining = (difference.norm_squared() - compensated).max(0.0);
+    (remaining / difference.len().max(1) as f64).sqrt()
 }
 
 #[cfg(test)]
@@ -33,8 +33,8 @@ mod tests {
 
     const NOISE: f64 = 0.1;
 
-    /// Of a difference of one in each of four readings, with a coordinate that moves them alike, known to a deviation of `std`.
-    fn left(slope: &[f64], std: f64) -> f64 {
+    /// The separation for a difference of one in each of four readings, with one coordinate of standard deviation `std`.
+    fn separation_with(slope: &[f64], std: f64) -> f64 {
         separation(
             &DVector::from_element(4, 1.0),
             &DMatrix::from_column_slice(4, 1, slope),
@@ -44,19 +44,19 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_known_make_up_for_nothing() {
-        assert!((left(&[1.0; 4], 1e-6) - 1.0 / NOISE).abs() < 1e-3);
+    fn a_known_parameter_compensates_nothing() {
+        assert!((separation_with(&[1.0; 4], 1e-6) - 1.0 / NOISE).abs() < 1e-3);
     }
 
     #[test]
-    fn numbers_that_are_unknown_make_up_for_what_they_can() {
-        assert!(left(&[1.0; 4], 1e6) < 1e-3);
+    fn an_unknown_parameter_compensates_what_it_can() {
+        assert!(separation_with(&[1.0; 4], 1e6) < 1e-3);
         let half = [1.0, 1.0, 0.0, 0.0];
-        assert!((left(&half, 1e6) - 0.5f64.sqrt() / NOISE).abs() < 1e-3);
+        assert!((separation_with(&half, 1e6) - 0.5f64.sqrt() / NOISE).abs() < 1e-3);
     }
 
     #[test]
-    fn a_coordinate_without_meaning_is_no_matter() {
-        assert!((left(&[0.0; 4], f64::INFINITY) - 1.0 / NOISE).abs() < 1e-9);
+    fn a_coordinate_without_influence_does_not_matter() {
+        assert!((separation_with(&[0.0; 4], f64::INFINITY) - 1.0 / NOISE).abs() < 1e-9);
     }
 }

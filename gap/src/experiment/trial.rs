@@ -1,4 +1,4 @@
-//! What the position sensor of a device would show under an excitation.
+//! Simulates the readings of the position sensor of a device under an excitation.
 
 use haptic_paddle::excitation::{Excitation, Generator};
 use host_sim::device::Device;
@@ -6,21 +6,21 @@ use host_sim::drive::DriveLine;
 use host_sim::plant::Plant;
 use host_sim::sensing::Reading;
 
-/// Where and when a trial takes place.
+/// The conditions of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Setting {
-    /// Time of the session, s: past what is bound to moments of the recording.
+    /// Start of the trial on the clock of the session, s. It lies after all events of the recording.
     pub start_s: f64,
-    /// Position of rest at the start.
+    /// Position at the start, at standstill.
     pub rest: f64,
-    /// Positions that must not be left.
+    /// Range of positions that the device must not leave.
     pub range: [f64; 2],
-    /// Between two readings, s.
+    /// Time between two readings, s.
     pub tick_s: f64,
 }
 
-/// Readings of an ideal sensor, one a tick; `None` if the device leaves the range, or the excitation is
-/// none at this tick.
+/// Readings of a noise-free sensor at each tick. Returns `None` if the device leaves the range, or if the excitation is not valid for
+/// this tick.
 pub(super) fn readings(device: &Device, excitation: &Excitation, at: &Setting) -> Option<Vec<f64>> {
     let mut generator = Generator::new(excitation, at.tick_s as f32).ok()?;
     let plant = Plant::quick(device.mechanics.clone());
@@ -35,10 +35,10 @@ pub(super) fn readings(device: &Device, excitation: &Excitation, at: &Setting) -
             return None;
         }
         let dt_s = if tick == 0 { 0.0 } else { at.tick_s };
-        let shown = reading.follow(&device.sensing, seen, dt_s);
-        readings.push(shown);
-        // A ramp ends once the device has broken away.
-        let input = generator.next(shown as f32).unwrap_or(0.0);
+        let reading_value = reading.follow(&device.sensing, seen, dt_s);
+        readings.push(reading_value);
+        // A ramp ends after the break-away of the device.
+        let input = generator.next(reading_value as f32).unwrap_or(0.0);
         let now_s = state.time_s;
         line.command(&device.drive, now_s, f64::from(input), state.velocity);
         line.carry(&plant, &mut state, at.tick_s);
@@ -66,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_torque_makes_a_parabola() {
+    fn a_constant_torque_gives_a_parabola() {
         let device = Device::nominal(&Model::new(2.0));
         let readings = readings(&device, &step(4.0), &AT).unwrap();
         assert_eq!(readings.len(), 1000);
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_device_that_leaves_the_range_is_no_trial() {
+    fn a_device_that_leaves_the_range_gives_no_readings() {
         let device = Device::nominal(&Model::new(2.0));
         let narrow = Setting {
             range: [-0.1, 0.1],

@@ -1,4 +1,5 @@
-//! Effects that bend to what has no name: they close the gap, and would close that of another cause as well.
+//! Findings that may stand for another cause: the effects close the gap, but could equally close the gap of an effect that is not in the
+//! library.
 
 use super::findings::confidence;
 use crate::effects::{self, Family, Identification, episode};
@@ -9,39 +10,38 @@ use crate::term::Term;
 use crate::windows::series::Series;
 use std::fmt;
 
-/// Effects that are many.
+/// Number of effects from which the findings are doubted.
 const MANY: usize = 3;
-/// Share of a run from which on an episode that stays has hardly come and gone in it.
-const MOST_OF_RUN: f64 = 2.0 / 3.0;
-/// Confidence from which an episode is one that comes more than once.
+/// Share of a run that a temporary effect must fill to be doubted.
+const LARGE_SHARE_OF_RUN: f64 = 2.0 / 3.0;
+/// Confidence from which a repeated temporary effect is not doubted.
 const SURE_EPISODE: f64 = 0.9;
 
-/// Why what was found may stand in for something else.
+/// The reason why the findings may stand for another cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum StandIn {
-    /// Less than a wave of a ripple was travelled: any force over position looks so.
+pub(super) enum Confounder {
+    /// The motion spans less than one period of a ripple, so that any torque over the position looks the same.
     Wave {
         effect: &'static str,
         travelled: f64,
     },
-    /// A soft transmission behind a drive that is late, or before a sensor that is: so is any drive with dynamics of its own.
+    /// A compliant transmission was found together with a delayed drive or sensor. A drive with its own dynamics acts equally.
     Drive {
         resonance: &'static str,
-        late: &'static str,
+        delayed: &'static str,
     },
-    /// A spring beside another weight: together they bend, as a spring does that softens.
+    /// A spring was found together with another weight. A degressive spring acts equally.
     Restoring,
-    /// So many effects that together they bend to any cause: of seven times that three were named on nine blind and outside sets
-    /// four had another cause, and three had two.
+    /// So many effects were found that together they may fit any cause.
     Many { effects: usize },
-    /// An episode that comes more than once and is not for sure: so does any torque that comes and goes.
+    /// A temporary effect with several occurrences was found with a low confidence. Any temporary torque acts equally.
     Episode { stays: usize },
-    /// An episode that stays for most of a run: so does whatever is another in that run.
+    /// A temporary effect is_filled most of a run. Any difference of that run acts equally.
     Run { index: usize },
 }
 
-impl StandIn {
-    /// The reason to doubt what was found, if there is one.
+impl Confounder {
+    /// The reason to doubt the findings, if any.
     pub(super) fn of(problem: &Problem<'_>, selection: &Selection) -> Option<Self> {
         let certain = selection.base() + selection.kept();
         let of_effects = Self::of_effects(problem, selection.fit(), certain);
@@ -57,10 +57,10 @@ impl StandIn {
         of_effects.or_else(|| selection.rounds.iter().find_map(of_episode))
     }
 
-    /// The reason that lies in the effects beyond the first ones that are `certain`.
+    /// The reason to doubt the effects beyond the first `certain` ones, if any.
     fn of_effects(problem: &Problem<'_>, fit: &Fit, certain: usize) -> Option<Self> {
         let fitted = fit.hypothesis.parts(&fit.x);
-        let mut short = fitted.filter_map(|(term, x)| {
+        let mut too_short = fitted.filter_map(|(term, x)| {
             let effect = effects::of(term.kind.name);
             let travelled = effect.too_few_periods(&term.moved(x), problem.extremes())?;
             Some(Self::Wave {
@@ -68,8 +68,8 @@ impl StandIn {
                 travelled,
             })
         });
-        if let Some(short) = short.next() {
-            return Some(short);
+        if let Some(too_short) = too_short.next() {
+            return Some(too_short);
         }
         let found = fit.hypothesis.terms.iter().skip(certain);
         let found = found.map(|term| effects::of(term.kind.name));
@@ -82,13 +82,13 @@ impl StandIn {
         if of(Family::Restoring).count() > 1 {
             return Some(Self::Restoring);
         }
-        let late = of(Family::Lateness).next()?.name();
+        let delayed = of(Family::Lateness).next()?.name();
         let resonance = found.iter().find(|effect| effect.resonates())?.name();
-        Some(Self::Drive { resonance, late })
+        Some(Self::Drive { resonance, delayed })
     }
 }
 
-/// The episode that a round is about, if it is about one.
+/// The temporary effect of a round, if it has one.
 fn episode(round: &Round) -> Option<Term> {
     let last = round.rivals[0].fit.last_term()?;
     effects::of(last.kind.name)
@@ -97,23 +97,23 @@ fn episode(round: &Round) -> Option<Term> {
         .then_some(last)
 }
 
-/// The run of which a stay of an episode is most.
+/// Index of the run that an occurrence of a temporary effect nearly is_filled.
 fn most_of_run(problem: &Problem<'_>, episode: &Term) -> Option<usize> {
     let stays = episode.kind.meanwhile(&episode.values).unwrap_or_default();
-    let fills = |run: &usize| {
+    let is_filled = |run: &usize| {
         let parts = problem.series.iter().filter(|s| s.run == *run);
         let spans = parts.filter_map(Series::session_span_s);
         let whole = spans.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
         whole.is_some_and(|[first_s, last_s]| {
             let in_run_s = |[from_s, to_s]: &[f64; 2]| to_s.min(last_s) - from_s.max(first_s);
-            let most_s = MOST_OF_RUN * (last_s - first_s);
+            let most_s = LARGE_SHARE_OF_RUN * (last_s - first_s);
             stays.iter().any(|stay| in_run_s(stay) >= most_s)
         })
     };
-    (0..problem.recording.runs.len()).find(fills)
+    (0..problem.recording.runs.len()).find(is_filled)
 }
 
-impl fmt::Display for StandIn {
+impl fmt::Display for Confounder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Wave { effect, travelled } => write!(
@@ -121,9 +121,9 @@ impl fmt::Display for StandIn {
                 "only {travelled:.1} waves of the {effect} were travelled: any force over position would look so; \
                  record a longer travel to see whether it repeats"
             ),
-            Self::Drive { resonance, late } => write!(
+            Self::Drive { resonance, delayed } => write!(
                 f,
-                "{resonance} and {late} together act as a drive with a resonance of its own would: measure the torque \
+                "{resonance} and {delayed} together act as a drive with a resonance of its own would: measure the torque \
                  or the motor's side to tell"
             ),
             Self::Many { effects } => write!(
@@ -157,16 +157,16 @@ mod tests {
     use crate::select::{Acceptance, Rival};
     use core::f64::consts::TAU;
 
-    /// Whether these terms, the first ones `certain`, may stand in for something else.
+    /// True if these terms may stand for another cause. The first `certain` terms are certain.
     fn is_doubted(terms: Vec<Term>, certain: usize) -> bool {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let fit = problem.fit(&Hypothesis { terms }, Vec::new(), Part::All, 0);
-        StandIn::of_effects(&problem, &fit, certain).is_some()
+        Confounder::of_effects(&problem, &fit, certain).is_some()
     }
 
     #[test]
-    fn a_ripple_is_one_where_it_was_seen_to_repeat() {
+    fn a_ripple_of_less_than_one_period_is_doubted() {
         let recording = made::recording(&[]);
         let [low, high] = made::problem(&recording).extremes();
         let ripple = |waves: f64| {
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn a_soft_transmission_behind_a_late_drive_may_be_the_drive() {
+    fn a_compliance_with_a_delayed_drive_or_sensor_is_doubted() {
         let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
         assert!(is_doubted(named(&["compliance", "lag"]), 0));
         assert!(is_doubted(named(&["delay", "compliance"]), 0));
@@ -190,14 +190,14 @@ mod tests {
     }
 
     #[test]
-    fn a_spring_beside_another_weight_may_be_one_that_softens() {
+    fn a_spring_with_another_weight_is_doubted() {
         let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
         assert!(is_doubted(named(&["spring", "gravity"]), 0));
         assert!(!is_doubted(named(&["spring", "viscous"]), 0));
     }
 
     #[test]
-    fn three_effects_may_stand_in_for_one_that_has_no_name() {
+    fn three_effects_are_doubted() {
         let named = |names: &[&str]| names.iter().map(|n| made::term(n, &[])).collect();
         assert!(is_doubted(named(&["viscous", "coulomb", "torque_gain"]), 0));
         assert!(!is_doubted(
@@ -207,10 +207,10 @@ mod tests {
     }
 
     #[test]
-    fn an_episode_that_comes_again_may_be_what_comes_and_goes() {
+    fn the_occurrences_of_a_temporary_effect_are_counted() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
-        let taken = |effect: &str| {
+        let occurrences = |effect: &str| {
             let hypothesis = Hypothesis {
                 terms: vec![made::written(effect)],
             };
@@ -226,14 +226,14 @@ mod tests {
             });
             episode.map(|episode| episode::occurrences(&episode))
         };
-        assert_eq!(taken("contact:from=1,to=2"), Some(1));
-        let twice = taken("contact:from_1=1,to_1=2,from_2=4,to_2=5");
-        assert_eq!(twice, Some(2));
-        assert_eq!(taken("viscous"), None);
+        assert_eq!(occurrences("contact:from=1,to=2"), Some(1));
+        let two = occurrences("contact:from_1=1,to_1=2,from_2=4,to_2=5");
+        assert_eq!(two, Some(2));
+        assert_eq!(occurrences("viscous"), None);
     }
 
     #[test]
-    fn an_episode_that_stays_for_most_of_a_run_may_be_whatever_is_another_there() {
+    fn a_temporary_effect_that_fills_most_of_a_run_is_found() {
         let recording = made::recording(&[]);
         let problem = made::problem(&recording);
         let run = |episode: &str| most_of_run(&problem, &made::written(episode));

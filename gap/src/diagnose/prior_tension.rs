@@ -1,29 +1,29 @@
-//! What is found because the model's own numbers would have to move too far without it.
+//! Effects that are found because a model parameter would deviate too far from its stated value without them.
 
 use crate::fit::hypothesis::PriorParameter;
 use crate::select::Round;
 use std::fmt;
 
-/// An effect without which a number of the model would lie far from what is stated.
+/// An effect without which a model parameter would deviate far from its stated value.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Relief {
+pub(super) struct PriorTension {
     effect: &'static str,
     number: String,
-    /// How far it would lie, in its tolerances.
+    /// Deviation of the parameter without the effect, in its standard deviations.
     deviations: f64,
 }
 
-/// True if the effect of a round spares the model's own numbers what strained them without it.
-pub(super) fn is_relieved(round: &Round) -> bool {
+/// True if the fit is strained without the effect of a round, and not with it.
+pub(super) fn relieves_tension(round: &Round) -> bool {
     round.known.is_strained() && !round.so_far.is_strained()
 }
 
-impl Relief {
-    /// What the effect of a round relieves, if it does.
+impl PriorTension {
+    /// The parameter that deviates most without the effect of a round, if the effect relieves it.
     pub(super) fn of(round: &Round, priors: &[PriorParameter]) -> Option<Self> {
         let moves = priors.iter().zip(round.known.moves());
         let (number, z) = moves.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
-        is_relieved(round).then(|| Self {
+        relieves_tension(round).then(|| Self {
             effect: round.rivals[0].name,
             number: number.name.clone(),
             deviations: z.abs(),
@@ -31,7 +31,7 @@ impl Relief {
     }
 }
 
-impl fmt::Display for Relief {
+impl fmt::Display for PriorTension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self {
             effect,

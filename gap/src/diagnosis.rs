@@ -1,152 +1,149 @@
-//! What a diagnosis says, in the form of the recording format.
+//! The result of a diagnosis, as defined by the recording format.
 
 use indexmap::IndexMap;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Whether there is a gap, and whether it is understood.
+/// Whether a gap exists, and whether the findings explain it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Nothing beyond noise and the stated tolerances.
+    /// No gap beyond noise and the stated tolerances.
     NoGap,
     /// The named effects leave at most 15 % of the excess.
     Explained,
-    /// The named effects are real and something more is left, or another cause would do the same.
+    /// The named effects are real, but a part of the gap remains, or another cause would act equally.
     PartlyExplained,
-    /// A gap, and no effect earns its place.
+    /// A gap exists, and no effect is accepted.
     Unexplained,
 }
 
-/// The model that a floor belongs to: how much noise and restarts leave depends on the motion that they disturb.
+/// The model of a floor. The influence of noise and restarts depends on the motion, and so on the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FloorOf {
-    /// The model as the diagnosis corrects it.
+    /// The model with the corrections of the diagnosis.
     CorrectedModel,
-    /// The model as stated, where what was found leaves no less than it, or where nothing was found.
+    /// The model as stated: if no effect was found, or if the floor of the corrected model is not below the original gap.
     NominalModel,
 }
 
-/// Gap before and after, on data that the fit has not seen.
+/// Gap before and after the correction, on held-out data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Closing {
-    /// Of the nominal model, in units of position.
+    /// Gap of the nominal model, in position units.
     pub before: f64,
-    /// What noise, quantising and restarts alone would leave, in units of position, if the model that `floor_of` names were
-    /// right.
+    /// Expected rms residual from noise, quantization and restarts if the model of `floor_of` were exact, in position units.
     pub floor: f64,
-    /// Whose motion the floor was made with.
+    /// The model of the floor.
     pub floor_of: FloorOf,
-    /// The same floor if the nominal model were right, as [`crate::measure`] gives it.
+    /// Floor if the nominal model were exact, as in [`crate::measure`], in position units.
     pub nominal_floor: f64,
-    /// Of the corrected model, in units of position.
+    /// Gap of the corrected model, in position units.
     pub after: f64,
-    /// Of a predictor that knows no model: the position stays where it was at the restart.
+    /// Gap of a model-free predictor that keeps the position at the restart, in position units.
     pub standing: f64,
-    /// Of another one: the position goes on at the restart's velocity.
+    /// Gap of a model-free predictor that keeps the velocity at the restart, in position units.
     pub coasting: f64,
     /// `(before − after) / (before − floor)`.
     pub shrink: f64,
-    /// 95 % interval of it on another recording of the device.
+    /// 95 % interval of the shrink on another recording of the device.
     pub shrink_interval: [f64; 2],
-    /// Of position.
+    /// Unit of the position.
     pub unit: String,
 }
 
-/// Largest share of the excess that may be left for a gap to count as explained.
+/// Largest share of the excess that may remain for a gap to count as explained.
 const EXPLAINED: f64 = 0.15;
 
 impl Closing {
-    /// True if hardly any of what a model could undercut is left: `√(after² − floor²)` is at most 15 % of what it was before.
+    /// True if `√(after² − floor²)` is at most 15 % of `√(before² − floor²)`.
     pub fn is_closed(&self) -> bool {
         let excess = |gap: f64| (gap * gap - self.floor * self.floor).max(0.0).sqrt();
         excess(self.after) <= EXPLAINED * excess(self.before)
     }
 }
 
-/// A fitted number.
+/// A parameter value with its uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// In `unit`.
+    /// Value, in `unit`.
     pub value: f64,
-    /// Standard deviation, in `unit`; `None` where it is not known: for a number that was not fitted, and for one whose fit
-    /// ended where it may have stalled.
+    /// Standard deviation, in `unit`. It is `None` for a parameter that was not fitted, and for one whose fit may have stalled.
     pub std: Option<f64>,
     /// Unit of `stated`, `found` and `std`.
     pub unit: String,
-    /// True if the data moved it.
+    /// True if the parameter was fitted.
     #[serde(skip)]
     pub is_fitted: bool,
 }
 
-/// A number of the model that had to move, or that is not stated and was estimated.
+/// A model parameter that moved, or that is not stated and was estimated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NumberFinding {
-    /// Its name in `[model]`.
+    /// Name in `[model]`.
     pub name: String,
-    /// As the recording states it, in `unit`; `None` where it does not.
+    /// Stated value, in `unit`; `None` if it is not stated.
     pub stated: Option<f64>,
-    /// As fitted, in `unit`.
+    /// Fitted value, in `unit`.
     pub found: f64,
-    /// Standard deviation of `found`, in `unit`; `None` where it is not known.
+    /// Standard deviation of `found`, in `unit`; `None` if it is not known.
     pub std: Option<f64>,
-    /// Distance from what is stated, in stated standard deviations; `None` where nothing is stated.
+    /// Distance from the stated value, in stated standard deviations; `None` without a stated deviation.
     pub sigmas: Option<f64>,
-    /// Share of the gap that its move closes: its Shapley share beside the effects and the other numbers.
+    /// Share of the gap that its change closes: the Shapley share among the effects and the other parameters.
     pub shrink: f64,
-    /// 95 % interval of it on another recording of the device.
+    /// 95 % interval of the shrink on another recording of the device.
     pub shrink_interval: [f64; 2],
     /// Unit of `stated`, `found` and `std`.
     pub unit: String,
 }
 
-/// An effect that earned its place.
+/// An effect that was accepted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// In the vocabulary.
     pub name: &'static str,
     /// In the vocabulary.
     pub channel: &'static str,
-    /// Probability that it is the true one.
+    /// Probability that the effect is the true cause.
     pub confidence: f64,
-    /// Names that this excitation cannot tell from it.
+    /// Names of effects that this excitation does not distinguish from it.
     pub not_separable_from: Vec<&'static str>,
-    /// What its shrink rests on: `prediction` or `sensor_comparison`.
+    /// Evidence for the shrink: `prediction` or `sensor_comparison`.
     pub basis: &'static str,
-    /// False where it shows in too few windows for any to be held out: its shrink is on data that the fit has seen, as a warning
-    /// says.
+    /// False if the effect acts in too few windows for held-out data. The shrink is then on fitted data, as a warning states.
     #[serde(skip)]
     pub held_out: bool,
-    /// By name, in the order of the effect's definition.
+    /// Parameters by name, in the order of the definition of the effect.
     pub parameters: IndexMap<String, Estimate>,
-    /// Of this effect alone, on top of those before it.
+    /// Shrink by this effect: its part of the total shrink, or for a sensor comparison the shrink of the disagreement.
     pub shrink: f64,
-    /// 95 % interval of it on another recording of the device.
+    /// 95 % interval of the shrink on another recording of the device.
     pub shrink_interval: [f64; 2],
 }
 
-/// Name of the velocities at a rest or a reversal and right after.
+/// Name of the velocities at standstill or a reversal and shortly after.
 pub const AFTER_REST: &str = "rest and right after";
 
-/// What the gap is measured by where a part of it is told.
+/// The measure of the gap of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MeasuredBy {
-    /// The squared residual of short predictions, beyond noise: where the gap arises.
+    /// Squared residual of short predictions beyond noise: where the gap arises.
     ShortPredictions,
-    /// The squared residual of predictions over the whole horizon: where the gap has grown largest.
+    /// Squared residual of predictions over the whole horizon: where the gap is largest.
     WholeHorizon,
-    /// The square of the torque that the nominal model lacks: where that acts.
+    /// Squared missing torque of the nominal model: where it acts.
     MissingTorque,
-    /// The power of the acceleration that short predictions miss, over frequency.
+    /// Power of the missing acceleration of short predictions, over frequency.
     Spectrum,
-    /// How much better a second position sensor is predicted.
+    /// Decrease of the gap if a second position sensor is predicted.
     SecondSensor,
 }
 
-/// A part of the data that carries clearly more of the gap than its share of the samples: the lower end of its
-/// `share_of_gap_interval` is above `share_of_samples`.
+/// A part of the data with clearly more of the gap than of the samples: the lower end of its `share_of_gap_interval` is above
+/// `share_of_samples`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Region {
     /// `velocity`, `position`, `time`, `input`, `acceleration`, `frequency`, `channel` or `run`.
@@ -155,39 +152,39 @@ pub struct Region {
     pub from: Option<f64>,
     /// In the recording's units.
     pub to: Option<f64>,
-    /// Of a channel or run; [`AFTER_REST`] for velocities that count because the motion has just been at rest.
+    /// Name of a channel or run, or [`AFTER_REST`] for velocities at standstill and shortly after.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Index of the run, where it lies in one.
+    /// Index of the run, if the region lies in one.
     pub run: Option<usize>,
-    /// What the share of the gap is a share of.
+    /// The measure of the gap.
     pub measured_by: MeasuredBy,
-    /// From 0 to 1.
+    /// Share of the gap, from 0 to 1.
     pub share_of_gap: f64,
-    /// 95 %.
+    /// 95 % interval of the share of the gap.
     pub share_of_gap_interval: [f64; 2],
-    /// Of the samples; for a frequency, of the power of motion and input.
+    /// Share of the samples, or for a frequency of the power of motion and input.
     pub share_of_samples: f64,
-    /// The same shares all along the axis; `None` for a channel.
+    /// Shares along the whole axis; `None` for a channel.
     #[serde(skip)]
     pub profile: Option<Profile>,
 }
 
 impl Region {
-    /// True if the lower end of the interval of its share of the gap is above its share of the samples.
+    /// True if the lower end of the interval of the share of the gap is above the share of the samples.
     pub fn is_clear(&self) -> bool {
         self.share_of_gap_interval[0] > self.share_of_samples
     }
 }
 
-/// Shares of gap and samples all along an axis: what the regions on it were chosen by.
+/// Shares of gap and samples along a whole axis, from which its regions were chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// What a place on the axis is.
+    /// Name of the coordinate on the axis.
     pub along: &'static str,
-    /// In the order of the axis, one beginning where the one before it ends.
+    /// Parts in the order of the axis, each beginning at the end of the one before.
     pub parts: Vec<ProfilePart>,
-    /// Where on it the region begins and ends: always at an end of a part.
+    /// Begin and end of the region, each at an edge of a part.
     pub marked: [f64; 2],
 }
 
@@ -198,71 +195,71 @@ pub struct ProfilePart {
     pub from: f64,
     /// In the recording's units.
     pub to: f64,
-    /// File of the run that it is, if it is one.
+    /// File of the run, on the axis of runs.
     pub run: Option<String>,
-    /// Share of the gap that lies in it.
+    /// Share of the gap in the part.
     pub share_of_gap: f64,
     /// Share of the samples, as in [`Region::share_of_samples`].
     pub share_of_samples: f64,
 }
 
 impl ProfilePart {
-    /// Share of the gap over share of the samples, 1 where both are the same; not a number without samples.
+    /// Share of the gap over share of the samples; not a number without samples.
     pub fn density(&self) -> f64 {
         self.share_of_gap / self.share_of_samples
     }
 }
 
-/// An effect that was tried.
+/// An effect that was tried and not named.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tried {
     /// In the vocabulary.
     pub name: &'static str,
-    /// Gap that it leaves, in units of position.
+    /// Gap with the effect, in position units.
     pub after: f64,
-    /// Why it was not named.
+    /// The reason why it was not named.
     pub why_not: String,
 }
 
-/// The excitation that would tell rivals apart best.
+/// The excitation that distinguishes rival effects best.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NextExperiment {
-    /// An excitation of the firmware.
+    /// Name of an excitation of the firmware.
     pub kind: &'static str,
-    /// The names it would separate.
+    /// Names of the effects that it distinguishes.
     pub separates: Vec<&'static str>,
-    /// Its numbers.
+    /// Settings of the excitation.
     pub settings: BTreeMap<&'static str, f64>,
-    /// Predicted difference of the rivals that no numbers within what this recording says of them make up for, rms, over
-    /// noise.
+    /// Predicted rms difference of the readings of the rivals over the noise, after the best compensation by their parameters within the
+    /// information of this recording.
     pub difference_over_noise: f64,
 }
 
 /// The whole diagnosis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagnosis {
-    /// Of this format: 1.
+    /// Version of this format: 1.
     pub format: u32,
-    /// In short.
+    /// The verdict.
     pub verdict: Verdict,
-    /// How far.
+    /// The gap before and after the correction.
     pub gap: Closing,
-    /// Which, in the order of what each contributes.
+    /// The accepted effects, in the order of their contribution.
     pub effects: Vec<Finding>,
-    /// Numbers of the model that had to move, in the order of what each closes.
+    /// Model parameters that moved, in the order of their contribution.
     pub numbers: Vec<NumberFinding>,
-    /// Where, the most telling first.
+    /// Regions of the gap, most informative first.
     #[serde(rename = "where")]
     pub regions: Vec<Region>,
-    /// What else was tried.
+    /// Other effects that were tried.
     pub candidates: Vec<Tried>,
-    /// Why nothing is named although something closed the gap; it is among the warnings, too.
+    /// The reason why no effect is named although one closed the gap. It is also among the warnings.
     #[serde(skip)]
     pub rejection: Option<String>,
-    /// What to record next, if names are left that cannot be told apart.
+    /// The next experiment, if the recording does not distinguish some effects.
     pub next_experiment: Option<NextExperiment>,
-    /// What was odd and worked around, and what not to rely on.
+    /// Unusual properties of the recording that were handled, and results that are uncertain.
     pub warnings: Vec<String>,
-    /// s.
+    /// Duration of the diagnosis, s.
     pub elapsed_s: f64,
 }

@@ -1,24 +1,8 @@
-//! Where a simulation and a device differ, which effect causes it, how far the gap shrinks.
+//! Shows where a simulation and a device differ, which effect causes it, and how far the gap shrinks.
 //!
-//! A [`Recording`] is what a device was told and where it went, with the [`Model`] whose gap is asked about: of any
-//! single axis, rotary or linear, of any size. [`measure()`] gives the gap of a [`Device`] on it, [`diagnose`] tries every
-//! [`Effect`] by simulation and says which ones close it on data that the fit has not seen.
-//!
-//! ```no_run
-//! use gap::{Options, Recording, diagnose, inspected};
-//!
-//! let recording = inspected(Recording::read("my-recording")?)?;
-//! let outcome = diagnose(&recording, &Options::default());
-//! for effect in &outcome.diagnosis.effects {
-//!     println!("{} closes {:.0} %", effect.name, 100.0 * effect.shrink);
-//! }
-//! // The model that closes it, as a file for later.
-//! let file = gap::ModelFile::new(&outcome.model, &recording);
-//! std::fs::write("corrected.toml", file.to_string())?;
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! `examples/linear_axis.rs` makes a recording in memory and tries an effect by hand.
+//! A [`Recording`] holds the input and the motion of a device, and the [`Model`] whose gap is to be explained. The device may be any
+//! single axis, rotary or linear, of any size. [`measure()`] gives the gap of a [`Device`] on the recording. [`diagnose`] tries every
+//! [`Effect`] by simulation, and returns the effects that close the gap on held-out data.
 
 mod columns;
 mod comparison;

@@ -1,4 +1,4 @@
-//! Recordings that tests are made with.
+//! Fixtures of the tests: simulated recordings.
 
 use crate::fit::problem::Problem;
 use crate::guess::{self, Evidence};
@@ -18,7 +18,7 @@ const RUN_S: f64 = 6.0;
 const NOISE: f64 = 1e-4;
 const BEGIN: f64 = 0.05;
 
-/// `recording` with its model's numbers taken as exact.
+/// The problem of `recording` with exact model parameters.
 pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
     Problem {
         recording,
@@ -29,16 +29,16 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
     }
 }
 
-/// An effect that begins at some numbers that are free, the others as they are by default.
+/// An effect with some free parameters; the others have their default values.
 pub(crate) fn term(name: &str, free: &[Coordinate]) -> Term {
     guess::start::term(effects::kind(name).unwrap(), free.to_vec(), &[])
 }
 
-/// What is `told` of what is seen of some effects, once the motions are `changed`.
+/// Applies `evaluate` to the evidence of a recording with some effects. `change` may modify the motions before.
 pub(crate) fn seen<T>(
     effects: &[&str],
     change: impl Fn(&mut [Motion]),
-    told: impl Fn(&Evidence<'_>) -> T,
+    evaluate: impl Fn(&Evidence<'_>) -> T,
 ) -> T {
     let recording = recording(effects);
     let series = &problem(&recording).series;
@@ -46,7 +46,7 @@ pub(crate) fn seen<T>(
     let motion = |s| Motion::of(s, &device, None, recording.restart_half_width);
     let mut motions: Vec<Motion> = series.iter().map(motion).collect();
     change(&mut motions);
-    told(&Evidence {
+    evaluate(&Evidence {
         series,
         motions: &motions,
         scales: &Scales::of(series, &motions, &device, recording.horizon),
@@ -57,7 +57,7 @@ pub(crate) fn seen<T>(
     })
 }
 
-/// The effect that is written so, nothing of it free.
+/// The effect of a text such as `coulomb:level=0.01`, without free parameters.
 pub(crate) fn written(effect: &str) -> Term {
     let Effect { kind, values } = effect.parse().unwrap();
     Term {
@@ -66,12 +66,12 @@ pub(crate) fn written(effect: &str) -> Term {
     }
 }
 
-/// Two runs of a paddle under two sines, with the effects written in `effects`.
+/// Two runs of a paddle under the sum of two sines, with `effects`.
 pub(crate) fn recording(effects: &[&str]) -> Recording {
     recorded(effects, 1)
 }
 
-/// The same, another noise for each `seed`.
+/// The recording of [`recording`] with another noise for each `seed`.
 pub(crate) fn recorded(effects: &[&str], seed: u64) -> Recording {
     let model = Model {
         viscous: 1.78e-4,

@@ -1,4 +1,4 @@
-//! The gap of one model on one recording, and the floor below which no model can bring it.
+//! The gap of a model on a recording, and the floor below which no model can reduce it.
 
 use crate::floor::{SAMPLED_WINDOWS, floor_squares};
 use crate::predict::Predictor;
@@ -8,23 +8,23 @@ use host_sim::device::Device;
 use recording::Recording;
 use serde::Serialize;
 
-/// Gap and floor, root mean squares over all samples of all runs.
+/// Gap and floor: rms over all samples of all runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gap {
-    /// Of the model as given, in units of position.
+    /// Gap of the given model, in position units.
     pub before: f64,
-    /// What noise, quantising and restarts alone leave, in units of position.
+    /// Expected gap of an exact model, from noise, quantization and restarts, in position units.
     pub floor: f64,
-    /// Of position.
+    /// Unit of the position.
     pub unit: String,
 }
 
-/// A run with what the model made of it.
+/// A run with its prediction by the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedRun {
-    /// The run's CSV file.
+    /// CSV file of the run.
     pub file: String,
-    /// s.
+    /// Time of the samples, s.
     pub time: Vec<f64>,
     /// In units of position.
     pub measured: Vec<f64>,
@@ -32,20 +32,20 @@ pub struct PredictedRun {
     pub predicted: Vec<f64>,
 }
 
-/// Gap over floor beyond which a glance at the floor is enough.
-const FAR_BEYOND: f64 = 3.0;
-/// Windows that are looked at for that: those of a draw to either side.
-const GLANCE: usize = 1;
+/// Ratio of gap to floor beyond which a rough estimate of the floor suffices.
+const FAR_ABOVE: f64 = 3.0;
+/// Number of windows of a rough estimate. Two draws are made in any case.
+const ROUGH: usize = 1;
 
-/// Measures the gap of `device` on `recording` as the recording format defines it; where rows are missing for longer than a
-/// restart looks, prediction begins anew.
+/// Measures the gap of `device` on `recording` as the recording format defines it. The prediction restarts after gaps in the rows that
+/// are longer than a restart spans.
 pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun>) {
     let Unbroken {
         recording: unbroken,
         runs,
     } = &Unbroken::of(recording);
     let mut parts = Vec::new();
-    let left = Left::told(unbroken, device, |series, predicted| {
+    let residual = Residual::passed_to(unbroken, device, |series, predicted| {
         parts.push(PredictedRun {
             file: unbroken.runs[series.run].file.clone(),
             time: series.time,
@@ -54,15 +54,15 @@ pub fn measure(recording: &Recording, device: &Device) -> (Gap, Vec<PredictedRun
         });
     });
     let gap = Gap {
-        before: left.rms,
-        // A device that leaves less than an replicate one did was luckier with its restarts.
-        floor: left.floor(unbroken, SAMPLED_WINDOWS).min(left.rms),
+        before: residual.rms,
+        // A gap below the floor is due to chance, so the floor is at most the gap.
+        floor: residual.floor(unbroken, SAMPLED_WINDOWS).min(residual.rms),
         unit: recording.units.position.clone(),
     };
     (gap, whole(parts, runs))
 }
 
-/// The parts of each run put together; `runs` tells of which each is one.
+/// Joins the parts of each run. `runs` holds the run of each part.
 fn whole(parts: Vec<PredictedRun>, runs: &[usize]) -> Vec<PredictedRun> {
     let mut whole: Vec<PredictedRun> = Vec::new();
     let mut last = None;
@@ -80,46 +80,48 @@ fn whole(parts: Vec<PredictedRun>, runs: &[usize]) -> Vec<PredictedRun> {
     whole
 }
 
-/// What `device` leaves, in units of position, and whether that is more than `floors` times its floor.
+/// Gap of `device`, in position units, and whether it exceeds `floors` times its floor.
 pub(crate) fn exceeds(recording: &Recording, device: &Device, floors: f64) -> (f64, bool) {
-    let left = Left::of(recording, device);
-    let beyond = |times: f64, looked_at| left.rms > times * left.floor(recording, looked_at);
-    let exceeds = beyond(floors.max(FAR_BEYOND), GLANCE) || beyond(floors, SAMPLED_WINDOWS);
-    (left.rms, exceeds)
+    let residual = Residual::of(recording, device);
+    let beyond = |times: f64, sampled_windows| {
+        residual.rms > times * residual.floor(recording, sampled_windows)
+    };
+    let exceeds = beyond(floors.max(FAR_ABOVE), ROUGH) || beyond(floors, SAMPLED_WINDOWS);
+    (residual.rms, exceeds)
 }
 
-/// What a device leaves of a recording at full rate.
-pub(crate) struct Left {
+/// The residual of a device on a recording at full rate.
+pub(crate) struct Residual {
     predictor: Predictor,
-    /// With their runs.
+    /// Windows with the index of their run.
     windows: Vec<(usize, Window)>,
-    /// Sums over each window, in units of position squared.
+    /// Sum of squared residuals of each window, in position units squared.
     pub squares: Vec<f64>,
-    /// Over all samples, in units of position.
+    /// Rms over all samples, in position units.
     pub rms: f64,
 }
 
-impl Left {
+impl Residual {
     pub fn of(recording: &Recording, device: &Device) -> Self {
-        Self::told(recording, device, |_, _| {})
+        Self::passed_to(recording, device, |_, _| {})
     }
 
-    /// The same, with each run and what was predicted of it given to `told`, which is all that keeps them: one run at a time is
-    /// held at full rate.
-    fn told(
+    /// Computes the residual, and passes each run with its prediction to `receive`, which may keep them. Only one run at a time is held
+    /// at full rate.
+    fn passed_to(
         recording: &Recording,
         device: &Device,
-        mut told: impl FnMut(Series, Vec<f64>),
+        mut receive: impl FnMut(Series, Vec<f64>),
     ) -> Self {
         let predictor = Predictor::new(device.clone(), recording);
         let (mut squares, mut windows) = (Vec::new(), Vec::new());
         for mut series in series::each_full(recording, recording.horizon) {
             let predicted = predictor.predict(&series);
-            let left = |window| series.squares(window, &predicted);
-            squares.extend(series.windows.iter().map(left));
+            let residual = |window| series.squares(window, &predicted);
+            squares.extend(series.windows.iter().map(residual));
             let of_run = std::mem::take(&mut series.windows).into_iter();
             windows.extend(of_run.map(|window| (series.run, window)));
-            told(series, predicted);
+            receive(series, predicted);
         }
         Self {
             rms: rms(&squares, samples(&windows)),
@@ -129,9 +131,15 @@ impl Left {
         }
     }
 
-    fn floor(&self, recording: &Recording, looked_at: usize) -> f64 {
+    fn floor(&self, recording: &Recording, sampled_windows: usize) -> f64 {
         let windows = self.windows.iter().map(|(run, window)| (*run, window));
-        let floor = floor_squares(recording, &self.predictor, windows, series::full, looked_at);
+        let floor = floor_squares(
+            recording,
+            &self.predictor,
+            windows,
+            series::full,
+            sampled_windows,
+        );
         rms(&floor, samples(&self.windows))
     }
 }

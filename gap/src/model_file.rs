@@ -1,27 +1,4 @@
-//! A corrected model as a TOML file that stands alone.
-//!
-//! ```toml
-//! format = 1
-//! angle_rad = 0.0174533     # of one unit of position; left out if it is 1
-//!
-//! [model]                   # as in a recording
-//! inertia = 5.755e-4
-//!
-//! [[effects]]
-//! name = "stribeck"
-//! parameters = { static_ratio = 1.4, velocity = 0.1, exponent = 2.0, tail = 0.0 }
-//!
-//! [[tables]]                # a torque over an axis, of `--with-tables`
-//! axis = "velocity"
-//! at = [-1.0, 0.0, 1.0]
-//! torque = [0.01, 0.0, -0.02]
-//!
-//! [[moments]]               # bound to a moment of one recording
-//! recording = "Paddle 24"
-//! fingerprint = "af63dc4c8601ec8c"
-//! name = "contact"
-//! parameters = { position = 0.1, side = 1.0, stiffness = 2.0, damping = 0.01, from = 0.2, to = 0.8 }
-//! ```
+//! A corrected model as a self-contained TOML file.
 
 use crate::diagnose::{CorrectedEffect, CorrectedModel};
 use crate::missing_torque::table::Table;
@@ -32,10 +9,10 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
-/// Of this format.
+/// Version of this format.
 const FORMAT: u32 = 1;
 
-/// What stands in the file.
+/// The content of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
@@ -52,7 +29,7 @@ pub struct ModelFile {
     tables: Vec<Table>,
 }
 
-/// One effect.
+/// A permanent effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
@@ -62,7 +39,7 @@ struct Entry {
     parameters: BTreeMap<String, f64>,
 }
 
-/// One effect that belongs to a moment of one recording.
+/// An effect that is bound to instants of one recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Moment {
@@ -72,19 +49,19 @@ struct Moment {
     parameters: BTreeMap<String, f64>,
 }
 
-/// Why a model file cannot be used: the cause and, after the semicolon, the mend.
+/// The reason why a model file cannot be used. Each message names the cause and, after the semicolon, the remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelFileError {
-    /// Not TOML, or a key is missing, unknown or of the wrong kind.
+    /// The text is not TOML, or a key is missing, unknown or of the wrong type.
     #[error("{0}; write it as `paddle gap diagnose --save-model` does")]
     Toml(String),
-    /// Another version of the format.
+    /// The file has another version of the format.
     #[error("format {0} is not known; this program reads `format = 1`")]
     Format(u32),
-    /// No such effect.
+    /// An effect or one of its parameters is not valid.
     #[error(transparent)]
     Effect(#[from] EffectError),
-    /// A parameter is not there.
+    /// A parameter is missing.
     #[error("effect '{effect}' lacks parameter '{parameter}'; add it")]
     Missing {
         /// The effect.
@@ -92,20 +69,20 @@ pub enum ModelFileError {
         /// The parameter.
         parameter: String,
     },
-    /// A number that no model has.
+    /// A model parameter is not valid.
     #[error("[model]: {0}")]
     Model(#[from] NoModel),
-    /// A table that is none.
+    /// A table is not valid.
     #[error(
         "[[tables]] needs `at` that ascends and as many numbers in `torque`; write it as `--with-tables` does"
     )]
     Table,
-    /// An angle that no unit of position is.
+    /// The angle of a position unit is not valid.
     #[error("angle_rad is {0}; it must be above 0")]
     Angle(f64),
 }
 
-/// An effect that was left out, as it belongs to a moment of another recording.
+/// An effect that was left out because it is bound to instants of another recording.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{effect} belongs to a moment of the recording '{recording}' and is ignored here")]
 pub struct LeftOut {
@@ -116,7 +93,7 @@ pub struct LeftOut {
 }
 
 impl ModelFile {
-    /// The file of `corrected`, which was found on `recording`.
+    /// The file of a corrected model that was found on `recording`.
     pub fn new(corrected: &CorrectedModel, recording: &Recording) -> Self {
         let fingerprint = fingerprint(recording);
         let (moments, effects): (Vec<_>, Vec<_>) = corrected
@@ -144,10 +121,11 @@ impl ModelFile {
         }
     }
 
-    /// The model on `recording`, and what belongs to a moment of another one.
+    /// The model for `recording`, and the effects that are bound to instants of another recording.
     ///
     /// # Errors
-    /// [`ModelFileError`] for effects and numbers that no model has.
+    ///
+    /// [`ModelFileError`] for an effect or a parameter that is not valid.
     pub fn on(
         &self,
         recording: &Recording,
@@ -155,15 +133,16 @@ impl ModelFile {
         self.of_moments(Some(&fingerprint(recording)))
     }
 
-    /// The model apart from any recording, and what belongs to a moment of one.
+    /// The model without a recording, and the effects that are bound to instants of one.
     ///
     /// # Errors
+    ///
     /// As [`Self::on`].
     pub fn apart(&self) -> Result<(CorrectedModel, Vec<LeftOut>), ModelFileError> {
         self.of_moments(None)
     }
 
-    /// With what belongs to moments of the recording of this fingerprint.
+    /// The model with the effects that are bound to instants of the recording with this fingerprint.
     fn of_moments(
         &self,
         here: Option<&str>,
@@ -270,7 +249,7 @@ fn effect(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Effect, Mode
     })
 }
 
-/// Tells recordings apart whatever they are called: a hash of all times and positions (FNV-1a, G. Fowler, L. C. Noll
+/// The fingerprint of a recording, which does not depend on its title: a hash of all times and positions (FNV-1a, G. Fowler, L. C. Noll
 /// and K.-P. Vo; RFC 9923).
 fn fingerprint(recording: &Recording) -> String {
     const OFFSET_BASIS: u64 = 0xCBF2_9CE4_8422_2325;

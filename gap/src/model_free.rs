@@ -1,18 +1,18 @@
-//! Two predictors that know no model: the position stays where it was at the restart, or goes on at the restart's velocity.
+//! Two model-free predictors: one keeps the position at the restart, the other the velocity at the restart.
 
 use crate::windows::series::Series;
 
-/// Squared residuals of both predictors, by window, in units of position squared.
+/// Sum of squared residuals of each window for both predictors, in position units squared.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ModelFree {
-    /// Of the position at the restart.
+    /// Squares of the predictor that keeps the position.
     pub standing: Vec<f64>,
-    /// Of the restart's velocity kept.
+    /// Squares of the predictor that keeps the velocity.
     pub coasting: Vec<f64>,
 }
 
 impl ModelFree {
-    /// On all windows of some series, by running index.
+    /// Evaluates both predictors on all windows of some series.
     pub(crate) fn of(series: &[Series]) -> Self {
         let mut all = Self {
             standing: Vec::new(),
@@ -36,7 +36,7 @@ impl ModelFree {
         all
     }
 
-    /// The predictor that leaves less over all windows.
+    /// Squares of the predictor with the smaller sum.
     pub(crate) fn better(&self) -> &[f64] {
         let sum = |squares: &[f64]| squares.iter().sum::<f64>();
         if sum(&self.standing) <= sum(&self.coasting) {
@@ -54,15 +54,15 @@ mod tests {
     use crate::windows::series;
 
     #[test]
-    fn what_coasts_is_predicted_by_its_restart_alone() {
+    fn a_motion_of_constant_velocity_is_predicted_by_its_restart() {
         let mut recording = made::recording(&[]);
         for run in &mut recording.runs {
             run.position = run.time.iter().map(|t| 0.3 * t).collect();
         }
-        let left = ModelFree::of(&series::coarse(&recording, recording.horizon));
+        let model_free = ModelFree::of(&series::coarse(&recording, recording.horizon));
         let sum = |squares: &[f64]| squares.iter().sum::<f64>();
-        let [standing, coasting] = [sum(&left.standing), sum(&left.coasting)];
+        let [standing, coasting] = [sum(&model_free.standing), sum(&model_free.coasting)];
         assert!(coasting < 1e-12 * standing, "{coasting} {standing}");
-        assert_eq!(left.better(), left.coasting);
+        assert_eq!(model_free.better(), model_free.coasting);
     }
 }

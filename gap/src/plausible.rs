@@ -1,4 +1,4 @@
-//! Sizes of effects that no device has: a fit that ends there bends to something else.
+//! Detects parameter values that no device has. A fit with such a value compensates another cause.
 
 use crate::effects;
 use crate::fit::Fit;
@@ -8,12 +8,12 @@ use host_sim::effects::{Parameter, Quantity};
 use recording::Model;
 use std::fmt;
 
-/// Factor beyond the typical range of a size at which it is far outside.
+/// Factor outside of the typical range beyond which a value is implausible.
 const FAR: f64 = 3.0;
-/// The stated inertia of the paddle, for which the typical inertias are given, kg m².
+/// The stated inertia of the paddle, to which the typical inertias refer, kg m².
 const PADDLE_INERTIA: f64 = 5.755e-4;
 
-/// A number of an effect that no device has.
+/// An implausible parameter value of an effect.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Implausible {
     /// The effect.
@@ -24,13 +24,14 @@ pub(crate) struct Implausible {
 }
 
 impl Implausible {
-    /// True if no effect of a fit has such a number.
+    /// True if no effect of a fit has an implausible value.
     pub(crate) fn has_none(problem: &Problem<'_>, fit: &Fit) -> bool {
         let mut places = 0..fit.hypothesis.terms.len();
         places.all(|place| Self::of(problem, fit, place).is_none())
     }
 
-    /// The first such number of the effect at a place of a fit, if there is one; a number of the model that is not stated may be any.
+    /// The first implausible value of the effect at `place` in a fit, if any. An effect that estimates an unstated model parameter may
+    /// have any value.
     pub(crate) fn of(problem: &Problem<'_>, fit: &Fit, place: usize) -> Option<Self> {
         let (term, x) = fit.hypothesis.parts(&fit.x).nth(place)?;
         let number = effects::of(term.kind.name).main_number();
@@ -45,7 +46,8 @@ impl Implausible {
             let value = values[coordinate.parameter];
             let [low, high] = coordinate.reach(parameter);
             let is_at_end = !(low..high).contains(x) && is_unusual(parameter, value, model, 1.0);
-            // The first number of an effect is its size, the others are its shape: of those that may be zero, that says nothing.
+            // The first parameter of an effect is its magnitude. For the other parameters a value far outside is only implausible if they
+            // are logarithmic.
             let is_size = coordinate.parameter == 0 || coordinate.scale == Scale::Log;
             let is_far = is_size && is_unusual(parameter, value, model, FAR);
             (is_at_end || is_far).then(|| Self {
@@ -62,16 +64,18 @@ fn name(term: &Term, parameter: usize) -> String {
     term.kind.value_name(parameter, term.values.len())
 }
 
-/// True if a pure number or an inertia is this many times outside its typical range. Other sizes depend on the device.
-fn is_unusual(parameter: &Parameter, value: f64, model: &Model, times: f64) -> bool {
+/// True if a dimensionless parameter or an inertia is outside of its typical range by the factor `factor`. Other quantities depend on the
+/// device.
+fn is_unusual(parameter: &Parameter, value: f64, model: &Model, factor: f64) -> bool {
     let [low, high] = parameter.typical;
     let size = match parameter.quantity {
         Quantity::Ratio => value,
         Quantity::Inertia => value / model.inertia * PADDLE_INERTIA,
         _ => return false,
     };
-    let is_below = low > 0.0 && size < low / times;
-    let is_outside = size > times * high.abs().max(low.abs()) || (low < 0.0 && size < times * low);
+    let is_below = low > 0.0 && size < low / factor;
+    let is_outside =
+        size > factor * high.abs().max(low.abs()) || (low < 0.0 && size < factor * low);
     is_below || is_outside
 }
 
@@ -115,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn sizes_that_make_a_model_stand_still_or_coast_are_no_findings() {
+    fn values_far_outside_of_their_typical_range_are_implausible() {
         for (name, size) in [
             ("torque_gain", 0.015),
             ("sensor_gain", 0.0025),

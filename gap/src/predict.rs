@@ -1,4 +1,4 @@
-//! Windowed prediction: what a device would have done with the recorded input.
+//! Predicts the motion of a device from the recorded input, window by window.
 
 use crate::windows::drive_response::DriveResponse;
 use crate::windows::series::{FINE_PERIOD_S, Series, Window, session_start};
@@ -10,29 +10,29 @@ use host_sim::sensing::Reading;
 use recording::{Recording, Sensor, low_pass_gain};
 use std::collections::BTreeMap;
 
-/// A device and the low-pass already in the logged column.
+/// A device with the low-pass of the logged position column.
 #[derive(Clone, Debug)]
 pub struct Predictor {
     device: Device,
     plant: Plant,
     sensor: Sensor,
-    /// Whether the sensor reads the position as it is.
+    /// True if the sensor has no error.
     reads_as_is: bool,
-    /// How much later the input of each run acts than is stated, s; as stated in runs beyond.
+    /// Additional delay of the input of each run, s. It is 0 for runs beyond the list.
     input_shifts_s: Vec<f64>,
-    /// The device of each run that states numbers of its own, by the run's place in the recording.
-    loaded: BTreeMap<usize, Device>,
+    /// The device of each run that states parameters of its with_own_load, by the index of the run.
+    device_of_run: BTreeMap<usize, Device>,
 }
 
-/// Displacement of every restart state, in standard deviations of the fit of value and slope.
+/// Displacement of the position and of the velocity at every restart, in their standard deviations.
 pub type Shift = [f64; 2];
 
-/// Rate of what samples that are put together still follow, rad/s.
+/// Highest angular frequency that averaged samples resolve, rad/s.
 const FASTEST_RATE: f64 = 0.25 * TAU / FINE_PERIOD_S;
 
-/// Distance from its restart at which a model has run away, over the span of what was measured and how far the largest torque
-/// would take a free device: what sticks throughout spans nothing.
-const FARTHEST: f64 = 100.0;
+/// Distance from the restart beyond which the prediction counts as diverged. It is relative to the range of the measured positions plus
+/// the travel of a free device under the largest torque. That travel matters for a device that sticks throughout.
+const DIVERGED: f64 = 100.0;
 
 fn span(values: &[f64]) -> f64 {
     let extremes = |(low, high): (f64, f64), v: &f64| (low.min(*v), high.max(*v));
@@ -42,45 +42,45 @@ fn span(values: &[f64]) -> f64 {
     (high - low).max(f64::MIN_POSITIVE)
 }
 
-/// Share of a speed that shows down to which the slope of the reading tells it.
+/// Least share of the velocity that the reading shows for the velocity to be computed from the slope of the reading.
 const LEAST_SHOWN: f64 = 0.5;
-/// Time constants after which what is carried over has died away, to a thousandth: gaps of as many floors are met.
+/// Number of time constants after which a carried state has decayed to a thousandth, which is below the floor of any gap.
 const SETTLED: f64 = 7.0;
-/// Windows that lead up to a wanted one at most, and how many are gone through for each that is wanted.
+/// Largest number of windows that are simulated before a wanted one, and the largest ratio of simulated to wanted windows.
 const MOST_LEAD: usize = 8;
-const MOST_TAKEN: f64 = 2.5;
+const MOST_SIMULATED: f64 = 2.5;
 
 struct Running {
     state: State,
     reading: Reading,
     shown: f64,
     filtered: f64,
-    /// When the column was last read, in the run's time.
+    /// Time of the last reading in the run, s.
     read_s: f64,
-    /// Time constant of the column's own low-pass, s.
+    /// Delay of the low-pass of the column for a ramp, s.
     logged_s: f64,
-    /// Of what the column's own low-pass has to forget.
+    /// Decay of the state of the low-pass of the column.
     fading: Decay,
 }
 
 impl Predictor {
-    /// Predicts with `device` what the recording's `position` column shows.
+    /// Predicts the `position` column of `recording` with `device`.
     pub fn new(mut device: Device, recording: &Recording) -> Self {
         let mechanics = &mut device.mechanics;
-        // Harder links are the same to the samples, at many times the steps.
+        // The samples do not resolve a stiffer link, which would need many more integration steps.
         let link = mechanics.link;
         mechanics.link = link.map(|link| link.bounded(mechanics.inertia, FASTEST_RATE));
         if let Some(drift) = &mut mechanics.friction.drift {
             drift.start_s = session_start(recording);
         }
-        let own = recording.runs.iter().enumerate();
-        let own = own.filter(|(_, run)| !run.numbers.is_empty());
-        let loaded = own.map(|(place, run)| {
-            let own = recording.model_of(run);
-            (place, device.with_load(&recording.model, &own))
+        let runs = recording.runs.iter().enumerate();
+        let runs = runs.filter(|(_, run)| !run.numbers.is_empty());
+        let device_of_run = runs.map(|(index, run)| {
+            let model_of_run = recording.model_of(run);
+            (index, device.with_load(&recording.model, &model_of_run))
         });
         Self {
-            loaded: loaded.collect(),
+            device_of_run: device_of_run.collect(),
             ..Self::of(device, recording.sensor("position"))
         }
     }
@@ -92,11 +92,11 @@ impl Predictor {
             device,
             sensor,
             input_shifts_s: Vec::new(),
-            loaded: BTreeMap::new(),
+            device_of_run: BTreeMap::new(),
         }
     }
 
-    /// The same with an input that acts so much later than is stated in each run, s, or earlier.
+    /// The predictor with an additional delay of the input of each run, s; negative for an earlier input.
     pub(crate) fn shifted(self, input_shifts_s: Vec<f64>) -> Self {
         Self {
             input_shifts_s,
@@ -104,18 +104,17 @@ impl Predictor {
         }
     }
 
-    /// The device with the load of the recording's `[model]`.
+    /// The device with the load of the model of the recording.
     pub fn device(&self) -> &Device {
         &self.device
     }
 
-    /// One predicted position a sample.
+    /// The predicted position of each sample, in position units.
     pub fn predict(&self, series: &Series) -> Vec<f64> {
         self.predict_shifted(series, [0.0, 0.0], |_| true)
     }
 
-    /// The same from displaced restarts, for the windows (by index) that are wanted; elsewhere it
-    /// stays zero.
+    /// The predicted positions from displaced restarts, for the wanted windows by index. The positions of other windows are 0.
     pub fn predict_shifted(
         &self,
         series: &Series,
@@ -123,18 +122,18 @@ impl Predictor {
         wanted: impl Fn(usize) -> bool,
     ) -> Vec<f64> {
         match self.in_run(series) {
-            Some(own) => own.through(series, shift, wanted),
+            Some(with_own_load) => with_own_load.through(series, shift, wanted),
             None => self.through(series, shift, wanted),
         }
     }
 
-    /// The same with the load of a run, and with what starts anew with its clock; none where neither is another.
+    /// The predictor with the load of a run, and with effects that restart with the clock of the run. Returns `None` if neither differs.
     fn in_run(&self, series: &Series) -> Option<Self> {
-        let loaded = self.loaded.get(&series.run);
-        let mut device = loaded.unwrap_or(&self.device).clone();
+        let device_of_run = self.device_of_run.get(&series.run);
+        let mut device = device_of_run.unwrap_or(&self.device).clone();
         let drift = device.mechanics.friction.drift.as_mut();
         let anew = drift.filter(|drift| drift.anew && series.session_offset_s != 0.0);
-        if loaded.is_none() && anew.is_none() {
+        if device_of_run.is_none() && anew.is_none() {
             return None;
         }
         if let Some(drift) = anew {
@@ -144,7 +143,7 @@ impl Predictor {
     }
 
     fn through(&self, series: &Series, shift: Shift, wanted: impl Fn(usize) -> bool) -> Vec<f64> {
-        let remembers = self.remembers();
+        let has_carried_state = self.has_carried_state();
         let mut predicted = vec![0.0; series.time.len()];
         let Some(first) = series.windows.first() else {
             return predicted;
@@ -167,42 +166,45 @@ impl Predictor {
             self.device.sensing.further_lag_s > 0.0,
             self.sensor.cutoff_hz.is_some(),
         ];
-        let low_passes = low_passes.into_iter().filter(|there| *there).count();
+        let low_passes = low_passes
+            .into_iter()
+            .filter(|is_present| *is_present)
+            .count();
         let mut drive = self.device.drive.clone();
         drive.delay_s += self.input_shifts_s.get(series.run).unwrap_or(&0.0);
         let response = DriveResponse::new(&drive, series);
-        let taken = self.taken(series, wanted);
+        let simulated = self.simulated(series, wanted);
         for (index, window) in series.windows.iter().enumerate() {
-            if !taken[index] {
+            if !simulated[index] {
                 continue;
             }
             let restart_s = window.restart.time_s;
-            let follows = remembers && (index == 0 || taken[index - 1]);
+            let follows = has_carried_state && (index == 0 || simulated[index - 1]);
             let samples = window.samples.clone();
-            response.in_window(index, |course| {
+            response.in_window(index, |profile| {
                 if follows {
                     let mut seen = [0.0];
-                    follower.follow(&mut running.state, &course.lead, response.gain, &mut seen);
+                    follower.follow(&mut running.state, &profile.lead, response.gain, &mut seen);
                     self.read(&mut running, series, seen[0], restart_s);
                 }
                 let x = self.restart(&mut running, series, window, shift, follows);
                 let seen = &mut predicted[samples.clone()];
-                // What is not known to be anywhere cannot be followed.
+                // Where the sensor characteristic is flat, the position is unknown, so the prediction is constant.
                 if self.device.sensing.is_flat(x) {
                     seen.fill(x);
                     return;
                 }
-                follower.follow(&mut running.state, &course.steps, response.gain, seen);
+                follower.follow(&mut running.state, &profile.steps, response.gain, seen);
                 series.averaging.apply(samples.start, seen, low_passes);
             });
             running.read_s = restart_s;
             let window_s = series.time[samples.end - 1] - restart_s;
-            let farthest = FARTHEST * (span + self.free_travel(series, window_s));
+            let farthest = DIVERGED * (span + self.free_travel(series, window_s));
             for i in samples {
                 predicted[i] = self.read(&mut running, series, predicted[i], series.time[i]);
-                let strayed = (predicted[i] - window.restart.value).abs();
-                if strayed.is_nan() || strayed > farthest {
-                    self.give_up(&mut running, series, window, &mut predicted[i..]);
+                let distance = (predicted[i] - window.restart.value).abs();
+                if distance.is_nan() || distance > farthest {
+                    self.end_diverged(&mut running, series, window, &mut predicted[i..]);
                     break;
                 }
             }
@@ -210,8 +212,14 @@ impl Predictor {
         predicted
     }
 
-    /// Ends a window in which the model runs away: it stays where it is, and what it carries is relaxed.
-    fn give_up(&self, running: &mut Running, series: &Series, window: &Window, rest: &mut [f64]) {
+    /// Ends a window in which the prediction diverges: the prediction is_constant constant, and the carried state is reset to rest.
+    fn end_diverged(
+        &self,
+        running: &mut Running,
+        series: &Series,
+        window: &Window,
+        rest: &mut [f64],
+    ) {
         let left = window.samples.end - (series.time.len() - rest.len());
         let here = if rest[0].is_finite() {
             rest[0]
@@ -229,7 +237,7 @@ impl Predictor {
         running.read_s = end_s;
     }
 
-    /// How far the largest torque takes a free device within a time.
+    /// Travel of a free device under the largest torque within a time, in position units.
     fn free_travel(&self, series: &Series, within_s: f64) -> f64 {
         let Device {
             drive, mechanics, ..
@@ -238,8 +246,8 @@ impl Predictor {
         0.5 * torque_nm / mechanics.inertia * within_s.powi(2)
     }
 
-    /// True if anything but the drive is carried from window to window.
-    fn remembers(&self) -> bool {
+    /// True if the device has a state, other than that of the drive, that is carried from window to window.
+    fn has_carried_state(&self) -> bool {
         let mechanics = &self.device.mechanics;
         mechanics.link.is_some()
             || mechanics.presliding.is_some()
@@ -248,13 +256,12 @@ impl Predictor {
             || !self.device.sensing.overspeed.is_none()
     }
 
-    /// The windows to go through for those that are wanted: with some before them in which what is carried over
-    /// settles.
-    fn taken(&self, series: &Series, wanted: impl Fn(usize) -> bool) -> Vec<bool> {
+    /// The windows to simulate for the wanted ones. Some windows before them are included, in which the carried state settles.
+    fn simulated(&self, series: &Series, wanted: impl Fn(usize) -> bool) -> Vec<bool> {
         let count = series.windows.len();
         let wanted: Vec<bool> = (0..count).map(wanted).collect();
-        let number = |of: &[bool]| of.iter().filter(|taken| **taken).count();
-        let most = MOST_TAKEN * number(&wanted) as f64;
+        let number = |of: &[bool]| of.iter().filter(|simulated| **simulated).count();
+        let most = MOST_SIMULATED * number(&wanted) as f64;
         let with = |lead: usize| -> Vec<bool> {
             let ahead = |index: usize| index..count.min(index + lead + 1);
             (0..count)
@@ -263,35 +270,35 @@ impl Predictor {
         };
         let longest = self.lead(series);
         let mut leads = (1..=longest).rev().map(with);
-        let affordable = leads.find(|taken| number(taken) as f64 <= most);
+        let affordable = leads.find(|simulated| number(simulated) as f64 <= most);
         affordable.unwrap_or_else(|| with(longest.min(1)))
     }
 
-    /// Windows before a wanted one in which what is carried over settles.
+    /// Number of windows before a wanted one in which the carried state settles.
     fn lead(&self, series: &Series) -> usize {
-        if !self.remembers() {
+        if !self.has_carried_state() {
             return 0;
         }
         let mechanics = &self.device.mechanics;
         let sensing = &self.device.sensing;
-        let plays =
+        let has_play =
             !sensing.hysteresis.is_none() || mechanics.link.is_some_and(|link| link.play > 0.0);
-        if plays || mechanics.presliding.is_some() || !sensing.overspeed.is_none() {
-            // Where a play or a bristle stands, or a counter, is known once the device has been followed for a while.
+        if has_play || mechanics.presliding.is_some() || !sensing.overspeed.is_none() {
+            // The state of a play, of a bristle or of a counter is known only after some time.
             return MOST_LEAD;
         }
-        let rings_s = mechanics
+        let ringing_s = mechanics
             .link
             .map_or(0.0, |link| link.memory_s(mechanics.inertia));
         let lags_s = sensing.lag_s + sensing.further_lag_s;
-        let windows = (SETTLED * rings_s.max(lags_s) / series.window_s()).ceil();
-        // How fast the sensor lags more and more is known a window after the speed is.
+        let windows = (SETTLED * ringing_s.max(lags_s) / series.window_s()).ceil();
+        // The rate of change of the sensor lag is known one window after the velocity.
         let speed = usize::from(sensing.lag_s > 0.0);
         (windows as usize + speed).clamp(1, MOST_LEAD)
     }
 
-    /// Puts the device where the sensor shows it, and says where that is; what the sensor does not show goes on as it was if this
-    /// follows the last window.
+    /// Sets the state of the device to that of the restart, and returns the position. State variables that the sensor does not show
+    /// continue if this window follows the last one.
     fn restart(
         &self,
         running: &mut Running,
@@ -307,7 +314,7 @@ impl Predictor {
         let sensing = &self.device.sensing;
         let session_s = fit.time_s + series.session_offset_s;
         let logged_s = running.logged_s;
-        // The column's own low-pass is undone; how far the sensor lags its slopes are too noisy to tell.
+        // The low-pass of the column is inverted with the slope of the reading. The slopes are too noisy to invert the lag of the sensor.
         let ([lag, lag_rate, further], lost) = if follows {
             (self.sensor_lag(running), running.reading.lost)
         } else {
@@ -322,14 +329,14 @@ impl Predictor {
 
         let hysteresis = &sensing.hysteresis;
         let (_, seen_rate) = self.plant.seen(&running.state);
-        // How far the reading stays behind cannot be seen; what moves comes to the farthest.
+        // The error of the hysteresis is not observable. During motion it reaches its limit.
         let (inside, direction) = if follows {
             (running.reading.behind, seen_rate)
         } else {
             (hysteresis.half_width.copysign(rate), rate)
         };
         let x = sensing.inverse(behind + inside);
-        // Of what hardly shows of the speed the slope of the reading says little, and within play nothing.
+        // If the reading shows hardly any of the velocity, its slope gives little information, and none within the play.
         let shown = hysteresis.shown(inside, direction);
         let v = if shown < LEAST_SHOWN {
             seen_rate
@@ -347,7 +354,7 @@ impl Predictor {
         x
     }
 
-    /// How far the sensor lags, how fast that grows, and how far its further lag alone does.
+    /// The lag of the sensor, its rate of change, and the part of its second low-pass.
     fn sensor_lag(&self, running: &Running) -> [f64; 3] {
         let sensing = &self.device.sensing;
         if sensing.lag_s <= 0.0 {
@@ -369,7 +376,7 @@ impl Predictor {
         [lag, sensing.slope(x) * v - follows_at, further]
     }
 
-    /// What the column shows of a position at an instant of the run.
+    /// The reading of the column for a position at an instant of the run.
     #[inline]
     fn read(&self, running: &mut Running, series: &Series, x: f64, at_s: f64) -> f64 {
         if self.reads_as_is && self.sensor.cutoff_hz.is_none() {
@@ -389,8 +396,8 @@ impl Predictor {
         running.filtered
     }
 
-    /// What the column's own low-pass, which goes on once a period, makes of a reading that goes evenly to `y` within
-    /// `dt_s`: its recursion in closed form, as samples that are put together are periods apart.
+    /// The output of the low-pass of the column for a reading that changes linearly to `y` within `dt_s`. It is the closed form of the
+    /// recursion per sampling period, because averaged samples are several periods apart.
     #[inline]
     fn low_passed(&self, running: &mut Running, series: &Series, y: f64, dt_s: f64) -> f64 {
         let Some(cutoff_hz) = self.sensor.cutoff_hz else {
@@ -400,9 +407,9 @@ impl Predictor {
             return running.filtered;
         }
         let behind = running.logged_s * (y - running.shown) / dt_s;
-        let bent = running.filtered - (running.shown - behind);
+        let deviation = running.filtered - (running.shown - behind);
         let left = || 1.0 - low_pass_gain(Some(cutoff_hz), series.period_s);
-        y - behind + bent * running.fading.over(dt_s, || left().ln() / series.period_s)
+        y - behind + deviation * running.fading.over(dt_s, || left().ln() / series.period_s)
     }
 }
 
@@ -415,7 +422,7 @@ mod tests {
     use crate::windows::series;
 
     #[test]
-    fn what_is_carried_into_a_window_settles_in_those_before_it() {
+    fn the_carried_state_settles_in_the_windows_before_a_wanted_one() {
         let recording = made::recording(&[]);
         let series = &series::coarse(&recording, recording.horizon)[0];
         let device = |lag_s| {
@@ -440,40 +447,43 @@ mod tests {
     }
 
     #[test]
-    fn what_a_sensor_keeps_back_is_carried_on() {
+    fn the_hysteresis_of_a_sensor_is_carried_from_window_to_window() {
         for hidden in [
             "sensor_hysteresis:width=0.03",
             "sensor_hysteresis:width=0.03,reach=0.045",
         ] {
             let recording = made::recording(&[hidden]);
             let problem = made::problem(&recording);
-            let left = |known: &[&str]| {
+            let gap = |known: &[&str]| {
                 let terms = known.iter().map(|effect| made::written(effect)).collect();
                 let fit = problem.fit(&Hypothesis { terms }, Vec::new(), Part::All, 0);
                 problem.plain_gap(&problem.series, &fit)
             };
-            let [unknown, known] = [left(&[]), left(&[hidden])];
+            let [unknown, known] = [gap(&[]), gap(&[hidden])];
             assert!(known < 0.2 * unknown, "{hidden}: {known} {unknown}");
         }
     }
 
     #[test]
-    fn where_the_sensor_shows_nothing_of_the_position_nothing_is_followed() {
+    fn where_the_sensor_characteristic_is_flat_the_prediction_is_constant() {
         let recording = made::recording(&[]);
         let series = &series::coarse(&recording, recording.horizon)[0];
         let far = series.windows.iter().map(|w| w.restart.value.abs());
         let far = far.fold(0.0, f64::max);
         let mut device = Device::nominal(&recording.model);
-        // It turns back at the farthest reading.
+        // The characteristic has its maximum at the farthest reading.
         let flat = 1.5 * far;
         device.sensing.cubic = -1.0 / (3.0 * flat * flat);
         let predicted = Predictor::new(device, &recording).predict(series);
-        let stays = |window: &Window| {
+        let is_constant = |window: &Window| {
             let mut seen = predicted[window.samples.clone()].windows(2);
             seen.all(|pair| pair[0] == pair[1])
         };
         for window in &series.windows {
-            assert_eq!(stays(window), window.restart.value.abs() > 0.996 * far);
+            assert_eq!(
+                is_constant(window),
+                window.restart.value.abs() > 0.996 * far
+            );
         }
     }
 }

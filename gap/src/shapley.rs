@@ -1,28 +1,28 @@
-//! What each of several causes accounts for that close a gap together.
+//! Shapley shares of several causes that close a gap together.
 
-/// Causes of which every subset is looked at; of more, each is taken alone and left out.
+/// Largest number of causes of which all subsets are evaluated. Of more causes, only the single ones and those without one are evaluated.
 const MOST_SUBSETS: usize = 4;
-/// Share of what all close that a cause closes alone at least, where it closes less: two that cancel close nothing alone, and one of
-/// them comes first all the same.
+/// Least share that a cause closes alone, for the order of the causes. Two causes that compensate each other close nothing alone, but one
+/// of them must come first.
 const LEAST_ALONE: f64 = 0.05;
 
-/// What a cause accounts for of what all close together.
+/// The share of one cause in the total closing of all causes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Share {
-    /// Its Shapley share (Shapley, Contributions to the Theory of Games 2, 1953), over the subsets that are looked at.
+    /// Shapley share (Shapley, Contributions to the Theory of Games 2, 1953), over the evaluated subsets.
     pub of_all: f64,
-    /// What it closes alone, over what all do.
+    /// Closing by this cause alone, over that by all causes.
     pub alone: f64,
 }
 
 impl Share {
-    /// By which causes are ordered: Shapley share times what it closes alone.
+    /// Sort key of the causes: the Shapley share times the share alone.
     pub(crate) fn rank(self) -> f64 {
         self.of_all * self.alone.max(LEAST_ALONE)
     }
 }
 
-/// The subsets of `count` causes that their shares are made from, one bit a cause.
+/// The evaluated subsets of `count` causes, one bit per cause.
 pub(crate) fn subsets(count: usize) -> Vec<u32> {
     let all = (1u32 << count) - 1;
     let is_needed = |subset: &u32| {
@@ -32,15 +32,11 @@ pub(crate) fn subsets(count: usize) -> Vec<u32> {
     (0..=all).filter(is_needed).collect()
 }
 
-/// The shares of `count` causes, where so much is `left` of a gap with each of their [`subsets`].
-pub(crate) fn shares(count: usize, left: &[(u32, f64)]) -> Vec<Share> {
+/// The shares of `count` causes. `gaps` holds the remaining gap of each of their [`subsets`].
+pub(crate) fn shares(count: usize, gaps: &[(u32, f64)]) -> Vec<Share> {
     let all = (1u32 << count) - 1;
     let closed = |subset: u32| {
-        let of = |wanted| {
-            left.iter()
-                .find(|(s, _)| *s == wanted)
-                .map(|(_, left)| *left)
-        };
+        let of = |wanted| gaps.iter().find(|(s, _)| *s == wanted).map(|(_, gap)| *gap);
         Some(of(0)? - of(subset)?)
     };
     let whole = closed(all).unwrap_or(0.0).max(f64::MIN_POSITIVE);
@@ -48,7 +44,7 @@ pub(crate) fn shares(count: usize, left: &[(u32, f64)]) -> Vec<Share> {
         let own = 1 << cause;
         let mut sum = 0.0;
         let mut weights = 0.0;
-        for (subset, _) in left.iter().filter(|(s, _)| s & own == 0) {
+        for (subset, _) in gaps.iter().filter(|(s, _)| s & own == 0) {
             let (Some(with), Some(without)) = (closed(subset | own), closed(*subset)) else {
                 continue;
             };
@@ -75,16 +71,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn causes_that_close_independently_account_for_what_each_closes() {
+    fn independent_causes_have_the_shares_that_they_close() {
         let closes = [0.5, 0.3, 0.1, 0.05, 0.05];
         for count in [2, 5] {
             let whole: f64 = closes[..count].iter().sum();
-            let left = |subset: u32| {
-                let taken = (0..count).filter(|cause| subset >> cause & 1 == 1);
-                1.0 - taken.map(|cause| closes[cause]).sum::<f64>()
+            let gaps = |subset: u32| {
+                let included = (0..count).filter(|cause| subset >> cause & 1 == 1);
+                1.0 - included.map(|cause| closes[cause]).sum::<f64>()
             };
-            let left: Vec<(u32, f64)> = subsets(count).into_iter().map(|s| (s, left(s))).collect();
-            for (share, closes) in shares(count, &left).iter().zip(closes) {
+            let gaps: Vec<(u32, f64)> = subsets(count).into_iter().map(|s| (s, gaps(s))).collect();
+            for (share, closes) in shares(count, &gaps).iter().zip(closes) {
                 let expected = closes / whole;
                 assert!(
                     (share.of_all - expected).abs() < 1e-12,
@@ -99,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_that_do_the_same_each_accounts_for_half() {
+    fn two_equal_causes_have_equal_shares() {
         let shares = shares(2, &[(0b00, 1.0), (0b01, 0.2), (0b10, 0.2), (0b11, 0.2)]);
         assert!(
             shares

@@ -1,31 +1,30 @@
-//! What a diagnosis is at.
+//! The stages of a diagnosis, for a progress display.
 
 use std::fmt;
 
-/// A part of a diagnosis that takes its time. Those that look for effects come once for every effect that is looked
-/// for.
+/// A stage of a diagnosis that takes noticeable time. The stages that search effects are repeated for every further effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
-    /// Cuts the runs into windows and judges their noise.
+    /// Divides the runs into windows and estimates their noise.
     Windows,
-    /// Moves the nominal model's numbers within their tolerances.
+    /// Fits the parameters of the nominal model within their tolerances.
     Nominal,
     /// Tries every effect on a few windows.
     Screening,
     /// Fits the most promising effects to all windows.
     Finalists,
-    /// Fits the best one to the end, and judges it on windows that it has not seen.
+    /// Completes the fit of the best effect, and evaluates it on held-out windows.
     Judging,
-    /// Measures gap, floor and shrinks.
+    /// Measures the gap, its floor and the shrink.
     Shrink,
-    /// Finds the parts of the data that carry the gap.
+    /// Locates the gap in the data.
     Where,
-    /// Looks for the excitation that separates what is left.
+    /// Searches the excitation that distinguishes the remaining rivals.
     NextExperiment,
 }
 
 impl Stage {
-    /// All, in the order in which a diagnosis first comes to them.
+    /// All stages, in the order in which a diagnosis first reaches them.
     pub const ALL: [Self; 8] = [
         Self::Windows,
         Self::Nominal,

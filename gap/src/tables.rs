@@ -1,4 +1,4 @@
-//! A table of the missing torque on top of a corrected model, judged on held-out stretches.
+//! A table of the missing torque in addition to a corrected model, evaluated on held-out parts of the recording.
 
 use crate::diagnose::CorrectedModel;
 use crate::measure::measure;
@@ -7,35 +7,35 @@ use crate::missing_torque::table::Table;
 use crate::windows::restart;
 use recording::{Recording, Run};
 
-/// Stretches into which each run is cut: every other one is held out.
+/// Number of parts into which each run is divided. Every second part is held out.
 const STRETCHES: usize = 6;
-/// Share of what the model leaves that a table must close on held-out data.
+/// Least share of the residual of the model that a table must close on held-out data.
 const LEAST_SHRINK: f64 = 0.05;
 
-/// The outcome of a trial with a table.
+/// The result of a trial with a table.
 #[derive(Clone, Debug)]
 pub enum Tabulated {
-    /// A table predicts held-out stretches better than the model without it.
+    /// A table predicts held-out data better than the model without it.
     Closes {
-        /// The table, made from all of the recording.
+        /// The table, fitted to the whole recording.
         table: Table,
-        /// Share that a table closes of what the model leaves of held-out stretches, 1 = all.
+        /// Share of the residual of the model on held-out data that a table closes, from 0 to 1.
         shrink: f64,
     },
-    /// The motion only repeats itself, so that a table would remember it.
+    /// The motion is only periodic, so that a table would memorize it.
     Repeats,
-    /// What is missing is no function of velocity, position or input that predicts held-out data.
+    /// No function of velocity, position or input predicts the missing torque on held-out data.
     ClosesNothing,
 }
 
-/// Tries a table of what a corrected model still lacks, over the axis that carries it best.
+/// Tries a table of the torque that a corrected model still lacks, over the axis that explains most of it.
 pub fn tabulated(recording: &Recording, model: &CorrectedModel) -> Tabulated {
     let missing = MissingTorque::of(recording, &model.device());
     if missing.summary().repeats {
         return Tabulated::Repeats;
     }
     let halves = [0, 1].map(|half| half_of(recording, half));
-    let mut left = [0.0; 2];
+    let mut squares = [0.0; 2];
     for (train, test) in [(0, 1), (1, 0)] {
         let half = MissingTorque::of(&halves[train], &model.device());
         let Some(table) = half.table() else {
@@ -46,9 +46,9 @@ pub fn tabulated(recording: &Recording, model: &CorrectedModel) -> Tabulated {
         if gaps[1] >= gaps[0] {
             return Tabulated::ClosesNothing;
         }
-        left = [0, 1].map(|i| left[i] + gaps[i].powi(2));
+        squares = [0, 1].map(|i| squares[i] + gaps[i].powi(2));
     }
-    let shrink = 1.0 - (left[1] / left[0]).sqrt();
+    let shrink = 1.0 - (squares[1] / squares[0]).sqrt();
     match missing.table() {
         Some(table) if shrink >= LEAST_SHRINK => Tabulated::Closes { table, shrink },
         _ => Tabulated::ClosesNothing,
@@ -61,7 +61,7 @@ fn with_table(model: &CorrectedModel, table: Table) -> CorrectedModel {
     model
 }
 
-/// Every other stretch of each run.
+/// Every second part of each run.
 fn half_of(recording: &Recording, half: usize) -> Recording {
     let stretches = recording.runs.iter().flat_map(|run| {
         let edge = move |k: usize| k * run.len() / STRETCHES;

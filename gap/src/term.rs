@@ -1,8 +1,8 @@
-//! An instance of an effect: its numbers, and which of them a fit may move.
+//! An instance of an effect: its parameter values, and which of them are free in a fit.
 
 use host_sim::effects::{Kind, Parameter, Quantity};
 
-/// How a dimensionless coordinate becomes a parameter.
+/// The conversion of a dimensionless coordinate x to a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Scale {
     /// `start + scale · x`.
@@ -11,18 +11,18 @@ pub(crate) enum Scale {
     Log,
 }
 
-/// Logarithm that one unit of a coordinate stands for.
+/// Change of the logarithm of a parameter per unit of its coordinate.
 const LOG_UNIT: f64 = 0.6;
-/// Units within which coordinates stay: a factor of 20, as many scales of a size, but near the place where something was
-/// looked for.
+/// Largest magnitudes of coordinates: a factor of 20 for logarithmic parameters, 20 scales for magnitudes, and 5 scales for positions and
+/// times, which must stay near their start.
 const LOG_REACH: f64 = 5.0;
-const SIZE_REACH: f64 = 20.0;
-const PLACE_REACH: f64 = 5.0;
+const MAGNITUDE_REACH: f64 = 20.0;
+const POSITION_REACH: f64 = 5.0;
 
-/// One free parameter.
+/// A free parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Coordinate {
-    /// Place among the parameters of its effect.
+    /// Index of the parameter in its effect.
     pub parameter: usize,
     pub start: f64,
     pub scale: Scale,
@@ -36,13 +36,13 @@ impl Coordinate {
         }
     }
 
-    /// Lowest and highest coordinate.
+    /// Lowest and highest value of the coordinate.
     pub(crate) fn reach(&self, of: &Parameter) -> [f64; 2] {
         let (farthest, bounds) = match self.scale {
             Scale::Linear(scale) => {
                 let farthest = match of.quantity {
-                    Quantity::Position | Quantity::Time => PLACE_REACH,
-                    _ => SIZE_REACH,
+                    Quantity::Position | Quantity::Time => POSITION_REACH,
+                    _ => MAGNITUDE_REACH,
                 };
                 (farthest, of.range.map(|v| (v - self.start) / scale))
             }
@@ -54,7 +54,7 @@ impl Coordinate {
         [bounds[0].max(-farthest), bounds[1].min(farthest)]
     }
 
-    /// Standard deviation of the parameter for one of the coordinate.
+    /// Standard deviation of the parameter from that of the coordinate.
     pub(crate) fn spread(&self, x: f64, std: f64) -> f64 {
         match self.scale {
             Scale::Linear(scale) => scale.abs() * std,
@@ -63,22 +63,22 @@ impl Coordinate {
     }
 }
 
-/// An effect of which some parameters are free.
+/// An effect with some free parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Term {
     pub kind: &'static Kind,
-    /// All parameters; the free ones are overwritten.
+    /// Values of all parameters. A fit overwrites the free ones.
     pub values: Vec<f64>,
     pub free: Vec<Coordinate>,
-    /// Side of the transmission that the position sensor is taken to sit on.
+    /// True if the position sensor is assumed on the load side of the transmission.
     pub sensor_on_load: bool,
 }
 
-/// How far from a start its neighbours are, in scales.
+/// Distance between a start and its neighbours, in scales.
 const NEIGHBOUR: f64 = 1.4;
 
 impl Term {
-    /// True if it is bound to moments of one recording.
+    /// True if the effect is bound to instants of one recording.
     pub(crate) fn is_event(&self) -> bool {
         self.kind.is_event(&self.values)
     }
@@ -92,18 +92,18 @@ impl Term {
         values
     }
 
-    /// Standard deviation of a parameter at the coordinates `x` of this term, known to within `std`; none if it is not free.
+    /// Standard deviation of a parameter at the coordinates `x`, whose standard deviations are `std`. It is 0 for a fixed parameter.
     pub(crate) fn spread(&self, parameter: usize, x: &[f64], std: &[f64]) -> f64 {
         let free = self.free.iter().position(|c| c.parameter == parameter);
         free.map_or(0.0, |i| self.free[i].spread(x[i], std[i]))
     }
 
-    /// True if a fit moves one of its numbers.
+    /// True if a parameter is free.
     pub(crate) fn is_free(&self, parameter: usize) -> bool {
         self.free.iter().any(|c| c.parameter == parameter)
     }
 
-    /// True if nothing that a fit leaves as it is tells it from another.
+    /// True if both terms have the same kind and the same fixed parameters.
     pub(crate) fn is_same_variant(&self, other: &Self) -> bool {
         let fixed = |term: &Self| -> Vec<(usize, u64)> {
             let values = term.values.iter().map(|v| v.to_bits()).enumerate();
@@ -112,7 +112,7 @@ impl Term {
         self.kind.name == other.kind.name && fixed(self) == fixed(other)
     }
 
-    /// The same term begun at the coordinates `x`.
+    /// The term with its start values at the coordinates `x`.
     pub(crate) fn moved(&self, x: &[f64]) -> Self {
         let mut moved = self.clone();
         moved.values = self.at(x);
@@ -122,7 +122,7 @@ impl Term {
         moved
     }
 
-    /// The same term begun at other numbers, by their places.
+    /// The term with other start values, by the index of the parameter.
     pub(crate) fn begun(&self, numbers: &[(usize, f64)]) -> Self {
         let mut begun = self.clone();
         for &(place, value) in numbers {
@@ -133,14 +133,15 @@ impl Term {
         begun
     }
 
-    /// The same term with one of its numbers held at a value.
+    /// The term with one parameter fixed at a value.
     pub(crate) fn held(&self, parameter: usize, value: f64) -> Self {
         let mut held = self.begun(&[(parameter, value)]);
         held.free.retain(|c| c.parameter != parameter);
         held
     }
 
-    /// The same term with the numbers that it shares with another, if there are any: those of one name and quantity.
+    /// The term with the values of the parameters that it has in common with another term: those of equal name and quantity. Returns
+    /// `None` if there are none.
     pub(crate) fn alike(&self, other: &Self) -> Option<Self> {
         let mut alike = self.clone();
         let mut shared = false;
@@ -158,7 +159,7 @@ impl Term {
         shared.then_some(alike)
     }
 
-    /// What it comes to without what it has more than an effect of a special `kind`, if it has all that this one has.
+    /// The term reduced to an effect of a special `kind`. Returns `None` if the effect lacks a parameter of that kind.
     pub(crate) fn reduced(&self, kind: &'static Kind) -> Option<Self> {
         let own = |special: &Parameter| {
             let mut parameters = self.kind.parameters.iter();
@@ -181,7 +182,7 @@ impl Term {
         })
     }
 
-    /// This start and its neighbours along every coordinate that is linear.
+    /// This start and its neighbours along every linear coordinate.
     pub(crate) fn around(&self) -> Vec<Self> {
         let mut all = vec![self.clone()];
         for (i, coordinate) in self.free.iter().enumerate() {

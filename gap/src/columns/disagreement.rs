@@ -1,4 +1,4 @@
-//! By how much two columns of one position differ, and what a sensing effect leaves of that.
+//! The difference between two columns of one position, and the residual of a sensing effect that explains it.
 
 use super::pair::{Columns, Track};
 use host_sim::device::Device;
@@ -7,20 +7,20 @@ use host_sim::sensing::Reading;
 use nalgebra::{DMatrix, DVector};
 use recording::Model;
 
-/// Points of a search along one parameter, over the whole range, and steps that narrow it then.
+/// Number of grid points of a search along one parameter, and of the narrowing steps after it.
 const GRID: usize = 24;
 const NARROWINGS: usize = 24;
 
-/// The disagreement with the sizes of things in it.
+/// The difference between two columns, with the magnitudes of the motion.
 pub(crate) struct Disagreement<'a> {
     pub columns: &'a Columns,
-    /// Shown less reference, sample by sample.
+    /// Shown less reference position of each sample.
     pub difference: Vec<f64>,
-    /// Where the device was, sample by sample.
+    /// Reference position of each sample.
     pub reference: Vec<f64>,
-    /// Of the positions.
+    /// Range of the reference positions.
     pub span: f64,
-    /// Largest distance from zero.
+    /// Largest magnitude of the reference positions.
     pub reach: f64,
     /// Duration of a window, s.
     pub window_s: f64,
@@ -49,17 +49,17 @@ impl<'a> Disagreement<'a> {
         }
     }
 
-    /// Mean square of the disagreement as it is.
+    /// Mean square of the difference less its mean.
     pub(crate) fn before(&self) -> f64 {
         mean_square(&less_mean(self.difference.clone()))
     }
 
-    /// Mean square of what an effect leaves of it.
+    /// Mean squared residual of an effect.
     pub(crate) fn left(&self, kind: &Kind, values: &[f64]) -> f64 {
         mean_square(&residuals(&self.columns.tracks, kind, values))
     }
 
-    /// Least squares of the disagreement by functions of the reference.
+    /// Coefficients of functions of the reference that fit the difference best. Returns `None` if the data do not determine them.
     pub(crate) fn linear<const N: usize>(&self, row: impl Fn(f64) -> [f64; N]) -> Option<[f64; N]> {
         let mut normal = DMatrix::<f64>::zeros(N, N);
         let mut right = DVector::<f64>::zeros(N);
@@ -78,7 +78,7 @@ impl<'a> Disagreement<'a> {
     }
 }
 
-/// Readings that a sensor with an effect of this `kind` gives along the reference of a track, one a sample.
+/// Readings of a sensor with an effect along the reference of a track, one per sample.
 pub(crate) fn read(track: &Track, kind: &Kind, values: &[f64]) -> Vec<f64> {
     let mut device = Device::nominal(&Model::new(1.0));
     kind.install(&mut device, values);
@@ -95,8 +95,8 @@ pub(crate) fn read(track: &Track, kind: &Kind, values: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Residuals of the shown column if `kind` acts on the reference, one a sample over all tracks, less their mean: the columns' zeros may
-/// differ.
+/// Residuals of the shown column if the effect acts on the reference, one per sample over all tracks, less their mean. The zeros of the
+/// columns may differ.
 pub(crate) fn residuals(tracks: &[Track], kind: &Kind, values: &[f64]) -> Vec<f64> {
     let residuals = tracks.iter().flat_map(|track| {
         let pairs = track.shown.iter().zip(read(track, kind, values));
@@ -105,7 +105,7 @@ pub(crate) fn residuals(tracks: &[Track], kind: &Kind, values: &[f64]) -> Vec<f6
     less_mean(residuals.collect())
 }
 
-/// The disagreement, less its mean.
+/// The difference between the columns, less its mean.
 pub(crate) fn disagreement(tracks: &[Track]) -> Vec<f64> {
     less_mean(differences(tracks))
 }
@@ -118,7 +118,7 @@ fn differences(tracks: &[Track]) -> Vec<f64> {
     differences.collect()
 }
 
-/// The same values with a mean of zero.
+/// The values less their mean.
 pub(crate) fn less_mean(mut values: Vec<f64>) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.iter_mut().for_each(|v| *v -= mean);
@@ -130,7 +130,7 @@ pub(crate) fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Where `f` is lowest in a range of positive values: on a logarithmic grid, then by golden sections around its
+/// The argument of the minimum of `f` in a range of positive values: on a logarithmic grid, then by golden-section search around its
 /// lowest point (Kiefer, Proceedings of the AMS 4, 1953).
 pub(crate) fn lowest(range: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     let [low, high] = range.map(f64::ln);

@@ -1,4 +1,4 @@
-//! Two columns of one position: what they show of one motion, and by how much they differ.
+//! Two columns of one position, sample by sample, and the difference between them.
 
 mod disagreement;
 mod pair;

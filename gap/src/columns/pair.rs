@@ -1,24 +1,24 @@
-//! Two columns of one motion, sample by sample.
+//! Two position columns of one motion, sample by sample.
 
 use crate::windows::restart::Restart;
 use crate::windows::series::Series;
 use recording::{Recording, Run, low_pass_gain};
 use std::ops::Range;
 
-/// A stretch without gaps of what one column shows, and where the other says the device was.
+/// A stretch without gaps, with the readings of one column and the positions by the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Track {
     pub session_s: Vec<f64>,
-    /// Local cubics through the one column: nearly without noise.
+    /// Position by local cubics through the reference column, with little noise.
     pub reference: Vec<f64>,
-    /// The other column as it is.
+    /// The other column, unchanged.
     pub shown: Vec<f64>,
-    /// Prediction windows.
+    /// Indices of the samples of each prediction window.
     pub windows: Vec<Range<usize>>,
 }
 
 impl Track {
-    /// How fast the device went between two samples.
+    /// Velocity between consecutive samples, in position units per s.
     pub(crate) fn rates(&self) -> impl Iterator<Item = f64> {
         let times = self.session_s.windows(2).map(|pair| pair[1] - pair[0]);
         let steps = self.reference.windows(2).map(|pair| pair[1] - pair[0]);
@@ -26,17 +26,17 @@ impl Track {
     }
 }
 
-/// What two columns of a recording say.
+/// Two columns of a recording.
 #[derive(Clone, Debug)]
 pub(crate) struct Columns {
-    /// In the order of time.
+    /// The tracks in the order of time.
     pub tracks: Vec<Track>,
-    /// Of shown less reference if both were right, in units of position squared.
+    /// Variance of shown less reference from noise alone, in position units squared.
     pub variance: f64,
 }
 
 impl Columns {
-    /// What `shown` shows where `reference` says the device was; `quanta` are those of the two.
+    /// Pairs the readings `shown` with the positions by `reference`. `quanta` are the resolutions of both.
     pub(crate) fn of(
         reference: &[Series],
         shown: &[Series],
@@ -51,10 +51,10 @@ impl Columns {
             let Some(fits) = time.iter().map(|&t| cubic(t)).collect::<Option<Vec<_>>>() else {
                 continue;
             };
-            for (mine, other) in reference.windows.iter().zip(&shown.windows) {
-                let smoothed = fits[mine.samples.start].covariance[0][0];
-                let samples = mine.samples.len() as f64;
-                variance += samples * (mine.noise.powi(2) * smoothed + other.noise.powi(2));
+            for (own, other) in reference.windows.iter().zip(&shown.windows) {
+                let smoothed = fits[own.samples.start].covariance[0][0];
+                let samples = own.samples.len() as f64;
+                variance += samples * (own.noise.powi(2) * smoothed + other.noise.powi(2));
                 count += samples;
             }
             tracks.push(Track {
@@ -70,7 +70,7 @@ impl Columns {
         }
         tracks.retain(|track| !track.session_s.is_empty());
         tracks.sort_by(|a, b| a.session_s[0].total_cmp(&b.session_s[0]));
-        // At rest a quantum is no noise that averages out.
+        // At standstill the quantization error does not average out.
         let quantising = quanta.iter().map(|q| q * q / 12.0).sum::<f64>();
         Self {
             tracks,
@@ -81,8 +81,7 @@ impl Columns {
     }
 }
 
-/// The recording as it is, and with `column` in the place of `position`, each through the low-pass that the other has
-/// already.
+/// The recording as it is, and with `column` in place of `position`. Each passes the low-pass that the other one has passed already.
 pub(crate) fn exchanged(recording: &Recording, column: &str) -> [Recording; 2] {
     let sensors = ["position", column].map(|name| recording.sensor(name));
     [0, 1].map(|which| {
@@ -109,13 +108,13 @@ pub(crate) fn exchanged(recording: &Recording, column: &str) -> [Recording; 2] {
     })
 }
 
-/// True if `run` has `column`, and it ever changes.
+/// True if `run` has `column` and its value changes.
 pub(crate) fn is_live(run: &Run, column: &str) -> bool {
     let changes = |shown: &Vec<f64>| shown.windows(2).any(|pair| pair[0] != pair[1]);
     run.positions.get(column).is_some_and(changes)
 }
 
-/// The column behind the recording format's low-pass.
+/// The column after the low-pass of the recording format.
 fn filtered(time: &[f64], mut column: Vec<f64>, cutoff_hz: f64) -> Vec<f64> {
     for i in 1..column.len() {
         let gain = low_pass_gain(Some(cutoff_hz), time[i] - time[i - 1]);

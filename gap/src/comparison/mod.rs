@@ -1,10 +1,10 @@
-//! Two sensors of one position, compared: whether they disagree, like which effect, and which of them the dynamics
-//! believe.
+//! Compares two sensors of one position: whether they disagree, which effect explains the disagreement, and with which of them the
+//! dynamics agree.
 //!
-//! What both share, such as play in a coupling before either of them, no comparison shows; the format has each column
-//! be a sensor of its own.
+//! The comparison does not show an error that both sensors share, such as backlash before both of them. The recording format requires
+//! that each column is an independent sensor.
 
-mod likeness;
+mod sensor_fit;
 mod two;
 
 use crate::columns::{self, Columns, disagreement, mean_square, residuals};
@@ -18,57 +18,57 @@ use crate::shrink::{resampled, shrink};
 use crate::term::{Coordinate, Scale, Term};
 use crate::windows::series::Series;
 use host_sim::effects::Kind;
-use likeness::{Likeness, likenesses};
 use recording::Recording;
+use sensor_fit::{SensorFit, sensor_fits};
 use two::{Part, two};
 
-/// Columns whose disagreement goes with no effect by more than this share of the noise, in squares, agree.
+/// Two columns agree if no effect reduces their squared difference by more than this share of the noise variance.
 const AGREEMENT: f64 = 0.1;
-/// So do those that disagree within the noise and by less than this many standard errors.
+/// Significance of a disagreement within the noise, in standard errors. Below it the columns agree.
 const LEAST_SIGNIFICANCE: f64 = 4.0;
-/// And those that agree leave no more than this many times the noise, in squares: it is known to some 15 %, and coloured
-/// by quantising.
+/// Largest squared difference of columns that agree, over the noise variance. The variance is known to about 15 %, and quantization
+/// correlates the noise.
 const MOST_NOISE: f64 = 2.0;
-/// A likeness leaves at most this share of the disagreement beyond noise, in squares.
+/// Largest share of the squared disagreement beyond noise that the effect may leave.
 const MOST_LEFT: f64 = 0.1;
-/// The other column is right for sure if predicting it instead of `position` takes this share of the gap away, in squares: what
-/// else the nominal model misses may make up for a part.
-const DECISIVE: f64 = 0.5;
-/// And `position` is if predicting it takes this share away. Beside a larger effect of the device a wrong `position` may fit
-/// better than a right one: of 592 blind recordings two did, by 0.51 and 0.76.
+/// Share of the squared gap that must disappear with the other column instead of `position` for the other column to be right. Other
+/// errors of the nominal model may compensate a part.
+const DECISIVE_FOR_OTHER: f64 = 0.5;
+/// Share of the squared gap that must disappear with `position` for `position` to be right. Together with a larger effect of the device,
+/// a wrong `position` may fit better than a right one.
 const DECISIVE_FOR_POSITION: f64 = 0.9;
-/// A fifth of the share by which a value may move in a fit.
-const MOVE: f64 = 0.01;
-/// Another is not separable if it leaves no more than this share of the noise beyond the likeliest, in squares.
+/// Scale of the coordinates in a fit of the effect, as a share of each value.
+const RELATIVE_SCALE: f64 = 0.01;
+/// Noise share by which the squared residual of another effect may exceed that of the best for the two to be inseparable.
 const TIE: f64 = 0.1;
 
-/// What comparing `position` with another column says.
+/// The result of comparing `position` with another column.
 #[derive(Clone, Debug)]
 pub(crate) struct Comparison {
     /// The other column.
     pub column: String,
-    /// Root mean square of the disagreement, zeros apart, in units of position.
+    /// Rms of the disagreement without its mean, in position units.
     pub before: f64,
-    /// What noise alone makes of that.
+    /// Rms disagreement that noise alone causes, in position units.
     pub floor: f64,
     pub outcome: Outcome,
-    /// Share of the gap, in squares, that is not there if the other column is predicted, with its 95 % interval.
+    /// Share of the squared gap that disappears if the other column is predicted, with its 95 % interval.
     pub share: [f64; 3],
 }
 
 #[derive(Clone, Debug)]
 pub(crate) enum Outcome {
-    /// Within noise.
+    /// The columns agree within noise.
     Agree,
-    /// `position` shows the other column as an effect would, and the dynamics believe the other column.
+    /// `position` has an effect relative to the other column, and the dynamics agree with the other column.
     PositionWrong(Match),
-    /// The same, but the dynamics do not say which column is wrong.
+    /// `position` has an effect relative to the other column, and the dynamics do not show which column is wrong.
     Undecided(Match),
-    /// The dynamics believe `position`.
+    /// The dynamics agree with `position`.
     OtherWrong,
-    /// Like two effects together, of the column of that name.
+    /// Two effects together, of the named column, explain the disagreement.
     LikeTwo(String, [Part; 2]),
-    /// Like no effect.
+    /// No effect explains the disagreement.
     Unlike,
 }
 
@@ -77,19 +77,19 @@ pub(crate) enum Outcome {
 pub(crate) struct Match {
     pub kind: &'static Kind,
     pub values: Vec<f64>,
-    /// Of the rms disagreement, with its 95 % interval.
+    /// Shrink of the rms disagreement, with its 95 % interval.
     pub shrink: [f64; 3],
-    /// Names that make the columns differ alike.
+    /// Names of effects that explain the disagreement as well.
     pub ties: Vec<&'static str>,
-    /// True if it leaves nothing but noise.
+    /// True if the effect leaves only noise.
     pub is_all: bool,
 }
 
 impl Match {
-    /// As a term whose values may move a little: predictions are off by what the smoothing of a column costs.
+    /// The effect as a term whose values may change slightly, because the smoothing of a column biases them.
     pub(crate) fn term(&self) -> Term {
         let movable = |i: &usize| {
-            // Instants stay.
+            // Instants are fixed.
             let is_instant = self.kind.is_event(&self.values) && i.is_multiple_of(2);
             self.values[*i] != 0.0 && !is_instant
         };
@@ -97,7 +97,7 @@ impl Match {
         let coordinate = |i: usize| Coordinate {
             parameter: i,
             start: self.values[i],
-            scale: Scale::Linear(MOVE * self.values[i].abs()),
+            scale: Scale::Linear(RELATIVE_SCALE * self.values[i].abs()),
         };
         Term {
             kind: self.kind,
@@ -107,8 +107,8 @@ impl Match {
         }
     }
 
-    /// The moments of the session in which it happens; none of what is there all the time.
-    fn moments_s(&self) -> Vec<f64> {
+    /// Instants at which the effect occurs, s of the session. It is empty for a permanent effect.
+    fn instants_s(&self) -> Vec<f64> {
         if !self.kind.is_event(&self.values) {
             return Vec::new();
         }
@@ -118,7 +118,7 @@ impl Match {
 }
 
 impl Comparison {
-    /// The effect by which the columns differ, unless it is the other column that is wrong.
+    /// The effect by which the columns differ, unless the other column is wrong.
     pub(crate) fn like(&self) -> Option<&Match> {
         match &self.outcome {
             Outcome::PositionWrong(like) | Outcome::Undecided(like) => Some(like),
@@ -126,24 +126,24 @@ impl Comparison {
         }
     }
 
-    /// True if the dynamics say that it is `position` that is wrong.
+    /// True if the dynamics show that `position` is wrong.
     pub(crate) fn is_certain(&self) -> bool {
         matches!(self.outcome, Outcome::PositionWrong(_))
     }
 
-    /// Effects of `position` that are known not to be there.
+    /// Sensing effects that `position` does not have.
     pub(crate) fn excluded(&self) -> Vec<&'static str> {
         let like = self.like().map(|like| like.kind.name);
         let all = effects::sensing().map(|effect| effect.name());
         match &self.outcome {
-            // More than one of them may be there.
+            // Several of them may be present.
             Outcome::LikeTwo(..) | Outcome::Unlike => Vec::new(),
             _ if self.like().is_some_and(|like| !like.is_all) => Vec::new(),
             _ => all.filter(|name| Some(*name) != like).collect(),
         }
     }
 
-    /// One line for the reader.
+    /// The result in one line, or `None` if the columns agree.
     pub(crate) fn line(&self, unit: &str) -> Option<String> {
         let Self {
             column,
@@ -175,7 +175,7 @@ impl Comparison {
     }
 }
 
-/// Compares `position` with each other column; the one that says most of `position` counts.
+/// Compares `position` with each other column, and returns the most informative comparison.
 pub(crate) fn compare(
     problem: &Problem<'_>,
     coarse: impl Fn(&Recording) -> Vec<Series>,
@@ -223,26 +223,31 @@ fn compared(
     }
     let difference = disagreement(&columns.tracks);
     let before = mean_square(&difference);
-    let like = likely(&columns, &difference);
+    let like = best_match(&columns, &difference);
     let whole = share(problem, &both, [own.clone(), other.clone()]);
-    let moments_s = like.as_ref().map_or(Vec::new(), Match::moments_s);
-    let share = if moments_s.is_empty() {
+    let instants_s = like.as_ref().map_or(Vec::new(), Match::instants_s);
+    let share = if instants_s.is_empty() {
         whole
     } else {
-        // A device does not jump, whatever else the model misses of it.
-        less_by(&[&own, &other].map(|column| jumps(column, &moments_s)))
+        // A device does not jump, whatever errors the model has.
+        share_less(&[&own, &other].map(|column| jump_squares(column, &instants_s)))
     };
     let outcome = match like {
         None if before < MOST_NOISE * columns.variance => Outcome::Agree,
-        Some(like) if share[0] > DECISIVE && share[1] > 0.0 => Outcome::PositionWrong(like),
+        Some(like) if share[0] > DECISIVE_FOR_OTHER && share[1] > 0.0 => {
+            Outcome::PositionWrong(like)
+        }
         Some(_) if share[0] < -DECISIVE_FOR_POSITION && share[2] < 0.0 => Outcome::OtherWrong,
         Some(like) => Outcome::Undecided(like),
         None => {
-            // The other column may lag or have play where `position` cannot lead.
-            let turned = of(&own, &other);
-            match likely(&turned, &disagreement(&turned.tracks)) {
-                Some(_) if share[0] <= DECISIVE => Outcome::OtherWrong,
-                _ => like_two([("position", &columns), (column, &turned)], before),
+            // The other column may have a lag or play, which `position` cannot precede.
+            let exchanged_columns = of(&own, &other);
+            match best_match(&exchanged_columns, &disagreement(&exchanged_columns.tracks)) {
+                Some(_) if share[0] <= DECISIVE_FOR_OTHER => Outcome::OtherWrong,
+                _ => like_two(
+                    [("position", &columns), (column, &exchanged_columns)],
+                    before,
+                ),
             }
         }
     };
@@ -255,7 +260,7 @@ fn compared(
     })
 }
 
-/// Two effects that turn one column into the other, of the first column of which they leave little beyond noise.
+/// Two effects that together explain the disagreement as errors of one column, if they leave little beyond noise.
 fn like_two(of: [(&str, &Columns); 2], disagreement: f64) -> Outcome {
     let found = of.into_iter().find_map(|(wrong, columns)| {
         let (parts, left) = two(columns)?;
@@ -265,9 +270,9 @@ fn like_two(of: [(&str, &Columns); 2], disagreement: f64) -> Outcome {
     found.unwrap_or(Outcome::Unlike)
 }
 
-/// The effect that turns the reference into what is shown, if one does.
-fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
-    let mut all = likenesses(columns).into_iter();
+/// The effect that converts the reference column into the shown one, if there is one.
+fn best_match(columns: &Columns, difference: &[f64]) -> Option<Match> {
+    let mut all = sensor_fits(columns).into_iter();
     let best = all.next()?;
     let disagreement = mean_square(difference);
     let closed = disagreement - best.left;
@@ -280,20 +285,21 @@ fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
     let [before, after] = [difference, &left].map(|r| window_squares(columns, r));
     let gains: Vec<f64> = before.iter().zip(&after).map(|(b, a)| b - a).collect();
     let (gain, error) = mean_and_error(&gains);
-    // Far more than noise is no chance however few the windows, nor are jumps that cancel in the mean.
+    // A disagreement far above noise is significant even in few windows. Jumps may cancel in the mean, so they need no significance
+    // either.
     let is_faint = disagreement < MOST_NOISE * columns.variance;
-    let jumps = best.kind.is_event(&best.values);
-    if is_faint && gain < LEAST_SIGNIFICANCE * error && !jumps {
+    let is_jump = best.kind.is_event(&best.values);
+    if is_faint && gain < LEAST_SIGNIFICANCE * error && !is_jump {
         return None;
     }
     let floor: Vec<f64> = windows(columns)
         .map(|window| columns.variance * window as f64)
         .collect();
     let close = best.left + TIE * columns.variance;
-    let tied = |other: &Likeness| other.left <= close && other.kind.name != best.kind.name;
+    let tied = |other: &SensorFit| other.left <= close && other.kind.name != best.kind.name;
     let mut ties: Vec<&'static str> = all.filter(tied).map(|other| other.kind.name).collect();
     ties.dedup();
-    // A curve that is bent by nothing is a gain.
+    // A sensor curve without curvature is a gain, so it is no separate tie.
     ties.retain(|name| !effects::of(name).contains(best.kind.name));
     Some(Match {
         shrink: shrink(&before, &after, &floor, &before),
@@ -304,7 +310,7 @@ fn likely(columns: &Columns, difference: &[f64]) -> Option<Match> {
     })
 }
 
-/// Samples of each window.
+/// Number of samples of each window.
 fn windows(columns: &Columns) -> impl Iterator<Item = usize> {
     let tracks = columns.tracks.iter();
     tracks.flat_map(|track| track.windows.iter().map(std::ops::Range::len))
@@ -312,17 +318,17 @@ fn windows(columns: &Columns) -> impl Iterator<Item = usize> {
 
 /// Sum of squares of each window.
 fn window_squares(columns: &Columns, residuals: &[f64]) -> Vec<f64> {
-    let mut rest = residuals;
+    let mut remaining = residuals;
     let squares = windows(columns).map(|samples| {
-        let (mine, others) = rest.split_at(samples.min(rest.len()));
-        rest = others;
-        mine.iter().map(|r| r * r).sum()
+        let (in_window, others) = remaining.split_at(samples.min(remaining.len()));
+        remaining = others;
+        in_window.iter().map(|r| r * r).sum()
     });
     squares.collect()
 }
 
-/// Share of the nominal model's squared gap beyond noise that is not there if the other column is predicted; none where one
-/// leaves less beyond its floor and more with it: a noisy column may hide a gap in its floor.
+/// Share of the squared gap of the nominal model beyond noise that disappears if the other column is predicted. It is 0 if the column
+/// with the smaller gap beyond its floor has the larger gap in all: the floor of a noisy column may hide a gap.
 fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2]) -> [f64; 3] {
     let bare = Hypothesis { terms: Vec::new() };
     let left = |series: Vec<Series>, recording: &Recording| {
@@ -349,26 +355,26 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
     let [position, other] = series;
     let (position_left, position) = left(position, &both[0]);
     let (other_left, other) = left(other, &both[1]);
-    let share = less_by(&[position, other]);
+    let share = share_less(&[position, other]);
     match share[0] * (position_left - other_left) < 0.0 {
         true => [0.0; 3],
         false => share,
     }
 }
 
-/// Share by which the squares of the second of two columns are less than those of the first, with its 95 % interval.
-fn less_by(columns: &[Vec<f64>; 2]) -> [f64; 3] {
+/// Share by which the squares of the second column are smaller than those of the first, with its 95 % interval.
+fn share_less(columns: &[Vec<f64>; 2]) -> [f64; 3] {
     resampled(columns[0].len(), |sum| {
         let [before, after] = columns.each_ref().map(|squares| sum(squares).max(0.0));
         ((before - after) / before.max(after).max(f64::MIN_POSITIVE)).min(1.0)
     })
 }
 
-/// Samples across a jump, as many as before and after it: one that is a mean may be of both.
+/// Number of steps across a jump, and before and after it. The samples next to the jump may be averages across it.
 const ACROSS: usize = 3;
 
-/// Square of what a column goes at each of some moments of the session beyond what it goes right before and after.
-fn jumps(column: &[Series], moments_s: &[f64]) -> Vec<f64> {
+/// Squared change of a column at each of some instants, less the mean change directly before and after.
+fn jump_squares(column: &[Series], instants_s: &[f64]) -> Vec<f64> {
     let jump = |at_s: &f64| {
         let within = |series: &&Series| {
             let span = series.session_span_s();
@@ -378,10 +384,10 @@ fn jumps(column: &[Series], moments_s: &[f64]) -> Vec<f64> {
         let after = (0..series.time.len()).position(|i| series.session(i) >= *at_s)?;
         let from = after.checked_sub(ACROSS + ACROSS / 2 + 1)?;
         let around = series.position.get(from..=from + 3 * ACROSS)?;
-        let way = |part: usize| around[(part + 1) * ACROSS] - around[part * ACROSS];
-        Some((way(1) - 0.5 * (way(0) + way(2))).powi(2))
+        let change = |part: usize| around[(part + 1) * ACROSS] - around[part * ACROSS];
+        Some((change(1) - 0.5 * (change(0) + change(2))).powi(2))
     };
-    moments_s
+    instants_s
         .iter()
         .map(|at_s| jump(at_s).unwrap_or(0.0))
         .collect()
@@ -408,7 +414,7 @@ mod tests {
     const SAMPLES: usize = 8000;
     const NOISE: [f64; 2] = [1e-4, 3e-4];
 
-    /// A paddle with what is written in `mechanics`, seen by two sensors, each with what is written for it.
+    /// The comparison for a paddle with the effect `mechanics` and two sensors, each with an effect of its own.
     fn compared(mechanics: &str, position: &str, other: &str) -> Comparison {
         let model = Model {
             viscous: 1e-3,
@@ -459,8 +465,8 @@ mod tests {
         compare(&made::problem(&recording), coarse).unwrap()
     }
 
-    /// The effect of `position` that was found for sure.
-    fn blamed(mechanics: &str, position: &str) -> Match {
+    /// The effect of `position`, which must be found wrong.
+    fn wrong_position(mechanics: &str, position: &str) -> Match {
         match compared(mechanics, position, "").outcome {
             Outcome::PositionWrong(found) => found,
             other => panic!("{position}: {other:?}"),
@@ -468,7 +474,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_sensors_clear_each_other() {
+    fn equal_sensors_agree_and_exclude_all_sensing_effects() {
         let comparison = compared("viscous:coefficient=0.004", "", "");
         assert!(
             matches!(comparison.outcome, Outcome::Agree),
@@ -478,7 +484,7 @@ mod tests {
     }
 
     #[test]
-    fn each_effect_is_known_by_how_the_columns_differ() {
+    fn each_sensing_effect_is_identified_from_two_columns() {
         for (effect, parameter, tolerance) in [
             ("sensor_gain:gain=1.1", 0, 0.002),
             ("sensor_nonlinearity:quadratic=0.3", 0, 0.02),
@@ -487,7 +493,7 @@ mod tests {
             ("sensor_lag:time=0.006", 0, 0.03),
             ("lost_counts:jump=0,share=0.2,speed=2", 2, 0.03),
         ] {
-            let found = blamed("", effect);
+            let found = wrong_position("", effect);
             let hidden: Effect = effect.parse().unwrap();
             assert_eq!(found.kind.name, hidden.kind.name);
             let error = (found.values[parameter] / hidden.values[parameter] - 1.0).abs();
@@ -497,7 +503,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_and_play_of_one_column_are_told_together() {
+    fn a_gain_and_a_hysteresis_are_found_together() {
         let comparison = compared("", "sensor_gain:gain=1.03", "sensor_hysteresis:width=0.02");
         let Outcome::LikeTwo(_, parts) = &comparison.outcome else {
             panic!("{:?}", comparison.outcome);
@@ -510,7 +516,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_found_where_it_is() {
+    fn a_jump_is_found_with_its_instant_and_height() {
         let comparison = compared("", "lost_counts:time=3.2,jump=0.04", "");
         let found = comparison.like().unwrap();
         assert_eq!(found.kind.name, "lost_counts");
@@ -519,10 +525,10 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_shows_which_column_is_wrong_however_wrong_the_model() {
+    fn a_jump_shows_the_wrong_column_even_with_a_wrong_model() {
         let jump = "lost_counts:time=3.2,jump=0.04";
         assert_eq!(
-            blamed("viscous:coefficient=0.004", jump).kind.name,
+            wrong_position("viscous:coefficient=0.004", jump).kind.name,
             "lost_counts"
         );
         let comparison = compared("viscous:coefficient=0.004", "", jump);
@@ -533,14 +539,14 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_up_for_an_error_does_not_hide_it() {
-        // More friction makes the motion smaller, and the gain shows it larger again.
+    fn a_sensor_gain_that_compensates_friction_is_found() {
+        // More friction makes the motion smaller, and the sensor gain makes it larger.
         let comparison = compared("viscous:coefficient=0.003", "sensor_gain:gain=1.2", "");
         assert_eq!(comparison.like().unwrap().kind.name, "sensor_gain");
     }
 
     #[test]
-    fn the_other_column_is_blamed_for_its_own_errors() {
+    fn errors_of_the_other_column_are_attributed_to_it() {
         for effect in [
             "sensor_gain:gain=1.1",
             "sensor_lag:time=0.01",

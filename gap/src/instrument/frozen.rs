@@ -1,15 +1,15 @@
-//! An input column that repeats one value while something drives the device.
+//! Detects an input column that is constant although something drives the device.
 
 use recording::{Recording, Run};
 
-/// Share of the speed of the first half of a run that the second half keeps at least where the motion does not die away. A passive
-/// device that rings keeps less after a few periods.
-const KEPT: f64 = 0.7;
-/// Reversals of the velocity without which a run says nothing of that.
+/// Least speed of the second half of a run, over that of the first, for a motion that does not decay. A passive oscillation decays more
+/// within a few periods.
+const LEAST_SPEED_RATIO: f64 = 0.7;
+/// Least number of reversals of the velocity for a decision.
 const FEWEST_REVERSALS: usize = 4;
 
-/// True if every run repeats one input that is not zero, and the motion goes on to and fro all the same: under a constant torque a
-/// device comes to rest, so that the column cannot be what it was told. An input of zero is that of a motor that is off.
+/// True if the input of every run is constant and not zero, and the motion keeps oscillating. Under a constant torque a device comes to
+/// rest, so such a column is not the real input. A zero input is allowed: the motor is off.
 pub(crate) fn frozen_input(recording: &Recording) -> bool {
     !recording.runs.is_empty() && recording.runs.iter().all(is_frozen)
 }
@@ -18,18 +18,19 @@ fn is_frozen(run: &Run) -> bool {
     let Some(&first) = run.input.first() else {
         return false;
     };
-    first != 0.0 && run.input.iter().all(|input| *input == first) && goes_on(run)
+    first != 0.0 && run.input.iter().all(|input| *input == first) && keeps_moving(run)
 }
 
-/// True if the motion reverses and keeps its speed. Steps are taken over a fiftieth of the run, longer than what noise stirs.
-fn goes_on(run: &Run) -> bool {
+/// True if the motion reverses and keeps its speed. The steps span a fiftieth of the run, so that noise does not count as motion.
+fn keeps_moving(run: &Run) -> bool {
     let step = (run.position.len() / 50).max(1);
     let coarse: Vec<f64> = run.position.iter().copied().step_by(step).collect();
     let moves: Vec<f64> = coarse.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let reversals = moves.windows(2).filter(|pair| pair[0] * pair[1] < 0.0);
-    let (early, late) = moves.split_at(moves.len() / 2);
+    let (first_half, second_half) = moves.split_at(moves.len() / 2);
     let speed = |moves: &[f64]| moves.iter().map(|m| m * m).sum::<f64>().sqrt();
-    reversals.count() >= FEWEST_REVERSALS && speed(late) >= KEPT * speed(early)
+    reversals.count() >= FEWEST_REVERSALS
+        && speed(second_half) >= LEAST_SPEED_RATIO * speed(first_half)
 }
 
 #[cfg(test)]
@@ -49,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_that_goes_on_under_one_input_is_driven_by_something_else() {
+    fn a_lasting_oscillation_under_a_constant_input_shows_a_frozen_column() {
         assert!(is_frozen_with(-9.5e-4, 0.0));
         assert!(!is_frozen_with(-9.5e-4, 0.8), "a swing that dies away");
         assert!(!is_frozen_with(0.0, 0.0), "a motor that is off");

@@ -1,27 +1,27 @@
-//! Whether the columns mean what they are taken for: a wrong sign or unit is no effect, and a controller's output no excitation.
+//! Inspects the columns of a recording. A wrong sign or unit is not an effect, and the output of a controller is not an open-loop
+//! excitation.
 
 mod frozen;
 mod law;
-mod meant;
+mod sign_or_unit;
 pub(crate) mod timing;
 
 pub(crate) use frozen::frozen_input;
-pub use meant::UnitMistake;
+pub use sign_or_unit::UnitMistake;
 
-use meant::{Meant, Turn, meant};
 use recording::{Drive, Model, Oddity, Recording};
+use sign_or_unit::{SignOrUnit, Turn, sign_or_unit};
 
-/// Share of what is quick in an input that the noise of the position explains from which on it is a controller's. Of 1106 open
-/// loops none comes above 0.7; of as many closed ones half do.
+/// Least share of the fast changes of an input that the noise of the position explains for the input to be the output of a controller.
 const LEAST_OF_LAW: f64 = 0.8;
 
-/// The recording, a run as closed-loop if its input is a controller's, and its model turned round if `input` and `position` go
-/// against each other, with oddities that say so.
-///
-/// The model then leaves far less, in most windows, and less than without any input.
+/// Inspects a recording. A run becomes closed-loop if its input is the output of a controller. The model changes its sign if `input` and
+/// `position` have opposite signs: if with it the residual is far smaller, smaller in most windows, and smaller than without any input.
+/// Each change is added to the oddities.
 ///
 /// # Errors
-/// [`UnitMistake`] if it does so with a column in another unit.
+///
+/// [`UnitMistake`] if a column has another unit by the same criterion.
 pub fn inspected(mut recording: Recording) -> Result<Recording, UnitMistake> {
     for run in &mut recording.runs {
         if run.drive == Drive::OpenLoop
@@ -34,18 +34,18 @@ pub fn inspected(mut recording: Recording) -> Result<Recording, UnitMistake> {
             });
         }
     }
-    match meant(&recording) {
+    match sign_or_unit(&recording) {
         None => {}
-        Some(Meant::Turned(turn, oddity)) => {
+        Some(SignOrUnit::Turned(turn, oddity)) => {
             turn_models(&mut recording, turn);
             recording.oddities.push(oddity);
         }
-        Some(Meant::Scaled(mistake)) => return Err(mistake),
+        Some(SignOrUnit::Scaled(mistake)) => return Err(mistake),
     }
     Ok(recording)
 }
 
-/// Turns the model, and the numbers that runs state of their own.
+/// Changes the sign of the model, and of the parameters that runs state on their own.
 fn turn_models(recording: &mut Recording, turn: Turn) {
     let turned = recording
         .runs

@@ -1,4 +1,4 @@
-//! Whether the data say that `input` was sampled otherwise than is stated, or that it acts earlier or later.
+//! Detects whether the data contradict the stated sampling or timing of `input`.
 
 use crate::effects::{self, Family, Identification};
 use crate::fit::Fit;
@@ -13,23 +13,23 @@ use host_sim::effects::Channel;
 use recording::{InputSampling, Recording};
 use std::fmt;
 
-/// Standard errors of what is gained on windows that the fit has not seen: chance reaches them once in 700 recordings.
-const SURE: f64 = 3.0;
-/// Relative standard deviation of the model's numbers at least: they are to bend to either timing.
-const FREE: f64 = 0.5;
-/// Dry friction, and viscous friction at the typical speed, where the model has none, as a share of the typical torque.
+/// Least significance of the gain on held-out windows, in standard errors. Chance reaches it once in 700 recordings.
+const LEAST_SIGNIFICANCE: f64 = 3.0;
+/// Least relative standard deviation of the model parameters, so that they can adapt to either timing.
+const WIDE_TOLERANCE: f64 = 0.5;
+/// Coulomb friction, and viscous friction at the rms speed, of a model without them, as a share of the rms torque.
 const SOME_FRICTION: f64 = 0.02;
-/// Samples that suffice.
+/// Number of samples that suffices.
 const MOST_SAMPLES: usize = 10_000;
 const ITERATIONS: usize = 12;
 
-/// The timing that the data prefer to what is stated.
+/// The timing that the data prefer to the stated one.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TimingDoubt {
     preferred: Timing,
     /// Median time between rows, s.
     row_s: f64,
-    /// Gap with the model's numbers free, as stated and as preferred, in units of position, and these.
+    /// Gap with the model parameters free, with the stated and with the preferred timing, in position units.
     gaps: [f64; 2],
     unit: String,
 }
@@ -38,40 +38,40 @@ pub(crate) struct TimingDoubt {
 enum Timing {
     Stated,
     Sampled(InputSampling),
-    /// Later by so much, s, and its standard deviation.
+    /// The input acts later by a time, s, with its standard deviation.
     Later(f64, f64),
 }
 
-/// A timing on trial: what each window costs that the fit has not seen, and what the model leaves.
+/// A timing on trial: the cost of each held-out window, and the gap.
 struct Trial {
     timing: Timing,
     costs: Vec<f64>,
     gap: f64,
 }
 
-/// The trials of one hypothesis: as stated, and the best that surely costs less.
+/// The trials of one hypothesis: the stated timing, and the best timing with a significantly lower cost.
 struct Trials {
     stated: Trial,
     best: Option<Trial>,
 }
 
-/// Says so if another sampling than stated, or a shift of a row at most that nothing states, surely costs less on windows that the fit
-/// has not seen, with the numbers of the model free. Effects that were `found` may be what the timing makes of the motion, or what makes
-/// a timing of it: it must cost less beside them, too, or no more in their place.
+/// Returns a doubt if another input sampling, or an unstated shift of at most one row, has a significantly lower cost on held-out windows
+/// with the model parameters free. A wrong timing and the effects that were `found` may imitate each other. So the timing must also be
+/// better together with these effects, or be no worse in their place.
 pub(crate) fn doubt(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
-    let recording = loosened(problem);
+    let recording = with_wide_tolerances(problem);
     let row_s = series::median_period(&recording.runs.first()?.time);
     let bare = Hypothesis { terms: Vec::new() };
     let Trials { stated, best } = trials(problem, &recording, &bare, &[], row_s);
     let best = best?;
     let parts = found.hypothesis.parts(&found.x);
-    // What comes late does what another timing does.
-    let is_late = |term: &Term| effects::of(term.kind.name).family() == Some(Family::Lateness);
-    let others = parts.filter(|(term, _)| !is_late(term));
+    // Delays and lags act like another timing, so they are left out.
+    let is_delay = |term: &Term| effects::of(term.kind.name).family() == Some(Family::Lateness);
+    let others = parts.filter(|(term, _)| !is_delay(term));
     let (terms, own): (Vec<Term>, Vec<&[f64]>) =
         others.map(|(term, own)| (term.clone(), own)).unzip();
     if !terms.is_empty() {
-        let beside = trials(
+        let with_effects = trials(
             problem,
             &recording,
             &Hypothesis { terms },
@@ -79,8 +79,8 @@ pub(crate) fn doubt(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
             row_s,
         );
         let agrees = |other: &Trial| other.timing.is_like(best.timing);
-        let in_their_place = gain(&beside.stated, &best).0 >= 0.0;
-        if !beside.best.as_ref().is_some_and(agrees) && !in_their_place {
+        let is_no_worse_instead = gain(&with_effects.stated, &best).0 >= 0.0;
+        if !with_effects.best.as_ref().is_some_and(agrees) && !is_no_worse_instead {
             return None;
         }
     }
@@ -92,19 +92,19 @@ pub(crate) fn doubt(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
     })
 }
 
-/// The timing of the input that surely costs less beside the effects that were `found` than the stated one, if there is one. None is
-/// tried where a time is stated as uncertain, or where one of the effects is late: that time is fitted anyway.
+/// The input timing with a significantly lower cost than the stated one together with the effects that were `found`, if any. No timing is
+/// tried if a time is stated as uncertain, or if one of the effects is a delay or a lag, because that time is fitted anyway.
 pub(crate) fn preferred(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoubt> {
     let recording = problem.recording;
     let mut terms = found.hypothesis.terms.iter();
-    let is_late = |term: &Term| effects::of(term.kind.name).family() == Some(Family::Lateness);
-    if recording.runs.iter().any(|run| run.input_time_std > 0.0) || terms.any(is_late) {
+    let is_delay = |term: &Term| effects::of(term.kind.name).family() == Some(Family::Lateness);
+    if recording.runs.iter().any(|run| run.input_time_std > 0.0) || terms.any(is_delay) {
         return None;
     }
     let row_s = series::median_period(&recording.runs.first()?.time);
     let own: Vec<&[f64]> = found.hypothesis.parts(&found.x).map(|(_, x)| x).collect();
-    let loosened = loosened(problem);
-    let trials = trials(problem, &loosened, &found.hypothesis, &own.concat(), row_s);
+    let free = with_wide_tolerances(problem);
+    let trials = trials(problem, &free, &found.hypothesis, &own.concat(), row_s);
     let best = trials.best?;
     Some(TimingDoubt {
         preferred: best.timing,
@@ -114,13 +114,13 @@ pub(crate) fn preferred(problem: &Problem<'_>, found: &Fit) -> Option<TimingDoub
     })
 }
 
-/// The recording with a time between input and position that is known to a row.
+/// The recording with an unknown delay between input and position. Its standard deviation is one row.
 pub(crate) fn within_a_row(recording: &Recording) -> Recording {
     let rows_s = recording
         .runs
         .iter()
         .map(|run| series::median_period(&run.time));
-    // One time for all runs, even if their rows are not equally far apart.
+    // All runs have the same delay, even if their rows have different periods.
     let longest_s = rows_s.fold(0.0, f64::max);
     let mut recording = recording.clone();
     for run in &mut recording.runs {
@@ -129,13 +129,13 @@ pub(crate) fn within_a_row(recording: &Recording) -> Recording {
     recording
 }
 
-/// Mean over the windows of what one trial costs more than another, and its standard error.
+/// Mean decrease of the cost per window from one trial to another, and its standard error.
 fn gain(stated: &Trial, other: &Trial) -> (f64, f64) {
     let gains = stated.costs.iter().zip(&other.costs).map(|(a, b)| a - b);
     mean_and_error(&gains.collect::<Vec<f64>>())
 }
 
-/// Those of the effects of a hypothesis from `own` coordinates on.
+/// The trials for the effects of a hypothesis, started at the coordinates `own`.
 fn trials(
     problem: &Problem<'_>,
     recording: &Recording,
@@ -143,11 +143,11 @@ fn trials(
     own: &[f64],
     row_s: f64,
 ) -> Trials {
-    let on_trial =
+    let run_trial =
         |recording: &Recording, timing| trial(problem, recording, hypothesis, own, timing);
-    let stated = on_trial(recording, Timing::Stated);
+    let stated = run_trial(recording, Timing::Stated);
     let (level, error) = mean_and_error(&stated.costs);
-    if level <= WHITE + SURE * error {
+    if level <= WHITE + LEAST_SIGNIFICANCE * error {
         return Trials { stated, best: None };
     }
     let mut resampled = recording.clone();
@@ -159,25 +159,26 @@ fn trials(
         };
         sampled = run.input_sampling;
     }
-    let mut all = vec![on_trial(&resampled, Timing::Sampled(sampled))];
-    // Where a time is stated as uncertain, it is fitted anyway.
+    let mut all = vec![run_trial(&resampled, Timing::Sampled(sampled))];
+    // A timing with a stated uncertainty is fitted in any case.
     if recording.runs.iter().all(|run| run.input_time_std == 0.0) {
         let mut shifted = recording.clone();
         for run in &mut shifted.runs {
             run.input_time_std = row_s;
         }
-        let shifted = on_trial(&shifted, Timing::Later(0.0, 0.0));
+        let shifted = run_trial(&shifted, Timing::Later(0.0, 0.0));
         all.extend(Some(shifted).filter(|trial| trial.timing.is_within(row_s)));
     }
     let mut sure = all.into_iter().filter(|trial| {
         let (gain, error) = gain(&stated, trial);
-        gain > SURE * error && trial.gap < stated.gap
+        gain > LEAST_SIGNIFICANCE * error && trial.gap < stated.gap
     });
-    // Another sampling is half a row of shift that nothing had to be fitted for: what does not surely cost less is not preferred to it.
+    // Another sampling is a shift of half a row without a fitted parameter. A fitted shift is preferred to it only if its cost is
+    // significantly lower.
     let best = sure.next().map(|first| {
         let better = sure.find(|other| {
             let (gain, error) = gain(&first, other);
-            gain > SURE * error
+            gain > LEAST_SIGNIFICANCE * error
         });
         better.unwrap_or(first)
     });
@@ -220,8 +221,8 @@ fn trial(
     }
 }
 
-/// The recording with a model whose numbers are hardly known: frictions that are zero are a little, so that they may grow.
-fn loosened(problem: &Problem<'_>) -> Recording {
+/// The recording with a model of wide tolerances. Frictions of zero get a small value, so that they can increase.
+fn with_wide_tolerances(problem: &Problem<'_>) -> Recording {
     let mut recording = problem.recording.clone();
     let model = &mut recording.model;
     let inputs: Vec<f64> = problem
@@ -246,21 +247,21 @@ fn loosened(problem: &Problem<'_>) -> Recording {
     for name in numbers.filter_map(Identification::replaces) {
         let known = recording.tolerance.iter().find(|(of, _)| *of == name);
         let stated = known.map_or(0.0, |(_, std)| std);
-        recording.tolerance.set(name, stated.max(FREE));
+        recording.tolerance.set(name, stated.max(WIDE_TOLERANCE));
     }
     recording
 }
 
 impl Timing {
-    /// True if it is a shift of a row at most, and surely one.
+    /// True for another sampling, and for a significant shift of at most one row.
     fn is_within(self, row_s: f64) -> bool {
         match self {
-            Self::Later(by_s, std_s) => by_s.abs() <= row_s && by_s.abs() > SURE * std_s,
+            Self::Later(by_s, std_s) => by_s.abs() <= row_s && by_s.abs() > LEAST_SIGNIFICANCE * std_s,
             Self::Sampled(_) | Self::Stated => true,
         }
     }
 
-    /// True if both bring the input to the same side: one that is sampled at instants is half a row earlier.
+    /// True if both timings shift the input in the same direction. An input that was sampled at instants is half a row earlier.
     fn is_like(self, other: Self) -> bool {
         let earlier = |timing: Self| match timing {
             Self::Later(by_s, _) => by_s < 0.0,

@@ -1,54 +1,54 @@
-//! The sensing effect that turns one column into the other.
+//! Fits each sensing effect to the difference between two position columns.
 
 use crate::columns::{Columns, Disagreement};
 use crate::effects::{self, Identification};
 use host_sim::effects::Kind;
 
-/// Within this share of what the best one closes, fewer parameters win.
+/// Share of the squares closed by the best effect within which an effect with fewer parameters is preferred.
 pub(super) const PARSIMONY: f64 = 0.01;
 
-/// What a sensing effect leaves of the disagreement.
+/// The fit of a sensing effect to the disagreement.
 #[derive(Clone, Debug)]
-pub(super) struct Likeness {
+pub(super) struct SensorFit {
     pub kind: &'static Kind,
     pub values: Vec<f64>,
-    /// Mean square.
+    /// Mean squared residual, in position units squared.
     pub left: f64,
     parameters: usize,
 }
 
-/// What all sensing effects leave, the likeliest first.
-pub(super) fn likenesses(columns: &Columns) -> Vec<Likeness> {
+/// The fits of all sensing effects. The preferred one comes first.
+pub(super) fn sensor_fits(columns: &Columns) -> Vec<SensorFit> {
     let disagreement = Disagreement::of(columns);
-    let mut all: Vec<Likeness> = effects::sensing()
+    let mut all: Vec<SensorFit> = effects::sensing()
         .flat_map(|effect| {
             let fits = effect.column_fits(&disagreement).into_iter();
             fits.map(move |values| (effect, values))
         })
-        .map(|(effect, values)| likeness(&disagreement, effect, values))
+        .map(|(effect, values)| sensor_fit(&disagreement, effect, values))
         .collect();
     all.sort_by(|a, b| a.left.total_cmp(&b.left));
     let Some(best) = all.first().map(|first| first.left) else {
         return all;
     };
     let close = best + PARSIMONY * (disagreement.before() - best).max(0.0);
-    let likeliest = (0..all.len())
+    let preferred = (0..all.len())
         .filter(|&i| all[i].left <= close)
         .min_by_key(|&i| (all[i].parameters, i));
-    if let Some(likeliest) = likeliest {
-        let first = all.remove(likeliest);
+    if let Some(preferred) = preferred {
+        let first = all.remove(preferred);
         all.insert(0, first);
     }
     all
 }
 
-fn likeness(
+fn sensor_fit(
     disagreement: &Disagreement<'_>,
     effect: &'static dyn Identification,
     values: Vec<f64>,
-) -> Likeness {
+) -> SensorFit {
     let kind = effect.kind();
-    Likeness {
+    SensorFit {
         kind,
         left: disagreement.left(kind, &values),
         parameters: effect.count_in_columns(&values),
@@ -62,8 +62,8 @@ mod tests {
     use crate::columns::Track;
     use core::f64::consts::TAU;
 
-    /// What is likeliest where a column shows so much more than a slow sine, as a function of time over its duration.
-    fn likeliest(more: impl Fn(f64) -> f64) -> &'static str {
+    /// Name of the preferred effect for a column that exceeds a slow sine by `more`, a function of the time from 0 to 1.
+    fn preferred(more: impl Fn(f64) -> f64) -> &'static str {
         const SAMPLES: usize = 1000;
         const STD: f64 = 1e-3;
         let session_s: Vec<f64> = (0..SAMPLES).map(|i| i as f64 / SAMPLES as f64).collect();
@@ -79,15 +79,15 @@ mod tests {
             tracks: vec![track],
             variance: STD * STD,
         };
-        likenesses(&columns)[0].kind.name
+        sensor_fits(&columns)[0].kind.name
     }
 
     #[test]
-    fn what_takes_ever_more_jumps_is_none() {
+    fn a_difference_that_needs_many_jumps_is_no_lost_count() {
         let jump = |t: f64| if t < 0.3 { 0.0 } else { 0.5 };
-        assert_eq!(likeliest(jump), "lost_counts");
-        // A gain and a lag.
-        let late = |t: f64| -0.4 * (TAU * t).sin() - 0.4 * (TAU * t).cos();
-        assert_ne!(likeliest(late), "lost_counts");
+        assert_eq!(preferred(jump), "lost_counts");
+        // A gain and a lag together.
+        let gain_and_lag = |t: f64| -0.4 * (TAU * t).sin() - 0.4 * (TAU * t).cos();
+        assert_ne!(preferred(gain_and_lag), "lost_counts");
     }
 }

@@ -64,7 +64,7 @@ fn name(term: &Term, parameter: usize) -> String {
     term.kind.value_name(parameter, term.values.len())
 }
 
-/// True if a dimensionless parameter or an inertia is outside of its typical range by the factor `factor`. Other quantities depend on the
+/// True if a dimensionless parameter or an inertia is outside of its typical range by `factor`. Other quantities depend on the
 /// device.
 fn is_unusual(parameter: &Parameter, value: f64, model: &Model, factor: f64) -> bool {
     let [low, high] = parameter.typical;

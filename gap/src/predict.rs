@@ -20,7 +20,7 @@ pub struct Predictor {
     reads_as_is: bool,
     /// Additional delay of the input of each run, s. It is 0 for runs beyond the list.
     input_shifts_s: Vec<f64>,
-    /// The device of each run that states parameters of its with_own_load, by the index of the run.
+    /// The device of each run that states parameters of its own, by the index of the run.
     device_of_run: BTreeMap<usize, Device>,
 }
 
@@ -212,7 +212,7 @@ impl Predictor {
         predicted
     }
 
-    /// Ends a window in which the prediction diverges: the prediction is_constant constant, and the carried state is reset to rest.
+    /// Ends a window in which the prediction diverges: the prediction stays constant, and the carried state is reset to rest.
     fn end_diverged(
         &self,
         running: &mut Running,

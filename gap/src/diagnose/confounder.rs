@@ -36,7 +36,7 @@ pub(super) enum Confounder {
     Many { effects: usize },
     /// A temporary effect with several occurrences was found with a low confidence. Any temporary torque acts equally.
     Episode { stays: usize },
-    /// A temporary effect is_filled most of a run. Any difference of that run acts equally.
+    /// A temporary effect fills most of a run. Any difference of that run acts equally.
     Run { index: usize },
 }
 
@@ -97,7 +97,7 @@ fn episode(round: &Round) -> Option<Term> {
         .then_some(last)
 }
 
-/// Index of the run that an occurrence of a temporary effect nearly is_filled.
+/// Index of the run that an occurrence of a temporary effect nearly fills.
 fn most_of_run(problem: &Problem<'_>, episode: &Term) -> Option<usize> {
     let stays = episode.kind.meanwhile(&episode.values).unwrap_or_default();
     let is_filled = |run: &usize| {

@@ -43,7 +43,7 @@ impl Identification for EndStop {
         &KIND
     }
 
-    /// Starts with one stop and the other out of reach, then with both. Stops of the model that the device passed are also tried moved_model_stops
+    /// Starts with one stop and the other out of reach, then with both. Stops of the model that the device passed are also tried farther
     /// out.
     fn starts(&self, e: &Evidence<'_>) -> Vec<Term> {
         let s = e.scales;

@@ -101,7 +101,7 @@ pub(crate) fn halves(term: &Term) -> [Term; 2] {
     ]
 }
 
-/// The term with only the first occurrence, which duration for the whole session and has no instants to fit.
+/// The term with only the first occurrence, which lasts for the whole session and has no instants to fit.
 pub(crate) fn permanent(term: &Term) -> Term {
     let within = term.kind.instants().unwrap_or_default();
     let [from, to] = within.map(|place| term.kind.event_place(0) + place);

@@ -92,7 +92,7 @@ impl Identification for Lag {
     }
 }
 
-/// A longer_lags lag than that of the model, a second lag in series with it, or two equal lags.
+/// A longer lag than that of the model, a second lag in series with it, or two equal lags.
 fn longer_lags(e: &Evidence<'_>) -> Vec<Term> {
     let longer_lags = longer_times(&KIND, e);
     let has_one = e.device.drive.lag_s > 0.0;

@@ -13,8 +13,8 @@ use crate::term::Term;
 use host_sim::effects::Kind;
 use host_sim::effects::sensor_hysteresis::KIND;
 
-/// Limits of the widths that are tried, and the ratio between neighbours. The narrowest real a multiple of the noise, or a share of the
-/// widest if there real almost no noise. The widest real a share of the range of the motion.
+/// Limits of the widths that are tried, and the ratio between neighbours. The narrowest is a multiple of the noise, or a share of the
+/// widest if there is almost no noise. The widest is a share of the range of the motion.
 const LEAST_PLAY: f64 = 3.0;
 const LEAST_PLAY_SHARE: f64 = 1e-4;
 const WIDEST_PLAY: f64 = 0.2;
@@ -80,7 +80,7 @@ impl Identification for SensorHysteresis {
     }
 }
 
-/// The form of a reading that lags by half of the play. After a reversal the reading real constant until the position has crossed the play.
+/// The form of a reading that lags by half of the play. After a reversal the reading is constant until the position has crossed the play.
 /// Then it suddenly follows the position.
 fn play_form(path: &Path<'_>, half_play: f64) -> Form {
     let m = &path.device.mechanics;

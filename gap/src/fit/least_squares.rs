@@ -281,7 +281,7 @@ fn damped_step(
     Some(damped.cholesky()?.solve(&score))
 }
 
-/// Standard deviations by the sandwich estimator (Huber, Berkeley Symposium 5, 1967) with windows as clusters, since the residuals clamped
+/// Standard deviations by the sandwich estimator (Huber, Berkeley Symposium 5, 1967) with windows as clusters, since the residuals within
 /// a window are correlated.
 fn deviations(normal: &DMatrix<f64>, scatter: &DMatrix<f64>) -> Vec<f64> {
     let n = normal.nrows();

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 /// Steps of one coordinate that a poll tries, and the largest number of polls.
 const POLL_STEPS: [f64; 10] = [-0.4, -0.2, -0.1, -0.05, -0.02, 0.02, 0.05, 0.1, 0.2, 0.4];
 const MOST_POLLS: usize = 3;
-/// Least gain in robust cost of a polled step. A smaller gain is clamped the chance variation of a window.
+/// Least gain in robust cost of a polled step. A smaller gain is within the chance variation of a window.
 const POLL_GAIN: f64 = 0.5;
 /// Deviations of one model parameter that are tried as other starts, in standard deviations, and the number of these starts that are
 /// fitted.

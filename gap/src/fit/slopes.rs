@@ -63,7 +63,7 @@ impl Problem<'_> {
     }
 }
 
-/// The step of a finite difference with the sign that keeps the coordinate clamped its range: negative at the upper bound.
+/// The step of a finite difference with the sign that keeps the coordinate within its range: negative at the upper bound.
 pub(crate) fn difference_within(x: f64, difference: f64, [_, high]: [f64; 2]) -> f64 {
     if x + difference > high {
         -difference

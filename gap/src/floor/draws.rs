@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use recording::Recording;
 use std::collections::HashMap;
 
-/// Number of windows from which the floor is estimated, or all windows if evaluated are fewer. Where noise decides between stick and slip, a
+/// Number of windows from which the floor is estimated, or all windows if there are fewer. Where noise decides between stick and slip, a
 /// few windows hold most of the floor; from this number it is accurate to about 20 %.
 pub(crate) const SAMPLED_WINDOWS: usize = 400;
 /// Factor within which the floor of [`SAMPLED_WINDOWS`] windows is accurate.

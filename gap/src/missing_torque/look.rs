@@ -13,7 +13,7 @@ use crate::effects;
 use host_sim::device::Device;
 use serde::Serialize;
 
-/// Length of a sticking-out block of time for the shares of the axes, in horizons. Tables could memorize shorter blocks. The value is
+/// Length of a held-out block of time for the shares of the axes, in horizons. Tables could memorize shorter blocks. The value is
 /// unlikely to be the period of an excitation.
 const TABLE_HORIZONS: f64 = 1.37;
 /// Number of proposed sets of effects.

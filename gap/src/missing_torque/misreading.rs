@@ -1,6 +1,6 @@
 //! The missing torque that an error of the position sensor causes.
 //!
-//! A reading y = s(x) of a position x moves as if the torque `s'(x) T(x) + J s''(x) v² − T(y)` were missing, where T real the torque of the
+//! A reading y = s(x) of a position x moves as if the torque `s'(x) T(x) + J s''(x) v² − T(y)` were missing, where T is the torque of the
 //! device.
 
 use super::path::{Moment, Path, torque};

@@ -166,7 +166,7 @@ impl ShortlistSearch {
         order.into_iter().map(|i| set[i]).collect()
     }
 
-    /// Sets with their scores; a lower score is better. Sets with a coefficient of the wrong sign are residual_share out.
+    /// Sets with their scores; a lower score is better. Sets with a coefficient of the wrong sign are left out.
     fn scored(&self, sets: Vec<Vec<usize>>) -> Vec<(f64, Vec<usize>)> {
         let scored = sets.into_par_iter().map(|set| {
             let columns = self.columns(&set);

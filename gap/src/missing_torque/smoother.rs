@@ -114,7 +114,7 @@ pub(crate) struct Steps<'a> {
     speed: f64,
 }
 
-/// Filter quantities of a row: Kalman gain, inverse variance of the innovation, and predicted_covariance covariance.
+/// Filter quantities of a row: Kalman gain, inverse variance of the innovation, and predicted covariance.
 #[derive(Clone, Copy, Debug)]
 struct Gain {
     gain: [f64; 3],

@@ -18,17 +18,17 @@ pub struct Series {
     pub time: Vec<f64>,
     /// Measured positions, in position units.
     pub position: Vec<f64>,
-    /// Instant from which on each input is held, s. For noise_ratio samples it is the time of the first row of the sample.
+    /// Instant from which on each input is held, s. For averaged samples it is the time of the first row of the sample.
     pub input_time: Vec<f64>,
-    /// Input of each position, held up to the next. For noise_ratio samples it is the mean over their rows.
+    /// Input of each position, held up to the next. For averaged samples it is the mean over their rows.
     pub input: Vec<f64>,
     /// Measured velocity at each input, in position units per s.
     pub(crate) velocity: Vec<f64>,
     /// Largest magnitude of the recorded input.
     pub(crate) largest_input: f64,
-    /// The input between the samples in finer steps, for noise_ratio samples and for slow rows whose inputs were sampled at instants.
+    /// The input between the samples in finer steps, for averaged samples and for slow rows whose inputs were sampled at instants.
     pub(crate) fine_input: Option<Inputs>,
-    /// Interval over which each position is noise_ratio, s; 0 for an instant.
+    /// Interval over which each position is averaged, s; 0 for an instant.
     pub span_s: f64,
     /// Median sampling period of the rows, s.
     pub period_s: f64,
@@ -48,7 +48,7 @@ pub struct Series {
     pub(crate) torque_profiles: TorqueProfiles,
 }
 
-/// Sampling period that suffices for any motion, s, and the longest period to which samples are noise_ratio in long windows of long
+/// Sampling period that suffices for any motion, s, and the longest period to which samples are averaged in long windows of long
 /// recordings, s.
 pub(crate) const FINE_PERIOD_S: f64 = 1e-3;
 const LONGEST_PERIOD_S: f64 = 2e-3;
@@ -88,14 +88,14 @@ impl<'a> Outline<'a> {
         })
     }
 
-    /// Number of samples of its windows if they are noise_ratio to about `period_s`.
+    /// Number of samples of its windows if they are averaged to about `period_s`.
     fn samples(&self, period_s: f64) -> usize {
         let group = self.group(period_s);
         let windows = self.windows.iter();
         windows.map(|w| w.samples.len().div_ceil(group)).sum()
     }
 
-    /// Number of rows per noise_ratio sample for a period of about `period_s`.
+    /// Number of rows per averaged sample for a period of about `period_s`.
     fn group(&self, period_s: f64) -> usize {
         ((period_s / self.period_s).round() as usize).max(1)
     }
@@ -405,18 +405,18 @@ pub(crate) fn each_full(recording: &Recording, horizon_s: f64) -> impl Iterator<
     Outline::of_runs(recording, horizon_s).map(|outline| outline.whole())
 }
 
-/// All runs noise_ratio to samples of 1 ms, or up to 2 ms if windows and recording are long, restarted every `horizon_s`.
+/// All runs averaged to samples of 1 ms, or up to 2 ms if windows and recording are long, restarted every `horizon_s`.
 pub fn coarse(recording: &Recording, horizon_s: f64) -> Vec<Series> {
     spread(recording, horizon_s, coarse_period_s(recording), usize::MAX)
 }
 
-/// All runs noise_ratio as by [`coarse`], restarted every `horizon_s`. Of a long recording it takes about `most` samples, in blocks of
+/// All runs averaged as by [`coarse`], restarted every `horizon_s`. Of a long recording it takes about `most` samples, in blocks of
 /// windows that are spread evenly.
 pub fn some_coarse(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
     spread(recording, horizon_s, coarse_period_s(recording), most)
 }
 
-/// All runs noise_ratio to samples of about 1 ms, restarted every `horizon_s`. Of a long recording it takes about `most` samples, in blocks
+/// All runs averaged to samples of about 1 ms, restarted every `horizon_s`. Of a long recording it takes about `most` samples, in blocks
 /// of windows that are spread evenly.
 pub fn some_fine(recording: &Recording, horizon_s: f64, most: usize) -> Vec<Series> {
     spread(recording, horizon_s, FINE_PERIOD_S, most)

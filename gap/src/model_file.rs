@@ -74,7 +74,7 @@ pub enum ModelFileError {
     Model(#[from] NoModel),
     /// A table is not valid.
     #[error(
-        "[[tables]] needs `at` that ascends and as many numbers in `torque`; write it as `--with-tables` does"
+        "[[tables]] needs ascending values in `at` and as many values in `torque`; write it as `--with-tables` does"
     )]
     Table,
     /// The angle of a position unit is not valid.
@@ -84,7 +84,7 @@ pub enum ModelFileError {
 
 /// An effect that was left out because it is bound to instants of another recording.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{effect} belongs to a moment of the recording '{recording}' and is ignored here")]
+#[error("{effect} is bound to instants of the recording '{recording}' and is ignored here")]
 pub struct LeftOut {
     /// The effect.
     pub effect: &'static str,

@@ -89,7 +89,7 @@ impl fmt::Display for Implausible {
         } else {
             write!(
                 f,
-                "its {parameter} of {value:.3} is far outside what is typical"
+                "its {parameter} of {value:.3} is far outside of the typical range"
             )
         }
     }

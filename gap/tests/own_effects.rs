@@ -62,15 +62,15 @@ fn recording_of_viscous() -> gap::Recording {
 }
 
 #[test]
-fn what_defines_no_effect_says_why_and_how_to_mend_it() {
+fn an_invalid_definition_states_the_cause_and_the_remedy() {
     let with = |from: &str, to: &str| {
         let text = BRAKE.replace("eddy_brake", "other_brake").replace(from, to);
         add_own(&text).expect_err(to).to_string()
     };
     let cases = [
-        ("-k * v", "-k * (v", "no expression"),
+        ("-k * v", "-k * (v", "not a valid expression"),
         ("-k * v", "-k * q * v", "declare it in [parameters.q]"),
-        ("v / v0", "v", "does not have the parameter `v0`"),
+        ("v / v0", "v", "does not use the parameter `v0`"),
         ("[1e-4, 1e-1]", "[1e-1, 1e-4]", "`typical` of `k`"),
         ("other_brake", "coulomb", "give yours another name"),
         ("\"damping\"", "\"mass\"", "line 8"),

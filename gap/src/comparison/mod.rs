@@ -160,17 +160,17 @@ impl Comparison {
                 )
             }
             Outcome::Undecided(like) => format!(
-                "like {} of position, but the motion does not say which of them is right",
+                "like {} of position, but the motion does not show which column is right",
                 like.kind.name
             ),
-            Outcome::OtherWrong => format!("and the motion fits position: mend {column}"),
+            Outcome::OtherWrong => format!("and the motion fits position: repair {column}"),
             Outcome::LikeTwo(wrong, [first, second]) => {
                 format!("like {first} and {second} of {wrong} together")
             }
-            Outcome::Unlike => "like no sensing effect and no two of them".to_owned(),
+            Outcome::Unlike => "and no sensing effect and no pair of them explains it".to_owned(),
         };
         Some(format!(
-            "position and {column} disagree by {before:.3e} {unit} rms, where noise makes {floor:.1e}, {how}"
+            "position and {column} disagree by {before:.3e} {unit} rms, of which noise explains {floor:.1e}, {how}"
         ))
     }
 }

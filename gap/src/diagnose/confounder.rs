@@ -118,31 +118,31 @@ impl fmt::Display for Confounder {
         match self {
             Self::Wave { effect, travelled } => write!(
                 f,
-                "only {travelled:.1} waves of the {effect} were travelled: any force over position would look so; \
-                 record a longer travel to see whether it repeats"
+                "the motion spans only {travelled:.1} periods of the {effect}: any torque over the position would look the same; \
+                 record a longer travel to see whether it is periodic"
             ),
             Self::Drive { resonance, delayed } => write!(
                 f,
-                "{resonance} and {delayed} together act as a drive with a resonance of its own would: measure the torque \
-                 or the motor's side to tell"
+                "{resonance} and {delayed} together act like a drive with a resonance of its own: measure the torque \
+                 or the position of the motor to distinguish them"
             ),
             Self::Many { effects } => write!(
                 f,
-                "{effects} effects together may stand in for one that has no name: look at the first of them first"
+                "{effects} effects together may imitate one that is not in the library: check the first of them first"
             ),
             Self::Episode { stays } => write!(
                 f,
-                "what comes {stays} times may be any torque that comes and goes, such as a drive that loses its power: \
-                 record once with nothing near it to tell"
+                "an effect that acts {stays} times may be any temporary torque, such as that of a drive that loses its power: \
+                 record once with nothing near the device to distinguish them"
             ),
             Self::Run { index } => write!(
                 f,
-                "what is there for most of run {} may be whatever else is another in that run: \
-                 record it again to tell",
+                "an effect during most of run {} may be any other difference of that run: \
+                 record the run again to distinguish them",
                 index + 1
             ),
             Self::Restoring => f.write_str(
-                "a spring and another weight together act as a spring that softens would: take one of them off to tell",
+                "a spring and another weight together act like a degressive spring: remove one of them to distinguish them",
             ),
         }
     }

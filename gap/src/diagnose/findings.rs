@@ -168,11 +168,11 @@ pub(super) fn tried(
             } else if rival.name == winner.name {
                 "no gain on held-out data".to_owned()
             } else if !stands_alone {
-                format!("earns no place beside {}", named.join(" and "))
+                format!("adds too little to {}", named.join(" and "))
             } else if after >= residual(&winner.fit) {
                 format!("leaves more than {}", winner.name)
             } else {
-                format!("misses more windows than {}", winner.name)
+                format!("predicts more windows worse than {}", winner.name)
             };
             all.push(Tried {
                 name: rival.name,

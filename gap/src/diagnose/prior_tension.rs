@@ -40,8 +40,8 @@ impl fmt::Display for PriorTension {
         } = self;
         write!(
             f,
-            "{effect} closes little of the gap by itself: it is named because without it {number} of the model would have to lie \
-             {deviations:.1} of its tolerances from what is stated"
+            "{effect} closes little of the gap by itself: it is named because without it {number} of the model would deviate by \
+             {deviations:.1} of its tolerances from the stated value"
         )
     }
 }

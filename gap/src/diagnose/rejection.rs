@@ -46,15 +46,15 @@ impl fmt::Display for Rejection {
         match self {
             Self::UnitMistake(factor) => write!(f, "{factor}"),
             Self::FrozenInput => f.write_str(
-                "`input` is the same in every row although the motion does not die away: the column is frozen, and nothing can be \
-                 said of what drives the device",
+                "`input` is constant although the motion does not decay: the column is frozen, and the torque that drives the \
+                 device is unknown",
             ),
             Self::NoBetterThanModelFree => f.write_str(
-                "no effect explains the gap: the best correction predicts no better than a position that stays where it was, or \
-                 goes on at its velocity",
+                "no effect explains the gap: the best correction predicts no better than a constant position or a constant \
+                 velocity",
             ),
             Self::ShrinksNothing => f.write_str(
-                "no effect explains the gap: the best correction does not surely make it smaller on data that its fit has not seen",
+                "no effect explains the gap: the best correction does not significantly reduce it on held-out data",
             ),
         }
     }

@@ -82,7 +82,7 @@ impl fmt::Display for UnitFactor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "a gain of {:.5} is the factor between {}: a column or a number of [model] is in another unit than stated; give both in \
+            "a gain of {:.5} is the factor between {}: a column or a parameter of [model] has another unit than stated; give both in \
              the same unit",
             self.gain, self.between
         )

@@ -30,7 +30,7 @@ pub(super) fn all(
     let mut lines = recording.warnings();
     lines.extend(recording.unstated.iter().map(|name| {
         let assumed = recording.model.get(name).unwrap_or(0.0);
-        format!("`{name}` is not stated in [model]: it begins at {assumed} and is estimated with everything else")
+        format!("`{name}` is not stated in [model]: it is estimated with all other parameters, starting at {assumed}")
     }));
     let compared = doubts.comparison.iter();
     lines.extend(compared.filter_map(|c| c.line(&recording.units.position)));
@@ -46,7 +46,7 @@ pub(super) fn all(
     let seen = doubts.effects.iter().filter(|effect| !effect.held_out);
     lines.extend(seen.map(|effect| {
         format!(
-            "{} shows in too few windows for any to be held out: its shrink is on data that the fit has seen",
+            "{} acts in too few windows for any to be held out: its shrink is on the data of the fit",
             effect.name
         )
     }));

@@ -84,7 +84,7 @@ impl fmt::Display for Stall {
         match self {
             Self::Model { name } => write!(
                 f,
-                "the fit moves {name} as far from the model as its tolerance can bear: check both"
+                "the fit moves {name} to the limit of its tolerance: check both the value and the tolerance in the model"
             ),
             Self::Effect {
                 effect,
@@ -94,12 +94,12 @@ impl fmt::Display for Stall {
                 let end = if *is_upper { "highest" } else { "lowest" };
                 write!(
                     f,
-                    "the fit of {effect} ends with {name} at its {end} possible value, where fits may stall: its uncertainty is not known"
+                    "the fit of {effect} ends with {name} at its {end} possible value, where a fit may stall: its uncertainty is unknown"
                 )
             }
             Self::Idle { effect, name } => write!(
                 f,
-                "nothing that was recorded depends on the {name} of {effect} where it ends: its uncertainty is not known"
+                "no recorded sample depends on the {name} of {effect} near its fitted value: its uncertainty is unknown"
             ),
         }
     }

@@ -16,7 +16,7 @@ const MOST_ROWS: usize = 200_000;
 
 /// A column in another unit than the model assumes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{column}` looks {} for [model], as {written} would be: read so, the model leaves {left:.3} of what it leaves as it is; give both in the same unit", size(*.factor))]
+#[error("`{column}` looks {} for [model], like {written}: converted, it reduces the residual of the model to {left:.3} of the present one; give both in the same unit", size(*.factor))]
 pub struct UnitMistake {
     /// The column.
     pub column: &'static str,

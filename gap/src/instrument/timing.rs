@@ -293,7 +293,7 @@ impl fmt::Display for TimingDoubt {
             )?,
             Timing::Later(by_s, std_s) => write!(
                 f,
-                "the data prefer an `input` that acts {:.2} ± {:.2} ms {} than the rows say, which are {:.2} ms apart: state `input_time_std` if its time is uncertain, or `delay` if the device is late",
+                "the data prefer an `input` that acts {:.2} ± {:.2} ms {} than its rows, which are {:.2} ms apart: state `input_time_std` if its time is uncertain, or `delay` if the drive has a dead time",
                 ms(by_s.abs()),
                 ms(*std_s),
                 if *by_s < 0.0 { "earlier" } else { "later" },
@@ -302,7 +302,7 @@ impl fmt::Display for TimingDoubt {
         }
         write!(
             f,
-            "; with the model's numbers free the gap is {best:.3e} {unit} then, and {stated:.3e} {unit} as stated"
+            "; with the model parameters free the gap is then {best:.3e} {unit}, and {stated:.3e} {unit} with the stated timing"
         )
     }
 }

@@ -10,7 +10,7 @@ pub enum OwnEffectError {
     Toml(String),
     /// The expression cannot be read.
     #[error(
-        "`torque = \"{text}\"` is no expression: {why}; write one of x, v, u, t and the parameters"
+        "`torque = \"{text}\"` is not a valid expression: {why}; write one with x, v, u, t and the parameters"
     )]
     Expression {
         /// The expression as written.
@@ -19,10 +19,12 @@ pub enum OwnEffectError {
         why: String,
     },
     /// A name in the expression is neither a variable nor a parameter.
-    #[error("`torque` has the name `{0}`; declare it in [parameters.{0}], or write x, v, u or t")]
+    #[error(
+        "`torque` uses the unknown name `{0}`; declare it in [parameters.{0}], or write x, v, u or t"
+    )]
     UnknownName(String),
     /// A parameter that the expression does not contain.
-    #[error("`torque` does not have the parameter `{0}`; use it or leave it out")]
+    #[error("`torque` does not use the parameter `{0}`; use it or remove it")]
     Unused(String),
     /// The number of parameters is not allowed.
     #[error("it has {0} parameters; declare from 1 to 4")]
@@ -31,7 +33,7 @@ pub enum OwnEffectError {
     #[error("a parameter is called `{0}`, which is a variable; give it another name")]
     IsVariable(String),
     /// The typical range of a parameter is not a valid range.
-    #[error("`typical` of `{0}` is no range; write two finite numbers, the smaller one first")]
+    #[error("`typical` of `{0}` is not a range; write two finite numbers, the smaller one first")]
     Typical(String),
     /// An effect with this name already exists.
     #[error(transparent)]

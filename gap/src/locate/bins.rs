@@ -1,6 +1,8 @@
 //! Bins along one axis: each bin holds a share of the gap and a share of the samples. The bins yield the stretch of the axis that carries
 //! more of the gap than of the samples, and the part of a signal that is a function of the axis.
 
+use crate::shrink::Picks;
+
 /// One measured value with its coordinate on an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Point {
@@ -258,14 +260,8 @@ impl Bins {
             }
         }
         sums.retain(|s| s[1] != 0.0);
-        // A linear congruential generator with a fixed seed gives the same interval for the same recording.
-        let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-        let mut draw = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            sums[(state >> 33) as usize % sums.len()]
-        };
+        let mut random = Picks::new();
+        let mut draw = || sums[random.below(sums.len())];
         let mut shares: Vec<f64> = (0..RESAMPLINGS)
             .map(|_| {
                 let drawn = (0..sums.len()).map(|_| draw());

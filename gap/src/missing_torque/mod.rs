@@ -33,7 +33,7 @@ use path::Path;
 use recording::Recording;
 use regression::{FOLDS, Rows};
 use ripple::Waves;
-use samples::{Samples, nominal_drive};
+use samples::Samples;
 use shortlist::ShortlistSearch;
 use smoother::Steps;
 use table::{Table, TableAxis};
@@ -87,7 +87,7 @@ impl MissingTorque {
         let device = &device.with_load(&recording.model, &one.model);
         let recording = excerpt(&one, MOST_ROWS).into_owned();
         let samples = Samples::of(&recording);
-        let drive = nominal_drive(&samples, device);
+        let drive = samples.drive(&device.drive);
         let estimate = estimate(&samples, device, &drive, recording.horizon);
         Self {
             recording,

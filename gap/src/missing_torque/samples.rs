@@ -3,7 +3,6 @@
 use crate::windows::series::{FINE_PERIOD_S, median_period, session_offsets};
 use crate::windows::unbroken::Unbroken;
 use core::ops::Range;
-use host_sim::device::Device;
 use host_sim::drive::{Drive, DriveLine};
 use recording::{Recording, Run, low_pass_gain, sixth_differences};
 
@@ -192,11 +191,6 @@ impl Samples {
         }
         means
     }
-}
-
-/// Mean drive torque of `device` over each step.
-pub(crate) fn nominal_drive(samples: &Samples, device: &Device) -> Vec<f64> {
-    samples.drive(&device.drive)
 }
 
 /// Standard deviation of the noise, estimated from the position itself.

@@ -77,7 +77,8 @@ impl Identification for Deadband {
     }
 }
 
-/// Starts of dead bands with a jump at the edge. The cost has a local optimum at each, because each sample passes up to a certain width.
+/// Starts of dead bands with a jump at the edge. The cost is not smooth over the width, because each sample passes up to a width of its
+/// own.
 fn starts_with_jump(e: &Evidence<'_>) -> Vec<Term> {
     let widths = geometric(JUMP_WIDTHS, JUMP_STARTS).map(|f| f * e.scales.input);
     widths

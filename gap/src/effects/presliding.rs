@@ -78,8 +78,8 @@ impl Identification for Presliding {
     }
 }
 
-/// Starts with a deflection of a share of the range of the motion. Their friction during sliding is lower or higher than that during
-/// deflection.
+/// Starts with a deflection of a share of the range of the motion: one with a free exponent, and one with a free elastic part of the
+/// deflection, in which nothing slides.
 fn bristles(e: &Evidence<'_>, deflection_share: f64) -> [Term; 2] {
     let inertia = e.device.mechanics.inertia;
     let level = e.device.mechanics.friction.highest_nm();

@@ -88,7 +88,7 @@ struct DriveReplay<'a> {
     is_linear: bool,
     series: &'a Series,
     times: &'a [f64],
-    /// Instant from which on the first input is taken to be constant, s.
+    /// Instant at which the first input applies, even if its own time is a little later, s.
     start_s: f64,
     slew: Option<Slew>,
     line: LagState,

@@ -38,7 +38,7 @@ pub struct Series {
     pub session_offset_s: f64,
     /// First time of the run, s.
     pub started_s: f64,
-    /// True if the run starts before this series does, so that inputs preceded the first one.
+    /// True if inputs preceded the first one: the series begins later than the recording of its file.
     pub(crate) continues: bool,
     /// Windows in the order of time, without gaps between them.
     pub windows: Vec<Window>,

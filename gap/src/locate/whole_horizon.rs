@@ -9,8 +9,8 @@ use crate::windows::series::{Series, slopes};
 type Column<'a> = &'a dyn Fn(&Series) -> Vec<f64>;
 
 /// The axis of the motion, not among `excluded`, with the largest surplus of the squared errors of `predictions` over whole horizons.
-/// Slopes are fitted over `half_width_s` on both sides of a sample. Time is no candidate, because a gap is uneven over time whatever its
-/// cause.
+/// Slopes are difference quotients over `half_width_s` on both sides of a sample. Time is no candidate, because a gap is uneven over time
+/// whatever its cause.
 pub(super) fn whole_horizon_axis(
     series: &[Series],
     predictions: &[Vec<f64>],

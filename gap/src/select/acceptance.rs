@@ -155,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_loses_a_little_now_and_gains_a_little_then_is_not_surely_worse() {
+    fn a_loss_within_chance_is_not_significantly_worse() {
         let chance_gain = [-0.5, 0.3, -0.2, 0.2, -0.3, 0.1, -0.4, 0.4];
         assert!(!is_surely_worse(&chance_gain));
         assert!(is_surely_worse(&chance_gain.map(|gain| gain - 0.4)));

@@ -1,4 +1,4 @@
-//! Searches the instants at which an episode comes and goes, whether it comes again, and its form.
+//! Searches the intervals of a temporary effect, its number of occurrences, and its form.
 
 use super::acceptance::stands_out;
 use super::excess::level;
@@ -11,17 +11,18 @@ use crate::guess::contact::LONGEST_SHARE;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Moves of an instant that are tried, as shares of how long the episode is there, and how many are made at most.
+/// Shifts of an instant that are tried, as shares of the duration of the last occurrence, and the largest number of shifts.
 const MOVES: [f64; 10] = [3.0, 1.6, 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
 const MOST_MOVES: usize = 12;
-/// Times that it is fitted and timed again at most.
+/// Largest number of alternating searches of the instants and fits.
 const MOST_ROUNDS: usize = 4;
-/// Episodes whose fit goes on, of those that explain most at first.
+/// Number of starts that are continued, those of the lowest cost.
 const CARRIED_ON: usize = 2;
-/// Standard deviations by which a stiffness must exceed zero.
+/// Least strength of a temporary effect, in its standard deviations.
 const SURE_ERRORS: f64 = 2.0;
 
-/// The last effect of a fit in its best form, and as often as each further time gains more than chance on the model `known` without it.
+/// The fit with the last effect in its best form, and with as many occurrences as each gain significantly. `known` is the fit without the
+/// effect.
 pub(super) fn found(
     problem: &Problem<'_>,
     expected: &ExpectedLoss,
@@ -32,7 +33,7 @@ pub(super) fn found(
     let stands_out = |fit: &Fit, on: &Fit| stands_out(&fit.costs.gains(&on.costs), expected);
     let mut best = once(problem, fit, iterations);
     if !stands_out(&best, known) {
-        // A long episode that spans two short ones explains neither.
+        // One long occurrence that spans two short ones explains neither.
         let halves = best.last_term().map(|term| episode::halves(&term));
         let halves = halves.into_iter().flatten().map(|half| {
             let (hypothesis, x) = best.with_last(half);
@@ -54,7 +55,7 @@ pub(super) fn found(
     best
 }
 
-/// The last effect of a fit with one time more, the one that explains most.
+/// The fit with one more occurrence of the last effect: the one that explains most.
 fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let windows = 0..problem.window_count();
     let costs: Vec<f64> = windows.map(|w| fit.costs.log(w)).collect();
@@ -65,18 +66,18 @@ fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     best_of(problem, fit, returns, iterations)
 }
 
-/// The episode that a term is; none if its effect does not come and go.
+/// The search of the intervals of a term, or `None` if its effect is permanent.
 fn kind(term: &Term) -> Option<&'static dyn Episode> {
     effects::of(term.kind.name).episode()
 }
 
-/// A term with each other form of its last stay.
+/// The terms with all other forms of the last occurrence.
 fn otherwise(term: &Term) -> Vec<Term> {
     let kind = kind(term);
     kind.map_or_else(Vec::new, |kind| kind.other_forms(term))
 }
 
-/// The last effect of a fit in its best form.
+/// The fit with the last effect in its best form.
 fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
     let term = fit.last_term().into_iter().collect();
     let best = best_of(problem, fit, term, iterations);
@@ -84,7 +85,7 @@ fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
     best.unwrap_or_else(|| fit.clone())
 }
 
-/// The best of some terms and of their other forms, each in the place of the last effect of a fit.
+/// The best fit with one of some terms, or one of their other forms, in place of the last effect.
 fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize) -> Option<Fit> {
     let lowest = |a: &Fit, b: &Fit| level(a).total_cmp(&level(b));
     let otherwise = terms.iter().flat_map(otherwise);
@@ -99,7 +100,7 @@ fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize
     fits.min_by(lowest)
 }
 
-/// A fit whose episode is timed and fitted again while the cost falls. The longer the episode, the farther its instants are moved.
+/// Repeats the search of the instants and the fit while the cost decreases. The shifts are in proportion to the duration.
 fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     for _ in 0..MOST_ROUNDS {
         let term = best.last_term();
@@ -112,7 +113,7 @@ fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     best
 }
 
-/// A fit with another episode in the place of its last effect, whose last time begins and ends where that explains most.
+/// Replaces the last effect of a fit by `term`, searches the instants of its last occurrence, and fits it.
 fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: usize) -> Fit {
     let (begun, x) = fit.with_last(term.clone());
     let with = |term: &Term| {
@@ -121,7 +122,7 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: us
         hypothesis.terms.push(term.clone());
         hypothesis
     };
-    // Moving an instant changes only the windows between its two places.
+    // A shift of an instant changes only the windows between its old and its new value.
     let gain = |term: &Term, moved: &Term| {
         let between = episode::changed_intervals(term, moved);
         let windows = problem.during(&between);
@@ -136,12 +137,12 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: us
     problem.fit(&hypothesis, x, Part::All, iterations)
 }
 
-/// The longest that an episode may be there in all, s.
+/// Longest total duration of a temporary effect, s.
 fn longest_s(problem: &Problem<'_>) -> f64 {
     LONGEST_SHARE * problem.duration_s()
 }
 
-/// True if the strength of the episode that is the last effect of a fit is surely above zero.
+/// True if the strength of the temporary effect that is last in a fit is significantly above zero.
 pub(super) fn is_there(fit: &Fit) -> bool {
     let [at, within] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
     let (Some((term, x)), Some((_, std))) = (at, within) else {
@@ -154,7 +155,7 @@ pub(super) fn is_there(fit: &Fit) -> bool {
     })
 }
 
-/// True if the episode that is the last effect of a fit explains more if it never ends: then it is none.
+/// True if the last effect of a fit explains more as a permanent effect.
 pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> bool {
     let Some(term) = fit.last_term() else {
         return false;
@@ -164,8 +165,8 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     level(&lasting) < level(fit)
 }
 
-/// An episode that acts for `longest_s` in all at most, with its last two instants moved until no move gains. The gain is that of the sum
-/// of squares: the robust cost of a window does not change until an instant is nearly right.
+/// Shifts the two instants of the last occurrence until no shift gains. The total duration is at most `longest_s`. The gain is that of
+/// the sum of squares, because the robust cost of a window does not change until an instant is nearly right.
 fn timed(mut term: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = episode::instants(&term);
     for _ in 0..MOST_MOVES {
@@ -192,8 +193,8 @@ mod tests {
     use crate::term::{Coordinate, Scale};
     use host_sim::effects::Effect;
 
-    /// The contact that is written so, all its numbers free but the side.
-    fn hand(written: &str) -> Term {
+    /// The contact of a text such as `contact:stiffness=0.3,...`. All its parameters are free but the side.
+    fn contact(written: &str) -> Term {
         let Effect { kind, values } = written.parse().unwrap();
         let coordinate = |(parameter, scale): (usize, f64)| Coordinate {
             parameter,
@@ -210,12 +211,12 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_holds_is_found_from_one_that_pushed_for_a_moment() {
+    fn a_holding_contact_is_found_from_a_short_pushing_one() {
         let held = "contact:position=0.02,side=0,stiffness=0.3,damping=0.003,from=8,to=8.9";
         let recording = made::recording(&[held]);
         let problem = made::problem(&recording);
         let pushed =
-            hand("contact:position=0.02,side=1,stiffness=0.2,damping=0.005,from=8.1,to=8.3");
+            contact("contact:position=0.02,side=1,stiffness=0.2,damping=0.005,from=8.1,to=8.3");
         let hypothesis = Hypothesis {
             terms: vec![pushed],
         };
@@ -235,15 +236,15 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_comes_as_often_as_it_does_wherever_it_is_then() {
+    fn all_occurrences_of_a_contact_are_found_at_their_positions() {
         let begun = "contact:stiffness=0.3,damping=0.003,position=0.02,side=0,from=8.1,to=8.8";
-        let stays = [
+        let occurrences = [
             [0.0, 0.02, 8.0, 8.9],
             [0.0, 0.5, 1.5, 2.2],
             [1.0, -0.3, 4.0, 4.5],
         ];
         let mut held = String::from("contact:stiffness=0.3,damping=0.003");
-        for (i, [side, position, from, to]) in stays.iter().enumerate() {
+        for (i, [side, position, from, to]) in occurrences.iter().enumerate() {
             let i = i + 1;
             held +=
                 &format!(",side_{i}={side},position_{i}={position},from_{i}={from},to_{i}={to}");
@@ -251,7 +252,7 @@ mod tests {
         let recording = made::recording(&[&held]);
         let problem = made::problem(&recording);
         let hypothesis = Hypothesis {
-            terms: vec![hand(begun)],
+            terms: vec![contact(begun)],
         };
         let x = vec![0.0; hypothesis.free()];
         let first = problem.fit(&hypothesis, x, Part::All, 8);
@@ -270,32 +271,34 @@ mod tests {
             pairs.all(|(found, expected)| (found - expected).abs() < 0.03)
         };
         assert!(
-            near(last, &stays[0]) && near(first, &stays[1]) && near(middle, &stays[2]),
+            near(last, &occurrences[0])
+                && near(first, &occurrences[1])
+                && near(middle, &occurrences[2]),
             "{again:?}"
         );
     }
 
     #[test]
-    fn one_long_stay_that_reaches_over_two_is_parted() {
+    fn one_long_occurrence_that_spans_two_is_split() {
         let held = "contact:stiffness=1,damping=0.003,side_1=0,position_1=0.5,from_1=8,to_1=8.9,\
                     side_2=0,position_2=-0.5,from_2=4.6,to_2=5.5";
         let begun = "contact:stiffness=1,damping=0.003,position=0,side=0,from=4.6,to=8.9";
-        let stays = fitted(held, begun, |problem, fit| {
+        let occurrences = fitted(held, begun, |problem, fit| {
             let bare = Hypothesis { terms: Vec::new() };
             let null = problem.fit(&bare, Vec::new(), Part::All, 0);
             let expected = ExpectedLoss::of(problem, &null).bounded();
             let found = found(problem, &expected, &null, fit, 8);
             episode::occurrences(&found.last_term().unwrap())
         });
-        assert_eq!(stays, 2);
+        assert_eq!(occurrences, 2);
     }
 
-    /// What a hand that is written so comes to on a recording with what is `hidden`.
+    /// The value of `of` for a fit of the contact `written` to a recording with the effect `hidden`.
     fn fitted<T>(hidden: &str, written: &str, of: impl Fn(&Problem<'_>, &Fit) -> T) -> T {
         let recording = made::recording(&[hidden]);
         let problem = made::problem(&recording);
         let hypothesis = Hypothesis {
-            terms: vec![hand(written)],
+            terms: vec![contact(written)],
         };
         let x = vec![0.0; hypothesis.free()];
         let fit = problem.fit(&hypothesis, x, Part::All, 8);
@@ -303,7 +306,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_damps_for_half_the_time_is_none_where_friction_does_at_all_times() {
+    fn a_temporary_contact_in_place_of_permanent_friction_is_recognized() {
         let lasts =
             |hidden, written| fitted(hidden, written, |problem, fit| is_lasting(problem, fit, 8));
         let begun = "contact:position=0,side=0,stiffness=0.001,damping=0.002,from=1,to=6";
@@ -313,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn what_drags_for_a_while_is_no_hand_with_a_stiffness() {
+    fn a_temporary_drag_is_not_a_contact_with_a_stiffness() {
         let stiff = |hidden| {
             let begun = "contact:position=0,side=0,stiffness=0.01,damping=0.003,from=8,to=8.9";
             fitted(hidden, begun, |_, fit| is_there(fit))

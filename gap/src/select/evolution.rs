@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn the_start_is_kept_where_nothing_is_better() {
+    fn the_start_is_kept_if_it_is_the_optimum() {
         let (cost, x) = evolved(vec![0.0; 2], 0.5, |x| x.iter().map(|x| x.abs()).sum());
         assert_eq!((cost, x), (0.0, vec![0.0; 2]));
     }

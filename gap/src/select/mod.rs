@@ -179,7 +179,7 @@ mod tests {
     use crate::made;
 
     #[test]
-    fn friction_that_drifts_from_another_level_is_another_level_too() {
+    fn a_drifting_friction_with_another_level_is_found_as_two_effects() {
         let recording =
             made::recording(&["coulomb:level=0.007", "friction_drift:rate=0.1,settling=0"]);
         let effects = diagnose(&recording, &Options::default()).diagnosis.effects;

@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn kin_is_tried_from_where_a_rival_stands_beside_others() {
+    fn a_near_equivalent_is_tried_only_together_with_other_effects() {
         assert!(beside_gravity(&[]).is_empty());
         let found = beside_gravity(&[term("compliance", &[])]);
         assert!(!found.is_empty() && found.iter().all(|name| *name == "spring"));
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn kin_begins_where_it_makes_the_same_of_a_small_motion() {
+    fn a_near_equivalent_starts_with_equal_action_on_small_motion() {
         let nominal = Model {
             gravity: 0.02,
             gravity_zero: 0.3,
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lag_of_the_sensor_is_another_lag_behind_that_of_the_model() {
+    fn a_sensor_lag_is_a_second_lag_if_the_model_has_one() {
         let behind = |lag| {
             let model = Model {
                 lag,
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_weight_that_would_pull_up_is_none() {
+    fn a_weight_with_a_negative_slope_is_not_tried() {
         let nominal = Model {
             stiffness: 0.05,
             ..Model::new(0.001)
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_push_is_less_friction_one_way_and_more_the_other() {
+    fn a_constant_torque_starts_an_asymmetric_friction() {
         let model = Model {
             coulomb: 0.01,
             ..Model::new(1.0)

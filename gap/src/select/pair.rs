@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn of_effects_that_leave_the_same_the_first_leads() {
+    fn of_effects_with_equal_costs_only_the_first_leads() {
         let recording = made::recording(&[MORE, DEAD]);
         let leaders = search::on(&recording, |search, null| {
             let [mut first, other] = [term("coulomb", 0.006), term("deadband", 1e-4)]

@@ -133,7 +133,7 @@ mod tests {
     use crate::select::search;
 
     #[test]
-    fn pairs_are_of_other_names_and_none_is_in_all_of_them() {
+    fn pairs_have_different_names_and_no_name_is_in_all_of_them() {
         let names = ["cogging", "cogging", "lag", "spring", "viscous", "delay"];
         let pairs = [[0, 2], [1, 2], [0, 3], [1, 4], [0, 5], [2, 3], [4, 5]];
         let taken = spread(pairs.into_iter(), &names, 5);
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn effects_that_hide_each_other_are_proposed_together() {
+    fn effects_that_compensate_each_other_are_proposed_together() {
         // A drag makes the motion smaller, and the gain shows it larger again.
         let hidden = ["sensor_gain:gain=1.3", "viscous:coefficient=0.002"];
         let recording = made::recording(&hidden);

@@ -104,14 +104,14 @@ mod tests {
     }
 
     #[test]
-    fn a_second_effect_within_what_a_model_may_be_off_by_is_found_at_last() {
+    fn a_second_effect_within_the_allowed_model_error_is_found() {
         let [coarse, refined] = found(&["coulomb:level=0.008", "delay:time=1e-3"]);
         assert_eq!(coarse, ["coulomb"]);
         assert_eq!(refined, ["coulomb", "delay"]);
     }
 
     #[test]
-    fn where_one_effect_is_all_no_second_is_found() {
+    fn no_second_effect_is_found_after_a_complete_one() {
         let [coarse, refined] = found(&["coulomb:level=0.008"]);
         assert_eq!(coarse, ["coulomb"]);
         assert!(refined.is_empty(), "{refined:?}");

@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rival_is_begun_in_other_sizes_of_where_it_stands() {
+    fn a_rival_is_restarted_at_a_multiple_of_its_fitted_size() {
         let coordinate = |scale| Coordinate {
             parameter: 0,
             start: -0.02,
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn two_effects_change_places_with_their_numbers_and_the_model_keeps_its_own() {
+    fn swapping_two_effects_swaps_their_coordinates_and_keeps_those_of_the_model() {
         let free = |parameter| Coordinate {
             parameter,
             start: 0.01,
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_two_numbers_has_no_size() {
+    fn an_effect_with_two_free_parameters_has_no_single_size() {
         let both = [0, 1].map(|parameter| Coordinate {
             parameter,
             start: 0.01,
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_held_is_free_no_more() {
+    fn a_fixed_parameter_is_no_longer_free() {
         let free = |parameter| Coordinate {
             parameter,
             start: 0.02,

@@ -119,7 +119,7 @@ mod tests {
     use crate::select::search;
 
     #[test]
-    fn starts_of_a_scan_are_not_all_in_one_hollow() {
+    fn starts_of_a_scan_lie_in_all_local_minima() {
         let recording = made::recording(&["compliance:stiffness=0.5,damping=0.002"]);
         let (scanned, low) = search::on(&recording, |search, null| {
             let chosen = vec![true; search.problem.window_count()];

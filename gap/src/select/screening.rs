@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_begin_with_every_run_and_lie_elsewhere_too() {
+    fn every_run_begins_with_a_chosen_block_and_has_further_ones() {
         let recording = Recording {
             horizon: 0.1,
             ..made::recording(&[])
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rings_long_is_weighed_as_it_settles() {
+    fn a_slowly_decaying_resonance_is_compared_after_it_settled() {
         let ringing = "compliance:stiffness=0.4,damping=0.0004";
         let recording = Recording {
             horizon: 0.1,
@@ -355,8 +355,8 @@ mod tests {
             let twisting = given_effect(search, null, &term).so_far;
             let alone = |known: &Fit| {
                 let chosen = screening_windows(search, known);
-                let lonely = chosen.windows(3).filter(|w| **w == [false, true, false]);
-                lonely.count()
+                let isolated = chosen.windows(3).filter(|w| **w == [false, true, false]);
+                isolated.count()
             };
             assert!(alone(null) > 0);
             assert_eq!(alone(&twisting), 0);
@@ -364,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn starts_that_a_fit_can_make_alike_are_of_one_form() {
+    fn starts_that_differ_only_in_free_parameters_are_one_variant() {
         let starts = [(0.1, 0.0), (0.1, 1.0), (0.3, 1.0), (0.5, 0.0)];
         let variants = variants(&starts.map(|(width, jump)| deadband(width, jump)));
         let widths = variants.iter().map(|v| v.iter().map(|t| t.values[0]));

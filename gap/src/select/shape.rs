@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn how_a_spring_hardens_is_freed_where_it_does() {
+    fn the_hardening_of_a_spring_is_freed_only_if_it_exists() {
         let hardening = |hidden: f64| {
             let spring = format!("spring:stiffness=0.06,zero=0,hardening={hidden}");
             let free = Coordinate {
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn around_which_place_a_sensor_bends_is_freed_where_it_is_another() {
+    fn the_middle_of_a_sensor_curve_is_freed_if_it_is_not_zero() {
         const BENT: &str = "sensor_nonlinearity:quadratic=0.3,cubic=1.5,middle=0.08";
         // Two places make one curve: its slope at zero tells of either.
         let steeper =
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn how_suddenly_static_friction_falls_is_freed_where_it_was_given_wrongly() {
+    fn the_exponent_of_static_friction_is_freed_if_the_start_is_wrong() {
         assert_eq!(freed([1.0, 0.0]), None);
         for hidden in [[2.0, 0.0], [2.0, 1.0]] {
             let freed = freed(hidden).unwrap();

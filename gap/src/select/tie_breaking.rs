@@ -78,7 +78,7 @@ mod tests {
     use core::f64::consts::PI;
 
     #[test]
-    fn a_pull_that_bends_is_no_ripple_of_which_less_than_a_wave_was_travelled() {
+    fn a_spring_is_preferred_to_a_ripple_of_less_than_one_period() {
         let free = |parameter, start| Coordinate {
             parameter,
             start,

@@ -108,7 +108,11 @@ fn causes(problem: &Problem<'_>, fit: &Fit) -> Vec<Cause> {
 }
 
 /// Sum of squared residuals of each window in a fit of the `included` causes. The other model parameters have their stated values.
-fn window_squares_with(problem: &Problem<'_>, fit: &Fit, included: impl Fn(Cause) -> bool) -> Vec<f64> {
+fn window_squares_with(
+    problem: &Problem<'_>,
+    fit: &Fit,
+    included: impl Fn(Cause) -> bool,
+) -> Vec<f64> {
     let is_common = common_input_shift_s(problem.recording, &problem.priors, &fit.x).is_some();
     let is_free = |place: &usize| {
         let is_time = problem.priors[*place].name == INPUT_TIME;

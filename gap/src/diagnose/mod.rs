@@ -1,12 +1,12 @@
 //! The diagnosis: the size of the gap, its location, the effects that cause it, and how far they close it.
 
 mod attribution;
+mod confounder;
 mod corrected;
 mod findings;
 mod numbers;
-mod rejection;
 mod prior_tension;
-mod confounder;
+mod rejection;
 mod steps;
 mod unit_factor;
 mod verdict;
@@ -32,13 +32,13 @@ use crate::windows::series;
 use crate::windows::unbroken::Unbroken;
 use crate::{comparison, experiment, locate, ruler};
 use attribution::{Attributed, Cause, attributed};
+use confounder::Confounder;
 pub use corrected::{CorrectedEffect, CorrectedModel};
 use corrected::{corrected, nominal};
-use findings::{findings, confidence_limit, tried};
+use findings::{confidence_limit, findings, tried};
 use host_sim::device::Device;
 use recording::Recording;
 use rejection::Rejection;
-use confounder::Confounder;
 use std::time::Instant;
 use steps::{Closed, Step, closing_steps};
 use unit_factor::UnitFactor;

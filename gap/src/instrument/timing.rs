@@ -256,7 +256,9 @@ impl Timing {
     /// True for another sampling, and for a significant shift of at most one row.
     fn is_within(self, row_s: f64) -> bool {
         match self {
-            Self::Later(by_s, std_s) => by_s.abs() <= row_s && by_s.abs() > LEAST_SIGNIFICANCE * std_s,
+            Self::Later(by_s, std_s) => {
+                by_s.abs() <= row_s && by_s.abs() > LEAST_SIGNIFICANCE * std_s
+            }
             Self::Sampled(_) | Self::Stated => true,
         }
     }

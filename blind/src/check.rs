@@ -1,4 +1,4 @@
-//! The whole check: make a case, have it diagnosed by another process, open the truth, score.
+//! Runs the whole check: makes a case, has another process diagnose it, opens the truth, and scores the answer.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,24 +11,24 @@ use crate::case::{Case, CaseError, Mixture};
 use crate::diagnosis::{Diagnosis, Gap};
 use crate::score::{FreshGaps, Gaps, Outcome, Summary, judge};
 
-/// What is checked, and where everything is kept.
+/// Settings of one check.
 #[derive(Clone, Debug)]
 pub struct Check {
-    /// The program that has `gap diagnose` and `gap measure`.
+    /// The program that provides `gap diagnose` and `gap measure`.
     pub program: PathBuf,
-    /// Folder for all cases; must not exist or be empty.
+    /// Folder for all cases. It must be empty or not exist.
     pub folder: PathBuf,
-    /// How many cases.
+    /// Number of cases.
     pub cases: u64,
     /// Seed of the set.
     pub seed: u64,
-    /// What is drawn.
+    /// Which cases are drawn.
     pub mixture: Mixture,
-    /// Effect to take out of the diagnosis's library.
+    /// An effect to remove from the library of the diagnosis.
     pub withheld: Option<String>,
-    /// How many cases at once.
+    /// Number of cases processed in parallel.
     pub jobs: usize,
-    /// A diagnosis that takes longer than this has failed.
+    /// Time limit of one diagnosis. A diagnosis that exceeds it counts as failed.
     pub patience: Duration,
 }
 
@@ -41,7 +41,7 @@ pub enum CheckError {
     /// A recording could not be written.
     #[error(transparent)]
     Recording(#[from] recording::Error),
-    /// The results of another check would be mixed with these.
+    /// The folder already holds files, which could be results of another check.
     #[error("{} is not empty; name another folder", .0.display())]
     NotEmpty(PathBuf),
     /// A file could not be written.
@@ -49,7 +49,7 @@ pub enum CheckError {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The program could not be started.
@@ -57,43 +57,46 @@ pub enum CheckError {
     Program {
         /// The program.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
 }
 
 impl Check {
-    /// Makes and scores all cases, and gives each outcome to `told` as soon as it is there.
+    /// Makes and scores all cases. Calls `report` with each outcome as soon as it is known.
     ///
     /// # Errors
-    /// [`CheckError`]; a diagnosis that fails is no error but a wrong answer.
-    pub fn run(&self, told: impl Fn(&Outcome) + Sync) -> Result<Summary, CheckError> {
+    ///
+    /// [`CheckError`]. A failed diagnosis is not an error: it is scored as a wrong answer.
+    pub fn run(&self, report: impl Fn(&Outcome) + Sync) -> Result<Summary, CheckError> {
         let mut outcomes = self.each(|number| {
             let outcome = self.score_case(number)?;
-            told(&outcome);
+            report(&outcome);
             Ok(outcome)
         })?;
         outcomes.sort_by_key(|outcome| outcome.case);
         Ok(Summary::of(outcomes))
     }
 
-    /// Makes all cases with their truths beside them, and diagnoses none.
+    /// Makes all cases and writes them with their truths. Runs no diagnosis.
     ///
     /// # Errors
+    ///
     /// [`CheckError`].
     pub fn generate(&self) -> Result<(), CheckError> {
         self.each(|number| {
             let case = Case::make(self.seed, number, &self.mixture)?;
             let folder = self.case_folder(number);
             case.recording.write(folder.join(RECORDING))?;
-            unseal(&case, &folder)
+            write_truth(&case, &folder)
         })
         .map(|_| ())
     }
 
-    /// Makes sure that the folder is free.
+    /// Checks that the folder is empty or does not exist.
     ///
     /// # Errors
+    ///
     /// [`CheckError::NotEmpty`].
     pub fn ready(&self) -> Result<(), CheckError> {
         if fs::read_dir(&self.folder).is_ok_and(|mut entries| entries.next().is_some()) {
@@ -119,7 +122,7 @@ impl Check {
                         }
                         let result = work(number);
                         if result.is_err() {
-                            // Nobody starts another case.
+                            // No thread starts another case.
                             next.store(self.cases + 1, Ordering::Relaxed);
                         }
                         done.lock()
@@ -148,7 +151,7 @@ impl Check {
         let begun = Instant::now();
         let diagnosis = self.diagnose(&recording, &folder, &model)?;
         let took_s = begun.elapsed().as_secs_f64();
-        unseal(&case, &folder)?;
+        write_truth(&case, &folder)?;
         let claims = diagnosis
             .as_ref()
             .is_some_and(|found| !found.effects.is_empty() || !found.numbers.is_empty());
@@ -166,12 +169,12 @@ impl Check {
         }
         let withheld = self.withheld.as_deref();
         let mut outcome = judge(&case.truth, diagnosis.as_ref(), gaps, withheld);
-        // One that failed says nothing of its time, and must not pass for quick.
+        // A failed diagnosis does not report its own time, so the measured time counts.
         outcome.elapsed_s.get_or_insert(took_s);
         Ok(outcome)
     }
 
-    /// `None` if the program fails or says something else than the contract has it say.
+    /// Returns `None` if the program fails or its output does not match the contract.
     fn diagnose(
         &self,
         recording: &Path,
@@ -208,7 +211,7 @@ impl Check {
                 break status;
             }
             if begun.elapsed() > self.patience {
-                // It may have ended this very moment, which is as good.
+                // The process may have ended in the meantime, so an error of `kill` does not matter.
                 let _ = child.kill();
                 child.wait().map_err(self.not_run())?;
                 return Ok(None);
@@ -273,14 +276,14 @@ impl Check {
     }
 }
 
-/// How often a running diagnosis is looked at: its own clock says how long it took.
+/// Interval at which a running diagnosis is polled. It is not the resolution of the reported time.
 const POLL: Duration = Duration::from_millis(10);
 const RECORDING: &str = "recording";
 const FRESH: &str = "fresh";
 const TRANSFER: &str = "transfer";
 
-/// Writes what the diagnosis must not have seen.
-fn unseal(case: &Case, folder: &Path) -> Result<(), CheckError> {
+/// Writes the truth and the recordings that the diagnosis must not see.
+fn write_truth(case: &Case, folder: &Path) -> Result<(), CheckError> {
     case.fresh.write(folder.join(FRESH))?;
     if let Some(transfer) = &case.transfer {
         transfer.recording.write(folder.join(TRANSFER))?;
@@ -290,8 +293,9 @@ fn unseal(case: &Case, folder: &Path) -> Result<(), CheckError> {
     fs::write(&path, text).map_err(|source| CheckError::Write { path, source })
 }
 
-/// Writes the saved `model` to `loaded` with `load_inertia` added, as its user would who knows the load: to the inertia of the
-/// model, and to that of the effect which replaces it. `false` if the file is not what `--save-model` writes.
+/// Copies the saved `model` to `loaded` and adds `load_inertia` to it. The load is known, so it is added to the inertia of
+/// the model and to that of the effect `inertia`. Returns `false` if the file is not in the format that `--save-model`
+/// writes.
 fn add_load(model: &Path, load_inertia: f64, loaded: &Path) -> Result<bool, CheckError> {
     let text = fs::read_to_string(model).unwrap_or_default();
     let Some(text) = with_load(&text, load_inertia) else {
@@ -317,7 +321,7 @@ fn with_load(text: &str, load_inertia: f64) -> Option<String> {
     Some(table.to_string())
 }
 
-/// Adds to a number.
+/// Adds `more` to a number.
 fn add(value: &mut toml::Value, more: f64) -> Option<()> {
     let number = value
         .as_float()

@@ -1,23 +1,23 @@
-//! What a diagnosis says, as far as it is scored: the contract's section 4.
+//! The parts of a diagnosis that are scored. They follow section 4 of the contract.
 
 use serde::{Deserialize, Serialize};
 
-/// The verdict as a whole.
+/// The overall verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Nothing beyond noise and the stated tolerances.
+    /// The gap is within noise and the stated tolerances.
     NoGap,
     /// The named effects close the gap.
     Explained,
-    /// They are real, and something more is left.
+    /// The named effects are significant, but part of the gap remains.
     PartlyExplained,
-    /// A gap, and no name for it.
+    /// There is a gap, and no effect is named.
     Unexplained,
 }
 
 impl Verdict {
-    /// As the contract writes it.
+    /// The verdict as the contract writes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::NoGap => "no_gap",
@@ -31,45 +31,45 @@ impl Verdict {
 /// Gaps in units of position, and the shrink.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gap {
-    /// Of the nominal model.
+    /// Gap of the nominal model.
     pub before: f64,
-    /// Of the corrected model.
+    /// Gap of the corrected model.
     #[serde(default)]
     pub after: Option<f64>,
-    /// On held-out data.
+    /// Shrink on held-out data. 1 = the gap is closed to the floor.
     #[serde(default)]
     pub shrink: Option<f64>,
-    /// 95 % interval of it.
+    /// 95 % interval of the shrink.
     #[serde(default)]
     pub shrink_interval: Option<[f64; 2]>,
 }
 
-/// One effect found.
+/// One effect that the diagnosis names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Found {
     /// A name of the vocabulary.
     pub name: String,
-    /// Probability that it is right.
+    /// Probability that the name is right.
     pub confidence: f64,
-    /// Names that the excitation cannot tell from it.
+    /// Names that this excitation cannot separate from it.
     #[serde(default)]
     pub not_separable_from: Vec<String>,
-    /// How far it alone closes the gap.
+    /// Shrink of the gap by this effect alone.
     #[serde(default)]
     pub shrink: Option<f64>,
 }
 
-/// A stated number that had to move.
+/// A stated number that the diagnosis changed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moved {
-    /// Its name in the model.
+    /// The name of the number in the model.
     pub name: String,
-    /// How far it alone closes the gap.
+    /// Shrink of the gap by this change alone.
     #[serde(default)]
     pub shrink: Option<f64>,
 }
 
-/// One region that carries more of the gap than its share of samples.
+/// A region that contributes more to the gap than its share of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Region {
     /// `velocity`, `position`, `time`, …
@@ -95,16 +95,16 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// The gap before and after.
     pub gap: Gap,
-    /// In the order of what each contributes.
+    /// The named effects, in the order of their contribution.
     #[serde(default)]
     pub effects: Vec<Found>,
-    /// In the order of what each closes.
+    /// The changed numbers, in the order of their contribution.
     #[serde(default)]
     pub numbers: Vec<Moved>,
-    /// Most guilty first.
+    /// The regions, largest contribution first.
     #[serde(default, rename = "where")]
     pub regions: Vec<Region>,
-    /// Time that it took.
+    /// Time of the diagnosis, s.
     #[serde(default)]
     pub elapsed_s: f64,
 }

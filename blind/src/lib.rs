@@ -1,8 +1,8 @@
-//! The blind check: recordings of devices with something hidden in them, and the score of a diagnosis on them.
+//! The blind check. It makes recordings of devices in which something is hidden, and scores a diagnosis of them.
 //!
-//! The reality behind the recordings shares nothing with the simulator that a diagnosis fits: other friction
-//! formulations, other time stepping, its own sensors and devices at random scales. A [`Case`] is one recording, a fresh
-//! one of the same device, and the [`Truth`], which is opened only after the diagnosis is made.
+//! The simulator behind the recordings shares no code with the one that a diagnosis fits. It has other friction
+//! formulations, other time stepping, its own sensors, and devices at random scales. A [`Case`] consists of a recording, a
+//! fresh recording of the same device, and the [`Truth`]. The truth is opened only after the diagnosis is made.
 
 mod case;
 mod check;

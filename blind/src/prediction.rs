@@ -1,30 +1,30 @@
-//! The contract's windowed prediction, with any reality as the model.
+//! The windowed prediction of the contract, with any [`Reality`] as the model.
 
 use crate::reality::{InputSeries, Reality, State};
 use crate::session::Log;
 
-/// What is known of the hidden states when a window begins.
+/// How the hidden states are set at the start of a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum HiddenStates {
-    /// Carried on from the end of the window before.
+    /// They continue from the end of the previous window.
     Carried,
-    /// As they truly were.
+    /// They take their true values.
     Known,
 }
 
-/// Half width of the restart's fit and its fewest samples, by the contract.
+/// Half width of the fit at a restart, and its fewest samples, as the contract defines them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Restart {
     pub horizon_s: f64,
     pub half_width_s: f64,
-    /// Gain of the low-pass in the logged column, and how far it is behind a ramp, s.
+    /// Gain of the low-pass of the logged column.
     pub logged_gain: f64,
     pub logged_lag_s: f64,
 }
 
 const FEWEST_SAMPLES: usize = 9;
 
-/// Predicted position of every row of every run.
+/// Predicts the position of every row of every run.
 pub(crate) fn predict(
     model: &Reality,
     logs: &[Log],
@@ -66,7 +66,7 @@ fn predict_run(
         let dv = v - model.reading_rate(&state);
         model.displace(&mut state, dx, dv);
         let mut passed = shown;
-        // Times of restarts are sums; a row at the restart itself belongs to the window it opens.
+        // Restart times are sums with rounding errors. A row at the restart belongs to the window that starts there.
         while row < log.time_s.len() && log.time_s[row] < to_s - 1e-9 {
             model.advance(&mut state, &series, run, log.time_s[row], step_s);
             let reading = model.reading(&state, run);
@@ -87,7 +87,7 @@ fn predict_run(
     predicted
 }
 
-/// Value, slope and second derivative, at `at_s`, of the cubic through the samples around it.
+/// Value, slope and second derivative at `at_s` of the cubic fitted to the samples around it.
 fn restart_state(log: &Log, at_s: f64, half_width_s: f64) -> [f64; 3] {
     let n = log.time_s.len();
     let slack = 1e-9;
@@ -126,7 +126,7 @@ fn restart_state(log: &Log, at_s: f64, half_width_s: f64) -> [f64; 3] {
     [c[0], c[1] / scale, 2.0 * c[2] / (scale * scale)]
 }
 
-/// Gaussian elimination with pivoting of a 4 × 4 system.
+/// Solves a 4 × 4 linear system by Gaussian elimination with pivoting.
 fn solve(mut a: [[f64; 5]; 4]) -> [f64; 4] {
     for i in 0..4 {
         let pivot = (i..4)
@@ -146,7 +146,7 @@ fn solve(mut a: [[f64; 5]; 4]) -> [f64; 4] {
     std::array::from_fn(|i| a[i][4] / a[i][i])
 }
 
-/// Root mean square difference between predictions and the logged positions.
+/// Root mean square of the difference between predicted and logged positions.
 pub(crate) fn gap(logs: &[Log], predicted: &[Vec<f64>]) -> f64 {
     rms(logs.iter().zip(predicted).flat_map(|(log, run)| {
         log.position

@@ -1,4 +1,4 @@
-//! A session with a device: its runs carried out and logged.
+//! Simulates and logs a session of runs on a device.
 
 use recording::{Model, Run, Sensor, low_pass_gain};
 
@@ -6,21 +6,21 @@ use crate::draw::Draw;
 use crate::reality::{InputSeries, Reality, State};
 use crate::scenario::{Drive, Plan, Scale};
 
-/// One run as it was logged, and what only the reality knows of it.
+/// One run as it was logged, with its true states.
 #[derive(Clone, Debug)]
 pub(crate) struct Log {
-    /// Start of each row in the session's time.
+    /// Start of each row, in the time of the session.
     pub time_s: Vec<f64>,
     /// End of the last row.
     pub end_s: f64,
     pub input: Vec<f64>,
-    /// The input that acted, tick by tick.
+    /// The commanded input at every control tick.
     pub commanded: InputSeries,
     pub position: Vec<f64>,
     pub setpoint: Option<Vec<f64>>,
-    /// A second, unaffected sensor of the same position.
+    /// The column of a second sensor of the same position, which hidden sensor effects do not change.
     pub second: Option<Vec<f64>>,
-    /// The true state at every restart of the gap's windows.
+    /// The true state at the start of every prediction window.
     pub restarts: Vec<State>,
 }
 
@@ -28,17 +28,17 @@ pub(crate) struct Log {
 #[derive(Clone, Debug)]
 pub(crate) struct Logging {
     pub sensor: Sensor,
-    /// Gain of the low-pass in the logged column, and whether it comes after the noise.
+    /// Gain of the low-pass of the logged column.
     pub logged_gain: f64,
     pub filters_noise: bool,
     pub second: Option<Sensor>,
-    /// Between restarts, s.
+    /// Time between restarts of the prediction, s.
     pub horizon_s: f64,
     /// Largest step of the simulation, s.
     pub step_s: f64,
-    /// Position of rest at the start.
+    /// Initial position, at rest.
     pub start: f64,
-    /// What the logged numbers are rounded to, relative to the motion.
+    /// Unit to which logged positions are rounded.
     pub grain: f64,
 }
 
@@ -46,7 +46,7 @@ pub(crate) struct Logging {
 pub(crate) const SECOND_COLUMN: &str = "position_hall";
 
 impl Log {
-    /// The log as a run of a recording, with a clock of its own or the session's.
+    /// The log as a run of a recording. With `own_clock`, its time starts at zero.
     pub fn run(&self, plan: &Plan, file: &str, own_clock: bool) -> Run {
         let origin = if own_clock { self.time_s[0] } else { 0.0 };
         let time = self
@@ -68,7 +68,7 @@ impl Log {
     }
 }
 
-/// Rounds a column of inputs to seven digits of its largest value.
+/// Rounds a column of inputs to seven digits of its largest magnitude.
 pub(crate) fn round_input(input: &mut [f64]) {
     let largest = input
         .iter()
@@ -79,7 +79,7 @@ pub(crate) fn round_input(input: &mut [f64]) {
     }
 }
 
-/// Least and largest value.
+/// Least and largest value of a column.
 pub(crate) fn extremes(column: &[f64]) -> (f64, f64) {
     column
         .iter()
@@ -97,7 +97,7 @@ fn logged(clean: f64, sensor: &Sensor, draw: &mut Draw) -> f64 {
     }
 }
 
-/// What a low-pass makes of a value, one a tick.
+/// One step of a first-order low-pass per control tick.
 fn low_passed(value: f64, gain: f64, passed: &mut Option<f64>) -> f64 {
     let before = *passed.get_or_insert(value);
     let now = before + gain * (value - before);
@@ -105,7 +105,7 @@ fn low_passed(value: f64, gain: f64, passed: &mut Option<f64>) -> f64 {
     now
 }
 
-/// Carries out all of `plans` on `reality`.
+/// Simulates all `plans` on `reality`.
 pub(crate) fn carry_out(reality: &Reality, plans: &[Plan], logging: &Logging) -> Vec<Log> {
     plans
         .iter()
@@ -212,12 +212,12 @@ fn carry_out_run(reality: &Reality, run: usize, plan: &Plan, logging: &Logging) 
     log
 }
 
-/// The power of ten at or below `x`.
+/// The largest power of ten not above `x`.
 fn decimal(x: f64) -> f64 {
     10f64.powi(x.log10().floor() as i32)
 }
 
-/// The size of the motion in `logs` of a device with torque `ratio`.
+/// The scale of the motion in `logs`. `ratio` is torque per unit of input.
 pub(crate) fn scale(logs: &[Log], ratio: f64, hz: f64, sensor: &Sensor) -> Scale {
     let (low, high) = logs
         .iter()
@@ -255,7 +255,7 @@ fn quantile(mut values: Vec<f64>, part: f64) -> f64 {
     *values.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
-/// The nominal numbers: the true ones, off by what the tolerances allow.
+/// The nominal numbers: the true ones with random errors within the tolerances.
 pub(crate) fn nominal(truth: &Model, tolerance: &recording::Tolerance, draw: &mut Draw) -> Model {
     let mut model = *truth;
     for (name, relative) in tolerance.iter() {

@@ -1,11 +1,11 @@
-//! What was hidden in a recording: opened after the diagnosis is made.
+//! The truth about a recording. It is opened after the diagnosis is made.
 
 use serde::{Deserialize, Serialize};
 
-/// A stretch of an axis on which an effect acts; finding it there is right.
+/// An interval of an axis in which an effect acts. A diagnosis that names an overlapping interval is right.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
-    /// As in the diagnosis: `position`, `velocity`, `time`, `channel`, …
+    /// The axis as the diagnosis names it: `position`, `velocity`, `time`, `channel`, …
     pub axis: String,
     /// Lower end, in the recording's units; `None` for `channel` and `run`.
     #[serde(default)]
@@ -13,7 +13,7 @@ pub struct Place {
     /// Upper end.
     #[serde(default)]
     pub to: Option<f64>,
-    /// Index of the only run in which it acts.
+    /// Index of the run, if the effect acts in one run only.
     #[serde(default)]
     pub run: Option<usize>,
     /// Name of the channel.
@@ -22,7 +22,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// From `from` to `to` on `axis`, in every run.
+    /// The interval from `from` to `to` on `axis`, in every run.
     pub fn on(axis: &str, from: f64, to: f64) -> Self {
         Self {
             axis: axis.into(),
@@ -33,7 +33,7 @@ impl Place {
         }
     }
 
-    /// From `from_s` to `to_s` in the time of `run`.
+    /// The interval from `from_s` to `to_s` in the time of `run`.
     pub fn in_run(run: usize, from_s: f64, to_s: f64) -> Self {
         Self {
             run: Some(run),
@@ -64,23 +64,23 @@ impl Place {
     }
 }
 
-/// One thing that was hidden.
+/// One hidden cause.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effect {
     /// A name of the vocabulary, or the name of a cause outside it.
     pub name: String,
-    /// Its strength in the generator's own measure, for people.
+    /// Its strength in the measure of the generator, for information.
     pub strength: f64,
-    /// Its form, for people.
+    /// Its form in words, for information.
     pub form: String,
-    /// Where it acts; empty if in no place more than in others.
+    /// Places in which it acts. Empty if it acts everywhere.
     pub places: Vec<Place>,
-    /// In a messy case: the rms change of the prediction that it causes, over the one that the dominant cause causes.
+    /// In a messy case: rms change of the prediction by this cause over that by the dominant cause.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
 }
 
-/// What kind of case it is.
+/// The kind of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -88,37 +88,37 @@ pub enum Kind {
     Single,
     /// Two effects of the vocabulary.
     Pair,
-    /// Nothing beyond noise and the stated tolerances.
+    /// The model is right within noise and the stated tolerances.
     Nothing,
-    /// A cause that the vocabulary has no name for.
+    /// A cause outside the vocabulary.
     Outside,
-    /// One dominant cause, with several small ones, wrong numbers and bad timing beside it.
+    /// One dominant cause, several small causes, wrong stated numbers and timing errors.
     Messy,
 }
 
-/// Gaps that only somebody who knows the truth can measure, in units of position.
+/// Gaps that need the truth, in units of position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// Of the nominal model.
+    /// Gap of the nominal model.
     pub before: f64,
-    /// Of the true model with its hidden states known at every restart.
+    /// Gap of the true model with known hidden states at every restart.
     pub after: f64,
-    /// Of the true numbers without what is hidden.
+    /// Gap of the model with the true numbers and without the hidden causes.
     pub hidden_alone: f64,
-    /// Between the nominal model and the true numbers without what is hidden.
+    /// Rms difference between the nominal model and the model with the true numbers, both without the hidden causes.
     pub tolerances_alone: f64,
 }
 
-/// What is wrong with the times of a messy recording.
+/// The timing errors of a messy recording.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// The input column is ahead of the position column by this many rows.
     pub offset_rows: f64,
-    /// The input column is the value at an instant; the manifest does not say so.
+    /// If true, the input column holds values sampled at an instant. The manifest does not say so.
     pub point_sampled: bool,
     /// Standard deviation of the errors of the logged times, in rows.
     pub stamp_std_rows: f64,
-    /// The rms change of the prediction that all of this causes, over the one that the dominant cause causes.
+    /// Rms change of the prediction by the timing errors over that by the dominant cause.
     pub share: f64,
 }
 
@@ -129,22 +129,22 @@ pub struct Truth {
     pub seed: u64,
     /// Number of the case, from 1.
     pub case: u64,
-    /// What kind of case it is.
+    /// The kind of the case.
     pub kind: Kind,
-    /// The device, for people.
+    /// The device, for information.
     pub device: String,
-    /// What was hidden, the one that contributes most first. In a messy case stated numbers that are off stand among them,
-    /// each under the name of its effect.
+    /// The hidden causes, largest contribution first. In a messy case they include the wrong stated numbers, each under the
+    /// name of the effect that its error equals.
     pub effects: Vec<Effect>,
-    /// What the truth itself reaches.
+    /// Reference gaps of the true model.
     pub reference: Reference,
-    /// Gap of the true model on the fresh recording, with its hidden states known, in units of position; `None` where that
-    /// recording does not show what is hidden well enough to judge a claim on it.
+    /// Gap of the true model with known hidden states on the fresh recording, in units of position. `None` if the fresh
+    /// recording does not show the hidden cause well enough to judge a claim.
     pub fresh_floor: Option<f64>,
-    /// The same for the recording with another excitation, amplitude and load.
+    /// The same gap on the recording with another excitation, amplitude and load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transfer_floor: Option<f64>,
-    /// Of a messy case.
+    /// The timing errors of a messy case.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
 }

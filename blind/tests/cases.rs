@@ -1,4 +1,4 @@
-//! What a case promises, whatever is hidden in it.
+//! Properties that every case has, whatever is hidden in it.
 
 use blind::{Case, GAP_OVER_FLOOR, Kind, Mixture, SMALL_SHARE, VOCABULARY};
 use recording::Recording;
@@ -16,7 +16,7 @@ fn folder(name: &str) -> std::path::PathBuf {
 }
 
 #[test]
-fn a_recording_of_every_name_reads_back_and_its_gap_is_in_range() {
+fn a_recording_with_each_effect_can_be_read_back_and_its_gap_is_in_range() {
     for name in VOCABULARY {
         let case = Case::make(7, 1, &only(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_eq!(case.truth.kind, Kind::Single);
@@ -51,7 +51,7 @@ fn a_case_depends_on_its_seed_and_number_alone() {
 }
 
 #[test]
-fn an_effect_that_does_not_exist_is_refused_with_the_names_that_do() {
+fn an_unknown_effect_is_refused_with_the_list_of_valid_names() {
     let error = Case::make(1, 1, &only("stribek")).unwrap_err().to_string();
     assert!(
         error.contains("`stribek`") && error.contains("stribeck"),
@@ -67,7 +67,7 @@ fn messy() -> Mixture {
     }
 }
 
-/// Some messy cases: making one takes a second.
+/// Some messy cases. They are shared because one takes a second to make.
 static MESSY: LazyLock<Vec<Case>> = LazyLock::new(|| {
     let cases = (1..=8).map(|case| Case::make(23, case, &messy()));
     cases.map(Result::unwrap).collect()
@@ -87,7 +87,7 @@ fn a_messy_case_depends_on_its_seed_and_number_alone() {
 }
 
 #[test]
-fn every_small_cause_changes_the_prediction_by_5_to_25_percent_of_what_the_dominant_one_does() {
+fn every_small_cause_has_5_to_25_percent_of_the_size_of_the_dominant_one() {
     for case in MESSY.iter() {
         let truth = &case.truth;
         assert_eq!(truth.kind, Kind::Messy);
@@ -116,8 +116,7 @@ fn every_small_cause_changes_the_prediction_by_5_to_25_percent_of_what_the_domin
 }
 
 #[test]
-fn stated_numbers_of_a_messy_case_are_off_by_no_more_than_30_percent_and_a_tolerance_is_plausible()
-{
+fn stated_numbers_of_a_messy_case_have_errors_up_to_30_percent_and_plausible_tolerances() {
     for case in MESSY.iter() {
         for effect in &case.truth.effects {
             let Some(number) = effect.form.strip_prefix("stated ") else {
@@ -132,7 +131,7 @@ fn stated_numbers_of_a_messy_case_are_off_by_no_more_than_30_percent_and_a_toler
                 .find(|(name, _)| *name == number);
             if let Some((_, tolerance)) = stated {
                 let error = effect.strength.abs() / (1.0 + effect.strength);
-                // A small error may stand beside a tolerance that is larger; a large one never beside one that is tiny.
+                // A small error may have a larger tolerance. A large error never has a tiny tolerance.
                 assert!(error < 2.1 * tolerance, "{number}: {error} of {tolerance}");
             }
         }
@@ -140,7 +139,7 @@ fn stated_numbers_of_a_messy_case_are_off_by_no_more_than_30_percent_and_a_toler
 }
 
 #[test]
-fn rows_of_a_messy_case_are_uneven_and_come_at_50_to_10_000_hz() {
+fn rows_of_a_messy_case_have_uneven_times_and_rates_of_50_to_10_000_hz() {
     for case in MESSY.iter() {
         for run in &case.recording.runs {
             let rate_hz = (run.len() - 1) as f64 / run.duration_s();
@@ -153,7 +152,7 @@ fn rows_of_a_messy_case_are_uneven_and_come_at_50_to_10_000_hz() {
 }
 
 #[test]
-fn another_load_and_excitation_are_another_recording_of_a_device_with_the_same_other_numbers() {
+fn a_transfer_recording_changes_only_load_excitation_and_amplitude_of_the_device() {
     let case = MESSY.iter().find(|case| case.transfer.is_some());
     let case = case.expect("one of eight devices takes another load");
     let transfer = case.transfer.as_ref().unwrap();
@@ -177,7 +176,7 @@ fn another_load_and_excitation_are_another_recording_of_a_device_with_the_same_o
 }
 
 #[test]
-fn the_clean_case_is_the_same_whether_it_is_transferred_or_not() {
+fn asking_for_a_transfer_recording_does_not_change_the_case() {
     let transfer = Mixture {
         transfer: true,
         ..Mixture::default()

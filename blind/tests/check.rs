@@ -1,4 +1,4 @@
-//! The check with a program in place of the diagnosis.
+//! Tests the check with a script in place of the diagnosis.
 #![cfg(unix)]
 
 use std::os::unix::fs::PermissionsExt;
@@ -33,7 +33,7 @@ fn check(folder: &std::path::Path, script: &str) -> Check {
     }
 }
 
-/// Answers always the same, and fails where anything but the recording is there to be seen.
+/// Always gives the same answer. Fails if it can see anything but the recording.
 const ALWAYS_OFFSET: &str = r#"
 [ "$1 $2 $4" = "gap diagnose --json" ] || exit 3
 [ "$(ls "$3/.." | grep -v "^diagnosis.log$")" = recording ] || exit 4
@@ -45,7 +45,7 @@ END
 "#;
 
 #[test]
-fn the_diagnosis_sees_the_recording_alone_and_the_rest_is_kept_afterwards() {
+fn the_diagnosis_can_read_only_the_recording_and_the_truth_is_written_afterwards() {
     let folder = folder("sealed");
     let check = check(&folder, ALWAYS_OFFSET);
     let summary = check.run(|_| ()).unwrap();
@@ -68,7 +68,7 @@ fn the_diagnosis_sees_the_recording_alone_and_the_rest_is_kept_afterwards() {
 }
 
 #[test]
-fn a_diagnosis_that_fails_is_a_wrong_answer_and_stops_nobody() {
+fn a_failed_diagnosis_counts_as_wrong_and_other_cases_continue() {
     let folder = folder("failing");
     let summary = check(&folder, "echo broken >&2; exit 2")
         .run(|_| ())
@@ -86,7 +86,7 @@ fn a_diagnosis_that_fails_is_a_wrong_answer_and_stops_nobody() {
 }
 
 #[test]
-fn a_withheld_effect_is_passed_on() {
+fn a_withheld_effect_is_passed_to_the_diagnosis() {
     let folder = folder("withheld");
     let mut check = check(&folder, "echo \"$8 $9\"; exit 2");
     check.withheld = Some("torque_offset".into());
@@ -98,7 +98,7 @@ fn a_withheld_effect_is_passed_on() {
 }
 
 #[test]
-fn a_diagnosis_without_end_is_given_up() {
+fn a_diagnosis_that_exceeds_its_time_limit_is_stopped() {
     let folder = folder("endless");
     let mut check = check(&folder, "exec sleep 1000");
     check.cases = 1;
@@ -108,7 +108,8 @@ fn a_diagnosis_without_end_is_given_up() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Diagnoses, saves a model, and measures it on other recordings: half the nominal gap, nothing at all with a known load.
+/// Diagnoses and saves a model. `gap measure` reports half the nominal gap with this model, and no gap once the known load
+/// is added.
 const SAVES_A_MODEL: &str = r#"
 if [ "$2" = measure ]; then
   case "$7" in
@@ -130,7 +131,7 @@ END
 "#;
 
 #[test]
-fn a_messy_truth_is_sealed_and_the_saved_model_meets_a_known_load_afterwards() {
+fn a_messy_truth_is_written_after_the_diagnosis_and_the_known_load_is_added_to_the_saved_model() {
     let folder = folder("messy");
     let mut check = check(&folder, SAVES_A_MODEL);
     check.cases = 4;

@@ -1,4 +1,4 @@
-//! The scorer on truths and diagnoses made by hand.
+//! Tests the scorer with truths and diagnoses written by hand.
 
 use blind::score::{FreshGaps, Gaps, Outcome, Summary, judge};
 use blind::{Diagnosis, Effect, Kind, Place, Reference, Truth};
@@ -32,7 +32,7 @@ fn truth(kind: Kind, names: &[&str]) -> Truth {
     }
 }
 
-/// A diagnosis of names with confidences and classes.
+/// A diagnosis with these names, confidences and inseparable names.
 fn says(verdict: &str, names: &[(&str, f64, &[&str])]) -> Diagnosis {
     let effects: Vec<_> = names
         .iter()
@@ -80,7 +80,7 @@ fn a_single_effect_counts_as_first_or_as_not_separable() {
 }
 
 #[test]
-fn of_a_pair_both_must_be_named_themselves() {
+fn both_effects_of_a_pair_must_be_named_themselves() {
     let truth = truth(Kind::Pair, &["stribeck", "lag"]);
     let both = says("explained", &[("lag", 0.9, &[]), ("stribeck", 0.9, &[])]);
     assert!(plain(&truth, &both).right);
@@ -89,14 +89,14 @@ fn of_a_pair_both_must_be_named_themselves() {
 }
 
 #[test]
-fn nothing_wrong_wants_no_gap_and_no_less() {
+fn a_case_without_a_cause_needs_the_verdict_no_gap() {
     let truth = truth(Kind::Nothing, &[]);
     assert!(plain(&truth, &says("no_gap", &[])).right);
     assert!(!plain(&truth, &says("unexplained", &[])).right);
 }
 
 #[test]
-fn outside_the_vocabulary_only_a_confident_name_is_wrong() {
+fn a_confident_name_is_wrong_for_a_cause_outside_the_vocabulary() {
     let truth = truth(Kind::Outside, &["torque_noise"]);
     for (verdict, names, right) in [
         ("unexplained", &[][..], true),
@@ -114,7 +114,7 @@ fn outside_the_vocabulary_only_a_confident_name_is_wrong() {
 }
 
 #[test]
-fn a_withheld_effect_is_outside_the_vocabulary() {
+fn a_withheld_effect_counts_as_outside_the_vocabulary() {
     let truth = truth(Kind::Single, &["lag"]);
     let named = says("explained", &[("delay", 0.95, &[])]);
     let outcome = judge(&truth, Some(&named), Gaps::default(), Some("lag"));
@@ -129,7 +129,7 @@ fn a_withheld_effect_is_outside_the_vocabulary() {
 }
 
 #[test]
-fn a_place_needs_its_axis_an_overlap_and_its_run() {
+fn a_region_must_match_the_axis_and_run_of_a_place_and_overlap_it() {
     let truth = truth(Kind::Single, &["contact"]);
     let said = |regions| plain(&truth, &with_region(says("unexplained", &[]), regions)).place;
     let velocity = |from: f64, to: f64| json!({"axis": "velocity", "from": from, "to": to});
@@ -152,7 +152,7 @@ fn a_place_needs_its_axis_an_overlap_and_its_run() {
 }
 
 #[test]
-fn a_claim_is_held_against_the_fresh_recording() {
+fn a_claimed_shrink_is_compared_with_the_fresh_recording() {
     let truth = truth(Kind::Single, &["lag"]);
     let said = says("explained", &[("lag", 0.9, &[])]);
     let fresh = Gaps {
@@ -163,9 +163,9 @@ fn a_claim_is_held_against_the_fresh_recording() {
         transfer: None,
     };
     let outcome = judge(&truth, Some(&said), fresh, None);
-    // From 2 to 0.65 of the way to the 0.2 that the truth leaves.
+    // The gap falls from 2 to 0.65. The true model leaves 0.2.
     assert!((outcome.claim_error.unwrap() - (0.9 - 0.75)).abs() < 1e-12);
-    // The true model gets from 1 to 0.1, the diagnosis to 0.19.
+    // The true model reduces the gap from 1 to 0.1, the diagnosis to 0.19.
     assert!((outcome.relative_shrink.unwrap() - 0.9).abs() < 1e-12);
     assert_eq!(
         judge(&truth, Some(&said), Gaps::default(), None).claim_error,
@@ -174,7 +174,7 @@ fn a_claim_is_held_against_the_fresh_recording() {
 }
 
 #[test]
-fn the_summary_counts_by_kind_and_calibrates() {
+fn the_summary_counts_by_kind_and_compares_confidences() {
     let single = truth(Kind::Single, &["lag"]);
     let nothing = truth(Kind::Nothing, &[]);
     let outcomes = vec![
@@ -199,7 +199,7 @@ fn the_summary_counts_by_kind_and_calibrates() {
     assert_eq!(binned, 3);
 }
 
-/// A messy truth: lag dominates, then a stated `coulomb` that is off, cogging, and a cause outside the vocabulary.
+/// A messy truth: lag dominates. Also present are a wrong stated `coulomb`, cogging, and a cause outside the vocabulary.
 fn messy() -> Truth {
     truth(Kind::Messy, &["lag", "coulomb", "cogging", "torque_tone"])
 }
@@ -221,7 +221,7 @@ fn in_a_messy_case_the_dominant_cause_comes_first_or_is_called_not_separable() {
 }
 
 #[test]
-fn in_a_messy_case_every_cause_that_is_present_is_there_and_only_sure_names_are_counted() {
+fn in_a_messy_case_only_sure_names_that_are_no_hidden_cause_are_wrong() {
     let said = says(
         "partly_explained",
         &[
@@ -238,7 +238,7 @@ fn in_a_messy_case_every_cause_that_is_present_is_there_and_only_sure_names_are_
 }
 
 #[test]
-fn a_number_that_moved_is_no_name_but_finds_the_cause_that_it_is() {
+fn a_changed_number_is_no_name_but_finds_the_wrong_number() {
     let wrong = with_numbers(
         says("explained", &[("lag", 0.9, &[])]),
         json!([{"name": "viscous", "stated": 1.0, "found": 2.0, "shrink": 0.2}]),
@@ -258,7 +258,7 @@ fn a_number_that_moved_is_no_name_but_finds_the_cause_that_it_is() {
 }
 
 #[test]
-fn a_dominant_cause_without_a_name_wants_no_sure_name_that_is_not_there() {
+fn a_dominant_cause_outside_the_vocabulary_needs_an_answer_without_a_wrong_sure_name() {
     let outside = truth(Kind::Messy, &["torque_tone", "lag"]);
     let small = plain(&outside, &says("partly_explained", &[("lag", 0.9, &[])]));
     assert!(small.right && !small.first, "a small one is there");
@@ -269,7 +269,7 @@ fn a_dominant_cause_without_a_name_wants_no_sure_name_that_is_not_there() {
 }
 
 #[test]
-fn the_messy_rows_count_cases_names_and_silence() {
+fn the_messy_rows_count_cases_names_and_empty_answers() {
     let outside = truth(Kind::Messy, &["torque_tone", "lag"]);
     let outcomes = vec![
         plain(&messy(), &says("explained", &[("lag", 0.9, &[])])),
@@ -302,7 +302,7 @@ fn the_messy_rows_count_cases_names_and_silence() {
 }
 
 #[test]
-fn a_claim_is_held_against_another_load_and_its_interval_with_it() {
+fn a_claimed_shrink_and_its_interval_are_compared_with_another_load() {
     let mut truth = messy();
     truth.transfer_floor = Some(0.5);
     let mut said = says("explained", &[("lag", 0.9, &[])]);
@@ -322,7 +322,7 @@ fn a_claim_is_held_against_another_load_and_its_interval_with_it() {
     assert!((transfer.shrink - 0.8).abs() < 1e-12, "{transfer:?}");
     assert!((transfer.over_claimed.unwrap() - 0.8 / 0.9).abs() < 1e-12);
     assert_eq!(transfer.interval_holds, Some(false));
-    // A little beyond what the truth reaches is not outside an interval that ends there.
+    // A shrink slightly above 1 is not outside an interval that ends at 1.
     assert_eq!(outcome.fresh.unwrap().interval_holds, Some(true));
     let worse = judge(&truth, Some(&said), gaps(2.3), None);
     let summary = Summary::of(vec![outcome, worse]);

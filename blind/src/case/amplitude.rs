@@ -1,14 +1,19 @@
-//! How far a device is driven.
+//! Chooses the amplitude of each open-loop run.
 
 use crate::reality::Reality;
 use crate::scenario::{Drive, Plan, Plant, Scale};
 use crate::session::{self, Logging};
 
-/// Steps of a rough simulation per period of the motion.
+/// Simulation steps per period of the motion. The amplitude search needs no more accuracy than this.
 const COARSE_STEPS: f64 = 4_000.0;
 
-/// Sets the amplitudes of open-loop runs so that the device moves as far as it should, and gives the scale of it all.
-pub(super) fn size_up(plans: &mut [Plan], plant: &Plant, logging: &Logging) -> Option<Scale> {
+/// Sets the input amplitude of each open-loop run so that the device reaches the wanted half span. Returns the scale of the
+/// resulting motion. Returns `None` if no amplitude reaches it.
+pub(super) fn set_amplitudes(
+    plans: &mut [Plan],
+    plant: &Plant,
+    logging: &Logging,
+) -> Option<Scale> {
     let plain = Reality::plain(&plant.model);
     let coarse = Logging {
         step_s: 1.0 / (COARSE_STEPS * plant.motion_hz),

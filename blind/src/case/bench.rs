@@ -1,4 +1,4 @@
-//! A device with its plans on the bench: recorded, and measured against the truth.
+//! Simulates a device with its plans and measures the prediction errors against the truth.
 
 use recording::{Model, Recording, Tolerance};
 
@@ -12,23 +12,23 @@ use crate::scenario::{Plan, Plant, Scale};
 use crate::session::{self, Log, Logging, SECOND_COLUMN};
 use crate::truth::{Effect, Reference};
 
-/// A motion is grossly different if its span changes by more than this.
+/// A motion is rejected if its half span exceeds the expected one by more than this factor.
 const SPAN_CHANGE: f64 = 4.0;
-/// Steps of a prediction per period of the motion.
+/// Simulation steps of a prediction per period of the motion.
 const PREDICTION_STEPS: f64 = 20_000.0;
 
-/// A device with its plans, ready to hide something in.
+/// A device and how it is logged, modelled and predicted. Causes are then hidden in it.
 pub(super) struct Bench {
     pub(super) plant: Plant,
     pub(super) nominal: Model,
     pub(super) tolerance: Tolerance,
     pub(super) logging: Logging,
     pub(super) restart: Restart,
-    /// Whether time starts anew in every run.
+    /// If true, the time column starts at zero in every run. Otherwise all runs share one clock.
     pub(super) per_run_clocks: bool,
 }
 
-/// One session measured against the truth.
+/// The logs of one session and their reference gaps.
 pub(super) struct Measured {
     pub(super) logs: Vec<Log>,
     pub(super) reference: Reference,
@@ -36,7 +36,7 @@ pub(super) struct Measured {
 
 impl Bench {
     pub(super) fn prediction_step_s(&self, reality: &Reality) -> f64 {
-        // A transmission that is not rigid is the stiffest part.
+        // A compliant transmission is the stiffest part and needs finer steps.
         let steps = match reality.mechanics.coupling {
             Some(_) => FINE_STEPS,
             None => PREDICTION_STEPS,
@@ -48,7 +48,8 @@ impl Bench {
         Reality::plain(&self.plant.model)
     }
 
-    /// Carries out `plans` on `reality` and measures the gaps; `None` if the motion makes no sense.
+    /// Simulates `plans` on `reality` and measures the gaps. Returns `None` if the motion is not finite, too small or too
+    /// large.
     pub(super) fn measure(
         &self,
         reality: &Reality,
@@ -86,7 +87,7 @@ impl Bench {
             .then_some(Measured { logs, reference })
     }
 
-    /// The truth about `secret`, with times as the recording's column has them.
+    /// The truth about `secret`. Its times are in the clock of the recording's time column.
     pub(super) fn describe(&self, secret: &Secret, scale: &Scale) -> Effect {
         let mut effect = secret.describe(scale);
         for place in &mut effect.places {
@@ -101,15 +102,15 @@ impl Bench {
         effect
     }
 
-    /// The recording of `plans` as a logger with wrong `times` writes it down.
-    pub(super) fn written_down(
+    /// The recording of `plans` by a logger whose times have the errors `times`.
+    pub(super) fn recording_with_timing(
         &self,
         plans: &[Plan],
         logs: &[Log],
         times: WrongTimes,
         draw: &mut Draw,
     ) -> Recording {
-        let mut recording = self.recording(plans, &times.write_down_all(logs, draw));
+        let mut recording = self.recording(plans, &times.apply_all(logs, draw));
         let row_s = self.plant.tick_s * self.plant.ticks_per_row as f64;
         times.state(&mut recording, row_s);
         recording

@@ -1,9 +1,10 @@
-//! A device as real ones are: one dominant cause, several small ones, stated numbers that are off, and wrong times.
+//! Draws a messy case, as real devices are: one dominant cause, several small causes, wrong stated numbers, and timing
+//! errors.
 
-use super::amplitude::size_up;
+use super::amplitude::set_amplitudes;
 use super::bench::Bench;
 use super::logging::logging;
-use super::numbers::{self, OffNumber};
+use super::numbers::{self, WrongNumber};
 use super::parts::{Part, Parts, Role, SMALL_SHARE, Settled, Source, settle};
 use super::secret::Secret;
 use super::stated::{limit_input, narrow_travel, overstate};
@@ -17,29 +18,31 @@ use crate::scenario::{Cause, Family, Hidden, Plan, Plant, Scale, VOCABULARY};
 use crate::session::Log;
 use crate::truth::{Effect, Kind, Timing, Truth};
 
-/// How many small causes there are.
+/// Least and largest number of small causes.
 pub(super) const SMALL_CAUSES: [usize; 2] = [3, 5];
-/// Shares that are aimed at, well within the range.
+/// Target size of a small cause over the size of the dominant one. It lies well within the accepted [`SMALL_SHARE`].
 const AIMED_SHARE: [f64; 2] = [0.065, 0.2];
-/// Share of the small causes that the vocabulary has a name for.
+/// Probability that a small cause belongs to the vocabulary.
 const SMALL_KNOWN: f64 = 0.7;
-/// Share of the cases whose dominant cause is a number that is off, or one outside the vocabulary.
+/// Probability that the dominant cause is a wrong stated number.
 const NUMBER_DOMINATES: f64 = 0.15;
+/// Probability that the dominant cause is outside the vocabulary.
 const OUTSIDE_DOMINATES: f64 = 0.1;
-/// Slowest and fastest logging, rows per second, and the fewest rows per period of the motion.
+/// Lowest and highest sampling rate of the log, rows per second.
 const ROWS_HZ: [f64; 2] = [50.0, 10_000.0];
+/// Fewest rows per period of the motion.
 const LEAST_ROWS_PER_PERIOD: f64 = 40.0;
-/// Slowest and fastest control loop, s.
+/// Longest and shortest period of the control loop, s.
 const TICKS_S: [f64; 2] = [5e-3, 5e-5];
 
-/// What dominates a case.
+/// Class of the dominant cause of a case.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Dominant {
     /// An effect of the vocabulary.
     Known(&'static str),
-    /// A cause that it has no name for.
+    /// A cause that the vocabulary does not contain.
     Outside,
-    /// A stated number that is off.
+    /// A wrong stated number of the model.
     Number,
 }
 
@@ -53,12 +56,12 @@ impl Dominant {
     }
 }
 
-/// Whether one device can have both causes.
+/// Returns false if the two causes use the same part of the simulator, so that one device cannot have both.
 fn compatible(a: &str, b: &str) -> bool {
     const ONE_PLACE: [&[&str]; 2] = [
-        // One transmission that is not rigid.
+        // A device has at most one compliant transmission.
         &["backlash", "compliance"],
-        // One torque from nowhere.
+        // A device has at most one external disturbance torque.
         &["torque_noise", "torque_bursts", "torque_tone"],
     ];
     a != b
@@ -67,7 +70,7 @@ fn compatible(a: &str, b: &str) -> bool {
             .any(|place| place.contains(&a) && place.contains(&b))
 }
 
-/// Names of the small causes of the vocabulary, and how many come from outside it.
+/// Draws the names of the small causes of the vocabulary, and the number of small causes outside it.
 fn small_causes(draw: &mut Draw, dominant: Option<&'static str>) -> (Vec<&'static str>, usize) {
     let count = draw.count(SMALL_CAUSES[0], SMALL_CAUSES[1]);
     let known = (0..count).filter(|_| draw.chance(SMALL_KNOWN)).count();
@@ -83,7 +86,7 @@ fn small_causes(draw: &mut Draw, dominant: Option<&'static str>) -> (Vec<&'stati
     (names, count - known)
 }
 
-/// A cause outside the vocabulary that `others` leave room for.
+/// Draws a cause outside the vocabulary that is compatible with `others`.
 fn foreign(draw: &mut Draw, plant: &Plant, others: &[Secret]) -> Option<Secret> {
     const TRIES: usize = 30;
     (0..TRIES)
@@ -94,7 +97,7 @@ fn foreign(draw: &mut Draw, plant: &Plant, others: &[Secret]) -> Option<Secret> 
         })
 }
 
-/// How a device is logged: rows per second, and ticks of the loop per row.
+/// Draws the sampling rate of the log, rows per second, and the number of control ticks per row.
 fn rate(draw: &mut Draw, motion_hz: f64) -> (f64, usize) {
     let slowest = ROWS_HZ[0].max(LEAST_ROWS_PER_PERIOD * motion_hz);
     let rows_hz = draw.log_uniform(slowest, ROWS_HZ[1]);
@@ -109,7 +112,7 @@ fn rate(draw: &mut Draw, motion_hz: f64) -> (f64, usize) {
     (rows_hz, ticks_per_row)
 }
 
-/// One device with all its causes; `None` if they do not fit it.
+/// Draws one device with all its causes. Returns `None` if the causes cannot reach their target sizes on it.
 pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> Option<Case> {
     let dominant_name = match dominant {
         Dominant::Known(name) => Some(name),
@@ -142,10 +145,10 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
     secrets[first_small..].iter_mut().for_each(Secret::weaken);
 
     overstate(draw, &mut plant, &secrets);
-    let decides = names.iter().any(|name| SENSING.contains(name));
-    let logging = logging(draw, &plant, decides, two_sided(&names));
+    let informative = names.iter().any(|name| SENSING.contains(name));
+    let logging = logging(draw, &plant, informative, two_sided(&names));
     let mut plans = Plan::session(draw, &plant);
-    let scale = size_up(&mut plans, &plant, &logging)?;
+    let scale = set_amplitudes(&mut plans, &plant, &logging)?;
     limit_input(draw, &mut plant, &scale, &secrets);
     narrow_travel(draw, &mut plant, &scale, &secrets);
 
@@ -169,7 +172,7 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
             },
         });
     }
-    let off = numbers::beside(draw, &plant.model, parts[0].name(), &names);
+    let off = numbers::minor(draw, &plant.model, parts[0].name(), &names);
     parts.extend(off.into_iter().map(|off| Part {
         cause: Source::Number(off),
         role: Role::Number,
@@ -190,14 +193,14 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
         measured,
         sizes,
     } = settle(&mut bench, &mut parts, &plans, &scale)?;
-    let off: Vec<OffNumber> = parts.off().copied().collect();
+    let off: Vec<WrongNumber> = parts.off().copied().collect();
     bench.tolerance = numbers::tolerance(draw, &bench.plant.model, &off);
 
     let (times, timing_size) = wrong_times(draw, &bench, &reality, &measured.logs, sizes[0]);
     let times = times.stated(draw);
-    let recording = bench.written_down(&plans, &measured.logs, times, draw);
+    let recording = bench.recording_with_timing(&plans, &measured.logs, times, draw);
     let mut fresh_plans = Plan::session(draw, &bench.plant);
-    size_up(&mut fresh_plans, &bench.plant, &bench.logging)?;
+    set_amplitudes(&mut fresh_plans, &bench.plant, &bench.logging)?;
     let fresh = bench.measure(&reality, &fresh_plans, &scale)?;
     let shows = fresh.reference.before > GAP_OVER_FLOOR[0] * fresh.reference.after;
     let lasts = !BOUND_TO_A_MOMENT.contains(&parts.0[0].name());
@@ -213,7 +216,7 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
     };
     Some(Case {
         recording,
-        fresh: bench.written_down(&fresh_plans, &fresh.logs, times, draw),
+        fresh: bench.recording_with_timing(&fresh_plans, &fresh.logs, times, draw),
         truth: Truth {
             seed: 0,
             case: 0,
@@ -231,7 +234,8 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
     })
 }
 
-/// Wrong times that change the prediction by no more than a small cause may, and by how much they do.
+/// Draws timing errors that change the prediction by no more than a small cause may. Returns them with the rms change that
+/// they cause.
 fn wrong_times(
     draw: &mut Draw,
     bench: &Bench,
@@ -247,7 +251,7 @@ fn wrong_times(
     let right = predict(logs);
     let seed = draw.seed();
     let size = |times: WrongTimes| {
-        let written = times.write_down_all(logs, &mut Draw::seeded(seed));
+        let written = times.apply_all(logs, &mut Draw::seeded(seed));
         prediction::difference(&right, &predict(&written))
     };
     let mut times = WrongTimes::draw(draw);
@@ -261,7 +265,7 @@ fn wrong_times(
     (WrongTimes::NONE, 0.0)
 }
 
-/// The truth: the dominant cause, and the others by size.
+/// The true causes: the dominant one first, then the others by decreasing size.
 fn effects(
     bench: &Bench,
     parts: &Parts,
@@ -291,7 +295,7 @@ fn effects(
             }
         })
         .collect();
-    // An input that acts late, or one that acts earlier than a stated delay says, is what a delay is.
+    // An input that acts later than its column says is a delay. So is one that acts earlier than a stated delay.
     let rows = times.apparent_delay_rows();
     let is_delay = rows > 0.0 || bench.plant.model.delay > 0.0;
     if is_delay && timing.share >= SMALL_SHARE[0] && effects.iter().all(|e| e.name != "delay") {

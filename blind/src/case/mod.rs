@@ -1,4 +1,4 @@
-//! One case: a device, what is hidden in it, and recordings that show it.
+//! Makes one case: a device, the causes hidden in it, and recordings that show them.
 
 mod amplitude;
 mod bench;
@@ -19,7 +19,7 @@ use crate::prediction::Restart;
 use crate::scenario::{Cause, Family, Hidden, Plan, Plant, VOCABULARY};
 use crate::session::{self, Logging};
 use crate::truth::{Kind, Truth};
-use amplitude::size_up;
+use amplitude::set_amplitudes;
 use bench::Bench;
 use logging::logging;
 use messy::Dominant;
@@ -27,51 +27,52 @@ pub(crate) use numbers::effect_of;
 pub use parts::SMALL_SHARE;
 use secret::Secret;
 use stated::{limit_input, narrow_travel, overstate, tolerance};
-use strength::{hide, order_pair};
+use strength::{adjust_strengths, order_pair};
 use timing::WrongTimes;
 pub use transfer::Transfer;
 
-/// The gap of what is hidden, in floors.
+/// Least and largest gap that the hidden causes make, over the floor.
 pub const GAP_OVER_FLOOR: [f64; 2] = [5.0, 100.0];
-/// Steps of the simulation of the truth per period of the motion.
+/// Steps per period of the motion in the simulation of the true device.
 const FINE_STEPS: f64 = 40_000.0;
-/// Devices drawn before giving up; a hundred in a row have never been needed.
+/// Number of devices drawn before a case is given up.
 const DEVICES: usize = 400;
 
-/// A recording, a fresh one of the same device under another excitation, and the truth.
+/// A recording, a second recording of the same device under another excitation, and the truth.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What the diagnosis sees.
+    /// The recording that the diagnosis reads.
     pub recording: Recording,
-    /// For judging what it claims.
+    /// The recording on which the claims of the diagnosis are tested.
     pub fresh: Recording,
-    /// The same device with another excitation, amplitude and load, where one was asked for and the device allows it.
+    /// A recording of the same device with another excitation, amplitude and load. `None` if it was not asked for or the
+    /// device does not allow it.
     pub transfer: Option<Transfer>,
-    /// What the scorer sees.
+    /// The truth, which only the scorer reads.
     pub truth: Truth,
 }
 
-/// Which kinds and names are drawn.
+/// Which kinds of cases and which effects are drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Mixture {
-    /// Only this effect, or it as the dominant cause; `None` is the default mixture.
+    /// The only effect to draw. In messy cases it is the dominant cause. `None` draws all effects.
     pub only: Option<String>,
-    /// Devices as real ones are: one dominant cause, several small ones, numbers that are off, wrong times.
+    /// If true, cases have one dominant cause, several small causes, wrong stated numbers and timing errors.
     pub messy: bool,
-    /// A third recording of each device, with another excitation, amplitude and load.
+    /// If true, each case has a third recording with another excitation, amplitude and load.
     pub transfer: bool,
 }
 
-/// No case could be made.
+/// Why a case could not be made.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum CaseError {
-    /// The effect is not one of the vocabulary.
+    /// The requested effect is not in the vocabulary.
     #[error("`{name}` is no effect; the names are: {}", VOCABULARY.join(", "))]
     UnknownEffect {
-        /// What was asked for.
+        /// The requested name.
         name: String,
     },
-    /// No draw satisfied the conditions.
+    /// No drawn device satisfied the conditions.
     #[error("no device was found for case {case} of seed {seed}; take another seed")]
     Exhausted {
         /// Seed of the set.
@@ -82,9 +83,11 @@ pub enum CaseError {
 }
 
 impl Case {
-    /// Case `case` of the set `seed`: the same for ever, whatever other cases are made.
+    /// Makes case number `case` of the set with seed `seed`. The result depends on these two numbers and on `mixture` only,
+    /// not on which other cases are made.
     ///
     /// # Errors
+    ///
     /// [`CaseError`].
     pub fn make(seed: u64, case: u64, mixture: &Mixture) -> Result<Self, CaseError> {
         let mut draw = Draw::of_case(seed, case);
@@ -121,7 +124,7 @@ impl Case {
     }
 }
 
-/// The first device that suits.
+/// Draws devices until one satisfies the conditions of its kind.
 fn search(
     draw: &mut Draw,
     seed: u64,
@@ -147,7 +150,7 @@ fn draw_kind(draw: &mut Draw) -> Kind {
     }
 }
 
-/// Effects that cover each other by nature.
+/// Pairs of effects that cannot be separated in principle.
 const ALIKE: [[&str; 2]; 12] = [
     ["torque_gain", "inertia"],
     ["torque_gain", "sensor_gain"],
@@ -163,7 +166,7 @@ const ALIKE: [[&str; 2]; 12] = [
     ["backlash", "compliance"],
 ];
 
-/// Whether two effects are the same or cover each other by nature.
+/// Returns true if the two effects are equal or cannot be separated in principle.
 pub fn alike(a: &str, b: &str) -> bool {
     a == b
         || ALIKE
@@ -171,7 +174,7 @@ pub fn alike(a: &str, b: &str) -> bool {
             .any(|pair| pair.contains(&a) && pair.contains(&b))
 }
 
-/// Two effects that are not alike.
+/// Draws two effects that can be separated.
 fn pair(draw: &mut Draw) -> Vec<&'static str> {
     loop {
         let pair = [draw.pick(&VOCABULARY), draw.pick(&VOCABULARY)];
@@ -181,7 +184,7 @@ fn pair(draw: &mut Draw) -> Vec<&'static str> {
     }
 }
 
-/// Effects for which a second, good sensor of the same position says something.
+/// Effects that a second, unaffected sensor of the same position helps to identify.
 const SENSING: [&str; 5] = [
     "sensor_gain",
     "sensor_nonlinearity",
@@ -189,17 +192,17 @@ const SENSING: [&str; 5] = [
     "sensor_lag",
     "lost_counts",
 ];
-/// Effects that are over when the recording is.
+/// Effects that act during part of one recording only, so that another recording does not show them.
 const BOUND_TO_A_MOMENT: [&str; 3] = ["contact", "push", "lost_counts"];
 
-/// Whether motor and load are not at one place.
+/// Returns true if an effect needs separate motor and load inertias.
 fn two_sided(names: &[&str]) -> bool {
     ["backlash", "compliance"]
         .iter()
         .any(|name| names.contains(name))
 }
 
-/// How predictions restart on `plant`; `wide` for a fit over more samples than usual.
+/// How predictions on `plant` restart. With `wide`, the fit uses more samples than usual.
 fn restart(plant: &Plant, logging: &Logging, wide: bool) -> Restart {
     Restart {
         horizon_s: plant.horizon_s,
@@ -226,7 +229,7 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str], transfers: bool)
     overstate(draw, &mut plant, &secrets);
     let logging = logging(draw, &plant, has(&SENSING), two_sided(names));
     let mut plans = Plan::session(draw, &plant);
-    let scale = size_up(&mut plans, &plant, &logging)?;
+    let scale = set_amplitudes(&mut plans, &plant, &logging)?;
     limit_input(draw, &mut plant, &scale, &secrets);
     narrow_travel(draw, &mut plant, &scale, &secrets);
     let tolerance = tolerance(draw, &plant, &secrets);
@@ -244,13 +247,13 @@ fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str], transfers: bool)
     };
 
     let wanted = draw.log_uniform(GAP_OVER_FLOOR[0] * 1.3, GAP_OVER_FLOOR[1] * 0.8);
-    let (reality, measured) = hide(&bench, &mut secrets, &plans, &scale, wanted)?;
+    let (reality, measured) = adjust_strengths(&bench, &mut secrets, &plans, &scale, wanted)?;
     if kind == Kind::Pair {
         order_pair(&bench, &mut secrets, &measured, &scale)?;
     }
 
     let mut fresh_plans = Plan::session(draw, &bench.plant);
-    size_up(&mut fresh_plans, &bench.plant, &bench.logging)?;
+    set_amplitudes(&mut fresh_plans, &bench.plant, &bench.logging)?;
     let fresh = bench.measure(&reality, &fresh_plans, &scale)?;
     let shows = fresh.reference.hidden_alone > GAP_OVER_FLOOR[0] * fresh.reference.after;
     let lasts = !has(&BOUND_TO_A_MOMENT);

@@ -1,4 +1,4 @@
-//! Stated numbers that are off, and what is stated about how well they are known.
+//! Draws wrong stated numbers and the tolerances that the manifest states for them.
 
 use recording::{Model, Tolerance};
 
@@ -6,20 +6,21 @@ use super::alike;
 use super::stated::USUAL_TOLERANCES;
 use crate::draw::Draw;
 
-/// A stated number is off by at most this share of its true value.
+/// Largest relative error of a stated number.
 pub(super) const MOST_OFF: f64 = 0.3;
-/// One that is the dominant cause is off by at least this share.
+/// Least relative error of a stated number that is the dominant cause.
 const DOMINANT_OFF: f64 = 0.15;
-/// Share of the recordings on which only `ratio` is off: with others it would cancel them, for it scales them all.
+/// Probability that `ratio` is the only wrong number. It scales all torques, so it could cancel the errors of other numbers.
 const RATIO_ALONE: f64 = 0.2;
-/// Share of the other numbers that are off.
+/// Probability that any other number is wrong.
 const OFF: f64 = 0.5;
-/// Share of the recordings that state tolerances, and of a number's error over its tolerance: of a plausible statement.
+/// Probability that a recording states tolerances.
 const STATED: f64 = 0.5;
+/// Least and largest error of a wrong number over its stated tolerance.
 const ERROR_OVER_TOLERANCE: [f64; 2] = [0.5, 2.0];
 const LEAST_TOLERANCE: f64 = 0.005;
 
-/// The numbers of a model that can be off, each with the name of the effect that it is.
+/// The model numbers that can be wrong, each with the name of the effect that its error equals.
 const NUMBERS: [(&str, &str); 6] = [
     ("inertia", "inertia"),
     ("viscous", "viscous"),
@@ -29,23 +30,23 @@ const NUMBERS: [(&str, &str); 6] = [
     ("ratio", "torque_gain"),
 ];
 
-/// The name of the effect that a wrong `number` is.
+/// The name of the effect that an error of `number` equals.
 pub(crate) fn effect_of(number: &str) -> Option<&'static str> {
     let found = NUMBERS.iter().find(|(name, _)| *name == number);
     found.map(|(_, effect)| *effect)
 }
 
-/// One number that is off.
+/// One stated number that is wrong.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct OffNumber {
+pub(super) struct WrongNumber {
     pub number: &'static str,
     pub effect: &'static str,
-    /// Stated over true value, less 1.
+    /// Relative error: stated over true value, less 1.
     pub relative: f64,
 }
 
-impl OffNumber {
-    /// States the number wrong in `model`.
+impl WrongNumber {
+    /// Writes the wrong value into `model`.
     pub fn misstate(&self, model: &mut Model) {
         if let Some(value) = model.get(self.number) {
             let _ = model.set(self.number, value * (1.0 + self.relative));
@@ -53,14 +54,14 @@ impl OffNumber {
     }
 }
 
-/// Those that `model` has.
+/// The numbers of [`NUMBERS`] that are not zero in `model`.
 fn of(model: &Model) -> impl Iterator<Item = (&'static str, &'static str)> {
     let there = |name: &str| model.get(name).is_some_and(|value| value != 0.0);
     NUMBERS.into_iter().filter(move |(name, _)| there(name))
 }
 
-/// The number that is the dominant cause; `None` if each of them is hidden already.
-pub(super) fn dominant(draw: &mut Draw, model: &Model, hidden: &[&str]) -> Option<OffNumber> {
+/// Draws the wrong number that is the dominant cause. Returns `None` if none can be separated from the hidden effects.
+pub(super) fn dominant(draw: &mut Draw, model: &Model, hidden: &[&str]) -> Option<WrongNumber> {
     let free: Vec<_> = of(model)
         .filter(|(_, effect)| !hidden.iter().any(|name| alike(name, effect)))
         .collect();
@@ -69,20 +70,20 @@ pub(super) fn dominant(draw: &mut Draw, model: &Model, hidden: &[&str]) -> Optio
     }
     let (number, effect) = draw.pick(&free);
     let relative = draw.sign() * draw.uniform(DOMINANT_OFF, MOST_OFF);
-    Some(OffNumber {
+    Some(WrongNumber {
         number,
         effect,
         relative,
     })
 }
 
-/// Numbers that are off beside the `dominant` cause: none that is alike to it or hidden itself.
-pub(super) fn beside(
+/// Draws the wrong numbers of less weight. None of them is a hidden effect or inseparable from the dominant cause.
+pub(super) fn minor(
     draw: &mut Draw,
     model: &Model,
     dominant: &str,
     hidden: &[&str],
-) -> Vec<OffNumber> {
+) -> Vec<WrongNumber> {
     let ratio_alone = draw.chance(RATIO_ALONE);
     of(model)
         .filter_map(|(number, effect)| {
@@ -92,7 +93,7 @@ pub(super) fn beside(
             };
             let relative = draw.uniform(-MOST_OFF, MOST_OFF);
             let free = !hidden.contains(&effect) && !alike(dominant, effect);
-            (is_off && free).then_some(OffNumber {
+            (is_off && free).then_some(WrongNumber {
                 number,
                 effect,
                 relative,
@@ -101,9 +102,9 @@ pub(super) fn beside(
         .collect()
 }
 
-/// What is stated about the numbers: of one that is off what its error makes plausible, of the others the usual. Some users
-/// state nothing.
-pub(super) fn tolerance(draw: &mut Draw, model: &Model, off: &[OffNumber]) -> Tolerance {
+/// Draws the stated tolerances. The tolerance of a wrong number is of the order of its error. Other numbers have usual
+/// tolerances. Some recordings state none.
+pub(super) fn tolerance(draw: &mut Draw, model: &Model, off: &[WrongNumber]) -> Tolerance {
     let mut tolerance = Tolerance::default();
     let stated = draw.chance(STATED);
     for (name, low, high) in USUAL_TOLERANCES {
@@ -112,7 +113,7 @@ pub(super) fn tolerance(draw: &mut Draw, model: &Model, off: &[OffNumber]) -> To
         let over = draw.log_uniform(least, most);
         let is_off = off.iter().find(|off| off.number == name);
         let relative = is_off.map_or(usual, |off| {
-            // Of the stated value, by the format.
+            // The format states tolerances relative to the stated value.
             let error = (off.relative / (1.0 + off.relative)).abs();
             (error / over).max(LEAST_TOLERANCE)
         });

@@ -1,52 +1,54 @@
-//! All causes of a messy case, and their sizes: each is made as large as its role wants, by simulation with and without it.
+//! Adjusts the sizes of all causes of a messy case. The size of a cause is the rms difference between predictions with and
+//! without it.
 
 use recording::Model;
 
 use super::GAP_OVER_FLOOR;
 use super::bench::{Bench, Measured};
 use super::messy::SMALL_CAUSES;
-use super::numbers::{MOST_OFF, OffNumber};
+use super::numbers::{MOST_OFF, WrongNumber};
 use super::secret::Secret;
 use crate::prediction::{self, HiddenStates};
 use crate::reality::Reality;
 use crate::scenario::{Plan, Scale};
 use crate::session::Log;
 
-/// The rms change of the prediction that a small cause makes, over that of the dominant one.
+/// Least and largest size of a small cause over the size of the dominant one.
 pub const SMALL_SHARE: [f64; 2] = [0.05, 0.25];
-/// A number that is off beside the dominant cause changes the prediction by at most this share of what that one does.
+/// Largest size of a wrong number over the size of the dominant cause, if the number is not itself dominant.
 const MOST_NUMBER_SHARE: f64 = 0.5;
-/// Rounds of adjustments; after so many, causes that stay too small or too large are left out.
+/// Largest number of adjustment rounds.
 const ROUNDS: usize = 12;
+/// After this many rounds, small causes that are still out of range are dropped.
 const ROUNDS_WITH_ALL: usize = 7;
 
 /// One cause of the gap.
 #[derive(Clone, Debug)]
 pub(super) enum Source {
     Hidden(Secret),
-    Number(OffNumber),
+    Number(WrongNumber),
 }
 
-/// A cause, and how large it should be.
+/// A cause with its target size.
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub cause: Source,
     pub role: Role,
 }
 
-/// How large a cause should be.
+/// The role of a cause, which sets its target size.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Role {
-    /// This many floors.
+    /// The dominant cause, with its target size over the floor.
     Dominant(f64),
-    /// This share of the dominant one.
+    /// A small cause, with its target size over the size of the dominant cause.
     Small(f64),
-    /// At most half the dominant one.
+    /// A wrong stated number: at most [`MOST_NUMBER_SHARE`] of the size of the dominant cause.
     Number,
 }
 
 impl Part {
-    /// Its name, or that of the effect which a wrong number is.
+    /// The name of the effect. A wrong number has the name of the effect that its error equals.
     pub fn name(&self) -> &'static str {
         match &self.cause {
             Source::Hidden(secret) => secret.name(),
@@ -58,7 +60,7 @@ impl Part {
         matches!(self.role, Role::Small(_))
     }
 
-    /// Makes the cause larger or smaller; `false` if it is at the end of its range.
+    /// Multiplies the strength by `factor`, limited to its range. Returns `false` if it does not change.
     fn scale_by(&mut self, factor: f64) -> bool {
         match &mut self.cause {
             Source::Hidden(secret) => secret.scale_by(factor),
@@ -76,7 +78,7 @@ impl Part {
 pub(super) struct Parts(pub Vec<Part>);
 
 impl Parts {
-    /// The device, but for the cause `without`: one that is hidden is not there, a number is as it is stated.
+    /// The device without the cause `without`: a hidden effect is left out, and a wrong number takes its stated value.
     fn reality(&self, true_model: &Model, scale: &Scale, without: Option<usize>) -> Reality {
         let mut model = *true_model;
         if let Some(Part {
@@ -88,13 +90,13 @@ impl Parts {
         }
         let mut reality = Reality::plain(&model);
         let hidden = self.0.iter().enumerate().filter_map(|(k, part)| {
-            let there = Some(k) != without;
+            let is_present = Some(k) != without;
             match &part.cause {
-                Source::Hidden(secret) if there => Some(secret),
+                Source::Hidden(secret) if is_present => Some(secret),
                 _ => None,
             }
         });
-        // Coulomb friction sets the level that other effects of friction start from.
+        // Coulomb friction is applied first: other friction effects scale its level.
         let (levels, others): (Vec<_>, Vec<_>) =
             hidden.partition(|secret| secret.name() == "coulomb");
         for secret in levels.into_iter().chain(others) {
@@ -103,7 +105,7 @@ impl Parts {
         reality
     }
 
-    /// The model as it is stated.
+    /// The model with the stated numbers, right and wrong.
     pub fn nominal(&self, true_model: &Model) -> Model {
         let mut model = *true_model;
         for off in self.off() {
@@ -112,8 +114,8 @@ impl Parts {
         model
     }
 
-    /// The numbers that are off.
-    pub fn off(&self) -> impl Iterator<Item = &OffNumber> {
+    /// The wrong numbers among the causes.
+    pub fn off(&self) -> impl Iterator<Item = &WrongNumber> {
         self.0.iter().filter_map(|part| match &part.cause {
             Source::Number(off) => Some(off),
             Source::Hidden(_) => None,
@@ -124,7 +126,7 @@ impl Parts {
         self.0.iter().filter(|part| part.is_small()).count()
     }
 
-    /// The rms change of the prediction that each cause makes, in units of position.
+    /// The size of each cause, in units of position.
     fn sizes(&self, bench: &Bench, scale: &Scale, logs: &[Log]) -> Vec<f64> {
         let predict = |without| {
             let reality = self.reality(&bench.plant.model, scale, without);
@@ -140,7 +142,7 @@ impl Parts {
     }
 }
 
-/// A device that was carried out with all its causes at their sizes.
+/// The simulated device after all causes have reached their target sizes.
 pub(super) struct Settled {
     pub reality: Reality,
     pub measured: Measured,
@@ -148,7 +150,7 @@ pub(super) struct Settled {
     pub sizes: Vec<f64>,
 }
 
-/// Adjusts all causes until each is as large as its role wants; `None` if they cannot be.
+/// Adjusts all causes until each has a size that its role allows. Returns `None` if one cannot reach it.
 pub(super) fn settle(
     bench: &mut Bench,
     parts: &mut Parts,

@@ -1,12 +1,12 @@
-//! What is hidden, whichever kind it is of.
+//! A hidden cause, within or outside the vocabulary.
 
 use crate::reality::Reality;
 use crate::scenario::{Cause, Hidden, Scale};
 use crate::truth::Effect;
 
-/// Least strength of a small cause over the least one of a cause that stands alone. What is stiffer the weaker it is keeps
-/// within what the steps of the simulation resolve.
+/// Least strength of a small cause over the least strength of a cause that acts alone.
 const WEAKEST: f64 = 0.02;
+/// The same ratio for causes that become stiffer with smaller strength. The time steps must still resolve them.
 const STIFF_WEAKEST: f64 = 0.3;
 
 /// An effect of the vocabulary, or a cause outside it.
@@ -24,7 +24,7 @@ impl Secret {
         }
     }
 
-    /// Multiplies the strength by `factor`; `false` if that hits the end of its range.
+    /// Multiplies the strength by `factor`, limited to its range. Returns `false` if it does not change.
     pub(super) fn scale_by(&mut self, factor: f64) -> bool {
         let (strength, [low, high]) = match self {
             Self::Known(hidden) => (&mut hidden.strength, hidden.range),
@@ -35,7 +35,7 @@ impl Secret {
         (*strength / before - 1.0).abs() > 0.01
     }
 
-    /// Lets the strength fall far below its usual range, and starts it at the weak end of that.
+    /// Extends the range to lower strengths and sets the strength to the former lower end.
     pub(super) fn weaken(&mut self) {
         let (name, strength, range) = match self {
             Self::Known(hidden) => (hidden.name, &mut hidden.strength, &mut hidden.range),
@@ -48,7 +48,7 @@ impl Secret {
         };
     }
 
-    /// Its name, whether of the vocabulary or not.
+    /// The name of the cause.
     pub(super) fn name(&self) -> &'static str {
         match self {
             Self::Known(hidden) => hidden.name,

@@ -1,4 +1,4 @@
-//! What is stated about a device: a limit of its input, times of its torque, its travel, and the tolerances of its numbers.
+//! Draws what the manifest states: input limit, lag, delay, travel and tolerances.
 
 use std::f64::consts::TAU;
 
@@ -10,11 +10,12 @@ use crate::scenario::{Hidden, OVERSTATED_LIMITS, Plant, Scale};
 
 /// Overstated lags and delays over the time constant of the motion.
 const OVERSTATED_TIMES: [f64; 2] = [0.05, 0.4];
-/// Share of the way to either side at which stops are stated, and how far the torque of the motion presses those in, likewise.
+/// Distance of an overstated stop from the middle, over the half span of the motion.
 const OVERSTATED_STOPS: [f64; 2] = [0.5, 0.9];
+/// Penetration of a stated stop under the torque of the motion, over the half span.
 const PRESSED: f64 = 0.02;
 
-/// Numbers of a model with the least and the largest relative tolerance that is usual for them.
+/// Model numbers with the least and the largest relative tolerance that is usual for each.
 pub(super) const USUAL_TOLERANCES: [(&str, f64, f64); 6] = [
     ("inertia", 0.005, 0.03),
     ("viscous", 0.05, 0.3),
@@ -24,7 +25,7 @@ pub(super) const USUAL_TOLERANCES: [(&str, f64, f64); 6] = [
     ("ratio", 0.003, 0.02),
 ];
 
-/// States lags and delays that the device has not, or not so long.
+/// States a lag or delay that the device does not have or that is too long, if that is the hidden effect.
 pub(super) fn overstate(draw: &mut Draw, plant: &mut Plant, secrets: &[Secret]) {
     for name in overstated(secrets) {
         let [low, high] = OVERSTATED_TIMES;
@@ -42,7 +43,7 @@ fn overstated(secrets: &[Secret]) -> impl Iterator<Item = &'static str> {
     overstated.map(|hidden| hidden.name)
 }
 
-/// Those of the vocabulary.
+/// The hidden effects that belong to the vocabulary.
 fn known(secrets: &[Secret]) -> impl Iterator<Item = &Hidden> {
     secrets.iter().filter_map(|secret| match secret {
         Secret::Known(hidden) => Some(hidden),
@@ -50,7 +51,7 @@ fn known(secrets: &[Secret]) -> impl Iterator<Item = &Hidden> {
     })
 }
 
-/// States stops that the device passes.
+/// States stops inside the true travel, if that is the hidden effect.
 pub(super) fn narrow_travel(draw: &mut Draw, plant: &mut Plant, scale: &Scale, secrets: &[Secret]) {
     if overstated(secrets).any(|name| name == "end_stop") {
         let [low, high] = OVERSTATED_STOPS;
@@ -60,7 +61,8 @@ pub(super) fn narrow_travel(draw: &mut Draw, plant: &mut Plant, scale: &Scale, s
     }
 }
 
-/// States a limit of the input on some devices, mostly one that is never met; on all where it is too low.
+/// States an input limit on some devices. It is too low if that is the hidden effect. Otherwise most motions do not reach
+/// it.
 pub(super) fn limit_input(draw: &mut Draw, plant: &mut Plant, scale: &Scale, secrets: &[Secret]) {
     let is_low = overstated(secrets).any(|name| name == "saturation");
     if is_low || draw.chance(0.5) {
@@ -77,7 +79,7 @@ pub(super) fn limit_input(draw: &mut Draw, plant: &mut Plant, scale: &Scale, sec
     }
 }
 
-/// What is stated about the nominal numbers.
+/// Draws the stated tolerances of the nominal numbers.
 pub(super) fn tolerance(draw: &mut Draw, plant: &Plant, secrets: &[Secret]) -> Tolerance {
     let mut tolerance = Tolerance::default();
     if !draw.chance(0.6) {
@@ -86,7 +88,7 @@ pub(super) fn tolerance(draw: &mut Draw, plant: &Plant, secrets: &[Secret]) -> T
     for (name, low, high) in USUAL_TOLERANCES {
         let relative = draw.log_uniform(low, high);
         let touched = known(secrets).any(|hidden| hidden.touches().contains(&name));
-        // What is hidden in a number must lie far outside what is stated about it.
+        // A number that a hidden effect changes gets a small tolerance, so that the change lies far outside it.
         let relative = if touched { low } else { relative };
         if plant.model.get(name).is_some_and(|value| value != 0.0) && draw.chance(0.8) {
             tolerance.set(name, (relative * 1e4).round() / 1e4);

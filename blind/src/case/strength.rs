@@ -1,4 +1,4 @@
-//! How strong what is hidden is, so that the gap is as large as it should be.
+//! Adjusts the strength of the hidden effects until the gap has the wanted size.
 
 use super::GAP_OVER_FLOOR;
 use super::bench::{Bench, Measured};
@@ -8,14 +8,14 @@ use crate::reality::Reality;
 use crate::scenario::{Plan, Scale};
 use crate::truth::Reference;
 
-/// What is hidden must outweigh the tolerances by this.
+/// Least gap of the hidden effects over the gap that the tolerances cause.
 const OVER_TOLERANCES: f64 = 3.0;
-/// Each of a pair must show at least this many floors by itself.
+/// Least gap that each effect of a pair causes by itself, over the floor.
 const PAIR_SHARE_OVER_FLOOR: f64 = 3.0;
 const ADJUSTMENTS: usize = 6;
 
-/// Adjusts the strengths until the gap is about `wanted` floors; `None` if it stays out of range.
-pub(super) fn hide(
+/// Adjusts the strengths until the gap is about `wanted` floors. Returns `None` if it stays out of range.
+pub(super) fn adjust_strengths(
     bench: &Bench,
     secrets: &mut [Secret],
     plans: &[Plan],
@@ -68,7 +68,7 @@ pub(super) fn hide(
     None
 }
 
-/// Puts the effect that contributes more first; `None` if one of them hardly shows.
+/// Puts the effect that contributes more to the gap first. Returns `None` if one of them contributes too little.
 pub(super) fn order_pair(
     bench: &Bench,
     secrets: &mut [Secret],

@@ -1,33 +1,34 @@
-//! Wrong times: the input column ahead of or behind the position column, read at an instant instead of averaged, and rows
-//! whose logged times are not those at which they were taken.
+//! Timing errors of a log. The input column is shifted against the position column. The input is sampled at an instant
+//! instead of averaged over the row. Logged times differ from the true sampling times.
 
 use recording::Recording;
 
 use crate::draw::Draw;
 use crate::session::{Log, round_input};
 
-/// The input column is ahead of or behind the position column by up to this many rows.
+/// Largest shift of the input column against the position column, in rows.
 const MOST_OFFSET_ROWS: f64 = 0.5;
-/// Standard deviation of the errors of logged times, in rows.
+/// Least and largest standard deviation of the errors of logged times, in rows.
 const STAMP_STD_ROWS: [f64; 2] = [0.005, 0.1];
-/// An error of a logged time is at most this many standard deviations.
+/// Largest error of a logged time, in standard deviations.
 const MOST_DEVIATIONS: f64 = 3.0;
-/// Two logged times are apart by at least this share of what they should be.
+/// Least difference of two successive logged times, over the true difference.
 const LEAST_PERIOD: f64 = 0.1;
 
-/// Share of the users who say that input and position may be apart, and the true distance over what they say.
+/// Probability that the manifest states an uncertainty of the shift.
 const STATED: f64 = 0.3;
+/// Least and largest true shift over the stated uncertainty.
 const TRUE_OVER_STATED: [f64; 2] = [0.5, 2.0];
-/// The least that they say, in rows.
+/// Least uncertainty that is stated, in rows.
 const LEAST_STATED_ROWS: f64 = 0.05;
 
-/// How a log's times are wrong.
+/// The timing errors of a log.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WrongTimes {
     pub offset_rows: f64,
     pub point_sampled: bool,
     pub stamp_std_rows: f64,
-    /// What the manifest says about the distance of input and position, in rows; 0 where it says nothing.
+    /// Standard deviation of the shift that the manifest states, in rows. 0 if it states none.
     pub stated_std_rows: f64,
 }
 
@@ -48,18 +49,18 @@ impl WrongTimes {
         }
     }
 
-    /// The same, with what some users say about it.
+    /// Adds the stated uncertainty, which some manifests have and others have not.
     pub fn stated(self, draw: &mut Draw) -> Self {
         let over = draw.log_uniform(TRUE_OVER_STATED[0], TRUE_OVER_STATED[1]);
-        let says = draw.chance(STATED);
+        let states = draw.chance(STATED);
         let distance_rows = (self.apparent_delay_rows().abs() / over).max(LEAST_STATED_ROWS);
         Self {
-            stated_std_rows: if says { distance_rows } else { 0.0 },
+            stated_std_rows: if states { distance_rows } else { 0.0 },
             ..self
         }
     }
 
-    /// Says it in a manifest, of rows `row_s` apart.
+    /// Writes the stated uncertainty into the manifest. `row_s` is the period of the rows, s.
     pub fn state(self, recording: &mut Recording, row_s: f64) {
         let std_s = (self.stated_std_rows * row_s * 1e7).round() / 1e7;
         for run in &mut recording.runs {
@@ -67,7 +68,7 @@ impl WrongTimes {
         }
     }
 
-    /// The same, less wrong: half the errors, and after that an input that is averaged.
+    /// Halves the errors. Once they are small, the input is averaged instead of sampled.
     pub fn milder(self) -> Self {
         if self.offset_rows.abs() < 0.02 && self.stamp_std_rows < STAMP_STD_ROWS[0] {
             return Self {
@@ -82,17 +83,17 @@ impl WrongTimes {
         }
     }
 
-    /// By how many rows the device seems to answer later than the columns say. Nothing tells this from a delay.
+    /// Apparent delay of the device in rows. No data can separate it from a true delay.
     pub fn apparent_delay_rows(self) -> f64 {
         self.offset_rows - if self.point_sampled { 0.5 } else { 0.0 }
     }
 
-    /// `logs` as they are written down.
-    pub fn write_down_all(self, logs: &[Log], draw: &mut Draw) -> Vec<Log> {
-        logs.iter().map(|log| self.write_down(log, draw)).collect()
+    /// The logs with these timing errors.
+    pub fn apply_all(self, logs: &[Log], draw: &mut Draw) -> Vec<Log> {
+        logs.iter().map(|log| self.apply(log, draw)).collect()
     }
 
-    fn write_down(self, log: &Log, draw: &mut Draw) -> Log {
+    fn apply(self, log: &Log, draw: &mut Draw) -> Log {
         let n = log.time_s.len();
         let end_of = |row: usize| log.time_s.get(row + 1).copied().unwrap_or(log.end_s);
         let usual_s = (log.end_s - log.time_s[0]) / n as f64;

@@ -1,38 +1,42 @@
-//! The same device with another load, driven otherwise: does a model that was found on one recording hold there?
+//! Makes a recording of the same device with another load and another excitation. It tests whether a corrected model holds
+//! there.
 
 use recording::Recording;
 
 use super::GAP_OVER_FLOOR;
-use super::amplitude::size_up;
+use super::amplitude::set_amplitudes;
 use super::bench::Bench;
 use super::timing::WrongTimes;
 use crate::draw::Draw;
 use crate::reality::Reality;
 use crate::scenario::{Family, Plan};
 
-/// The load that is added, over the device's inertia.
+/// Least and largest added inertia over the inertia of the device.
 const LOADS: [f64; 2] = [0.2, 0.8];
-/// Amplitude and frequency of the other excitation over those of the first, up or down.
+/// Ranges of the new amplitude over the old one.
 const AMPLITUDES: [[f64; 2]; 2] = [[0.4, 0.7], [1.3, 1.8]];
+/// Ranges of the new frequency over the old one.
 const FREQUENCIES: [[f64; 2]; 2] = [[0.5, 0.75], [1.35, 1.8]];
-/// Largest amplitude, of the way to a hard stop and of a rotary axis in rad.
+/// Largest amplitude over the distance to the nearer hard stop.
 const MOST_OF_TRAVEL: f64 = 0.85;
+/// Largest amplitude of a rotary axis, rad.
 const MOST_RAD: f64 = 2.0;
-/// Excitations drawn before a device is left without such a recording.
+/// Number of excitations drawn before the transfer recording is left out.
 const TRIES: usize = 8;
 
 /// A recording of the same device with another excitation, amplitude and load.
 #[derive(Clone, Debug)]
 pub struct Transfer {
-    /// Its manifest states the inertia with the load.
+    /// The recording. Its manifest states the inertia including the load.
     pub recording: Recording,
-    /// What the load adds to the inertia, known to everybody.
+    /// Inertia that the load adds. The scorer adds it to the corrected model.
     pub load_inertia: f64,
-    /// Gap of the true model with its hidden states known, in units of position; `None` where the nominal model hardly fails.
+    /// Gap of the true model with known hidden states, in units of position. `None` if the gap of the nominal model is too
+    /// small to judge.
     pub floor: Option<f64>,
 }
 
-/// The device `reality` that was on `bench`, with another load and another excitation; `None` if none suits it.
+/// Records the device `reality` of `bench` with another load and excitation. Returns `None` if no drawn excitation suits it.
 pub(super) fn transfer(
     draw: &mut Draw,
     bench: &Bench,
@@ -76,7 +80,7 @@ fn attempt(
     let mut logging = bench.logging.clone();
     logging.step_s *= bench.plant.motion_hz / plant.motion_hz;
     let mut plans = Plan::session(draw, &plant);
-    let scale = size_up(&mut plans, &plant, &logging)?;
+    let scale = set_amplitudes(&mut plans, &plant, &logging)?;
     let bench = Bench {
         plant,
         nominal,
@@ -88,7 +92,7 @@ fn attempt(
     let measured = bench.measure(&loaded, &plans, &scale)?;
     let reference = measured.reference;
     Some(Transfer {
-        recording: bench.written_down(&plans, &measured.logs, times, draw),
+        recording: bench.recording_with_timing(&plans, &measured.logs, times, draw),
         load_inertia,
         floor: (reference.before > GAP_OVER_FLOOR[0] * reference.after).then_some(reference.after),
     })

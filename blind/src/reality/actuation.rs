@@ -1,9 +1,9 @@
-//! From the input to the torque at the joint.
+//! The actuator: from the input to the torque at the joint.
 
 use super::{Motion, relaxed};
 use recording::Model;
 
-/// What was commanded, held until the next entry.
+/// The commanded input as a step function: each value holds until the next entry.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct InputSeries {
     since_s: Vec<f64>,
@@ -15,20 +15,20 @@ impl InputSeries {
         Self { since_s, value }
     }
 
-    /// Commands `value` from `since_s` on; entries come in the order of time.
+    /// Sets the input to `value` from `since_s` on. Entries must come in the order of time.
     pub fn push(&mut self, since_s: f64, value: f64) {
         self.since_s.push(since_s);
         self.value.push(value);
     }
 
-    /// What is commanded at `time_s`, the first entry also before it; 0 without entries.
+    /// The input at `time_s`. Before the first entry it has the first value. Without entries it is 0.
     pub fn value_at(&self, time_s: f64) -> f64 {
         let next = self.since_s.partition_point(|since| *since <= time_s);
         let value = self.value.get(next.saturating_sub(1));
         value.copied().unwrap_or(0.0)
     }
 
-    /// The mean between two instants, the second of which is later.
+    /// The mean input from `from_s` to `to_s`. `to_s` must be later.
     pub fn mean(&self, from_s: f64, to_s: f64) -> f64 {
         let first = self.since_s.partition_point(|since| *since <= from_s);
         let last = self.since_s.partition_point(|since| *since < to_s);
@@ -41,7 +41,7 @@ impl InputSeries {
         impulse / (to_s - from_s)
     }
 
-    /// What is commanded at `time_s`; 0 before the first entry. `cursor` remembers the place between calls.
+    /// The input at `time_s`, 0 before the first entry. `cursor` keeps the index between calls.
     fn at(&self, time_s: f64, cursor: &mut usize) -> f64 {
         if *cursor > self.since_s.len() || (*cursor > 0 && self.since_s[*cursor - 1] > time_s) {
             *cursor = self.since_s.partition_point(|since| *since <= time_s);
@@ -57,26 +57,27 @@ impl InputSeries {
     }
 }
 
-/// The usual dead bands: what is left starts at zero, on either side from where that is, or at the edge with a jump.
+/// Dead bands. `Subtracted` reduces the magnitude by the width, separately on each side. `Gated` passes only inputs larger
+/// than the width, without reduction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Deadband {
     Subtracted { below: f64, above: f64 },
     Gated(f64),
 }
 
-/// What acts of an input is a curve of it, with nothing changed at the reference input.
+/// A nonlinear input characteristic. It leaves an input of the reference magnitude unchanged.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InputCurve {
-    /// Magnitude at which nothing is changed.
+    /// Magnitude of the input that stays unchanged.
     pub reference: f64,
     pub shape: InputShape,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum InputShape {
-    /// `U (u / U)^p`.
+    /// `U (u / U)^p` for the reference `U`.
     Power(f64),
-    /// Slope `1 + k` up to half of the reference, and `1 - k` beyond.
+    /// Slope `1 + k` up to half the reference, and `1 - k` above it.
     Bent(f64),
 }
 
@@ -91,15 +92,16 @@ impl InputCurve {
     }
 }
 
-/// Torque over position: `first sin(k x + phase) + second sin(2 k x + 2 phase)` and waves of further orders, N m.
+/// Torque as a function of position: `first sin(k x + phase) + second sin(2 k x + 2 phase)` plus two waves of other orders,
+/// N m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cogging {
     pub first: f64,
     pub second: f64,
-    /// rad per unit of position.
+    /// Wave number `k` of the first wave, rad per unit of position.
     pub wave_number: f64,
     pub phase_rad: f64,
-    /// Waves of other orders: torque, N m, and wave number over the first one's.
+    /// The two waves of other orders: amplitude in N m, and order, that is, wave number over `k`.
     pub further: [(f64, f64); 2],
 }
 
@@ -107,22 +109,22 @@ pub(crate) struct Cogging {
 pub(crate) struct Actuator {
     /// Joint torque per unit of input.
     pub ratio: f64,
-    /// Beyond this the input does not act; infinite for none.
+    /// Largest magnitude of the input that acts. Infinite if there is no limit.
     pub limit: f64,
-    /// Speed the way of the input at which the limit has fallen to nothing; infinite for none.
+    /// Speed at which the limit falls to zero, if the input acts along the motion. Infinite if the limit is constant.
     pub no_load: f64,
-    /// Width over which the limit rounds off, relative to it.
+    /// Width over which the limit is rounded, relative to the limit.
     pub knee: f64,
     pub deadband: Option<Deadband>,
     pub curve: Option<InputCurve>,
     pub delay_s: f64,
     pub lag_s: f64,
-    /// Of another lag behind that one.
+    /// Time constant of a second lag in series, s.
     pub further_lag_s: f64,
     /// Constant torque, N m.
     pub offset: f64,
     pub cogging: Option<Cogging>,
-    /// Fastest change of what acts of the input, per second; infinite for none.
+    /// Largest rate of the acting input, per second. Infinite if there is no limit.
     pub slew: f64,
 }
 
@@ -152,7 +154,7 @@ impl Actuator {
         }
     }
 
-    /// Torque in the middle of a step of `dt`, at the session's `time_s` and in a `motion`.
+    /// Torque in the middle of a step of `dt`, at `time_s` of the session, during `motion`.
     pub fn torque(
         &self,
         memory: &mut Memory,
@@ -161,8 +163,8 @@ impl Actuator {
         motion: Motion,
         dt: f64,
     ) -> f64 {
-        let told = input.at(time_s - self.delay_s, &mut memory.cursor);
-        let mut u = self.limited(told, motion.v);
+        let commanded = input.at(time_s - self.delay_s, &mut memory.cursor);
+        let mut u = self.limited(commanded, motion.v);
         u = match self.deadband {
             None => u,
             Some(Deadband::Subtracted { below, above }) => u - u.clamp(-below, above),
@@ -195,7 +197,7 @@ impl Actuator {
         if self.knee == 0.0 {
             return u.clamp(-self.limit, self.limit);
         }
-        // Smooth towards the limit from (1 - knee) of it on.
+        // Above (1 - knee) of the limit, the input approaches the limit smoothly.
         let linear = self.limit * (1.0 - self.knee);
         if u.abs() <= linear {
             return u;
@@ -205,7 +207,7 @@ impl Actuator {
     }
 }
 
-/// What a lag makes of a target over a step of `dt`, in the middle of it.
+/// Advances a first-order lag towards `target` by `dt`. Returns its value in the middle of the step.
 fn behind(lagged: &mut f64, target: f64, lag_s: f64, dt: f64) -> f64 {
     let before = *lagged;
     *lagged = relaxed(before, target, lag_s, dt);

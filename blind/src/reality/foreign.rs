@@ -1,10 +1,10 @@
-//! Causes outside the vocabulary: what a diagnosis must not explain away.
+//! Causes outside the vocabulary. A diagnosis must not give them a name.
 
 use std::f64::consts::TAU;
 
 use super::Motion;
 
-/// A stretch of the session.
+/// A time interval of the session.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Window {
     pub from_s: f64,
@@ -17,10 +17,11 @@ impl Window {
     }
 }
 
-/// A torque from nowhere.
+/// An external disturbance torque.
 #[derive(Clone, Debug)]
 pub(crate) enum Disturbance {
-    /// Band-limited noise, as a fixed table of values `every_s` seconds, inside `windows` only.
+    /// Band-limited noise: linear interpolation of `values`, which are `every_s` seconds apart. It acts inside `windows`
+    /// only.
     Noise {
         values: Vec<f64>,
         every_s: f64,
@@ -34,24 +35,25 @@ pub(crate) enum Disturbance {
     },
 }
 
-/// A spring whose far end creeps after it: torque `-stiffness * (x - anchor)`, the anchor follows in `time_s`.
+/// A spring with a relaxing anchor: torque `-stiffness * (x - anchor)`. The anchor follows the position with the time
+/// constant `time_s`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Creep {
     pub stiffness: f64,
     pub time_s: f64,
 }
 
-/// Nothing by default.
+/// All causes outside the vocabulary. By default none acts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Foreign {
     pub disturbance: Option<Disturbance>,
-    /// Inertia times `1 + amount * sin(2 pi hz t)`: amount, hz.
+    /// Inertia times `1 + amount * sin(2 pi hz t)`, as `(amount, hz)`.
     pub breathing_inertia: Option<(f64, f64)>,
-    /// Torque gain swings by this amount at this frequency.
+    /// Torque gain times `1 + amount * sin(2 pi hz t)`, as `(amount, hz)`.
     pub swinging_gain: Option<(f64, f64)>,
-    /// No torque at all inside these.
+    /// Intervals in which the actuator gives no torque.
     pub dropouts: Vec<Window>,
-    /// The base rocks: amplitude in rad, hz.
+    /// Sinusoidal tilt of the base: amplitude in rad and frequency in Hz.
     pub rocking: Option<(f64, f64)>,
     pub creep: Option<Creep>,
 }
@@ -62,7 +64,7 @@ pub(crate) struct Memory {
 }
 
 impl Foreign {
-    /// The factor on the actuator's torque.
+    /// The factor on the torque of the actuator.
     pub fn fade(&self, _memory: &mut Memory, time_s: f64, _dt: f64) -> f64 {
         if self.dropouts.iter().any(|window| window.holds(time_s)) {
             return 0.0;
@@ -71,7 +73,7 @@ impl Foreign {
             .map_or(1.0, |(amount, hz)| 1.0 + amount * (TAU * hz * time_s).sin())
     }
 
-    /// The torque from nowhere.
+    /// The disturbance torque and the torque of the creeping spring, N m.
     pub fn torque(&self, memory: &mut Memory, time_s: f64, motion: Motion, dt: f64) -> f64 {
         let mut torque = match &self.disturbance {
             None => 0.0,

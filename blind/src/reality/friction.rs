@@ -5,7 +5,7 @@ use recording::Model;
 
 use super::{Motion, REST};
 
-/// How the dry level changes over position, around 1: `1 + amount * shape`.
+/// How the Coulomb friction depends on position: its level is multiplied by `1 + amount * shape`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Profile {
     /// `amount * (x - at) / scale`
@@ -14,7 +14,7 @@ pub(crate) enum Profile {
     Quadratic { amount: f64, at: f64, scale: f64 },
     /// `amount * sin((x - at) / scale)`
     Wave { amount: f64, at: f64, scale: f64 },
-    /// `amount` at `at`, falling to nothing within `scale` like a cosine
+    /// `amount` at `at`, falling like a squared cosine to zero at the distance `scale`
     Spot { amount: f64, at: f64, scale: f64 },
 }
 
@@ -33,10 +33,10 @@ impl Profile {
     }
 }
 
-/// How the dry level changes over the session: towards `1 + amount`.
+/// How the Coulomb friction changes over the session: its level is multiplied by a factor that depends on time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum WarmUp {
-    /// Reached at `over_s`, and on at the same rate.
+    /// The factor `1 + amount` is reached at `over_s`. The change continues at the same rate.
     Linear {
         amount: f64,
         over_s: f64,
@@ -45,13 +45,13 @@ pub(crate) enum WarmUp {
         amount: f64,
         time_constant_s: f64,
     },
-    /// At `at_s`, over `within_s` to either side.
+    /// The factor changes to `1 + amount` around `at_s`, as a hyperbolic tangent of width `within_s`.
     Step {
         amount: f64,
         at_s: f64,
         within_s: f64,
     },
-    /// So much more at first, and gone in the end.
+    /// The factor starts at `1 + amount` and decays to 1.
     FromCold {
         amount: f64,
         time_constant_s: f64,
@@ -80,9 +80,9 @@ impl WarmUp {
     }
 }
 
-/// Presliding: bristles of `stiffness` (N m/rad) that bend before they slip, purely elastic below
-/// `elastic_share` of the deflection at which they slip (Dupont et al., "Single state elastoplastic friction models",
-/// 2002; with 0 it is the LuGre model, Canudas de Wit et al., 1995).
+/// Presliding: bristles of `stiffness` (N m/rad) that bend before they slip. They are purely elastic below `elastic_share`
+/// of the deflection at which they slip (Dupont et al., "Single state elastoplastic friction models", 2002). With an
+/// `elastic_share` of 0 it is the LuGre model (Canudas de Wit et al., 1995).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bristle {
     pub stiffness: f64,
@@ -92,12 +92,12 @@ pub(crate) struct Bristle {
 
 #[derive(Clone, Debug)]
 pub(crate) struct Friction {
-    /// Dry level while sliding in the positive and in the negative direction, N m.
+    /// Coulomb friction while sliding in the positive direction, N m. `backward` is that in the negative direction.
     pub forward: f64,
     pub backward: f64,
-    /// Level at rest over the sliding one.
+    /// Static over Coulomb friction.
     pub static_ratio: f64,
-    /// Velocity over which the level falls, and the power in `exp(-|v / vs|^power)`.
+    /// Stribeck velocity `vs`, and the exponent in `exp(-|v / vs|^power)`.
     pub stribeck_velocity: f64,
     pub stribeck_power: i32,
     pub viscous: f64,
@@ -105,11 +105,11 @@ pub(crate) struct Friction {
     pub quadratic: f64,
     pub profile: Option<Profile>,
     pub warm_up: Option<WarmUp>,
-    /// Further dry friction per unit of torque that the transmission carries.
+    /// Additional dry friction per unit of torque that the transmission carries.
     pub load_share: f64,
-    /// That where the load drives the motor, over that.
+    /// Factor on `load_share` where the load drives the motor.
     pub backdriven: f64,
-    /// Whether that is what gravity and springs pull, too.
+    /// If true, the carried torque includes that of gravity and springs.
     pub carries_all: bool,
     pub bristle: Option<Bristle>,
 }
@@ -120,7 +120,7 @@ pub(crate) struct Memory {
     deflection: f64,
 }
 
-/// The dry levels of the moment, N m.
+/// Dry friction in each direction at one instant, N m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Level {
     forward: f64,
@@ -146,7 +146,7 @@ impl Friction {
         }
     }
 
-    /// The dry levels for this motion under this torque that is carried.
+    /// The dry friction for this motion, carried torque and time.
     pub fn level(&self, motion: Motion, carried: f64, time_s: f64) -> Level {
         let mut factor = 1.0;
         if self.static_ratio != 1.0 {
@@ -172,7 +172,7 @@ impl Friction {
         }
     }
 
-    /// Velocity after `dt` under the torque `free` and this `share` of all friction, bristles included.
+    /// Velocity after a step of `dt` under the torque `free` and the given `share` of all friction, bristles included.
     #[expect(clippy::too_many_arguments)]
     pub fn resist(
         &self,
@@ -205,7 +205,7 @@ impl Friction {
                 ((bent - bristle.elastic_share) / (1.0 - bristle.elastic_share)).clamp(0.0, 1.0);
             0.5 + 0.5 * (std::f64::consts::PI * (share - 0.5)).sin()
         };
-        // Exact for constant velocity, so that any speed is stable.
+        // The exact solution for constant velocity is stable at any speed.
         memory.deflection = if sliding > 0.0 {
             let settled = v.signum() * slip / sliding;
             settled + (z - settled) * (-sliding * v.abs() * dt / slip).exp()
@@ -220,7 +220,8 @@ impl Friction {
         self.dragged(free - share * bent, v, inertia, share, dt)
     }
 
-    /// Velocity after `dt` under `free`, set-valued dry friction projected out.
+    /// Velocity after a step of `dt` under `free`, with set-valued dry friction. It is zero where the friction can stop the
+    /// motion within the step.
     pub fn project(
         &self,
         free: f64,
@@ -242,7 +243,8 @@ impl Friction {
         }
     }
 
-    /// Velocity after `dt` under `free` and drag: viscous by the trapezoidal rule, quadratic explicit.
+    /// Velocity after a step of `dt` under `free` and drag. Viscous friction uses the trapezoidal rule, quadratic drag is
+    /// explicit.
     fn dragged(&self, free: f64, v: f64, inertia: f64, share: f64, dt: f64) -> f64 {
         let half = 0.5 * share * self.viscous * dt / inertia;
         let drag = if v.abs() > REST {

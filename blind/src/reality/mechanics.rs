@@ -1,4 +1,4 @@
-//! Inertias, what pulls on them, and what holds them together.
+//! Inertias, gravity, springs, stops and the transmission.
 
 use recording::Model;
 
@@ -14,7 +14,7 @@ pub(crate) struct Stop {
 }
 
 impl Stop {
-    /// Torque: pushes, never pulls.
+    /// Torque of the stop. It pushes and never pulls.
     pub fn torque(&self, motion: Motion) -> f64 {
         let depth = self.side * (motion.x - self.at);
         if depth <= 0.0 {
@@ -31,21 +31,21 @@ pub(crate) enum Side {
     Load,
 }
 
-/// A transmission that is not rigid: play of `half_gap` (0 for none) in series with a spring and damper.
+/// A compliant transmission: backlash of `half_gap` (0 for none) in series with a spring and a damper.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coupling {
     pub half_gap: f64,
     pub stiffness: f64,
     pub damping: f64,
-    /// Share of the inertia on the motor's side.
+    /// Inertia on the motor side over the whole inertia.
     pub motor_share: f64,
-    /// Share of the friction on the motor's side.
+    /// Friction on the motor side over the whole friction.
     pub motor_friction: f64,
     pub sensor: Side,
 }
 
 impl Coupling {
-    /// Torque from the motor's side on the load's.
+    /// Torque from the motor side on the load side.
     pub fn torque(&self, motor: Motion, load: Motion) -> f64 {
         let twist = motor.x - load.x;
         let wind = twist - twist.clamp(-self.half_gap, self.half_gap);
@@ -53,7 +53,7 @@ impl Coupling {
             return 0.0;
         }
         let torque = self.stiffness * wind + self.damping * (motor.v - load.v);
-        // Flanks with play push only.
+        // With backlash, a flank can push but not pull.
         if self.half_gap > 0.0 && torque * wind < 0.0 {
             0.0
         } else {
@@ -64,13 +64,13 @@ impl Coupling {
 
 #[derive(Clone, Debug)]
 pub(crate) struct Mechanics {
-    /// Motor and load together.
+    /// Sum of motor and load inertia.
     pub inertia: f64,
     pub gravity: f64,
     pub gravity_zero: f64,
     pub stiffness: f64,
     pub stiffness_zero: f64,
-    /// Share by which the spring pulls more the square of a unit away from there.
+    /// Relative increase of the spring torque per squared unit of deflection.
     pub hardening: f64,
     pub stops: Vec<Stop>,
     pub coupling: Option<Coupling>,
@@ -98,7 +98,7 @@ impl Mechanics {
         }
     }
 
-    /// Torque of gravity, spring and stops, with the base tilted by `tilt_rad`.
+    /// Torque of gravity, spring and stops. The base is tilted by `tilt_rad`.
     pub fn torque(&self, motion: Motion, tilt_rad: f64) -> f64 {
         let stretch = motion.x - self.stiffness_zero;
         let mut torque = -self.stiffness * stretch * (1.0 + self.hardening * stretch * stretch);

@@ -1,8 +1,9 @@
-//! A device as it really is, with whatever is hidden in it.
+//! The true device, with everything that is hidden in it.
 //!
-//! Midpoint time stepping with set-valued dry friction (Moreau, "Unilateral contact and dry friction in finite freedom
-//! dynamics", 1988): friction is the projection of the free velocity, so sticking is exact and needs no events. Steps
-//! are tens of microseconds. Nothing here is shared with the simulator that a diagnosis fits.
+//! Time stepping uses the midpoint rule with set-valued dry friction (Moreau, "Unilateral contact and dry friction in finite
+//! freedom dynamics", 1988). Friction is the projection of the velocity that the mass would have without it. Sticking is
+//! therefore exact and needs no event detection. Steps are tens of microseconds. Nothing here is shared with the simulator
+//! that a diagnosis fits.
 
 mod actuation;
 mod foreign;
@@ -20,10 +21,10 @@ pub(crate) use surroundings::{Contact, Push};
 
 use recording::Model;
 
-/// Below this speed a mass counts as not moving, in units per second: far below any velocity that a sensor shows.
+/// Speeds below this count as zero, in units per second. It is far below the velocity resolution of any sensor.
 const REST: f64 = 1e-12;
 
-/// A device: every law of it, neutral where nothing is hidden.
+/// A device. By default each law has no effect.
 #[derive(Clone, Debug)]
 pub(crate) struct Reality {
     pub actuator: Actuator,
@@ -42,7 +43,7 @@ pub(crate) struct Motion {
     pub v: f64,
 }
 
-/// What a first-order lag that stands at `from` comes to within `dt` under a held target: the target itself without a lag.
+/// A first-order lag advanced from `from` by `dt` under a constant target. With `lag_s` = 0 it is the target.
 fn relaxed(from: f64, target: f64, lag_s: f64, dt: f64) -> f64 {
     if lag_s > 0.0 {
         target + (from - target) * (-dt / lag_s).exp()
@@ -51,7 +52,7 @@ fn relaxed(from: f64, target: f64, lag_s: f64, dt: f64) -> f64 {
     }
 }
 
-/// Everything that a device remembers. `load` is the whole device if its transmission is rigid.
+/// All states of a device. `load` is the whole device if its transmission is rigid.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     /// Time of the session, s.
@@ -78,7 +79,7 @@ impl Reality {
         }
     }
 
-    /// The device at rest at `x` at `time_s` of the session, with nothing commanded so far.
+    /// The device at rest at position `x` and time `time_s` of the session. No input has acted so far.
     pub fn at_rest(&self, x: f64, time_s: f64) -> State {
         let motion = Motion { x, v: 0.0 };
         State {
@@ -92,7 +93,7 @@ impl Reality {
         }
     }
 
-    /// The motion that the sensor rides on.
+    /// The motion that the sensor measures.
     pub fn sensed<'a>(&self, state: &'a State) -> &'a Motion {
         match self.mechanics.coupling {
             Some(Coupling {
@@ -103,20 +104,20 @@ impl Reality {
         }
     }
 
-    /// The clean reading of the position sensor in `run`: before noise and quantising.
+    /// The reading of the position sensor in `run`, before noise and quantisation.
     pub fn reading(&self, state: &State, run: usize) -> f64 {
         self.sensing
             .reading(&state.sensing, self.sensed(state).x, run, state.time_s)
     }
 
-    /// How fast the clean reading changes.
+    /// The time derivative of the reading.
     pub fn reading_rate(&self, state: &State) -> f64 {
         let sensed = self.sensed(state);
         self.sensing
             .rate(&state.sensing, sensed.x, sensed.v, state.time_s)
     }
 
-    /// Shifts what can be measured by an error of reading, `dx` and `dv`, and leaves the hidden states relative to it.
+    /// Shifts position and velocity by `dx` and `dv` of the reading. The hidden states keep their values relative to them.
     pub fn displace(&self, state: &mut State, dx: f64, dv: f64) {
         let slope = self.sensing.slope(self.sensed(state).x);
         for motion in [&mut state.load, &mut state.motor] {
@@ -126,7 +127,7 @@ impl Reality {
         self.sensing.displace(&mut state.sensing, dx);
     }
 
-    /// Moves `state` to `until_s` of the session, in equal steps of at most `step_s`.
+    /// Advances `state` to `until_s` of the session, in equal steps of at most `step_s`.
     pub fn advance(
         &self,
         state: &mut State,
@@ -228,7 +229,7 @@ impl Reality {
     }
 }
 
-/// Midpoint rule: the position moves by the mean of the velocities before and after.
+/// Midpoint rule: the position advances by the mean of the old and new velocities.
 fn moved(from: Motion, v: f64, dt: f64) -> Motion {
     Motion {
         x: from.x + 0.5 * dt * (from.v + v),
@@ -249,7 +250,7 @@ mod tests {
         }
     }
 
-    /// Position after `until_s` under a sine of `torque` that reverses the motion several times.
+    /// Position at `until_s` under a sine torque that reverses the motion several times.
     fn driven(model: &Model, torque: f64, until_s: f64, step_s: f64) -> f64 {
         let reality = Reality::plain(model);
         let times: Vec<f64> = (0..)
@@ -264,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_of_the_check_are_far_finer_than_a_sensor_can_tell() {
+    fn the_usual_step_and_a_finer_one_agree_within_the_resolution_of_a_sensor() {
         let model = pendulum(0.008);
         let usual = driven(&model, 0.014, 4.0, 20e-6);
         let finer = driven(&model, 0.014, 4.0, 1e-6);
@@ -273,13 +274,13 @@ mod tests {
     }
 
     #[test]
-    fn below_the_dry_level_nothing_moves_at_all() {
+    fn a_torque_below_the_coulomb_friction_moves_nothing() {
         assert_eq!(driven(&pendulum(0.03), 0.029, 2.0, 20e-6), 0.0);
         assert!(driven(&pendulum(0.03), 0.035, 0.3, 20e-6) > 0.0);
     }
 
     #[test]
-    fn two_inertias_held_stiffly_move_as_one() {
+    fn two_stiffly_coupled_inertias_move_as_one() {
         let model = pendulum(0.0);
         let mut split = Reality::plain(&model);
         split.mechanics.coupling = Some(Coupling {

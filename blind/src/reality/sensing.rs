@@ -1,14 +1,15 @@
-//! From the true position to the clean reading: gain and curve, play, lag, lost counts, low-pass.
+//! The position sensor, from the true position to the reading before noise: gain, nonlinearity, hysteresis, lag, lost counts
+//! and low-pass.
 
 use super::relaxed;
 use std::f64::consts::TAU;
 
-/// Share of the play within which it counts as taken up: rounding, no more.
+/// Relative rounding error within which a hysteresis element counts as fully deflected.
 const PLAY_TAKEN_UP: f64 = 1e-6;
-/// Plays side by side that make a soft one, by their width over its own.
+/// Widths of the parallel elements of a soft hysteresis, relative to its own width.
 const PLAYS: [f64; 4] = [0.25, 0.75, 1.25, 1.75];
 
-/// A departure from the straight line, in units of position.
+/// A deviation from the linear characteristic, in units of position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Curve {
     /// `amount * (x - at)^2 / scale`
@@ -45,35 +46,35 @@ pub(crate) struct Jump {
     pub by: f64,
 }
 
-/// A counter that falls behind where its input turns too fast.
+/// A counter that misses part of the motion above a speed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slip {
-    /// Speed up to which it counts all.
+    /// Largest speed at which no count is lost.
     pub above: f64,
-    /// Share of the turn beyond that it misses.
+    /// Share of the motion above that speed which is lost.
     pub share: f64,
 }
 
 impl Slip {
-    /// Missed of a turn by `dx` within `dt`.
+    /// The lost part of a motion by `dx` within `dt`.
     fn missed(self, dx: f64, dt: f64) -> f64 {
         let counted = self.above * dt;
         self.share * dx.signum() * (dx.abs() - counted).max(0.0)
     }
 }
 
-/// A reading that stays behind on reversal.
+/// Sensor hysteresis: on reversal the reading stays until the position has moved by the width.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Play {
-    /// Half the way that it stays behind.
+    /// Half the width, in units of position.
     pub half_width: f64,
-    /// None for a hard play; otherwise how much wider than that are the plays side by side, of which each stays behind in
-    /// its share of the reading, after Prandtl and Ishlinskii.
+    /// `None` for a single play element. Otherwise a sum of parallel play elements (Prandtl-Ishlinskii): this value scales
+    /// their widths and divides their shares of the reading.
     pub softness: Option<f64>,
 }
 
 impl Play {
-    /// Half the width of each of the plays, and the share of the reading that it is in.
+    /// Half width of each play element and its share of the reading.
     fn parts(self) -> [[f64; 2]; PLAYS.len()] {
         match self.softness {
             None => core::array::from_fn(|i| [self.half_width, if i == 0 { 1.0 } else { 0.0 }]),
@@ -85,29 +86,29 @@ impl Play {
     }
 }
 
-/// A sensor of the position; the default is perfect.
+/// A position sensor. The default is ideal.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sensing {
-    /// Departure of the gain from 1.
+    /// Relative gain error.
     pub gain_error: f64,
-    /// Where it reads right all the same.
+    /// Position at which the gain error causes no error of the reading.
     pub right_at: f64,
     pub curve: Option<Curve>,
     pub play: Option<Play>,
     pub lag_s: f64,
-    /// Of another lag behind that one.
+    /// Time constant of a second lag in series, s.
     pub further_lag_s: f64,
     pub jumps: Vec<Jump>,
     pub slip: Option<Slip>,
-    /// Disturbance of the reading in time: amplitude and frequency. Outside the vocabulary.
+    /// Sinusoidal disturbance of the reading: amplitude and frequency. It is outside the vocabulary.
     pub hum: Option<(f64, f64)>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Memory {
-    /// How far each play is behind.
+    /// Deflection of each play element.
     behind: [f64; PLAYS.len()],
-    /// What the curve made of the position.
+    /// The position after gain and nonlinearity.
     shaped: f64,
     played: f64,
     lagged: f64,
@@ -116,7 +117,7 @@ pub(crate) struct Memory {
 }
 
 impl Sensing {
-    /// The memory after a long rest at `x`.
+    /// The states after a long rest at `x`.
     pub fn settled(&self, x: f64) -> Memory {
         let shaped = self.shaped(x);
         Memory {
@@ -129,7 +130,7 @@ impl Sensing {
         }
     }
 
-    /// Takes note of the position after a step of `dt`.
+    /// Updates the states after a step of `dt` that ends at `x`.
     pub fn remember(&self, memory: &mut Memory, x: f64, dt: f64) {
         let shaped = self.shaped(x);
         let step = shaped - memory.shaped;
@@ -148,7 +149,7 @@ impl Sensing {
         }
     }
 
-    /// The clean reading at `x`.
+    /// The reading at `x`, before noise and quantisation.
     pub fn reading(&self, memory: &Memory, x: f64, run: usize, time_s: f64) -> f64 {
         let base = if self.play.is_some() || self.lag_s > 0.0 {
             memory.further
@@ -167,7 +168,7 @@ impl Sensing {
         base + lost - memory.missed + hum
     }
 
-    /// How fast the clean reading changes at position `x` and velocity `v`.
+    /// Time derivative of the reading at position `x` and velocity `v`.
     pub fn rate(&self, memory: &Memory, x: f64, v: f64, time_s: f64) -> f64 {
         let base = if self.further_lag_s > 0.0 {
             (memory.lagged - memory.further) / self.further_lag_s
@@ -187,7 +188,7 @@ impl Sensing {
         self.play.into_iter().flat_map(Play::parts)
     }
 
-    /// Share of the reading that moves with the curve at velocity `v`: where the plays are taken up.
+    /// Share of the reading that follows the position at velocity `v`: that of the fully deflected play elements.
     fn carried(&self, memory: &Memory, v: f64) -> f64 {
         let slack = memory.behind.iter().zip(self.plays());
         let slack = slack.filter(|(behind, [half_width, _])| {
@@ -196,12 +197,12 @@ impl Sensing {
         1.0 - slack.map(|(_, [_, share])| share).sum::<f64>()
     }
 
-    /// Reading per unit of position around `x`.
+    /// Slope of the static characteristic at `x`.
     pub fn slope(&self, x: f64) -> f64 {
         1.0 + self.gain_error + self.curve.map_or(0.0, |curve| curve.slope(x))
     }
 
-    /// Shifts the memory by `dx` of reading.
+    /// Shifts the states by `dx` of the reading.
     pub fn displace(&self, memory: &mut Memory, dx: f64) {
         memory.shaped += dx;
         memory.played += dx;

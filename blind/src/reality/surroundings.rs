@@ -1,23 +1,23 @@
-//! What touches the device from outside for a while.
+//! Contacts and pushes from outside that last for a while.
 
 use super::{Motion, Stop};
 
-/// Something soft that is there in one run, for a while.
+/// A soft object that touches the device during part of one run.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact {
     pub run: usize,
     pub from_s: f64,
     pub to_s: f64,
     pub body: Stop,
-    /// True if it pulls as well, as a hand does that has closed.
+    /// If true, it pulls as well as pushes, like a hand that holds the device.
     pub grips: bool,
 }
 
-/// What a hand takes to close and to open, s.
+/// Time that a hand takes to close or to open, s.
 const CLOSING_S: f64 = 0.02;
 
 impl Contact {
-    /// Torque on the device in `run` at the session's `time_s`.
+    /// Torque on the device in `run` at `time_s` of the session.
     pub fn torque(&self, motion: Motion, run: usize, time_s: f64) -> f64 {
         if run != self.run || !(self.from_s..self.to_s).contains(&time_s) {
             0.0
@@ -32,7 +32,7 @@ impl Contact {
     }
 }
 
-/// A torque from outside for a moment.
+/// An external torque for a short time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Push {
     pub run: usize,
@@ -43,7 +43,7 @@ pub(crate) struct Push {
 }
 
 impl Push {
-    /// Torque on the device in `run` at the session's `time_s`.
+    /// Torque on the device in `run` at `time_s` of the session.
     pub fn torque(&self, run: usize, time_s: f64) -> f64 {
         let is_there = run == self.run && (self.from_s..self.to_s).contains(&time_s);
         if is_there { self.torque } else { 0.0 }

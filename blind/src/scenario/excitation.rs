@@ -1,16 +1,16 @@
-//! Courses of the input or of the setpoint, of about unit amplitude.
+//! Waveforms of the input or of the setpoint, of about unit amplitude.
 
 use std::f64::consts::TAU;
 
 use crate::draw::Draw;
 
-/// A course over the time since the start of a run.
+/// A function of the time since the start of a run.
 #[derive(Clone, Debug)]
 pub(crate) enum Waveform {
     Sine {
         hz: f64,
     },
-    /// Amplitude, frequency and phase of each.
+    /// Amplitude, frequency and phase of each sine.
     Multisine {
         parts: Vec<[f64; 3]>,
     },
@@ -19,17 +19,17 @@ pub(crate) enum Waveform {
         to_hz: f64,
         over_s: f64,
     },
-    /// Levels in turn, each held for `hold_s`.
+    /// A sequence of levels, each held for `hold_s`.
     Steps {
         levels: Vec<f64>,
         hold_s: f64,
     },
-    /// Up and down at constant rates of changing height.
+    /// A triangle wave whose height changes from period to period.
     Triangle {
         hz: f64,
         heights: Vec<f64>,
     },
-    /// A slow rise and a quick return.
+    /// A sawtooth: a slow rise and a quick return.
     Ramp {
         period_s: f64,
         rise_share: f64,
@@ -37,7 +37,7 @@ pub(crate) enum Waveform {
 }
 
 impl Waveform {
-    /// A course with its energy around `hz`; a `rich` one has more than one amplitude and frequency.
+    /// Draws a waveform with its energy around `hz`. A `rich` one has more than one amplitude and frequency.
     pub fn draw(draw: &mut Draw, hz: f64, duration_s: f64, rich: bool) -> Self {
         let kinds: &[u8] = if rich {
             &[1, 1, 2, 3, 3, 4]
@@ -93,7 +93,7 @@ impl Waveform {
         }
     }
 
-    /// The value `time_s` after the start.
+    /// The value at `time_s` after the start.
     pub fn at(&self, time_s: f64) -> f64 {
         match self {
             Self::Sine { hz } => (TAU * hz * time_s).cos(),

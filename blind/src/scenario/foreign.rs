@@ -1,4 +1,4 @@
-//! Causes that the vocabulary has no name for.
+//! Causes that are not in the vocabulary.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use crate::draw::Draw;
 use crate::reality::{Creep, Disturbance, Reality, Window};
 use crate::truth::Place;
 
-/// Names of the causes, for the truth's file only.
+/// Names of these causes. Only the truth's file has them.
 const NAMES: [&str; 9] = [
     "torque_noise",
     "torque_bursts",
@@ -20,10 +20,10 @@ const NAMES: [&str; 9] = [
     "sensor_hum",
 ];
 
-/// How long a disturbance shows after it is over, s.
+/// Time after the end of a disturbance during which the motion still shows it, s.
 const AFTERMATH_S: f64 = 0.3;
 
-/// One such cause, with a strength.
+/// One such cause with its strength.
 #[derive(Clone, Debug)]
 pub(crate) struct Cause {
     pub name: &'static str,
@@ -34,10 +34,10 @@ pub(crate) struct Cause {
 }
 
 impl Cause {
-    /// A random one that acts on `plant`.
+    /// Draws a cause that has an effect on `plant`.
     pub fn draw(draw: &mut Draw, plant: &Plant) -> Self {
         let name = match draw.pick(&NAMES) {
-            // A base that rocks under an axis without gravity does nothing.
+            // A tilting base has no effect on an axis without gravity.
             "rocking_base" if plant.model.gravity == 0.0 => "creeping_spring",
             name => name,
         };
@@ -55,12 +55,12 @@ impl Cause {
         }
     }
 
-    /// A frequency that the motion does not have.
+    /// A frequency outside the motion's own frequencies.
     fn odd_hz(&self, scale: &Scale) -> f64 {
         scale.hz * (2.3 + 5.1 * self.form[0])
     }
 
-    /// Stretches in which it acts, with the runs that they lie in.
+    /// Intervals in which it acts, each with the index of its run.
     fn bursts(&self, scale: &Scale, share: f64) -> Vec<(usize, Window)> {
         let mut draw = Draw::seeded(self.seed);
         let mut windows = Vec::new();
@@ -81,7 +81,7 @@ impl Cause {
         windows
     }
 
-    /// Hides the cause in `reality`.
+    /// Adds the cause to `reality`.
     pub fn apply(&self, reality: &mut Reality, scale: &Scale) {
         let s = self.strength;
         let foreign = &mut reality.foreign;
@@ -134,7 +134,7 @@ impl Cause {
         }
     }
 
-    /// Where it acts, if it acts in one place.
+    /// Intervals in which it acts. Empty if it acts all the time.
     pub fn places(&self, scale: &Scale) -> Vec<Place> {
         let share = match self.name {
             "torque_bursts" => 1.0,

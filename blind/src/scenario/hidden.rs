@@ -1,4 +1,4 @@
-//! The effects of the vocabulary, in this reality's own reading of the contract.
+//! The effects of the vocabulary, implemented independently from their description in the contract.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use crate::reality::{
 };
 use crate::truth::Place;
 
-/// Every name of the contract.
+/// Every effect name of the contract.
 pub const VOCABULARY: [&str; 31] = [
     "torque_gain",
     "torque_offset",
@@ -44,26 +44,26 @@ pub const VOCABULARY: [&str; 31] = [
     "push",
 ];
 
-/// Limits that are stated lower than the device has them, over the largest input.
+/// Least and largest input limit that is stated too low, over the largest input.
 pub(crate) const OVERSTATED_LIMITS: [f64; 2] = [0.4, 0.8];
 
-/// How large the device's motion is before anything is hidden in it.
+/// Magnitudes of the device's motion before anything is hidden in it.
 #[derive(Clone, Debug)]
 pub(crate) struct Scale {
     pub middle: f64,
     /// Half the span of the position.
     pub half_span: f64,
-    /// Nearly the largest speed.
+    /// High quantile of the speed.
     pub speed: f64,
-    /// Nearly the largest input.
+    /// High quantile of the input magnitude.
     pub input: f64,
-    /// Nearly the largest torque of the input, N m.
+    /// High quantile of the input torque, N m.
     pub torque: f64,
-    /// Frequency of the motion.
+    /// Frequency of the motion, Hz.
     pub hz: f64,
-    /// Start and end of each run, in the session's time.
+    /// Start and end of each run, in the time of the session.
     pub runs_s: Vec<[f64; 2]>,
-    /// Quantum of a counting sensor, or its noise.
+    /// Resolution of a quantised sensor, otherwise its noise.
     pub quantum: f64,
 }
 
@@ -74,20 +74,20 @@ impl Scale {
     }
 }
 
-/// One effect: its name, a strength, and the random choices of its form.
+/// One effect: its name, its strength, and random choices of its form.
 #[derive(Clone, Debug)]
 pub(crate) struct Hidden {
     pub name: &'static str,
     pub strength: f64,
     pub range: [f64; 2],
     sign: f64,
-    /// Uniform choices in 0..1, whose meaning depends on the effect.
+    /// Uniform choices between 0 and 1. Their meaning depends on the effect.
     form: [f64; 6],
     variant: usize,
 }
 
 impl Hidden {
-    /// A random form of the effect `name`, which must be one of [`VOCABULARY`].
+    /// Draws a form of the effect `name`, which must be one of [`VOCABULARY`].
     pub fn draw(draw: &mut Draw, name: &'static str) -> Self {
         let range = range(name);
         Self {
@@ -108,7 +108,7 @@ impl Hidden {
         self.between(k, low.ln(), high.ln()).exp()
     }
 
-    /// A relative change by the strength; downwards never to nothing.
+    /// A relative change by the strength, with random sign. It never reduces a value by more than 90 %.
     fn factor(&self) -> f64 {
         if self.sign > 0.0 {
             1.0 + self.strength
@@ -117,13 +117,14 @@ impl Hidden {
         }
     }
 
-    /// Whether the model states more of it than the device has: a lag, a delay, a limit that is higher, stops farther out.
+    /// Returns true if the model overstates the effect: its lag or delay is too long, its limit is too low, or its stops are
+    /// too narrow.
     pub fn is_overstated(&self) -> bool {
         let can_be = ["lag", "delay", "saturation", "end_stop"].contains(&self.name);
         can_be && self.variant == 5
     }
 
-    /// Of a saturation: share of its limit over which it rounds off.
+    /// Share of the limit of a saturation over which it is rounded.
     fn knee(&self) -> f64 {
         if self.variant < 4 {
             0.0
@@ -132,17 +133,17 @@ impl Hidden {
         }
     }
 
-    /// Which of two forms the effect takes.
+    /// Selects one of two forms of the effect.
     fn first_form(&self) -> bool {
         self.variant.is_multiple_of(2)
     }
 
-    /// Whether a lag is two in a row.
+    /// Returns true if the lag consists of two lags in series.
     fn is_twice(&self) -> bool {
         self.variant == 4
     }
 
-    /// Whether counts are lost at speed and not all at once.
+    /// Returns true if counts are lost above a speed instead of at one instant.
     fn slips(&self) -> bool {
         self.variant.is_multiple_of(3)
     }
@@ -155,7 +156,7 @@ impl Hidden {
         }
     }
 
-    /// Hides the effect in `reality`.
+    /// Adds the effect to `reality`.
     pub fn apply(&self, reality: &mut Reality, scale: &Scale) {
         let s = self.strength;
         let signed = self.sign * s;
@@ -203,7 +204,7 @@ impl Hidden {
                     },
                 });
             }
-            // A sine of full swing just meets the limit at a strength of 0.35.
+            // A full sine just reaches the rate limit at a strength of 0.35.
             "rate_limit" => actuator.slew = scale.input * TAU * hz * 0.35 / s,
             "lag" if self.is_overstated() => {
                 actuator.lag_s = (actuator.lag_s - s / (TAU * hz)).max(0.0);
@@ -483,7 +484,7 @@ impl Hidden {
         (run, from_s, from_s + length_s)
     }
 
-    /// Run, start and end of each push: one, or two.
+    /// Run, start and end of each push. There are one or two.
     fn push_times(&self, scale: &Scale) -> Vec<(usize, f64, f64)> {
         let count = if self.variant < 4 { 1 } else { 2 };
         let time = |k: usize| {
@@ -537,7 +538,7 @@ impl Hidden {
         }
     }
 
-    /// Where the effect acts: places of which finding one is right.
+    /// Where the effect acts. A diagnosis that names one of these places is right.
     pub fn places(&self, scale: &Scale) -> Vec<Place> {
         let Scale {
             middle,
@@ -564,7 +565,7 @@ impl Hidden {
             Place::on("velocity", 0.3 * v, 100.0 * v),
             Place::on("velocity", -100.0 * v, -0.3 * v),
         ];
-        // An error of phase grows with the frequency, whatever lags.
+        // The phase error of a lag grows with the frequency.
         let phase = Place::on("frequency", 0.5 * scale.hz, 1e3 * scale.hz);
         let axis = |name: &str| Place::channel(name);
         match self.name {
@@ -575,7 +576,7 @@ impl Hidden {
                 axis("actuation"),
             ],
             "deadband" => {
-                // What is subtracted is missing from every larger input, too.
+                // A subtracted dead band reduces every larger input, too.
                 let reach = if self.first_form() { 100.0 } else { 1.5 * s };
                 vec![Place::on("input", -reach * u, reach * u), axis("actuation")]
             }
@@ -677,7 +678,7 @@ impl Hidden {
     }
 }
 
-/// Weakest and strongest, in each effect's own measure.
+/// Least and largest strength of the effect, in its own measure.
 fn range(name: &str) -> [f64; 2] {
     match name {
         "torque_gain" | "inertia" | "sensor_gain" => [0.06, 0.7],

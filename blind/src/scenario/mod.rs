@@ -1,4 +1,4 @@
-//! Random devices, what they are told to do, and what is hidden in them.
+//! Draws random devices, their excitation, and what is hidden in them.
 
 mod excitation;
 mod foreign;

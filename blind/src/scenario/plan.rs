@@ -1,4 +1,4 @@
-//! What each run does: its drive and the instants of its ticks and rows.
+//! Plans each run: its drive, and the times of its control ticks and rows.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use recording::Pid;
 use super::{Plant, Waveform};
 use crate::draw::Draw;
 
-/// Where the input of a run comes from.
+/// Source of the input of a run.
 #[derive(Clone, Debug)]
 pub(crate) enum Drive {
     Open {
@@ -21,23 +21,23 @@ pub(crate) enum Drive {
     },
 }
 
-/// One run before it is carried out.
+/// One run before it is simulated.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub drive: Drive,
-    /// Instants at which the loop acts, in the session's time, the end of the run included.
+    /// Times at which the control loop acts, in the time of the session. The last one is the end of the run.
     pub ticks_s: Vec<f64>,
-    /// Which ticks are logged.
+    /// Indices of the ticks that are logged.
     pub rows: Vec<usize>,
-    /// Seed of the sensors' noise.
+    /// Seed of the sensor noise.
     pub noise_seed: u64,
 }
 
-/// How runs share one clock.
+/// Largest number of runs in a session.
 const MOST_RUNS: usize = 4;
 
 impl Plan {
-    /// The runs of a session on `plant`, 5 to 20 s together.
+    /// Draws the runs of a session on `plant`, together 5 to 20 s.
     pub fn session(draw: &mut Draw, plant: &Plant) -> Vec<Self> {
         let total_s = draw.uniform(5.0, 20.0);
         let most = ((total_s / 2.5) as usize).clamp(1, MOST_RUNS);
@@ -94,7 +94,7 @@ impl Plan {
     }
 }
 
-/// A loop that follows the motion with some reserve, as a careful user would tune it.
+/// Draws a PID controller that follows the motion with a stability margin.
 fn pid(draw: &mut Draw, plant: &Plant) -> Pid {
     let model = &plant.model;
     let fastest = 0.3 / (plant.tick_s + model.delay + model.lag);
@@ -133,7 +133,7 @@ fn ticks(
             None => start_s + k as f64 * plant.tick_s,
             Some(relative) => now_s + plant.tick_s * (1.0 + relative * draw.normal_within(3.0)),
         };
-        // As a log prints it.
+        // A log prints times with seven decimals.
         ticks_s.push((now_s * 1e7).round() / 1e7);
     }
     ticks_s

@@ -1,4 +1,4 @@
-//! Random devices of four families, at random scales.
+//! Draws devices of four families at random scales.
 
 use std::f64::consts::TAU;
 
@@ -6,7 +6,7 @@ use recording::{Model, Sensor, Units};
 
 use crate::draw::Draw;
 
-/// What kind of device it is.
+/// The family of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     Paddle,
@@ -15,11 +15,11 @@ pub(crate) enum Family {
     DirectDrive,
 }
 
-/// A device, how it is sampled, and the motion that suits it.
+/// A device, its sampling, and a motion that suits it.
 #[derive(Clone, Debug)]
 pub(crate) struct Plant {
     pub family: Family,
-    /// True numbers, effects aside.
+    /// The true numbers, before effects are hidden.
     pub model: Model,
     pub units: Units,
     /// Half the span of a typical motion, in units of position.
@@ -28,26 +28,29 @@ pub(crate) struct Plant {
     pub motion_hz: f64,
     /// Period of the control loop, s.
     pub tick_s: f64,
-    /// Every how many ticks a row is logged.
+    /// Number of control ticks per logged row.
     pub ticks_per_row: usize,
     pub sensor: Sensor,
     pub horizon_s: f64,
 }
 
-/// Share of the devices whose log is low-passed; the corner of that over the rate of the loop, and at least over the motion.
+/// Probability that the log of a device is low-passed.
 const LOW_PASSED: f64 = 0.25;
+/// Least and largest corner frequency of that low-pass over the rate of the control loop.
 const CORNERS: [f64; 2] = [0.15, 0.7];
+/// Least corner frequency over the frequency of the motion.
 const LEAST_CORNER: f64 = 15.0;
 
-/// A horizon of a device that is logged at another rate has at least this many rows.
+/// Fewest rows in a horizon after the sampling rate is changed.
 const LEAST_HORIZON_ROWS: f64 = 12.0;
 
-/// Share of the devices whose torque is known to lag, and by which share of the motion's time constant.
+/// Probability that the torque of a device has a known lag.
 const LAGGING: f64 = 0.25;
+/// Least and largest known lag over the time constant of the motion.
 const KNOWN_LAGS: [f64; 2] = [0.005, 0.05];
 
 impl Plant {
-    /// A device on which effects of these names can be told from others in principle.
+    /// Draws a device on which the effects `names` can be identified in principle.
     pub fn draw(draw: &mut Draw, names: &[&str]) -> Self {
         let [hangs, springs, scales] =
             ["gravity", "spring", "sensor_gain"].map(|name| names.contains(&name));
@@ -75,7 +78,7 @@ impl Plant {
             plant.amplitude = draw.uniform(1.1, 1.8);
         }
         if scales && family != Family::Servo && family != Family::Paddle {
-            // Without a restoring torque a wrong scale is a wrong inertia.
+            // Without a restoring torque, a sensor gain cannot be told from a wrong inertia.
             plant.model.stiffness = draw.uniform(0.3, 1.0) * plant.torque() / plant.amplitude;
         }
         if plant.ticks_per_row == 1 && draw.chance(LOW_PASSED) {
@@ -89,10 +92,11 @@ impl Plant {
         plant
     }
 
-    /// Logs the device at another rate, `rows_hz`, with `ticks_per_row` ticks of the loop a row, and predicts over enough rows.
+    /// Changes the sampling rate to `rows_hz` with `ticks_per_row` control ticks per row. The horizon then holds enough
+    /// rows.
     pub fn resample(&mut self, rows_hz: f64, ticks_per_row: usize) {
         let tick_s = 1.0 / (rows_hz * ticks_per_row as f64);
-        // The corner of a low-pass in the log goes with the rate of the loop; a log that is thinned has none.
+        // The corner of the log's low-pass scales with the rate of the control loop. A decimated log has no low-pass.
         self.sensor.cutoff_hz = self
             .sensor
             .cutoff_hz
@@ -107,7 +111,7 @@ impl Plant {
         self.horizon_s = (self.horizon_s * 100.0).ceil() / 100.0;
     }
 
-    /// Torque that the typical motion takes, N m.
+    /// Torque of the typical motion, N m.
     pub fn torque(&self) -> f64 {
         self.model.inertia * self.amplitude * (TAU * self.motion_hz).powi(2)
     }
@@ -193,7 +197,7 @@ fn servo(draw: &mut Draw) -> Plant {
     }
 }
 
-/// Friction and drag as shares of the torque that the motion takes.
+/// Sets friction and drag as shares of the torque of the motion.
 fn load_with_friction(plant: &mut Plant, draw: &mut Draw) {
     let torque = plant.torque();
     let speed = plant.amplitude * TAU * plant.motion_hz;
@@ -233,7 +237,7 @@ fn linear(draw: &mut Draw) -> Plant {
     plant
 }
 
-/// A sensor that is quantised and quiet, or continuous and noisy, of about the same error.
+/// Draws a sensor that is quantised and quiet, or continuous and noisy, with about the same error.
 fn coarse_or_noisy(draw: &mut Draw, noise: f64) -> Sensor {
     let coarse = draw.chance(0.5);
     Sensor {
@@ -273,7 +277,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_hangs_turns_whichever_effect_is_first() {
+    fn a_device_with_gravity_is_rotary_in_any_order_of_effects() {
         for index in 0..40 {
             for names in [["gravity", "deadband"], ["deadband", "gravity"]] {
                 let plant = Plant::draw(&mut Draw::of_case(1, index), &names);

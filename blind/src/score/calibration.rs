@@ -1,25 +1,25 @@
-//! Whether a stated confidence is the share of those that are right.
+//! Compares stated confidences with the share of right names.
 
 use serde::Serialize;
 
 use super::Outcome;
 use super::judge::CONFIDENT;
 
-/// Edges of the bins.
+/// Edges of the confidence bins.
 const EDGES: [f64; 7] = [0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0];
 
-/// Names given with a confidence in one stretch.
+/// The names whose confidence lies in one interval.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bin {
-    /// From this confidence on.
+    /// Lower end of the interval, included.
     pub from: f64,
-    /// Up to this one, which only the last bin includes.
+    /// Upper end of the interval. Only the last bin includes it.
     pub to: f64,
-    /// How many names.
+    /// Number of names.
     pub given: usize,
-    /// How many of them are right.
+    /// Number of right names.
     pub right: usize,
-    /// Their mean confidence; 0 of none.
+    /// Mean confidence of the names. 0 if there are none.
     pub mean_confidence: f64,
 }
 
@@ -44,14 +44,14 @@ impl Bin {
 /// The bins, and all confident names together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
-    /// By confidence.
+    /// The bins in the order of confidence.
     pub bins: Vec<Bin>,
-    /// All with 0.9 and above.
+    /// All names with a confidence of 0.9 or more.
     pub confident: Bin,
 }
 
 impl Calibration {
-    /// Over every name in `outcomes`.
+    /// The calibration of all names in `outcomes`.
     pub fn of(outcomes: &[Outcome]) -> Self {
         let within = |from: f64, to: f64| {
             let all = outcomes

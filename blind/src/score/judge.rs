@@ -1,4 +1,4 @@
-//! One diagnosis against its truth.
+//! Scores one diagnosis against its truth.
 
 use serde::Serialize;
 
@@ -7,84 +7,85 @@ use super::transfer::Kept;
 use crate::diagnosis::{Diagnosis, Region, Verdict};
 use crate::truth::{Kind, Place, Truth};
 
-/// From this confidence on a name counts as confident.
+/// A name with at least this confidence counts as confident.
 pub(super) const CONFIDENT: f64 = 0.9;
-/// How many regions of `where` are looked at.
+/// Number of regions of `where` that are scored.
 const REGIONS: usize = 3;
 
 /// Gaps on the fresh recording, in units of position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FreshGaps {
-    /// Of the nominal model.
+    /// Gap of the nominal model.
     pub nominal: f64,
-    /// Of the corrected model.
+    /// Gap of the corrected model.
     pub corrected: f64,
 }
 
 impl FreshGaps {
-    /// How far the corrected model closes the fresh gap to the `floor` that the truth leaves; `None` if there is none to close.
+    /// Shrink of the fresh gap by the corrected model. 1 = down to `floor`, the gap of the true model. `None` if the nominal
+    /// gap is not above the floor.
     pub(super) fn shrink(self, floor: f64) -> Option<f64> {
         let open = self.nominal - floor;
         (open > 0.0).then(|| (self.nominal - self.corrected) / open)
     }
 }
 
-/// Gaps on recordings that the diagnosis did not see; `None` where they say nothing.
+/// Gaps on recordings that the diagnosis did not read. `None` where nothing was measured.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gaps {
-    /// On a fresh one of the same kind.
+    /// On a fresh recording with the same kind of excitation.
     pub fresh: Option<FreshGaps>,
-    /// On one with another excitation, amplitude and load.
+    /// On a recording with another excitation, amplitude and load.
     pub transfer: Option<FreshGaps>,
 }
 
-/// What became of one case.
+/// The score of one case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Outcome {
     /// Number of the case.
     pub case: u64,
-    /// Its kind; a single effect that was withheld from the diagnosis counts as outside the vocabulary.
+    /// The kind of the case. A single effect that is withheld from the diagnosis counts as outside the vocabulary.
     pub kind: Kind,
-    /// What was hidden.
+    /// Names of the hidden causes.
     pub truth: Vec<String>,
-    /// The first name, or the verdict where nothing is named, or `failed`.
+    /// The first name. Without a name it is the verdict, and `failed` if the diagnosis failed.
     pub answer: String,
-    /// Confidence of every name and whether it is right.
+    /// The confidence of every name, and whether the name is right.
     pub confidences: Vec<(f64, bool)>,
-    /// Whether the first name is one of the truth.
+    /// Whether the first name is one of the hidden causes.
     pub first: bool,
-    /// Whether the truth is among all names and their classes.
+    /// Whether the truth is among all names and the names not separable from them.
     pub in_class: bool,
-    /// Whether every effect of the truth is named itself.
+    /// Whether every hidden effect is named itself.
     pub all_named: bool,
-    /// How many different names were given, classes included.
+    /// Number of different names, including those not separable.
     pub names: usize,
-    /// Whether the answer is what it should be for this kind of case.
+    /// Whether the answer is right for this kind of case.
     pub right: bool,
-    /// Whether `where` hits; `None` if the truth acts in no place.
+    /// Whether `where` names a place in which the truth acts. `None` if it acts everywhere.
     pub place: Option<bool>,
     /// Claimed shrink less the shrink on the fresh recording.
     pub claim_error: Option<f64>,
-    /// Shrink over that of the true model with its hidden states known.
+    /// Shrink over that of the true model with known hidden states.
     pub relative_shrink: Option<f64>,
     /// Time of the diagnosis, s.
     pub elapsed_s: Option<f64>,
-    /// Of a messy case: whether the dominant cause has a name.
+    /// In a messy case: whether the vocabulary contains the dominant cause.
     #[serde(skip)]
     pub nameable: bool,
-    /// Of a messy case: names with a confidence of 0.7 or more.
+    /// In a messy case: number of names with a confidence of 0.7 or more.
     #[serde(skip_serializing_if = "is_zero")]
     pub sure_names: usize,
-    /// Of a messy case: those among them that are not there.
+    /// In a messy case: those of these names that are not among the hidden causes.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub not_there: Vec<String>,
-    /// Of a messy case: nothing is named and no number moved.
+    /// In a messy case: whether no effect is named and no number is changed.
     #[serde(skip)]
     pub silent: bool,
-    /// What the fresh recording says of the claims on a messy case.
+    /// In a messy case: the claims compared with the fresh recording.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fresh: Option<Kept>,
-    /// What is kept with another excitation, amplitude and load.
+    /// The claims compared with a recording of another excitation, amplitude and load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer: Option<Kept>,
 }
@@ -93,7 +94,7 @@ fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
-/// Judges `diagnosis` (`None`: it failed) with the effect called `withheld` out of its library.
+/// Scores `diagnosis`, or `None` if it failed. `withheld` is the effect that was removed from its library.
 pub fn judge(
     truth: &Truth,
     diagnosis: Option<&Diagnosis>,
@@ -111,10 +112,10 @@ pub fn judge(
         }
         kind => kind,
     };
-    // A cause outside the vocabulary has no name that could be right.
+    // For a cause outside the vocabulary, no name is right.
     let nameable: Vec<&str> = match kind {
         Kind::Outside => Vec::new(),
-        Kind::Messy => messy::there(truth, withheld),
+        Kind::Messy => messy::present(truth, withheld),
         _ => truth
             .effects
             .iter()
@@ -226,7 +227,7 @@ pub fn judge(
     outcome
 }
 
-/// Where what is hidden acts; of a messy case, where the dominant cause acts.
+/// Places in which the hidden causes act. In a messy case only the dominant cause counts.
 fn places(truth: &Truth) -> impl Iterator<Item = &Place> {
     let shown = match truth.kind {
         Kind::Messy => 1,
@@ -236,7 +237,7 @@ fn places(truth: &Truth) -> impl Iterator<Item = &Place> {
     effects.flat_map(|effect| &effect.places)
 }
 
-/// Whether a region lies on the axis of a place and overlaps it.
+/// Returns true if the region and the place have the same axis and overlap.
 fn hits(region: &Region, place: &Place) -> bool {
     if region.axis != place.axis {
         return false;
@@ -257,7 +258,7 @@ fn hits(region: &Region, place: &Place) -> bool {
     }
 }
 
-/// The run that a region names: by index, or by the file `run-3.csv` that the check itself gave it.
+/// The run that a region names, by index or by the file name `run-3.csv` that the check gave it.
 fn run_index(region: &Region) -> Option<usize> {
     [&region.run, &region.name]
         .into_iter()

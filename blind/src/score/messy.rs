@@ -1,8 +1,8 @@
-//! A diagnosis of a messy case against its truth.
+//! Scores a diagnosis of a messy case.
 //!
-//! Every cause that is present is there, however small, under its own name. A stated number that is off is there under the
-//! name of its effect. `numbers` of a diagnosis are findings but no names: one that moved without being off is not counted
-//! as a wrong name; one that was off, and is among them, is found.
+//! Every cause that was hidden counts as present under its own name, however small it is. A wrong stated number counts as
+//! present under the name of the effect that its error equals. The `numbers` of a diagnosis are findings but not names. A
+//! changed number that was right is not counted as a wrong name. A changed number that was wrong is counted as found.
 
 use super::judge::Outcome;
 use super::summary::Row;
@@ -11,18 +11,18 @@ use crate::diagnosis::Diagnosis;
 use crate::scenario::VOCABULARY;
 use crate::truth::{Kind, Truth};
 
-/// From this confidence on a name must be there.
+/// A name with at least this confidence must be present.
 pub(super) const SURE: f64 = 0.7;
 
-/// Names that are right: all causes that are there and have a name.
-pub(super) fn there<'a>(truth: &'a Truth, withheld: Option<&str>) -> Vec<&'a str> {
+/// All causes that are present and have a name in the vocabulary.
+pub(super) fn present<'a>(truth: &'a Truth, withheld: Option<&str>) -> Vec<&'a str> {
     let names = truth.effects.iter().map(|effect| effect.name.as_str());
     names
         .filter(|name| VOCABULARY.contains(name) && Some(*name) != withheld)
         .collect()
 }
 
-/// Whether the dominant cause has a name, and whether that comes first, is named or called not separable; then whether the
+/// Scores the dominant cause: whether it has a name, comes first, is named or listed as not separable, and whether the
 /// answer is right.
 pub(super) fn judge(
     outcome: &mut Outcome,
@@ -30,7 +30,7 @@ pub(super) fn judge(
     diagnosis: &Diagnosis,
     withheld: Option<&str>,
 ) {
-    let there = there(truth, withheld);
+    let present = present(truth, withheld);
     let sure = diagnosis
         .effects
         .iter()
@@ -38,10 +38,10 @@ pub(super) fn judge(
     outcome.sure_names = sure.clone().count();
     outcome.not_there = sure
         .map(|found| found.name.clone())
-        .filter(|name| !there.contains(&name.as_str()))
+        .filter(|name| !present.contains(&name.as_str()))
         .collect();
     let dominant = truth.effects.first().map(|effect| effect.name.as_str());
-    let Some(dominant) = dominant.filter(|name| there.contains(name)) else {
+    let Some(dominant) = dominant.filter(|name| present.contains(name)) else {
         outcome.nameable = false;
         (outcome.first, outcome.in_class) = (false, false);
         outcome.right = outcome.not_there.is_empty();
@@ -51,7 +51,7 @@ pub(super) fn judge(
     let first = diagnosis.effects.first();
     outcome.first = match diagnosis.numbers.first() {
         Some(number) if moved(&number.name) => {
-            // The number is the first finding if nothing that is named closes more.
+            // The changed number is the first finding if no named effect closes more of the gap.
             let closes = first.and_then(|found| found.shrink).unwrap_or(0.0);
             first.is_none_or(|found| found.name == dominant)
                 || number.shrink.is_some_and(|shrink| shrink >= closes)
@@ -67,7 +67,7 @@ pub(super) fn judge(
     outcome.right = outcome.first;
 }
 
-/// The table's rows on messy cases; none if there is no such case.
+/// The rows of the table for messy cases. Empty if there are none.
 pub(super) fn rows(outcomes: &[Outcome]) -> Vec<Row> {
     let messy: Vec<&Outcome> = outcomes
         .iter()

@@ -1,4 +1,4 @@
-//! From truths and diagnoses to the table of goals: pure functions, no files.
+//! Turns truths and diagnoses into the table of goals. These are pure functions without file access.
 
 mod calibration;
 mod judge;

@@ -1,4 +1,4 @@
-//! Many outcomes as one table: each goal, what was measured, on how many cases.
+//! Combines outcomes into one table: goal, measured value and number of cases.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display};
@@ -8,35 +8,35 @@ use serde::Serialize;
 use super::{Calibration, Outcome, messy, transfer};
 use crate::truth::Kind;
 
-/// What is aimed at.
+/// The goal of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
-    /// This or more.
+    /// The measured value should be this or more.
     AtLeast(f64),
-    /// This or less.
+    /// The measured value should be this or less.
     AtMost(f64),
-    /// Nothing: the figure is shown for information.
+    /// The row has no goal and is shown for information.
     None,
 }
 
 /// One line of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// What is measured.
+    /// Name of the measured quantity.
     pub what: &'static str,
-    /// What is aimed at.
+    /// The goal.
     pub goal: Goal,
-    /// What was measured; `None` if no case says anything about it.
+    /// The measured value. `None` if no case provides it.
     pub measured: Option<f64>,
-    /// On how many cases.
+    /// Number of cases.
     pub cases: usize,
-    /// Whether it is shown as a percentage.
+    /// Whether the value is shown as a percentage.
     percent: bool,
 }
 
 impl Row {
-    /// Whether the goal is met; `None` if nothing was measured.
+    /// Whether the goal is met. `None` if nothing was measured.
     pub fn met(&self) -> Option<bool> {
         self.measured.map(|measured| match self.goal {
             Goal::AtLeast(goal) => measured >= goal,
@@ -45,7 +45,7 @@ impl Row {
         })
     }
 
-    /// The share of `values` that are true.
+    /// A row with the share of `values` that are true.
     fn share(what: &'static str, goal: Goal, values: impl Iterator<Item = bool>) -> Self {
         let (mut cases, mut right) = (0, 0.0);
         for value in values {
@@ -61,7 +61,7 @@ impl Row {
         }
     }
 
-    /// A share that should be `goal` or more.
+    /// A row with a share that should be `goal` or more.
     pub(super) fn at_least(
         what: &'static str,
         goal: f64,
@@ -70,7 +70,7 @@ impl Row {
         Self::share(what, Goal::AtLeast(goal), values)
     }
 
-    /// A share that should be `goal` or less.
+    /// A row with a share that should be `goal` or less.
     pub(super) fn at_most(
         what: &'static str,
         goal: f64,
@@ -79,12 +79,12 @@ impl Row {
         Self::share(what, Goal::AtMost(goal), values)
     }
 
-    /// A share for information.
+    /// A row with a share, for information.
     pub(super) fn shown(what: &'static str, values: impl Iterator<Item = bool>) -> Self {
         Self::share(what, Goal::None, values)
     }
 
-    /// A mean for information.
+    /// A row with a mean, for information.
     pub(super) fn mean(what: &'static str, values: impl Iterator<Item = f64>) -> Self {
         let values: Vec<f64> = values.collect();
         Self {
@@ -97,7 +97,7 @@ impl Row {
         }
     }
 
-    /// The value below which the share `at` of `values` lies.
+    /// A row with the quantile `at` of `values`.
     pub(super) fn quantile(what: &'static str, goal: Goal, values: Vec<f64>, at: f64) -> Self {
         Self {
             what,
@@ -109,21 +109,21 @@ impl Row {
     }
 }
 
-/// Everything that a set of cases says.
+/// The summary of a set of cases.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// The goals.
+    /// The rows of the table.
     pub rows: Vec<Row>,
-    /// Of every truth, how often each answer came first.
+    /// For every truth, how often each first answer was given.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
-    /// What confidences are worth.
+    /// Calibration of the confidences.
     pub calibration: Calibration,
-    /// Every case.
+    /// The outcome of every case.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Summary {
-    /// The table of `outcomes`.
+    /// Summarises `outcomes`.
     pub fn of(outcomes: Vec<Outcome>) -> Self {
         let clean = outcomes.is_empty() || outcomes.iter().any(|o| o.kind != Kind::Messy);
         let mut rows = if clean {
@@ -148,7 +148,7 @@ impl Summary {
     }
 }
 
-/// Rows on what is named in cases with one or two effects, none, or one outside the vocabulary.
+/// Rows on the names in clean cases.
 fn naming_rows(outcomes: &[Outcome]) -> Vec<Row> {
     let of = |kind: Kind| outcomes.iter().filter(move |outcome| outcome.kind == kind);
     let singles: Vec<f64> = of(Kind::Single)
@@ -191,7 +191,7 @@ fn naming_rows(outcomes: &[Outcome]) -> Vec<Row> {
     ]
 }
 
-/// Rows on places, claims and times, in cases of any kind.
+/// Rows on places, claimed shrink and computing time, for cases of any kind.
 fn common_rows(outcomes: &[Outcome]) -> Vec<Row> {
     let claims: Vec<f64> = outcomes
         .iter()
@@ -240,7 +240,7 @@ fn label(outcome: &Outcome) -> String {
     }
 }
 
-/// The value below which the share `at` of `values` lies.
+/// The quantile `at` of `values`.
 fn quantile(mut values: Vec<f64>, at: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let rank = (values.len().checked_sub(1)? as f64 * at).round() as usize;

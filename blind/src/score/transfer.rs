@@ -1,4 +1,4 @@
-//! What a corrected model is worth on data that it was not made for.
+//! Compares a corrected model with recordings that it was not fitted to.
 
 use serde::Serialize;
 
@@ -6,26 +6,26 @@ use super::judge::{FreshGaps, Outcome};
 use super::summary::{Goal, Row};
 use crate::diagnosis::Gap;
 
-/// A model that was saved from one recording, on another one of the same device.
+/// The shrink of a saved model on another recording of the same device.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Kept {
-    /// Shrink on that other recording: to what the truth leaves of it, 1 = all the way.
+    /// Shrink on that recording. 1 = down to the gap of the true model.
     pub shrink: f64,
-    /// That over the claimed one; `None` if none was claimed.
+    /// This shrink over the claimed one. `None` if none was claimed.
     pub over_claimed: Option<f64>,
-    /// Whether it lies within the interval that was claimed; `None` if none was.
+    /// Whether the claimed interval contains this shrink. `None` if no interval was claimed.
     pub interval_holds: Option<bool>,
 }
 
 impl Kept {
-    /// What is kept of what `gap` claims; `None` if there is nothing to close.
+    /// Compares the claims of `gap` with `measured`. Returns `None` if the nominal gap is not above the floor.
     pub(super) fn of(gap: &Gap, measured: FreshGaps, floor: f64) -> Option<Self> {
         let shrink = measured.shrink(floor)?;
         let over_claimed = gap.shrink.filter(|claimed| *claimed > 0.0);
         Some(Self {
             shrink,
             over_claimed: over_claimed.map(|claimed| shrink / claimed),
-            // The truth itself is no better than 1, and noise may bring a model a little beyond.
+            // The true model has a shrink of 1. Noise may let a model exceed it slightly.
             interval_holds: gap
                 .shrink_interval
                 .map(|[low, high]| (low..=high).contains(&shrink.min(1.0))),
@@ -33,7 +33,7 @@ impl Kept {
     }
 }
 
-/// Rows on the intervals that were claimed on messy cases, and on recordings with another excitation, amplitude and load.
+/// Rows on the claimed intervals, for messy cases and for recordings with another excitation, amplitude and load.
 pub(super) fn rows(outcomes: &[Outcome]) -> Vec<Row> {
     let holds = |kept: Vec<Kept>| kept.into_iter().filter_map(|kept| kept.interval_holds);
     let mut rows = Vec::new();

@@ -1,6 +1,6 @@
-//! Time in cycles of the core and in seconds.
+//! Conversion between core cycles and seconds.
 
-/// A clock whose rate changes now and then.
+/// A clock whose rate can change.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
     since_cycle: u64,
@@ -9,7 +9,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Starts at cycle `cycle` and time `s` with this rate.
+    /// A clock that starts at cycle `cycle` and time `s` with the rate `hz`.
     pub fn new(cycle: u64, s: f64, hz: f64) -> Self {
         Self {
             since_cycle: cycle,
@@ -18,12 +18,12 @@ impl Clock {
         }
     }
 
-    /// Goes on from cycle `now` at another rate.
+    /// Changes the rate at cycle `now`.
     pub fn set_rate(&mut self, now: u64, hz: f64) {
         *self = Self::new(now, self.seconds(now), hz);
     }
 
-    /// Cycles a second.
+    /// Core cycles per second.
     pub fn hz(&self) -> f64 {
         self.hz
     }
@@ -34,7 +34,7 @@ impl Clock {
         self.since_s + cycle.saturating_sub(self.since_cycle) as f64 / self.hz
     }
 
-    /// First cycle at or after time `s`.
+    /// The first cycle at or after time `s`.
     #[inline]
     pub fn cycle_at(&self, s: f64) -> u64 {
         self.since_cycle + ((s - self.since_s) * self.hz).ceil().max(0.0) as u64
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_change_of_rate_leaves_what_was() {
+    fn a_change_of_rate_keeps_the_time_before_it() {
         let mut clock = Clock::new(0, 0.0, 16e6);
         clock.set_rate(16_000, 168e6);
         assert!((clock.seconds(16_000 + 168_000) - 2e-3).abs() < 1e-12);

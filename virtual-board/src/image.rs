@@ -1,4 +1,4 @@
-//! A firmware image: the ELF file that is flashed, as it is.
+//! A firmware image: the ELF file that is also flashed to a real board.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -16,28 +16,28 @@ pub enum ImageError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The file is no ELF file of 32 bits.
+    /// The file is not a 32-bit ELF file.
     #[error("the image is no 32-bit ELF file ({0}); give the one that `cargo fw` leaves")]
     Elf(#[from] object::Error),
-    /// It is for something else.
+    /// The image is for another processor.
     #[error("the image is for another processor; give one for thumbv7em-none-eabihf")]
     Processor,
-    /// Part of it goes where this board has no flash.
+    /// Part of the image lies outside the flash.
     #[error(
         "{bytes} bytes of the image go to {address:#010x}, where the board has no flash; link it by memory.x"
     )]
     OutsideFlash {
-        /// Where to.
+        /// First address of that part.
         address: u64,
-        /// How many.
+        /// Its length in bytes.
         bytes: u64,
     },
 }
 
-/// An image.
+/// A firmware image.
 #[derive(Debug, Clone)]
 pub struct Image {
     bytes: Vec<u8>,
@@ -45,21 +45,22 @@ pub struct Image {
     symbols: Vec<Symbol>,
 }
 
-/// A name in an image.
+/// A symbol of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
-    /// As the linker has it, mangled.
+    /// The mangled name.
     pub name: String,
-    /// Where it is; of code without the bit for Thumb.
+    /// The address. For code, the Thumb bit is cleared.
     pub address: u32,
     /// Length in bytes.
     pub size: u32,
 }
 
 impl Image {
-    /// The image in a file.
+    /// Reads an image from a file.
     ///
     /// # Errors
+    ///
     /// [`ImageError`].
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let bytes = std::fs::read(path).map_err(|source| ImageError::File {
@@ -69,9 +70,10 @@ impl Image {
         Self::parse(bytes)
     }
 
-    /// The image in the bytes of a file.
+    /// Reads an image from the bytes of a file.
     ///
     /// # Errors
+    ///
     /// [`ImageError`].
     pub fn parse(bytes: Vec<u8>) -> Result<Self, ImageError> {
         let elf = ElfFile32::<Endianness>::parse(&*bytes)?;
@@ -114,21 +116,22 @@ impl Image {
         &self.bytes
     }
 
-    /// SHA-256 of the file, by which it is known.
+    /// SHA-256 of the file in hexadecimal.
     #[must_use]
     pub fn hash(&self) -> String {
         Sha256::digest(&self.bytes)
             .iter()
             .fold(String::new(), |mut text, byte| {
-                // Writing to a String cannot fail.
+                // Writing to a `String` cannot fail.
                 let _ = write!(text, "{byte:02x}");
                 text
             })
     }
 
-    /// Writes it into `flash`, which stands at address `origin`.
+    /// Writes the image into `flash`, whose first byte has address `origin`.
     ///
     /// # Errors
+    ///
     /// [`ImageError::OutsideFlash`].
     pub fn flash(&self, flash: &mut [u8], origin: u32) -> Result<(), ImageError> {
         for (address, file) in &self.segments {
@@ -145,7 +148,7 @@ impl Image {
         Ok(())
     }
 
-    /// The first symbol whose name `is` accepts.
+    /// The first symbol whose name satisfies `is`.
     #[must_use]
     pub fn symbol(&self, is: impl Fn(&str) -> bool) -> Option<&Symbol> {
         self.symbols.iter().find(|symbol| is(&symbol.name))

@@ -1,28 +1,28 @@
-//! The firmware's log: bytes that it leaves in a ring in RAM (RTT), and what they say (defmt).
+//! The firmware's log: defmt frames in an RTT ring buffer in RAM.
 
 use crate::cpu::{Memories, Width};
 use crate::image::Image;
 use defmt_decoder::Table;
 
-/// A line of the log.
+/// One entry of the log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// When it was fetched, s.
+    /// Time at which it was read, s.
     pub time_s: f64,
-    /// Level in capitals; empty for a plain print.
+    /// Level in capitals. Empty for a plain print.
     pub level: String,
-    /// What it says.
+    /// The message.
     pub message: String,
 }
 
-/// Reads the log of an image as a debug probe does, while the program runs.
+/// Reads the log of an image while the program runs, as a debug probe does.
 pub struct Log {
-    /// Address of the control block and what decodes the frames; `None` if the image keeps no such log.
+    /// Address of the control block and table of log messages. `None` if the image has no such log.
     source: Option<(u32, Table)>,
     frame: Vec<u8>,
 }
 
-/// Layout of the control block: an identification, two counts, then the channels upwards.
+/// Identification at the start of the control block. Two counts and the up-channels follow.
 const IDENTIFICATION: &[u8; 10] = b"SEGGER RTT";
 const FIRST_CHANNEL: u32 = 24;
 const BUFFER: u32 = FIRST_CHANNEL + 4;
@@ -30,11 +30,11 @@ const SIZE: u32 = FIRST_CHANNEL + 8;
 const WRITE_AT: u32 = FIRST_CHANNEL + 12;
 const READ_AT: u32 = FIRST_CHANNEL + 16;
 
-/// Ends a frame of the encoding that the firmware's logger uses.
+/// End of a frame in the encoding of the firmware's logger.
 const END_OF_FRAME: u8 = 0;
 
 impl Log {
-    /// The log of `image`.
+    /// A reader for the log of `image`.
     pub fn new(image: &Image) -> Self {
         let table = Table::parse(image.bytes()).ok().flatten();
         let block = image.symbol(|name| name == "_SEGGER_RTT");
@@ -44,7 +44,7 @@ impl Log {
         }
     }
 
-    /// Fetches what was logged, at time `now_s`.
+    /// Reads new log entries at time `now_s`.
     pub fn fetch(&mut self, memories: &mut Memories, now_s: f64, entries: &mut Vec<Entry>) {
         let Some((block, table)) = &self.source else {
             return;
@@ -69,7 +69,7 @@ impl Log {
             };
             self.frame.push(byte as u8);
             if byte as u8 == END_OF_FRAME {
-                // The logger ends what may have been under way before it starts; nothing was.
+                // The logger can write an end mark before a frame. The empty frame that results is ignored.
                 if self.frame.len() > 1 {
                     entries.push(decode(table, &self.frame, now_s));
                 }
@@ -77,17 +77,17 @@ impl Log {
             }
             read = (read + 1) % size;
         }
-        // The control block was read from RAM a moment ago, so that it can be written.
+        // The control block is in RAM, because it was just read, so this write cannot fail.
         let _ = memories.write(block + READ_AT, Width::Word, read);
     }
 
-    /// Forgets a frame that a reset has cut.
+    /// Discards a frame that a reset has interrupted.
     pub fn reset(&mut self) {
         self.frame.clear();
     }
 }
 
-/// Whether the program has set the control block up.
+/// Returns true if the program has initialised the control block.
 fn marked(memories: &Memories, block: u32) -> bool {
     let found = (block..).map(|address| memories.read(address, Width::Byte));
     IDENTIFICATION

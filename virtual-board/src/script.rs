@@ -1,4 +1,4 @@
-//! A script: what a user types, and what happens to the board, and when.
+//! A script of typed lines and board events with their times.
 //!
 //! ```text
 //! # seconds since power-on, then a line to type
@@ -13,65 +13,66 @@
 use crate::board::{Board, Halt, Pause};
 use crate::wiring::Wires;
 
-/// What happens at one time.
+/// An action of the script.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Action {
-    /// A line is typed, with the return key behind it.
+    /// Types a line followed by the return key.
     Type(String),
-    /// The bridge pulls nFAULT low, or lets it go.
+    /// Pulls nFAULT of the bridge low, or releases it.
     BridgeFault(bool),
-    /// The supply is gone for so many seconds.
+    /// Removes the supply for this time, s.
     SupplyOff(f64),
-    /// The reset button is pressed.
+    /// Presses the reset button.
     Reset,
-    /// The crystal stops.
+    /// Stops the crystal.
     CrystalStop,
-    /// A wire changes.
+    /// Changes the wiring.
     Wire(String),
 }
 
-/// A script, in the order of time.
+/// A script in the order of time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Script {
     lines: Vec<(f64, Action)>,
 }
 
-/// Why a script cannot be understood.
+/// Why a script cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScriptError {
-    /// No time.
+    /// A line does not begin with a time.
     #[error("line {line} of the script begins with '{found}'; write seconds, then what to type")]
     Time {
-        /// From 1.
+        /// Line number from 1.
         line: usize,
-        /// What stands there.
+        /// The text at that position.
         found: String,
     },
-    /// Earlier than the line before.
+    /// A line has an earlier time than the line before.
     #[error("line {line} of the script goes back in time; put its lines in order")]
     Order {
-        /// From 1.
+        /// Line number from 1.
         line: usize,
     },
-    /// No such thing happens.
+    /// The event is unknown.
     #[error(
         "line {line} of the script: nothing like '!{found}' happens; there are !bridge-fault on|off, \
          !supply-off SECONDS, !reset, !crystal-stop, and !wire {}",
         Wires::NAMED.map(|(name, _)| name).join("|")
     )]
     Action {
-        /// From 1.
+        /// Line number from 1.
         line: usize,
-        /// What stands there.
+        /// The text at that position.
         found: String,
     },
 }
 
 impl Script {
-    /// The script of this text.
+    /// Parses a script.
     ///
     /// # Errors
-    /// [`ScriptError`] that names the line.
+    ///
+    /// [`ScriptError`] with the line number.
     pub fn parse(text: &str) -> Result<Self, ScriptError> {
         let mut script = Self::default();
         for (index, words) in text.lines().enumerate() {
@@ -109,10 +110,11 @@ impl Script {
         self.lines.last().map_or(0.0, |(time_s, _)| *time_s)
     }
 
-    /// Runs `board` through it, and on until `until_s`. Lines after that are left. Every so often `go_on` may look at the
-    /// board, and say whether to go on.
+    /// Runs `board` through the script and then until `until_s`. Later lines are ignored. `go_on` is called at regular
+    /// intervals with the board. It returns false to stop.
     ///
     /// # Errors
+    ///
     /// [`Halt`].
     pub fn run(
         &self,
@@ -133,10 +135,10 @@ impl Script {
     }
 }
 
-/// Between two looks at the board, s of its time.
+/// Interval between two calls of `go_on`, s of simulated time.
 const LOOK_S: f64 = 0.05;
 
-/// Runs on through breakpoints; false if it was to go on no longer.
+/// Runs and ignores breakpoints. Returns false if `go_on` stopped the run.
 fn run_through(
     board: &mut Board,
     until_s: f64,
@@ -174,7 +176,7 @@ impl Action {
         words.next().is_none().then_some(action)
     }
 
-    /// Does it.
+    /// Applies the action to the board.
     pub fn take(&self, board: &mut Board) {
         match self {
             Self::Type(line) => board.type_in(&format!("{line}\r")),
@@ -196,7 +198,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_typed_and_events_happen() {
+    fn lines_are_typed_and_events_take_effect() {
         let script = Script::parse(
             "# a comment\n\n0.1 zero hall\n0.1\tarm\n1.5 !bridge-fault on\n2 !supply-off 0.3\n2.5 !wire motor-cut",
         )

@@ -1,17 +1,17 @@
-//! The far end of the serial line: bytes typed, at the pace of the line, and bytes answered.
+//! The terminal at the other end of the serial line.
 
 use std::collections::VecDeque;
 
-/// Bits a second of a terminal that nobody has set otherwise.
+/// Default baud rate of the terminal, bit/s.
 pub const BAUD: f64 = 460_800.0;
 
-/// A terminal.
+/// A serial terminal.
 #[derive(Debug, Clone)]
 pub struct Terminal {
-    /// Bits a second, as its user sets them.
+    /// Baud rate, bit/s.
     pub baud: f64,
     typed: VecDeque<u8>,
-    /// Time at which the byte on the line has arrived, s.
+    /// Time at which the byte on the line arrives, s.
     arrives_s: f64,
     answered: Vec<u8>,
 }
@@ -28,7 +28,7 @@ impl Default for Terminal {
 }
 
 impl Terminal {
-    /// Types `bytes` at time `now_s`, after what is still on its way.
+    /// Sends `bytes` at time `now_s`, after bytes that are still on the line.
     pub fn send(&mut self, bytes: &[u8], now_s: f64) {
         if self.typed.is_empty() {
             self.arrives_s = self.arrives_s.max(now_s) + self.frame_s();
@@ -36,12 +36,12 @@ impl Terminal {
         self.typed.extend(bytes);
     }
 
-    /// Time of a byte on the line, s.
+    /// Transmission time of a byte, s.
     fn frame_s(&self) -> f64 {
         crate::peripherals::usart::FRAME_BITS as f64 / self.baud
     }
 
-    /// Bytes that are still to arrive at the board.
+    /// Number of bytes that have not yet arrived at the board.
     pub fn waiting(&self) -> usize {
         self.typed.len()
     }
@@ -51,7 +51,7 @@ impl Terminal {
         (!self.typed.is_empty()).then_some(self.arrives_s)
     }
 
-    /// The byte that arrives now.
+    /// Takes the byte that arrives now.
     pub fn arrive(&mut self) -> Option<u8> {
         let byte = self.typed.pop_front()?;
         if !self.typed.is_empty() {
@@ -60,12 +60,12 @@ impl Terminal {
         Some(byte)
     }
 
-    /// Takes in what the board sent.
+    /// Receives a byte from the board.
     pub fn receive(&mut self, byte: u8) {
         self.answered.push(byte);
     }
 
-    /// What the board has sent since the last call.
+    /// Takes the bytes that the board has sent since the last call.
     pub fn take_answer(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.answered)
     }

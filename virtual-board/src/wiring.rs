@@ -1,36 +1,36 @@
-//! What is wired to the chip: the simulated paddle, its motor behind the bridge, and its sensors.
+//! The paddle wired to the chip: simulated mechanics, the motor behind the bridge, and the sensors.
 
 use haptic_paddle::controller::{Duty, Measurement};
 use haptic_paddle::sensing::hall::ADC_FULL_SCALE;
 use haptic_paddle::settings::Settings;
 use host_sim::paddle::{Command, Paddle, PaddleSetup};
 
-/// Time that the paddle is carried at once, s: the firmware's control period. What the bridge does is averaged over it,
-/// and sensors hold what they read at its end.
+/// Time step of the paddle, s. It equals the control period of the firmware. The bridge output is averaged over a step. The
+/// sensors are sampled at its end.
 pub const STEP_S: f64 = 50e-6;
 
-/// How the paddle is wired.
+/// Wiring faults of the paddle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wires {
-    /// The motor's two wires are exchanged.
+    /// If true, the two motor wires are exchanged.
     pub motor_swapped: bool,
-    /// The motor is not connected.
+    /// If true, the motor is not connected.
     pub motor_cut: bool,
-    /// The encoder's two channels are exchanged.
+    /// If true, the two encoder channels are exchanged.
     pub encoder_swapped: bool,
-    /// The encoder is not connected.
+    /// If true, the encoder is not connected.
     pub encoder_cut: bool,
-    /// The Hall sensor's magnet is the other way round.
+    /// If true, the magnet of the Hall sensor is reversed.
     pub hall_swapped: bool,
-    /// The Hall sensor is not connected; its input is pulled to ground.
+    /// If true, the Hall sensor is not connected and its input is pulled to ground.
     pub hall_cut: bool,
 }
 
-/// A way to wire wrongly, by name.
+/// A wiring fault with its name.
 pub type WireFault = (&'static str, fn(&mut Wires));
 
 impl Wires {
-    /// Changes by name.
+    /// All wiring faults by name.
     pub const NAMED: [WireFault; 6] = [
         ("motor-swapped", |wires| wires.motor_swapped = true),
         ("motor-cut", |wires| wires.motor_cut = true),
@@ -40,32 +40,32 @@ impl Wires {
         ("hall-cut", |wires| wires.hall_cut = true),
     ];
 
-    /// Makes the change of this name. Returns whether there is one.
+    /// Applies the wiring fault of this name. Returns false if the name is unknown.
     pub fn change(&mut self, name: &str) -> bool {
         let known = Self::NAMED.iter().find(|(known, _)| *known == name);
         known.map(|(_, change)| change(self)).is_some()
     }
 }
 
-/// What the amplifier of the current does beside amplifying.
+/// Errors of the current amplifier.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AmplifierFaults {
-    /// It reads this much too high, A.
+    /// Constant offset, A.
     pub offset_a: f64,
-    /// More than that while the bridge is on, as the shunt then swings with the supply, A.
+    /// Additional offset while the bridge is on, A. The common-mode voltage of the shunt then follows the supply.
     pub common_mode_a: f64,
-    /// More than that at power-on, A, which dies away with the time constant, s.
+    /// Additional offset at power-on, A. It decays with the time constant `warm_up_s`.
     pub warm_up_a: f64,
-    /// Of the warm-up, s.
+    /// Time constant of the warm-up, s.
     pub warm_up_s: f64,
-    /// Amplitude of a wander at 40 Hz, A.
+    /// Amplitude of a sinusoidal error at 40 Hz, A.
     pub wander_a: f64,
-    /// It stands still at this reading, counts.
+    /// If set, the reading is stuck at this value, counts.
     pub stuck_counts: Option<f64>,
 }
 
 impl AmplifierFaults {
-    /// What it reads too high at time `time_s` since power-on, A.
+    /// Error of the reading at time `time_s` since power-on, A.
     fn error_a(&self, time_s: f64, bridge_on: bool) -> f64 {
         const WANDER_HZ: f64 = 40.0;
         let common_mode_a = if bridge_on { self.common_mode_a } else { 0.0 };
@@ -79,23 +79,23 @@ impl AmplifierFaults {
     }
 }
 
-/// What reaches the pins at the end of a step.
+/// Sensor signals at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensed {
-    /// Counts that the encoder has moved by in the step.
+    /// Change of the encoder count in the step.
     pub encoder_counts: i32,
-    /// Hall voltage, counts of a converter of 12 bit.
+    /// Hall voltage in counts of a 12-bit converter.
     pub hall_counts: u16,
     /// Mean current of the step, counts.
     pub current_counts: f64,
 }
 
-/// The paddle, wired.
+/// The wired paddle.
 #[derive(Debug, Clone)]
 pub struct Wiring {
-    /// Changes of the wires.
+    /// Wiring faults.
     pub wires: Wires,
-    /// What the amplifier of the current does.
+    /// Errors of the current amplifier.
     pub amplifier: AmplifierFaults,
     paddle: Paddle,
     torque_constant_nm_per_a: f64,
@@ -104,7 +104,7 @@ pub struct Wiring {
 }
 
 impl Wiring {
-    /// The paddle of `setup` at rest. Of `settings` it takes what the firmware's defaults say of the sensors.
+    /// The paddle of `setup` at rest. `settings` sets the default properties of the sensors.
     pub fn new(setup: &PaddleSetup, settings: &Settings, wires: Wires) -> Self {
         Self {
             wires,
@@ -116,7 +116,7 @@ impl Wiring {
         }
     }
 
-    /// Carries it over a step, driven by a share of the supply from -1 to 1, or by nothing.
+    /// Advances the paddle by one step. `duty` is the duty cycle of the bridge, -1 to 1, or `None` if its outputs are off.
     pub fn step(&mut self, duty: Option<f64>) -> Sensed {
         match duty.filter(|_| !self.wires.motor_cut) {
             Some(duty) => {
@@ -127,7 +127,7 @@ impl Wiring {
                 };
                 self.paddle.advance(Command {
                     duty: Duty(duty as f32),
-                    torque_nm: self.told_nm() as f32,
+                    torque_nm: self.estimated_command_nm() as f32,
                 });
             }
             None => self.paddle.coast(),
@@ -161,10 +161,10 @@ impl Wiring {
         }
     }
 
-    /// What the amplifier makes of what an ideal one would read.
+    /// Reading of the amplifier. `ideal` is the reading without errors.
     fn current_counts(&self, ideal: f64, bridge_on: bool) -> f64 {
         let ideal = if self.wires.motor_swapped {
-            // The shunt sits at the bridge, before the wires.
+            // The shunt is at the bridge, before the motor wires.
             2.0 * IDLE_COUNTS - ideal
         } else {
             ideal
@@ -177,9 +177,9 @@ impl Wiring {
         counts.clamp(0.0, f64::from(ADC_FULL_SCALE))
     }
 
-    /// What the motor was told is known to the firmware alone; the bounds of the drive go by what it last made, within
-    /// the firmware's own limit.
-    fn told_nm(&self) -> f64 {
+    /// Only the firmware knows the commanded torque. The bounds of the drive therefore use the torque of the last step,
+    /// limited to the firmware's torque limit, N m.
+    fn estimated_command_nm(&self) -> f64 {
         let made_nm = self.torque_nm();
         made_nm.clamp(-self.torque_limit_nm, self.torque_limit_nm)
     }
@@ -195,7 +195,7 @@ impl Wiring {
     }
 }
 
-/// What the amplifier of the current reads without a current, counts.
+/// Reading of the current amplifier at zero current, counts.
 const IDLE_COUNTS: f64 = 2048.0;
-/// 25 mΩ, a gain of 30, and 2.5 V in 4096 counts.
+/// Gain of the current measurement: a shunt of 25 mΩ, an amplifier gain of 30, and 4096 counts for 2.5 V.
 const COUNTS_PER_A: f64 = 0.025 * 30.0 * 4096.0 / 2.5;

@@ -1,4 +1,4 @@
-//! What both machines have: one RAM, of which the lower part is data and the upper part code.
+//! The machine that both simulators have: one RAM. Its lower part holds data, its upper part code.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::Rng;
@@ -7,17 +7,17 @@ use crate::outcome::Outcome;
 use crate::state::State;
 use crate::words::Trial;
 
-/// Where the RAM begins.
+/// Address of the RAM.
 pub const RAM: u32 = 0x2000_0000;
 /// Size of the RAM, bytes.
 pub const SIZE: usize = 0xC000;
-/// Where in it instructions find their data, as an offset.
+/// Offset in the RAM at which instructions find their data.
 pub const DATA: u32 = 0x2000;
 
-/// A machine that executes one trial.
+/// A simulator that executes one trial.
 pub trait Machine {
-    /// Places the trial's code at `address` and executes it from `state`; memory is afterwards as before, but for
-    /// the code.
+    /// Places the code of the trial at `address` and executes it from `state`. Afterwards the memory is as before, except
+    /// for the code.
     fn execute(
         &mut self,
         trial: &Trial,
@@ -33,9 +33,9 @@ pub fn random_memory(random: &mut Xoshiro256PlusPlus) -> Vec<u8> {
     memory
 }
 
-/// Places for code, one after the other, far enough from both ends for what is relative to them.
+/// Addresses for code. They are far enough from both ends of the RAM for PC-relative accesses.
 pub fn addresses() -> impl Iterator<Item = u32> {
-    // Every second place is not at a word.
+    // Every second address is not aligned to a word.
     (0..0x200)
         .map(|i| RAM + 0x9000 + 16 * i + 2 * (i & 1))
         .cycle()

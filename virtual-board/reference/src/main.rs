@@ -1,12 +1,13 @@
-//! Compares the virtual processor core with Unicorn: the same instruction from the same state, on both.
+//! Compares the virtual processor core with Unicorn: both execute the same instruction from the same state.
 //!
 //! ```text
 //! cd virtual-board/reference && cargo run --release [-- IMAGE]
 //! ```
 //!
-//! It takes every distinct instruction of the firmware image (that of `cargo fw`, if no other is named), every 16-bit
-//! instruction in and outside an IT block, and random seconds to every first halfword of a 32-bit instruction. States
-//! are random with a bias to edges. It prints what was compared and what was left out, and fails on any difference.
+//! It compares every distinct instruction of the firmware image, by default the one that `cargo fw` builds. It also compares
+//! every 16-bit instruction, in and outside an IT block, and 32-bit instructions with every first and random second
+//! halfwords. The states are random, with many edge values. It prints what was compared and what was left out. It fails on
+//! any difference.
 
 mod machine;
 mod ours;
@@ -81,7 +82,7 @@ fn compare(image: &Path) -> Result<usize, Box<dyn Error>> {
                     if differences <= DIFFERENCES_SHOWN {
                         println!("{trial}: {what}");
                     }
-                    // One example of an instruction is enough.
+                    // One failing example per instruction is enough.
                     break;
                 }
             }
@@ -111,7 +112,7 @@ impl Pair {
         }
         let ours = self.ours.execute(trial, address, state)?;
         if matches!(ours, Outcome::Unpredictable) {
-            // Unicorn might change more than it can put back.
+            // Unicorn might change more than this program restores.
             return Ok(Verdict::Unpredictable);
         }
         let theirs = self.theirs.execute(trial, address, state)?;

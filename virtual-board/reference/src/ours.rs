@@ -13,7 +13,7 @@ pub struct Ours {
     memory: Vec<u8>,
 }
 
-/// Memories and nothing else.
+/// A board with memories only.
 struct Board(Memories);
 
 impl Bus for Board {
@@ -32,7 +32,7 @@ impl Bus for Board {
 
 impl Ours {
     pub fn new(memory: &[u8]) -> Self {
-        // Vectors, and code that turns the FPU on and begins a context with it.
+        // A vector table, and code that enables the FPU and creates an FPU context.
         let mut memories = Memories::new(28, SIZE, 0);
         memories.flash_mut().copy_from_slice(&[
             0, 0x20, 0, 0x20, 9, 0, 0, 8, // SP, start
@@ -47,7 +47,7 @@ impl Ours {
         let mut cpu = Cpu::new();
         cpu.reset(&mut board);
         assert_eq!(cpu.run(&mut board, 50), Stop::Deadline, "the FPU goes on");
-        // From here on there is no flash, which Unicorn does not have either.
+        // From here on there is no flash, because Unicorn has none.
         board.0 = Memories::new(0, SIZE, 0);
         board.0.sram.copy_from_slice(memory);
         Self {

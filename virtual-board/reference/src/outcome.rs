@@ -1,24 +1,24 @@
-//! What an instruction did, and whether both machines agree on it.
+//! The effect of an instruction, and the comparison of two simulators.
 
 use crate::state::State;
 use crate::words::Trial;
 
-/// What one machine made of a trial.
+/// The effect of a trial on one simulator.
 #[derive(Debug)]
 pub enum Outcome {
     Done {
         state: Box<State>,
         pc: u32,
-        /// The data, if it has changed.
+        /// The data in memory, if it has changed.
         memory: Option<Vec<u8>>,
     },
-    /// It ends in a fault, or in an access that nothing answers.
+    /// A fault, or an access to an unmapped address.
     Fault,
-    /// The manual leaves open what happens.
+    /// The manual does not define the effect.
     Unpredictable,
 }
 
-/// What the comparison of one trial came to.
+/// The result of comparing one trial.
 #[derive(Debug)]
 pub enum Verdict {
     Same,
@@ -40,7 +40,7 @@ impl Verdict {
     }
 }
 
-/// Instructions that cannot be compared, each group by its name.
+/// The name of a group of instructions that cannot be compared, if the trial belongs to one.
 pub fn left_out(trial: &Trial) -> Option<&'static str> {
     let (word, wide) = (trial.word(), trial.second.is_some());
     let special_write = wide && word & 0xFFE0_D000 == 0xF380_8000;
@@ -83,7 +83,7 @@ pub fn left_out(trial: &Trial) -> Option<&'static str> {
     None
 }
 
-/// VCVT from fixed point, which rounds to the nearest number whatever FPSCR says, but not in Unicorn.
+/// VCVT from fixed point. It always rounds to nearest, whatever FPSCR says. Unicorn uses the rounding mode of FPSCR.
 fn converts_from_fixed(trial: &Trial) -> bool {
     trial.word() & 0xFFBE_0E50 == 0xEEBA_0A40 && trial.second.is_some()
 }
@@ -139,8 +139,8 @@ pub fn judge(trial: &Trial, before: &State, ours: &Outcome, theirs: &Outcome) ->
     }
 }
 
-/// True if an address that is a register, or a register and a shifted one, with any offset of an instruction, may
-/// mean a single bit or a register of the core.
+/// Returns true if an address formed from one register, or from a register and a shifted register, plus any instruction
+/// offset, may be a bit-band alias or a register of the core.
 fn may_reach_what_unicorn_lacks(state: &State) -> bool {
     let near = |address: u32| {
         [

@@ -1,4 +1,4 @@
-//! Random states of a core.
+//! Random states of a processor core.
 
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::Rng;
@@ -10,7 +10,7 @@ use crate::machine::{DATA, RAM};
 pub struct State {
     /// R0 to R12, SP, LR.
     pub registers: [u32; 15],
-    /// N, Z, C, V, Q and GE, at their places in APSR.
+    /// N, Z, C, V, Q and GE, at their bit positions in APSR.
     pub flags: u32,
     /// S0 to S31.
     pub floats: [u32; 32],
@@ -64,7 +64,7 @@ const FLOAT_EDGES: [u32; 22] = [
 ];
 
 impl State {
-    /// A state; if `aligned`, all registers are multiples of four.
+    /// A random state. If `aligned`, all registers are multiples of four.
     pub fn random(random: &mut Xoshiro256PlusPlus, aligned: bool) -> Self {
         let mut registers = [0; 15];
         for register in &mut registers {
@@ -80,7 +80,7 @@ impl State {
             registers,
             flags: random.next_u32() & FLAGS,
             floats,
-            // Half of the time as nearly all code has it, so that the fast paths are taken too.
+            // Half of the states have the usual FPSCR, so that the fast paths are tested too.
             float_status: if plain {
                 0x10
             } else {
@@ -97,7 +97,7 @@ fn word(random: &mut Xoshiro256PlusPlus) -> u32 {
         1 | 2 => bits >> 8 & 0xFF,
         3 => bits.rotate_left(bits >> 27) | 1,
         4 => random.next_u32(),
-        // An address in the middle of the data, mostly aligned.
+        // An address in the middle of the data, usually aligned.
         choice => {
             let near = bits >> 8 & 0x3FF;
             let aligned = if choice == 7 { near } else { near & !7 };
@@ -112,11 +112,11 @@ fn float(random: &mut Xoshiro256PlusPlus) -> u32 {
     match bits >> 1 & 7 {
         0 => random.next_u32(),
         1 | 2 => sign | FLOAT_EDGES[(bits >> 8) as usize % FLOAT_EDGES.len()],
-        // Denormal and barely normal.
+        // Denormal numbers and the smallest normal ones.
         3 => sign | bits >> 8 & 0x01FF_FFFF,
-        // Near one, so that sums cancel and round.
+        // Numbers near one, so that sums cancel and round.
         4 | 5 => sign | (0x3E00_0000 + (bits >> 8 << 2 & 0x03FF_FFFC)),
-        // Integers and what fits in a half.
+        // Integers, and numbers that fit in a half-precision float.
         6 => ((bits >> 8) as i32 as f32).to_bits() | sign,
         _ => sign | (0x3700_0000 + (random.next_u32() & 0x11FF_FFFF)),
     }

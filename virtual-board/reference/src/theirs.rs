@@ -46,7 +46,7 @@ impl Theirs {
             .mem_map(RAM.into(), SIZE as u64, Prot::ALL)
             .map_err(fail)?;
         unicorn.mem_write(RAM.into(), memory).map_err(fail)?;
-        // The first instruction of the FPU in a context resets it: VMOV S0, S0.
+        // The first FPU instruction of a context resets the FPU state. This is VMOV S0, S0.
         const PLACE: u64 = (RAM as usize + SIZE - 8) as u64;
         unicorn
             .mem_write(PLACE, &[0xB0, 0xEE, 0x40, 0x0A])
@@ -66,7 +66,7 @@ impl Theirs {
 
     fn run(&mut self, trial: &Trial, address: u32, state: &State) -> Result<Outcome, uc_error> {
         let unicorn = &mut self.unicorn;
-        // What has been translated at an address may outlive what is written there.
+        // A translation can outlive a change of the code at its address.
         unicorn.ctl_flush_tb()?;
         let code = trial.code();
         let at = (address - RAM) as usize;
@@ -82,7 +82,7 @@ impl Theirs {
             unicorn.reg_write(double(number), bits)?;
         }
         unicorn.reg_write(RegisterARM::FPSCR, state.float_status.into())?;
-        // Unicorn counts IT and what it holds as one.
+        // Unicorn counts IT and the instruction in its block as one.
         let ran = unicorn.emu_start(u64::from(address | 1), 0, 0, 1);
         unicorn.mem_write(address.into(), &self.memory[place])?;
         let mut memory = vec![0; SIZE];
@@ -92,7 +92,7 @@ impl Theirs {
             unicorn.mem_write(RAM.into(), &self.memory)?;
         }
         let pc = unicorn.reg_read(RegisterARM::PC)? as u32;
-        // A jump to where nothing is has been made all the same.
+        // A jump to an unmapped address has still been executed.
         let jumped = !(RAM..RAM + SIZE as u32).contains(&pc);
         let thumb = unicorn.reg_read(RegisterARM::XPSR)? >> 24 & 1 == 1;
         if ran.is_err() && !jumped || !thumb {

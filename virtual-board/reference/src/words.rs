@@ -8,10 +8,10 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::Rng;
 
-/// An instruction, and in how many states to compare it.
+/// An instruction, and the number of states in which to compare it.
 #[derive(Debug, Clone)]
 pub struct Trial {
-    /// An IT instruction before it, if it is to be in a block.
+    /// An IT instruction before it, if it should be in an IT block.
     pub if_then: Option<u16>,
     /// Its first halfword.
     pub first: u16,
@@ -21,7 +21,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Its bytes in memory, with endless loops behind it, where translation ends.
+    /// Its bytes in memory, followed by endless loops, which end the translation.
     pub fn code(&self) -> Vec<u8> {
         const LOOP: u16 = 0xE7FE;
         self.if_then
@@ -33,12 +33,13 @@ impl Trial {
             .collect()
     }
 
-    /// Instructions that it is made of.
+    /// Number of instructions that the trial consists of.
     pub fn instructions(&self) -> usize {
         1 + usize::from(self.if_then.is_some())
     }
 
-    /// True for loads and stores that want an aligned address. Unicorn does not check it, so they get no other.
+    /// Returns true for loads and stores that need an aligned address. Unicorn does not check the alignment, so these trials
+    /// use aligned addresses only.
     pub fn wants_alignment(&self) -> bool {
         match self.second {
             None => self.first & 0xF000 == 0xC000,
@@ -46,7 +47,7 @@ impl Trial {
         }
     }
 
-    /// The instruction as one number, the first halfword of two in the upper half.
+    /// The instruction as one number. The first halfword of two is the upper half.
     pub fn word(&self) -> u32 {
         match self.second {
             Some(second) => u32::from(self.first) << 16 | u32::from(second),
@@ -116,7 +117,7 @@ pub fn of_image(path: &Path) -> Result<Vec<Trial>, Box<dyn std::error::Error>> {
         .collect())
 }
 
-/// Every 16-bit instruction, and those that may be in an IT block there too.
+/// Every 16-bit instruction, outside and, where allowed, inside an IT block.
 pub fn narrow(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
     (0..0xE800)
         .flat_map(|first| {
@@ -126,7 +127,7 @@ pub fn narrow(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
                 second: None,
                 states: 10,
             };
-            // One instruction, under any condition but AL.
+            // An IT block with one instruction, under any condition but AL.
             let condition = (random.next_u32() % 14) as u16;
             let in_block = Trial {
                 if_then: Some(0xBF08 | condition << 4),
@@ -138,7 +139,7 @@ pub fn narrow(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
         .collect()
 }
 
-/// False for what is unpredictable in an IT block: B with a condition, CBZ and CBNZ, CPS, and IT itself.
+/// Returns false for instructions that are unpredictable in an IT block: conditional B, CBZ, CBNZ, CPS and IT itself.
 fn may_be_in_block(first: u16) -> bool {
     let branches = matches!(first & 0xF000, 0xD000) || first & 0xF500 == 0xB100;
     let changes_state = first & 0xFFE0 == 0xB660;
@@ -146,7 +147,7 @@ fn may_be_in_block(first: u16) -> bool {
     !(branches || changes_state || if_then)
 }
 
-/// Every first halfword of a 32-bit instruction with random seconds.
+/// 32-bit instructions with every first halfword and random second halfwords.
 pub fn wide(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
     const SECONDS: usize = 600;
     (0xE800..=0xFFFF)
@@ -154,7 +155,7 @@ pub fn wide(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
         .map(|first| {
             let bits = random.next_u32();
             let second = bits as u16;
-            // Many instructions want ones, or zeros, in a field that is elsewhere a register.
+            // Many instructions require ones or zeros in a field that is a register elsewhere.
             let second = match bits >> 16 & 7 {
                 0 => second | 0xF000,
                 1 => second & !0xF000,
@@ -174,7 +175,7 @@ pub fn wide(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
         .collect()
 }
 
-/// Instructions of the FPU, which random seconds seldom hit.
+/// FPU instructions. Random second halfwords seldom encode one.
 pub fn float(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
     const SECONDS: usize = 600;
     (0xEC00..=0xEEFF)
@@ -183,7 +184,7 @@ pub fn float(random: &mut Xoshiro256PlusPlus) -> Vec<Trial> {
             let bits = random.next_u32();
             let double = if bits >> 16 & 7 == 0 { 0x0100 } else { 0 };
             let second = bits as u16 & !0x0F00 | 0x0A00 | double;
-            // Few registers in a list.
+            // Register lists are kept short.
             let second = if first >> 8 == 0xEE {
                 second
             } else {

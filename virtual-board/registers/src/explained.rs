@@ -1,9 +1,10 @@
-//! Differences that are meant, each with its reason.
+//! Intended differences from the SVD, each with its reason.
 
-/// Stands for the reset value among the bits.
+/// Marks the reset value instead of bits.
 const RESET: u32 = u32::MAX;
 
-/// A register, the bits of it, and why they differ. A name that ends with an asterisk stands for all that begin so.
+/// Register, bits, and the reason of the difference. A name that ends with an asterisk matches every name with that
+/// beginning.
 const EXPLAINED: &[(&str, &str, u32, &str)] = &[
     (
         "TIM*",
@@ -126,7 +127,7 @@ const EXPLAINED: &[(&str, &str, u32, &str)] = &[
     ("DBGMCU", "IDCODE", RESET, "another revision of the chip"),
 ];
 
-/// Why a difference is meant, if it is: in a bit of a register, or in its reset value.
+/// The reason of an intended difference in a bit of a register or in its reset value. `None` if it is not intended.
 pub fn reason(peripheral: &str, register: &str, bit: Option<u32>) -> Option<&'static str> {
     EXPLAINED
         .iter()

@@ -5,10 +5,10 @@
 //! cd virtual-board/registers && cargo run
 //! ```
 //!
-//! The board is not asked for a table: it is tried. Each word of a peripheral is read on a chip fresh from reset, and
-//! written with each of its bits changed. A bit that sticks is a field that can be written; one that does not is
-//! reserved, read-only, or acts at once; a write that is refused by name is not modelled, and no difference. What
-//! differs for a reason stands in `explained.rs`, with the reason. Everything else is a difference, and fails.
+//! The comparison uses no table of the board: it accesses the registers. It reads each word of a peripheral on a chip after
+//! reset and writes it with each bit changed. A bit that keeps the written value is a writable field. Any other bit is
+//! reserved, read-only, or triggers an action. A write that is refused by name is not modelled and counts as no difference.
+//! `explained.rs` lists the intended differences with their reasons. Every other difference fails.
 
 mod explained;
 mod svd;
@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use svd::{Access, Register, Source};
 use trial::{Effect, Trial};
 
-/// Peripherals by name, base address, their description in the SVD, and bytes.
+/// Peripherals: name, base address, name in the SVD, and size in bytes.
 const PERIPHERALS: [(&str, u32, &str, u32); 23] = [
     ("TIM2", 0x4000_0000, "tim2", 0x54),
     ("TIM3", 0x4000_0400, "tim3", 0x54),
@@ -106,7 +106,7 @@ fn compare() -> Result<usize, svd::SvdError> {
     Ok(differences)
 }
 
-/// What differs between a register as tried and as described, under any of the names that it has.
+/// Differences between a tested register and its description, under any of its names.
 fn judge(trial: &Trial, described: &[&Register], found: &mut Vec<(Option<u32>, String)>) {
     let register = described[0];
     if trial.reset != register.reset {
@@ -142,7 +142,7 @@ fn judge(trial: &Trial, described: &[&Register], found: &mut Vec<(Option<u32>, S
             (Effect::Sticks, Access { readable: true, .. }) => "can be written, and is read-only",
             (Effect::Sticks, _) => "can be written, and is reserved",
             (Effect::Nothing, Access { readable: true, .. }) => "cannot be written",
-            // A bit for writing only reads as nothing.
+            // A write-only bit reads as zero.
             (Effect::Nothing, _) => continue,
             (Effect::Other, _) => "changes other bits",
         };

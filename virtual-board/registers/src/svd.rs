@@ -1,11 +1,11 @@
-//! The vendor's description, as the register crate's sources carry it.
+//! The vendor's register description, read from the sources of the register crate.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Why there is nothing to compare with.
+/// Why the description cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum SvdError {
     #[error("cargo does not say where the register crate's sources are: {0}")]
@@ -19,7 +19,7 @@ pub enum SvdError {
     Form(String),
 }
 
-/// What may be done with a bit.
+/// Allowed accesses of a bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Access {
     pub readable: bool,
@@ -27,13 +27,13 @@ pub struct Access {
 }
 
 impl Access {
-    /// Reserved.
+    /// Neither read nor write: a reserved bit.
     pub const NONE: Self = Self {
         readable: false,
         writable: false,
     };
 
-    /// What either allows.
+    /// The accesses that at least one of the two allows.
     pub fn or(self, other: Self) -> Self {
         Self {
             readable: self.readable || other.readable,
@@ -42,7 +42,7 @@ impl Access {
     }
 }
 
-/// A register as described.
+/// A register of the description.
 #[derive(Debug, Clone)]
 pub struct Register {
     pub name: String,
@@ -53,7 +53,7 @@ pub struct Register {
 }
 
 impl Register {
-    /// What may be done with `bit`.
+    /// Allowed accesses of `bit`.
     pub fn access(&self, bit: u32) -> Access {
         Access {
             readable: self.readable >> bit & 1 == 1,
@@ -62,11 +62,11 @@ impl Register {
     }
 }
 
-/// The sources of the chip in the register crate.
+/// Folder of the chip in the sources of the register crate.
 pub struct Source(PathBuf);
 
 impl Source {
-    /// Where cargo keeps them.
+    /// Finds the folder in which cargo keeps the sources.
     pub fn find() -> Result<Self, SvdError> {
         let unknown = |why: &dyn std::fmt::Display| SvdError::Metadata(why.to_string());
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
@@ -86,7 +86,7 @@ impl Source {
         Ok(Self(root.join("src/stm32f407")))
     }
 
-    /// The registers of a peripheral by its name there.
+    /// The registers of a peripheral. `peripheral` is its name in the SVD.
     pub fn registers(&self, peripheral: &str) -> Result<Vec<Register>, SvdError> {
         let registers = self.block(&self.0.join(peripheral), 0)?;
         if registers.is_empty() {
@@ -95,7 +95,7 @@ impl Source {
         Ok(registers)
     }
 
-    /// The registers of a block whose description is `module`.rs, with those of its clusters.
+    /// The registers of a block described in `module`.rs, including those of its clusters.
     fn block(&self, module: &Path, base: u32) -> Result<Vec<Register>, SvdError> {
         let text = read(&module.with_extension("rs"))?;
         let mut registers = Vec::new();
@@ -107,7 +107,7 @@ impl Source {
             let Some((place, _)) = place.split_once(" - ") else {
                 continue;
             };
-            // The accessor follows, after its attribute.
+            // The accessor follows after its attribute.
             let Some(accessor) = lines.find(|line| line.contains("fn ")) else {
                 break;
             };
@@ -133,7 +133,7 @@ impl Source {
                         registers.extend(self.block(&described, at)?);
                     }
                 }
-                // Each of an array stands by itself too.
+                // Each element of an array is also listed by itself.
                 Some(_) => {}
             }
         }
@@ -148,7 +148,7 @@ impl Source {
         offset: u32,
     ) -> Result<Register, SvdError> {
         let own = module.join(kind.to_lowercase()).with_extension("rs");
-        // A peripheral that is like another one borrows its registers.
+        // A peripheral derived from another one has the registers of that one.
         let path = if own.exists() {
             own
         } else {
@@ -181,7 +181,7 @@ impl Source {
             .lines()
             .find_map(|line| line.trim().strip_prefix("const RESET_VALUE: u32 = 0x"))
             .map_or(0, |value| hex(value.trim_end_matches(';')));
-        // Without fields the whole register is one.
+        // A register without fields is one field.
         let whole = |trait_name: &str, mask: u32| {
             let has = text.contains(&format!("impl crate::{trait_name} for"));
             match (has, mask) {
@@ -200,7 +200,7 @@ impl Source {
     }
 }
 
-/// Bits that a line of documentation gives to a field.
+/// Bits of the field that a line of documentation describes.
 fn field(line: &str) -> u32 {
     let number = |text: &str| text.trim().parse::<u32>().ok();
     if let Some(rest) = line.strip_prefix("///Bit ") {
@@ -218,7 +218,7 @@ fn field(line: &str) -> u32 {
     }
 }
 
-/// Elements of the array of this kind.
+/// Number of elements of the array of this kind.
 fn array_length(text: &str, kind: &str) -> Option<u32> {
     let (_, rest) = text.split_once(&format!("[{kind}; "))?;
     rest.split(']').next()?.parse().ok()

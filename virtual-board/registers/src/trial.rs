@@ -1,32 +1,32 @@
-//! A register of the virtual board, tried.
+//! Tests a register of the virtual board by reading and writing it.
 
 use virtual_board::chip::Chip;
 use virtual_board::cpu::{Bus, Refusal, Signals, Width};
 
-/// What changing one bit did.
+/// Effect of changing one bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effect {
-    /// That bit reads changed, and no other.
+    /// The same bit reads changed, and no other.
     Sticks,
-    /// Nothing reads changed.
+    /// No bit reads changed.
     Nothing,
     /// Other bits read changed.
     Other,
-    /// The board says that it has no model of that.
+    /// The board reports that it does not model the write.
     Refused,
 }
 
-/// A register as it was found.
+/// The result of testing one register.
 #[derive(Debug)]
 pub struct Trial {
     /// Value after a reset.
     pub reset: u32,
-    /// What changing each bit did.
+    /// Effect of changing each bit.
     pub effects: [Effect; 32],
 }
 
 impl Trial {
-    /// The register at `address`; `None` if the board has none there.
+    /// Tests the register at `address`. Returns `None` if the board has no register there.
     pub fn of(address: u32) -> Option<Self> {
         let fresh = with_clocks(address);
         let signals = &mut Signals::default();
@@ -49,7 +49,7 @@ impl Trial {
     }
 }
 
-/// A chip fresh from reset, with every clock on unless it is the clocks that are tried.
+/// A chip after reset. All peripheral clocks are on, except when RCC itself is tested.
 fn with_clocks(address: u32) -> Chip {
     const RCC: u32 = 0x4002_3800;
     const ENABLES: [u32; 5] = [0x30, 0x34, 0x38, 0x40, 0x44];

@@ -1,7 +1,7 @@
-//! The board: core, chip and paddle in one virtual time, with a terminal and a debug probe on it.
+//! The board: processor core, chip and paddle on one time axis, with a serial terminal and a debug probe.
 //!
-//! Time is counted in cycles of the core. The core runs up to the next event, which then happens at exactly its cycle;
-//! a core that waits for an interrupt jumps there.
+//! Time is counted in core cycles. The core runs up to the next event, which then takes effect at exactly its cycle. A core
+//! that waits for an interrupt skips to that cycle.
 
 mod step;
 
@@ -20,100 +20,101 @@ use crate::wiring::{STEP_S, Wires, Wiring};
 use haptic_paddle::settings::Settings;
 use host_sim::paddle::PaddleSetup;
 
-/// Pins of the bridge beside its two inputs.
+/// The enable pins of the bridge.
 const BRIDGE_ENABLES: [Pin; 2] = [Pin(2, 8), Pin(2, 9)];
 const BRIDGE_NSLEEP: Pin = Pin(3, 14);
 const BRIDGE_NFAULT: Pin = Pin(3, 15);
 const BUTTON: Pin = Pin(4, 2);
 
-/// Stream of DMA2 that serves the converter of the current.
+/// Stream of DMA2 that serves the current converter.
 const CURRENT_STREAM: usize = 1;
 
-/// Steps between two looks of the debug probe at the log.
+/// Number of paddle steps between two reads of the log by the debug probe.
 const STEPS_PER_LOOK: u64 = 20;
 
-/// Why the board can go no further.
+/// Why the simulation cannot continue.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Halt {
-    /// The image did what this board has no model of.
+    /// The image used something that this board does not model.
     #[error("at {time_s:.6} s: {what}")]
     Unmodelled {
-        /// When, s.
+        /// Time since power-on, s.
         time_s: f64,
-        /// What.
+        /// What is not modelled.
         what: Unmodelled,
     },
-    /// What the image has set up did what this board has no model of.
+    /// A hardware setting of the image needs something that this board does not model.
     #[error("at {time_s:.6} s: {what} is not modelled")]
     Uncovered {
-        /// When, s.
+        /// Time since power-on, s.
         time_s: f64,
-        /// What.
+        /// What is not modelled.
         what: String,
     },
     /// The core has locked up, and no watchdog runs that would reset it.
     #[error("at {time_s:.6} s the core locked up at {pc:#010x}, and no watchdog runs")]
     Lockup {
-        /// When, s.
+        /// Time since power-on, s.
         time_s: f64,
-        /// Address of the instruction that could not go on.
+        /// Address of the instruction at which the core locked up.
         pc: u32,
     },
 }
 
-/// What the chip tells the bridge.
+/// State of the bridge inputs, as the chip drives them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bridge {
-    /// An enable pin or nSLEEP is low: the outputs are off.
+    /// An enable pin or nSLEEP is low. The outputs are off.
     Off,
     /// Nothing drives or pulls an enable pin.
     EnablesFloat,
     /// The outputs are on, and nothing drives or pulls an input.
     InputsFloat,
-    /// The outputs are on, with this share of the supply between them, from -1 to 1; 0 brakes.
+    /// The outputs are on with this duty cycle, from -1 to 1. At 0 the bridge brakes the motor.
     Driven(f64),
 }
 
-/// Why a run ended.
+/// Why [`Board::run_until`] returned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pause {
-    /// The time asked for is reached.
+    /// The requested time is reached.
     Time,
     /// The core is about to execute the instruction at a breakpoint.
     Breakpoint(u32),
 }
 
-/// A board.
+/// The simulated board.
 pub struct Board {
-    /// The core. What it executes may be looked at and changed between two runs.
+    /// The processor core. Its state may be read and changed between two runs.
     pub cpu: Cpu,
     chip: Chip,
     wiring: Wiring,
-    /// On the serial port.
+    /// The terminal on the serial port.
     pub terminal: Terminal,
     log: Log,
     entries: Vec<Entry>,
     resets: Vec<(f64, ResetCause)>,
     steps: Option<Vec<Step>>,
     steps_done: u64,
-    /// Cycle at which the paddle has been carried a step further.
+    /// Cycle at which the next paddle step ends.
     next_step: u64,
-    /// Of the instruction at which the core locked up.
+    /// Address of the instruction at which the core locked up.
     locked_up: Option<u32>,
-    /// The supply does not let the core execute anything.
+    /// If true, the supply is too low for the core to execute anything.
     powerless: bool,
-    /// What the serial line does to bytes on it.
+    /// Disturbance of the bytes on the serial line.
     line: Line,
-    /// Nothing is connected to the serial input.
+    /// If true, nothing is connected to the serial input.
     serial_cut: bool,
     shortest_low_s: f64,
 }
 
 impl Board {
-    /// A board with `image` in its flash and the paddle of `setup` at rest, whose supply has just come. Of `settings` it
-    /// takes what the sensors on it are by default.
+    /// A board that has just been powered on, with `image` in its flash and the paddle of `setup` at rest. `settings` sets
+    /// the default properties of the sensors.
     ///
     /// # Errors
+    ///
     /// [`ImageError`] if the image does not fit the flash.
     pub fn new(
         image: &Image,
@@ -145,9 +146,10 @@ impl Board {
         Ok(board)
     }
 
-    /// Runs until `time_s` since power-on, or to a breakpoint.
+    /// Runs until `time_s` since power-on, or until a breakpoint.
     ///
     /// # Errors
+    ///
     /// [`Halt`].
     pub fn run_until(&mut self, time_s: f64) -> Result<Pause, Halt> {
         loop {
@@ -196,8 +198,8 @@ impl Board {
         }
     }
 
-    /// Lets happen what is due, and not after cycle `end`, in the order of its time. What the paddle did comes before
-    /// what the timer takes over at the same cycle.
+    /// Executes all events that are due, up to cycle `end`, in the order of time. At equal cycles, a paddle step comes
+    /// before a timer update.
     fn catch_up(&mut self, end: u64) -> Result<(), Halt> {
         let now = self.cpu.signals.cycle().min(end);
         self.keep_pace()?;
@@ -215,7 +217,7 @@ impl Board {
                     self.chip.update_tim8(&mut self.cpu.signals);
                 }
             } else if self.chip.usart2.next_sent() == due {
-                /// What a terminal of another rate makes of a byte.
+                /// A byte as received at a different baud rate.
                 const GARBLED: u8 = 0xFE;
                 if let Some(byte) = self.chip.take_sent(signals) {
                     let understood = self.rates_agree();
@@ -255,25 +257,25 @@ impl Board {
         }
     }
 
-    /// Whether board and terminal understand each other: a receiver that samples the middle of ten bits finds the right
-    /// ones up to this deviation.
+    /// Returns true if board and terminal have nearly the same baud rate. A receiver that samples the middle of ten bits
+    /// tolerates this deviation.
     fn rates_agree(&self) -> bool {
         const TOLERANCE: f64 = 0.03;
         (self.baud() / self.terminal.baud - 1.0).abs() <= TOLERANCE
     }
 
-    /// Bits a second that the board's serial port has set.
+    /// Baud rate that the firmware has set, bit/s.
     pub fn baud(&self) -> f64 {
         self.chip.clock().hz() / self.chip.usart2_bit_cycles() as f64
     }
 
-    /// Cycles of the core in a step of the paddle.
+    /// Core cycles in one paddle step.
     fn step_cycles(&self) -> u64 {
         (self.chip.clock().hz() * STEP_S).round() as u64
     }
 
-    /// Lets the paddle's steps end with the timer's updates. The step in which the timer starts is cut to that length,
-    /// in which a paddle that is not driven does not show it, nor in one under brakes.
+    /// Aligns the ends of the paddle steps with the timer updates. The step in which the timer starts is shortened. This
+    /// does not matter for a paddle that is not driven or is braked.
     fn keep_pace(&mut self) -> Result<(), Halt> {
         let update = self.chip.tim8.next_update();
         if update == NEVER || update == self.next_step {
@@ -293,7 +295,7 @@ impl Board {
         }
     }
 
-    /// Carries the paddle a step further.
+    /// Advances the paddle by one step.
     fn step(&mut self) {
         let at = self.next_step;
         let cycles = self.step_cycles();
@@ -327,7 +329,7 @@ impl Board {
         if self.steps_done.is_multiple_of(STEPS_PER_LOOK) {
             self.fetch_log();
             if self.serial_cut && self.chip.receiver_floats() {
-                // Whatever the motor's wires beside it make of an input that nothing holds.
+                // A floating input picks up arbitrary bytes from the motor wires beside it.
                 let byte = (self.steps_done / STEPS_PER_LOOK) as u8;
                 self.chip.receive(byte, Line::Broken, &mut self.cpu.signals);
             }
@@ -346,9 +348,9 @@ impl Board {
         }));
     }
 
-    /// Share of the supply that the bridge puts on the motor, from -1 to 1; `None` if its outputs are off. The enable
-    /// pins count for a whole step as they stand at its end: the control interrupt sets them at its beginning. Inputs
-    /// that float do the worst that they can.
+    /// Duty cycle of the bridge, from -1 to 1. `None` if its outputs are off. The state of the enable pins at the end of a
+    /// step counts for the whole step, because the control interrupt sets them at its beginning. For floating inputs the
+    /// worst case is assumed.
     pub fn bridge_duty(&self) -> Option<f64> {
         match self.bridge() {
             Bridge::Off | Bridge::EnablesFloat => None,
@@ -357,7 +359,7 @@ impl Board {
         }
     }
 
-    /// What the chip tells the bridge now.
+    /// Present state of the bridge inputs.
     pub fn bridge(&self) -> Bridge {
         let enables = BRIDGE_ENABLES.map(|pin| self.chip.settled(pin));
         if enables.contains(&None) {
@@ -372,9 +374,10 @@ impl Board {
         }
     }
 
-    /// Halts the core for so many seconds, as a debugger does, and lets it go on.
+    /// Halts the core for `seconds`, as a debugger does, and then lets it continue.
     ///
     /// # Errors
+    ///
     /// [`Halt`].
     pub fn halt_core(&mut self, seconds: f64) -> Result<(), Halt> {
         self.begin_halt();
@@ -383,22 +386,23 @@ impl Board {
         Ok(())
     }
 
-    /// A debugger halts the core.
+    /// Halts the core, as a debugger does.
     pub fn begin_halt(&mut self) {
         let now = self.cpu.signals.cycle();
         self.chip.hold(now);
     }
 
-    /// The debugger lets the core go on.
+    /// Lets a halted core continue.
     pub fn end_halt(&mut self) {
         let now = self.cpu.signals.cycle();
         self.chip.go_on(now);
         self.next_step = self.next_step.max(now);
     }
 
-    /// Lets so many seconds pass in which the core executes nothing.
+    /// Advances time by `seconds`. The core executes nothing.
     ///
     /// # Errors
+    ///
     /// [`Halt`].
     pub fn stand_still(&mut self, seconds: f64) -> Result<(), Halt> {
         let end = self.chip.clock().cycle_at(self.time_s() + seconds);
@@ -422,12 +426,13 @@ impl Board {
         self.next_step = now + self.step_cycles();
     }
 
-    /// Pulls the reset pin.
+    /// Pulls the reset pin low.
     pub fn press_reset(&mut self) {
         self.reset(ResetCause::Pin);
     }
 
-    /// Takes the supply away for so many seconds: RAM forgets, the paddle coasts, a change of the flash is cut short.
+    /// Removes the supply for `seconds`. RAM loses its content, the paddle coasts, and a running flash operation is
+    /// interrupted.
     pub fn interrupt_supply(&mut self, seconds: f64) {
         let back_s = self.time_s() + seconds;
         for _ in 0..(seconds / STEP_S).round() as u64 {
@@ -441,14 +446,14 @@ impl Board {
         self.reset(ResetCause::Power);
     }
 
-    /// Makes this a board on which the firmware has booted before: the highest brown-out level is in the option bytes.
+    /// Sets the highest brown-out level in the option bytes, as after the first boot of the firmware.
     pub fn set_brown_out(&mut self) {
         self.chip.set_brown_out();
     }
 
-    /// The supply of the chip, 3.3 V as it should be, is now this. Below its brown-out level the chip is held in reset;
-    /// without one the core does nothing sensible below what its speed needs, which here is nothing at all, and its pins
-    /// stay as they are until a reset.
+    /// Sets the supply of the chip, nominally 3.3 V. Below the brown-out level the chip is held in reset. If no brown-out
+    /// level is set and the supply is below the minimum for the core frequency, the core executes nothing. Its pins then
+    /// keep their state until a reset.
     pub fn set_supply(&mut self, volts: f64) {
         self.chip.set_supply(volts, &mut self.cpu.signals);
         match self.chip.supply() {
@@ -463,24 +468,24 @@ impl Board {
         }
     }
 
-    /// Pulls the bridge's nFAULT low, or lets it go.
+    /// Pulls nFAULT of the bridge low, or releases it.
     pub fn set_bridge_fault(&mut self, on: bool) {
         let level = on.then_some(false);
         self.chip
             .connect(BRIDGE_NFAULT, level, &mut self.cpu.signals);
     }
 
-    /// What a burst on the bus does: the converter of the motor's current finds its last result still there.
+    /// Makes the current converter report an overrun, as after a burst of bus traffic.
     pub fn overrun_current(&mut self) {
         self.chip.overrun_current();
     }
 
-    /// Changes how the paddle is wired, and what its amplifier does.
+    /// Mutable access to the paddle, its wires and the faults of its current amplifier.
     pub fn wiring_mut(&mut self) -> &mut Wiring {
         &mut self.wiring
     }
 
-    /// What the serial line does to bytes on it from now on.
+    /// Sets how the serial line disturbs bytes from now on.
     pub fn set_line(&mut self, line: Line) {
         self.line = line;
     }
@@ -490,19 +495,19 @@ impl Board {
         self.serial_cut = true;
     }
 
-    /// Presses the button, which connects its pin to ground, or lets it go.
+    /// Presses or releases the button. A pressed button connects its pin to ground.
     pub fn set_button(&mut self, pressed: bool) {
         let level = pressed.then_some(false);
         self.chip.connect(BUTTON, level, &mut self.cpu.signals);
     }
 
-    /// Shortest time for which an input of the bridge was low while its outputs were on, s: in it the bootstrap of the
-    /// high side is charged.
+    /// Shortest low time of a bridge input while the outputs were on, s. The bootstrap capacitor of the high side charges
+    /// during the low time.
     pub fn shortest_low_s(&self) -> f64 {
         self.shortest_low_s
     }
 
-    /// Stops the crystal, or lets it run.
+    /// Stops or restarts the crystal oscillator.
     pub fn set_crystal(&mut self, runs: bool) {
         let now = self.cpu.signals.cycle();
         let seen = self.chip.set_crystal(runs, now);
@@ -510,7 +515,7 @@ impl Board {
         self.next_step = self.next_step.min(now + self.step_cycles());
     }
 
-    /// Changes how the paddle is wired.
+    /// Mutable access to the wires of the paddle.
     pub fn wires_mut(&mut self) -> &mut Wires {
         &mut self.wiring.wires
     }
@@ -521,7 +526,7 @@ impl Board {
         self.terminal.send(text.as_bytes(), now_s);
     }
 
-    /// Since power-on, s.
+    /// Time since power-on, s.
     pub fn time_s(&self) -> f64 {
         self.chip.clock().seconds(self.cpu.signals.cycle())
     }
@@ -536,29 +541,29 @@ impl Board {
         self.chip.memories()
     }
 
-    /// The log since the last call.
+    /// Takes the log entries since the last call.
     pub fn take_log(&mut self) -> Vec<Entry> {
         self.fetch_log();
         std::mem::take(&mut self.entries)
     }
 
-    /// The changes of the flash since the last call. A supply that goes between the beginning and the end of one leaves
-    /// its cells as the noise has them.
+    /// Takes the flash operations since the last call. If the supply fails during an operation, its cells hold random
+    /// values.
     pub fn take_flash_changes(&mut self) -> Vec<FlashChange> {
         self.chip.take_flash_changes()
     }
 
-    /// Resets since power-on: when, s, and why.
+    /// Resets since power-on: time in s, and cause.
     pub fn resets(&self) -> &[(f64, ResetCause)] {
         &self.resets
     }
 
-    /// Starts or ends keeping every step of the paddle.
+    /// Starts or stops recording every paddle step.
     pub fn record_steps(&mut self, on: bool) {
         self.steps = on.then(Vec::new);
     }
 
-    /// The steps since the last call, if they are kept.
+    /// Takes the recorded steps since the last call. Empty if steps are not recorded.
     pub fn take_steps(&mut self) -> Vec<Step> {
         self.steps.as_mut().map(std::mem::take).unwrap_or_default()
     }

@@ -1,15 +1,15 @@
-//! What happened in one step of the paddle.
+//! The record of one paddle step.
 
 use crate::chip::Delivered;
 
-/// A step: what acted during it, and what there was at its end, when the control interrupt begins.
+/// One paddle step: the inputs during the step, and the state at its end, when the control interrupt begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Of its end, since power-on, s.
+    /// Time of its end since power-on, s.
     pub time_s: f64,
-    /// Of its end.
+    /// Core cycle of its end.
     pub cycle: u64,
-    /// Share of the supply on the motor, -1 to 1; `None` while the bridge's outputs were off.
+    /// Duty cycle of the bridge, -1 to 1. `None` while its outputs were off.
     pub duty: Option<f64>,
     /// True position, rad.
     pub position_rad: f64,
@@ -17,14 +17,14 @@ pub struct Step {
     pub velocity_rad_s: f64,
     /// Mean torque of the motor, N m.
     pub torque_nm: f64,
-    /// What the program reads from the encoder's timer.
+    /// Count that the firmware reads from the encoder timer.
     pub encoder_count: u32,
-    /// What it reads from the Hall sensor's converter.
+    /// Result that the firmware reads from the Hall sensor's converter, counts.
     pub hall_counts: u16,
-    /// What DMA has carried away of the current's conversions.
+    /// Current conversions that DMA has transferred.
     pub current: Delivered,
-    /// Items that are left of the current's ring: all of them, where it is in step with the control periods.
+    /// Remaining items of the current's DMA ring. It is the full number if the ring is aligned with the control periods.
     pub ring_left: u32,
-    /// What the program wrote last to the first compare register; it acts from the end of the step on.
+    /// Last value written to the first compare register. It acts from the end of the step.
     pub compare: u32,
 }

@@ -1,4 +1,4 @@
-//! Accesses of the core: which peripheral answers, and what follows.
+//! Bus accesses of the core: selects the peripheral and handles the consequences.
 
 use super::lines;
 use super::map::{self, PORTS, Place, Unit};
@@ -15,7 +15,7 @@ use crate::peripherals::tim8::Tim8;
 use crate::peripherals::usart::Usart;
 use crate::peripherals::{Answer, Lack, NEVER, bit};
 
-/// Cycles of the core that a write takes through the buffers to APB2.
+/// Core cycles that a buffered write needs to reach APB2.
 const POSTED_CYCLES: u64 = 12;
 
 impl Bus for Chip {
@@ -67,7 +67,8 @@ impl Bus for Chip {
             self.remark(format!("a write to {register} without its clock is lost"));
             return Ok(());
         }
-        // These have 16 bits; the bridge to APB makes a word of what is narrower, in a way that the others would show.
+        // These peripherals have 16-bit registers. The APB bridge duplicates narrower writes to a full word, which only
+        // wider registers would show.
         let of_16_bits = matches!(
             unit,
             Unit::Usart2 | Unit::Tim8 | Unit::Tim3 | Unit::Iwdg | Unit::Syscfg
@@ -102,7 +103,7 @@ impl Chip {
             Unit::Dma1 => self.dma1.read(offset),
             Unit::Dma2 => self.dma2.read(offset),
             Unit::Exti => {
-                // A read waits for the writes before it.
+                // A read waits for earlier buffered writes.
                 self.settle_posted(NEVER - 1, signals);
                 self.exti.read(offset)
             }
@@ -125,7 +126,7 @@ impl Chip {
                     self.trigger(now);
                 }
                 signals.set_line(lines::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
-                // A timer that starts sets the pace of the paddle too.
+                // A timer that starts also sets the step times of the paddle.
                 self.expect(self.tim8.next_update(), signals);
             }
             Unit::Tim2 => {
@@ -162,8 +163,8 @@ impl Chip {
                 self.show_dma2(signals);
             }
             Unit::Exti => {
-                // The write is posted: its line falls when it has passed the bridge to the slower bus, and by then a
-                // handler that ends with it has returned. Of all flags that handlers clear only these are modelled so.
+                // The write is buffered. The interrupt line falls when the write has reached the slower bus, possibly after
+                // the handler has returned. Only the EXTI flags are modelled in this way.
                 self.exti.write(offset, value)?;
                 self.posted_at = now + POSTED_CYCLES;
                 self.expect(self.posted_at, signals);
@@ -271,7 +272,7 @@ impl Chip {
         }
     }
 
-    /// The core fetches from flash, which does not answer until a change has ended.
+    /// Delays an instruction fetch from flash until a running flash operation has ended.
     fn stall_while_flash_is_busy(&mut self, signals: &mut Signals) {
         let done = self.flash.next_done();
         if done != NEVER {
@@ -281,7 +282,7 @@ impl Chip {
         }
     }
 
-    /// There will be an event at cycle `at`; the run must not pass it.
+    /// Tells the core that an event is due at cycle `at`, so that the run ends there.
     #[inline]
     fn expect(&self, at: u64, signals: &mut Signals) {
         if at < self.deadline {
@@ -289,13 +290,13 @@ impl Chip {
         }
     }
 
-    /// Whether a peripheral has a clock, without which it neither answers nor takes anything.
+    /// Returns true if the peripheral has a clock. Without it, reads and writes have no effect.
     #[inline]
     fn has_clock(&self, unit: Unit, offset: u32) -> bool {
         map::gate(unit, offset).is_none_or(|gate| self.rcc.enabled(gate))
     }
 
-    /// The modelled register at `address`.
+    /// Finds the modelled register at `address`.
     #[inline]
     fn find(address: u32) -> Result<(Unit, u32), Refusal> {
         match map::place(address) {
@@ -316,8 +317,9 @@ fn refusal(unit: Unit, offset: u32, lack: Lack) -> Refusal {
     })
 }
 
-/// Words that the factory wrote: a made-up identity and lot, the size of the flash in KiB, and the calibration of the
-/// converters at 3.3 V (data sheet, typical): reference voltage, temperature sensor at 30 and at 110 °C.
+/// Factory-programmed words: a made-up unique identifier, the flash size in KiB, and calibration values of the converters at
+/// 3.3 V. The calibration values are typical ones of the data sheet, for the reference voltage and for the temperature
+/// sensor at 30 and 110 °C.
 fn factory_word(offset: u32) -> Answer<u32> {
     const REFERENCE: u32 = 1500;
     const AT_30: u32 = 943;
@@ -348,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_modelled_is_named() {
+    fn an_unmodelled_register_is_named() {
         let chip = &mut Chip::new();
         assert_eq!(unmodelled(chip, 0x4000_5410), "I2C1 + 0x10");
         assert_eq!(unmodelled(chip, 0x4002_3C20), "FLASH + 0x20");
@@ -361,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn a_write_without_a_clock_is_lost_and_remarked_upon() {
+    fn a_write_without_a_clock_is_lost_and_logged() {
         let chip = &mut Chip::new();
         let written = chip.write(0x4002_0818, Width::Word, 1, &mut Signals::default());
         assert_eq!(written, Ok(()));
@@ -372,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn a_write_that_clears_an_edge_is_posted_and_a_read_waits_for_it() {
+    fn a_write_that_clears_an_edge_is_buffered_and_a_read_waits_for_it() {
         const EXTI: u32 = 0x4001_3C00;
         const LINE: usize = 40;
         let chip = &mut Chip::new();
@@ -393,21 +395,21 @@ mod tests {
     }
 
     #[test]
-    fn the_factorys_words_are_there() {
+    fn the_factory_words_can_be_read() {
         let chip = &mut Chip::new();
         let kib = chip.read(0x1FFF_7A22, Width::Half, &mut Signals::default());
         assert_eq!(kib, Ok(1024));
     }
 
     #[test]
-    fn a_loss_of_the_supply_spoils_the_sector_that_is_being_erased_and_no_other() {
+    fn a_loss_of_the_supply_corrupts_only_the_sector_being_erased() {
         let chip = &mut Chip::new();
         let signals = &mut Signals::default();
         chip.memories.flash_mut().fill(0);
         for (offset, value) in [
             (0x04, 0x4567_0123),
             (0x04, 0xCDEF_89AB),
-            // Sector 1, begin.
+            // Erase sector 1: select and start.
             (0x10, 1 << 1 | 1 << 3 | 1 << 16),
         ] {
             chip.write(FLASH + offset, Width::Word, value, signals)

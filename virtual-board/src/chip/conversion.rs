@@ -1,4 +1,4 @@
-//! What the converters see at their pins, when they convert it, and where it goes.
+//! Analog inputs: the signals at the converter pins, their conversion, and the transfer of the results.
 
 use super::Chip;
 use super::pins::{PORT_A, PORT_B, PORT_C, Pin};
@@ -7,23 +7,23 @@ use crate::peripherals::adc;
 use crate::peripherals::gpio::{Gpio, Mode};
 use crate::peripherals::{Answer, Lack};
 
-/// Streams and channels of DMA2 that serve each converter.
+/// DMA2 streams and channels that can serve each converter.
 const ADC_STREAMS: [[(usize, u32); 2]; 3] = [[(0, 0), (4, 0)], [(2, 1), (3, 1)], [(0, 2), (1, 2)]];
 
-/// Converters, and where their registers stand.
+/// Number of converters.
 pub(super) const CONVERTERS: usize = 3;
 const ADC_BASE: u32 = 0x4001_2000;
 const CONVERTER_BYTES: u32 = 0x100;
 
-/// Pins at which something stands for the converters: current, Hall sensor.
+/// The analog pins: current and Hall sensor.
 pub(super) const ANALOG_PINS: [Pin; 2] = [Pin(PORT_A, 3), Pin(PORT_B, 1)];
 const CURRENT: usize = 0;
 const HALL: usize = 1;
-/// What stands between each signal and its pin, ohm. The board's circuit is not published: these are dividers such as
-/// the lab's sampling times suggest, of 10 kΩ and of 40 kΩ.
+/// Source resistance of each signal at its pin, ohm. The circuit of the board is not published. These values assume voltage
+/// dividers of 10 kΩ and 40 kΩ, which fit the sampling times of the lab's firmware.
 const SOURCES_OHM: [f64; ANALOG_PINS.len()] = [5e3, 20e3];
 
-/// What stands at a pin for the converters: parts of a count, and what rounding has left over.
+/// The signal at an analog pin: its value in fractions of a count, and the accumulated rounding error.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Level {
     parts: u32,
@@ -37,8 +37,8 @@ impl Level {
         self.parts = (counts * f64::from(Self::PARTS_PER_COUNT)) as u32;
     }
 
-    /// The next conversion. The signal's noise is far above one count where it is not a whole number, so that the mean
-    /// of many conversions has no steps: what rounding leaves over goes into the next.
+    /// The next conversion result. The rounding error is carried into the next result, so that the mean of many results is
+    /// exact. A real signal has noise well above one count, which has the same effect.
     #[inline]
     fn convert(&mut self, settled_share: f64) -> u16 {
         let wanted = (f64::from(self.parts) * settled_share) as u32 + self.left_over;
@@ -56,24 +56,24 @@ impl Default for Level {
     }
 }
 
-/// Conversions that DMA has carried away.
+/// Conversion results that DMA has transferred.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Delivered {
-    /// Their sum, counts.
+    /// Sum of the results, counts.
     pub sum: u32,
-    /// Their number.
+    /// Number of results.
     pub conversions: u32,
 }
 
 impl Chip {
-    /// Sets what stands at the converters' pins, counts, and lets DMA carry away what was converted up to cycle `now`.
+    /// Sets the signals at the converter pins, in counts. Transfers the results up to cycle `now` by DMA first.
     pub fn sense(&mut self, current_counts: f64, hall_counts: u16, now: u64) {
         self.levels[CURRENT].1.set(current_counts);
         self.levels[HALL].1.set(f64::from(hall_counts));
         self.deliver_all(now);
     }
 
-    /// Lets DMA carry away what was converted up to cycle `now`.
+    /// Transfers the results up to cycle `now` by DMA.
     pub(super) fn deliver_all(&mut self, now: u64) {
         for number in 0..CONVERTERS {
             if self.adc[number].collected() {
@@ -82,18 +82,18 @@ impl Chip {
         }
     }
 
-    /// What a burst on the bus does: the converter of the current finds its last result still there.
+    /// Makes the current converter report an overrun, as after a burst of bus traffic.
     pub fn overrun_current(&mut self) {
         const CURRENT_CONVERTER: usize = 2;
         self.adc[CURRENT_CONVERTER].overrun();
     }
 
-    /// Items that are left of the ring of DMA2's stream `number`.
+    /// Remaining items of DMA2 stream `number`.
     pub fn ring_left(&self, number: usize) -> u32 {
         self.dma2.left(number)
     }
 
-    /// The conversions that DMA has carried away since the last call.
+    /// Takes the results transferred by DMA since the last call.
     pub fn take_delivered(&mut self) -> Delivered {
         std::mem::take(&mut self.delivered)
     }
@@ -168,7 +168,7 @@ impl Chip {
         if number >= CONVERTERS {
             return Err(Lack::Register);
         }
-        // What DMA carries away is delivered when it is sensed, a control period at a time.
+        // Results that DMA collects are transferred once per control period, when the signals change.
         if !self.adc[number].collected() {
             self.deliver(number, now);
         }
@@ -211,7 +211,7 @@ impl Chip {
     }
 }
 
-/// Place of what stands at the pin of a converter's channel, if that is an analog one.
+/// Index of the signal at a converter channel. `None` if its pin is not an analog pin in use.
 fn connected(levels: &[(Pin, Level)], gpio: &[Gpio], channel: usize) -> Option<usize> {
     let pin = match channel {
         0..8 => Pin(PORT_A, channel),

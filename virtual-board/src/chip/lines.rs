@@ -1,9 +1,9 @@
-//! Interrupt lines: which peripheral raises which.
+//! Interrupt lines and the peripherals that raise them.
 
 use super::Chip;
 use crate::cpu::Signals;
 
-/// Of the external interrupts, with the pins that share each.
+/// Lines of the external interrupts, with the EXTI lines that share each.
 const EXTI: [(usize, std::ops::RangeInclusive<u32>); 8] = [
     (1, 16..=16),
     (6, 0..=0),
@@ -14,13 +14,13 @@ const EXTI: [(usize, std::ops::RangeInclusive<u32>); 8] = [
     (23, 5..=9),
     (40, 10..=15),
 ];
-/// The detector of a low supply among the external interrupt lines.
+/// EXTI line of the programmable voltage detector.
 pub(super) const PVD_LINE: usize = 16;
 const USART2: usize = 38;
 pub const TIM8_UP_TIM13: usize = 44;
-/// Of DMA1's streams 0 to 6, and 7.
+/// Lines of DMA1 streams 0 to 7.
 const DMA1: [usize; 8] = [11, 12, 13, 14, 15, 16, 17, 47];
-/// Of DMA2's streams 0 to 4, and 5 to 7.
+/// Lines of DMA2 streams 0 to 7.
 const DMA2: [usize; 8] = [56, 57, 58, 59, 60, 68, 69, 70];
 
 impl Chip {

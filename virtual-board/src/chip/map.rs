@@ -1,4 +1,4 @@
-//! Where the peripherals of an STM32F407 stand.
+//! Memory map of the STM32F407 peripherals.
 
 use crate::peripherals::rcc::{Bus, Gate};
 
@@ -16,25 +16,25 @@ pub enum Unit {
     Adc,
     Syscfg,
     Exti,
-    /// A port, counted from A.
+    /// A GPIO port, counted from A.
     Gpio(usize),
     Rcc,
     Flash,
     Dma1,
     Dma2,
     Dbgmcu,
-    /// What the factory wrote.
+    /// The factory-programmed words.
     Factory,
 }
 
-/// What stands at an address.
+/// What an address belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// A peripheral that is modelled, and the offset in it.
+    /// A modelled peripheral, and the offset in it.
     Modelled(Unit, u32),
-    /// A peripheral that is not, and the offset in it.
+    /// A peripheral that is not modelled: its name and the offset in it.
     Known(&'static str, u32),
-    /// Nothing: the chip answers with an error.
+    /// No peripheral. The chip answers with a bus error.
     Nothing,
 }
 
@@ -43,7 +43,7 @@ pub const PORTS: usize = 9;
 const PORT_BYTES: u32 = 0x400;
 const GPIOA: u32 = 0x4002_0000;
 
-/// Peripherals by name, first address and first address behind; modelled ones with their unit.
+/// Peripherals: name, first address, end address (exclusive), and unit if it is modelled.
 const MAP: [(&str, u32, u32, Option<Unit>); 67] = [
     ("system memory", 0x1FFF_0000, 0x1FFF_7A10, None),
     (
@@ -119,10 +119,10 @@ const MAP: [(&str, u32, u32, Option<Unit>); 67] = [
     ("DBGMCU", 0xE004_2000, 0xE004_2400, Some(Unit::Dbgmcu)),
 ];
 
-/// What stands at `address`.
+/// Finds what `address` belongs to.
 #[inline]
 pub fn place(address: u32) -> Place {
-    // Those that a control loop reaches for all the time.
+    // Peripherals that a control loop accesses all the time are found first.
     match address & !0x3FF {
         0x4001_0400 => return Place::Modelled(Unit::Tim8, address & 0x3FF),
         0x4001_2000 => return Place::Modelled(Unit::Adc, address & 0x3FF),
@@ -148,9 +148,9 @@ pub fn place(address: u32) -> Place {
     }
 }
 
-/// Name of a register by peripheral and offset.
+/// Name of the register at `offset` of a peripheral.
 pub fn register(unit: Unit, offset: u32) -> String {
-    /// The converters share one place, each with its registers.
+    /// The converters share one address range. Each has its own registers in it.
     const CONVERTERS: [&str; 4] = ["ADC1", "ADC2", "ADC3", "ADC common"];
     let (name, offset) = match unit {
         Unit::Adc => (CONVERTERS[offset as usize >> 8 & 3], offset & 0xFF),
@@ -162,7 +162,7 @@ pub fn register(unit: Unit, offset: u32) -> String {
     format!("{name} + {offset:#04x}")
 }
 
-/// Clock gate of the register at `offset` of a peripheral; `None` for those that always have a clock.
+/// Clock gate of the register at `offset` of a peripheral. `None` if its clock cannot be switched off.
 #[inline]
 pub const fn gate(unit: Unit, offset: u32) -> Option<Gate> {
     Some(match unit {
@@ -175,7 +175,7 @@ pub const fn gate(unit: Unit, offset: u32) -> Option<Gate> {
         Unit::Usart2 => Gate(Bus::Apb1, 17),
         Unit::Pwr => Gate(Bus::Apb1, 28),
         Unit::Tim8 => Gate(Bus::Apb2, 1),
-        // Each converter has its own; the common registers have the first one's.
+        // Each converter has its own clock. The common registers use that of the first.
         Unit::Adc => match offset >> 8 {
             1 => Gate(Bus::Apb2, 9),
             2 => Gate(Bus::Apb2, 10),

@@ -1,4 +1,4 @@
-//! The chip: memories and peripherals, and what connects them to each other and to the core.
+//! The chip: memories and peripherals with their interconnections.
 
 mod bus;
 mod conversion;
@@ -36,36 +36,36 @@ const FLASH_BYTES: usize = 1024 * 1024;
 const SRAM_BYTES: usize = 128 * 1024;
 const CCM_BYTES: usize = 64 * 1024;
 
-/// What the supply lets the core do.
+/// State of the core supply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Supply {
-    /// Everything.
+    /// The supply is sufficient.
     Sound,
-    /// Nothing that can be relied upon, and nobody holds it in reset.
+    /// The supply is too low for reliable execution, but the chip is not held in reset.
     TooLow,
-    /// Nothing: the chip is held in reset.
+    /// The chip is held in reset.
     HeldInReset,
 }
 
-/// A change of the flash, and when it ran.
+/// A flash operation and its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlashChange {
-    /// Which cells become what.
+    /// The change of the cells.
     pub change: Change,
-    /// When it began, s.
+    /// Start time, s.
     pub from_s: f64,
-    /// When it ends, s, unless the supply goes before.
+    /// End time, s. A loss of the supply can end it earlier.
     pub to_s: f64,
 }
 
-/// The chip.
+/// The simulated chip.
 #[derive(Debug, Clone)]
 pub struct Chip {
     memories: Memories,
     clock: Clock,
     clocks: Clocks,
     rcc: Rcc,
-    /// The bridge's timer.
+    /// The timer of the bridge.
     pub tim8: Tim8,
     tim2: GeneralTimer,
     tim3: GeneralTimer,
@@ -76,11 +76,11 @@ pub struct Chip {
     delivered: Delivered,
     dma1: Dma,
     dma2: Dma,
-    /// The console's port.
+    /// The serial port of the console.
     pub usart2: Usart,
     gpio: [Gpio; PORTS],
     exti: Exti,
-    /// Cycle at which the last write to EXTI arrives there.
+    /// Cycle at which the last buffered write reaches EXTI.
     posted_at: u64,
     syscfg: Syscfg,
     pwr: Pwr,
@@ -89,16 +89,16 @@ pub struct Chip {
     flash_changes: Vec<FlashChange>,
     iwdg: Iwdg,
     dbgmcu: Dbgmcu,
-    /// What an event could not do, as for [`crate::cpu::Refusal::Unmodelled`].
+    /// Something that an event needs and that is not modelled, see [`crate::cpu::Refusal::Unmodelled`].
     trouble: Option<String>,
-    /// What the chip lets pass, and a program does not mean.
+    /// Accesses that have no effect on the chip and are probably a mistake of the program.
     remarks: Vec<String>,
-    /// Until when the core runs if nobody calls.
+    /// Cycle until which the core runs if no event occurs.
     pub deadline: u64,
 }
 
 impl Chip {
-    /// A chip whose supply has just come, with erased flash.
+    /// A chip that has just been powered on, with erased flash.
     pub fn new() -> Self {
         let rcc = Rcc::reset(ResetCause::Power, None);
         let clocks = rcc.clocks();
@@ -136,7 +136,7 @@ impl Chip {
         chip
     }
 
-    /// Resets everything but the memories, at cycle `now`. A change of the flash is cut short.
+    /// Resets everything except the memories at cycle `now`. A running flash operation is interrupted.
     pub fn reset(&mut self, cause: ResetCause, now: u64, signals: &mut Signals) {
         self.cut_flash_change(now);
         self.rcc = Rcc::reset(cause, Some(&self.rcc));
@@ -166,14 +166,14 @@ impl Chip {
         signals.set_flash_timing(self.flash.timing());
     }
 
-    /// Goes on at time `s`, with what RAM holds after its supply was gone.
+    /// Restarts at time `s` after a loss of the supply. RAM holds random values.
     pub fn lose_power_until(&mut self, s: f64, now: u64) {
         self.cut_flash_change(now);
         self.clock = Clock::new(now, s, self.clock.hz());
         self.forget(now);
     }
 
-    /// Fills RAM with what nobody wrote.
+    /// Fills RAM with random values.
     fn forget(&mut self, seed: u64) {
         let mut noise = noise(seed);
         noise.fill_bytes(&mut self.memories.sram);
@@ -191,12 +191,12 @@ impl Chip {
         let clocks = self.rcc.clocks();
         if clocks != self.clocks {
             self.clocks = clocks;
-            // A core without a clock would stand still for ever; so does one of 1 Hz.
+            // A clock of 1 Hz stands in for a stopped clock, so that time stays finite.
             self.clock.set_rate(now, clocks.hclk_hz.max(1.0));
         }
     }
 
-    /// Stops or starts the crystal. Returns whether the clock security system has seen it.
+    /// Stops or restarts the crystal oscillator. Returns true if the clock security system has detected a failure.
     pub fn set_crystal(&mut self, runs: bool, now: u64) -> bool {
         let seen = self.rcc.set_crystal(runs);
         if seen {
@@ -206,12 +206,12 @@ impl Chip {
         seen
     }
 
-    /// Sets the highest brown-out level, as if it had been set since before the supply came.
+    /// Sets the highest brown-out level, as if it had been programmed before power-on.
     pub fn set_brown_out(&mut self) {
         self.flash = std::mem::take(&mut self.flash).with_brown_out();
     }
 
-    /// Lets a posted write arrive that is due at cycle `now`. Returns whether there was one.
+    /// Completes a buffered write that is due at cycle `now`. Returns true if there was one.
     pub fn settle_posted(&mut self, now: u64, signals: &mut Signals) -> bool {
         let due = self.posted_at <= now;
         if due {
@@ -221,14 +221,14 @@ impl Chip {
         due
     }
 
-    /// The supply of the chip is now `supply_v`.
+    /// Sets the supply voltage of the chip.
     pub fn set_supply(&mut self, supply_v: f64, signals: &mut Signals) {
         self.supply_v = supply_v;
         let changed = self.pwr.set_supply(supply_v);
         self.follow_detector(changed, signals);
     }
 
-    /// The detector of a low supply feeds an external interrupt line.
+    /// Feeds the output of the voltage detector to its external interrupt line.
     fn follow_detector(&mut self, changed: Option<bool>, signals: &mut Signals) {
         if let Some(low) = changed {
             self.exti.edge(lines::PVD_LINE, low);
@@ -236,9 +236,9 @@ impl Chip {
         }
     }
 
-    /// What the supply lets the core do.
+    /// Present state of the supply.
     pub fn supply(&self) -> Supply {
-        /// Least supply at more than 144 MHz (data sheet, limitations depending on the supply).
+        /// Minimum supply above 144 MHz (data sheet, limitations depending on the supply).
         const LEAST_V: f64 = 2.7;
         if self.supply_v < self.flash.brown_out_v() {
             Supply::HeldInReset
@@ -249,7 +249,7 @@ impl Chip {
         }
     }
 
-    /// A debugger halts the core at cycle `now`: what it is set up to hold still stands still too.
+    /// A debugger halts the core at cycle `now`. Peripherals configured to stop with the core stop too.
     pub fn hold(&mut self, now: u64) {
         self.deliver_all(now);
         let now_s = self.clock.seconds(now);
@@ -267,7 +267,7 @@ impl Chip {
         }
     }
 
-    /// The core goes on at cycle `now`.
+    /// The halted core continues at cycle `now`.
     pub fn go_on(&mut self, now: u64) {
         self.deliver_all(now);
         let now_s = self.clock.seconds(now);
@@ -280,12 +280,12 @@ impl Chip {
         self.iwdg.go_on(now_s);
     }
 
-    /// Time and cycles.
+    /// The conversion between core cycles and seconds.
     pub fn clock(&self) -> &Clock {
         &self.clock
     }
 
-    /// Cycle of the next event in here.
+    /// Cycle of the next event of a peripheral.
     #[inline]
     pub fn next_event(&self) -> u64 {
         let watchdog = match self.iwdg.expires_s() {
@@ -300,13 +300,13 @@ impl Chip {
             .min(watchdog)
     }
 
-    /// Whether the watchdog has run out by cycle `now`.
+    /// Returns true if the watchdog has expired by cycle `now`.
     pub fn watchdog_expired(&self, now: u64) -> bool {
         let expires_s = self.iwdg.expires_s();
         expires_s.is_some_and(|at_s| self.clock.cycle_at(at_s) <= now)
     }
 
-    /// Carries out an update of TIM8 that is due at its cycle.
+    /// Executes an update of TIM8 that is due now.
     pub fn update_tim8(&mut self, signals: &mut Signals) {
         let at = self.tim8.next_update();
         if self.tim8.update() {
@@ -315,7 +315,7 @@ impl Chip {
         signals.set_line(lines::TIM8_UP_TIM13, self.tim8.requests_update_interrupt());
     }
 
-    /// Keeps what has begun at cycle `from`, if a change of the flash has.
+    /// Records a flash operation that began at cycle `from`, if there is one.
     fn note_flash_change(&mut self, from: u64) {
         if let Some((change, to)) = self.flash.running() {
             let [from_s, to_s] = [from, to].map(|cycle| self.clock.seconds(cycle));
@@ -327,12 +327,12 @@ impl Chip {
         }
     }
 
-    /// The changes of the flash since the last call.
+    /// Takes the flash operations since the last call.
     pub fn take_flash_changes(&mut self) -> Vec<FlashChange> {
         std::mem::take(&mut self.flash_changes)
     }
 
-    /// Ends a change of the flash that is due.
+    /// Completes a flash operation that is due.
     pub fn finish_flash_change(&mut self) {
         if let Some(change) = self.flash.done() {
             change.apply(self.memories.flash_mut());
@@ -341,18 +341,18 @@ impl Chip {
     }
 
     fn remark(&mut self, remark: String) {
-        // Once is enough for a loop that does it all the time.
+        // A repeated remark is logged once.
         if !self.remarks.contains(&remark) {
             self.remarks.push(remark);
         }
     }
 
-    /// What a program did since the last call that has no effect on the chip, and that it does not mean.
+    /// Takes the remarks since the last call: accesses that have no effect and are probably a mistake of the program.
     pub fn take_remarks(&mut self) -> Vec<String> {
         std::mem::take(&mut self.remarks)
     }
 
-    /// What cannot go on, if there is something.
+    /// Takes the description of what is not modelled, if an event needed it.
     pub fn take_trouble(&mut self) -> Option<String> {
         self.trouble.take()
     }
@@ -364,7 +364,7 @@ impl Default for Chip {
     }
 }
 
-/// What cells hold that nobody wrote.
+/// Generator of the random values in cells that were not written.
 fn noise(seed: u64) -> Xoshiro256PlusPlus {
     Xoshiro256PlusPlus::seed_from_u64(seed)
 }

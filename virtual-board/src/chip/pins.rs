@@ -1,4 +1,4 @@
-//! What the board wires to the chip's pins, and which peripheral each of them is given to.
+//! The pins that the board uses, and the peripheral that each is assigned to.
 
 use super::Chip;
 use crate::cpu::Signals;
@@ -10,7 +10,7 @@ use crate::peripherals::tim8::Output;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pin(pub usize, pub usize);
 
-/// Ports.
+/// Port numbers.
 pub(super) const PORT_A: usize = 0;
 pub(super) const PORT_B: usize = 1;
 pub(super) const PORT_C: usize = 2;
@@ -31,8 +31,7 @@ pub(super) const USART2_RX: Pin = Pin(PORT_D, 6);
 const TIM5_CNT: u32 = 0x24;
 
 impl Chip {
-    /// Shares of the time, 0 to 1, for which the bridge's two inputs are high; `None` for one that nothing drives or
-    /// pulls.
+    /// Fraction of time, 0 to 1, for which each bridge input is high. `None` if nothing drives or pulls it.
     pub fn half_bridges(&self) -> [Option<f64>; 2] {
         std::array::from_fn(|channel| {
             let pin = TIM8_PINS[channel];
@@ -45,7 +44,7 @@ impl Chip {
         })
     }
 
-    /// Shortest time for which one of the bridge's inputs is low in a PWM period, s, less the time of an edge.
+    /// Shortest low time of a bridge input in a PWM period, s. The edge time is subtracted.
     pub fn shortest_low_s(&self) -> f64 {
         let period_s = self.tim8.pwm_cycles() as f64 / self.clock.hz();
         let lows = self.half_bridges().into_iter().zip(TIM8_PINS);
@@ -55,12 +54,12 @@ impl Chip {
         .fold(f64::INFINITY, f64::min)
     }
 
-    /// Level that the program drives on a pin or pulls it to; `None` if it floats.
+    /// Level to which the program drives or pulls a pin. `None` if it floats.
     pub fn settled(&self, Pin(port, pin): Pin) -> Option<bool> {
         self.gpio[port].driven(pin).or(self.gpio[port].pull(pin))
     }
 
-    /// Level that the program drives on a pin.
+    /// Level to which the program drives a pin. `None` if it does not drive it.
     pub fn driven(&self, Pin(port, pin): Pin) -> Option<bool> {
         self.gpio[port].driven(pin)
     }
@@ -69,7 +68,7 @@ impl Chip {
         self.gpio[port].mode(pin)
     }
 
-    /// Connects a pin to a level from outside, with what its edge does.
+    /// Connects a pin to an external level. An edge can raise an interrupt.
     pub fn connect(&mut self, Pin(port, pin): Pin, level: Option<bool>, signals: &mut Signals) {
         let before = self.gpio[port].level(pin);
         self.gpio[port].connect(pin, level);
@@ -84,7 +83,7 @@ impl Chip {
         }
     }
 
-    /// The encoder has moved by so many counts in so many cycles.
+    /// The encoder has moved by `counts` within `cycles`.
     pub fn follow_encoder(&mut self, counts: i32, cycles: u64) {
         if TIM5_PINS.iter().all(|pin| self.mode(*pin) == AF_TIM5) {
             let divider = Clocks::timer_divider(self.clocks.apb1_divider);
@@ -92,7 +91,7 @@ impl Chip {
         }
     }
 
-    /// The count that a program reads from the encoder's timer now.
+    /// The present count of the encoder timer.
     pub fn encoder_count(&self) -> u32 {
         self.tim5.read(TIM5_CNT).unwrap_or_default()
     }

@@ -1,28 +1,28 @@
-//! The console's port: its pins, and DMA that carries its bytes.
+//! The serial port of the console: its pins, and the DMA transfer of its bytes.
 
 use super::Chip;
 use super::pins::{AF_USART2, USART2_RX, USART2_TX};
 use crate::cpu::{Memories, Signals, Width};
 use crate::peripherals::usart::{self, Line};
 
-/// Its data register.
+/// Address of its data register.
 const DATA: u32 = 0x4000_4400 + usart::DR;
-/// Streams and channels of DMA1 that serve its receiver and its transmitter (RM0090, table 42).
+/// DMA1 streams and channels that can serve the receiver and the transmitter (RM0090, table 42).
 const RECEIVER: [(usize, u32); 1] = [(5, 4)];
 const TRANSMITTER: [(usize, u32); 1] = [(6, 4)];
 
 impl Chip {
-    /// Cycles of the core in a bit of the console's port.
+    /// Core cycles per bit of the console's port.
     pub fn usart2_bit_cycles(&self) -> u64 {
         self.usart2.bit_cycles(self.clocks.apb1_divider)
     }
 
-    /// Whether USART2's input floats if nothing is connected to it.
+    /// Returns true if the input of USART2 floats when nothing is connected to it.
     pub fn receiver_floats(&self) -> bool {
         self.settled(USART2_RX).is_none()
     }
 
-    /// Takes the byte that USART2 has just sent; `None` if its pin is not given to it.
+    /// Takes the byte that USART2 has just sent. `None` if its pin is not assigned to USART2.
     pub fn take_sent(&mut self, signals: &mut Signals) -> Option<u8> {
         let at = self.usart2.next_sent();
         let byte = self.usart2.sent(self.clocks.apb1_divider);
@@ -30,7 +30,7 @@ impl Chip {
         byte.filter(|_| self.mode(USART2_TX) == AF_USART2)
     }
 
-    /// A byte arrives at USART2's pin.
+    /// A byte arrives at the input pin of USART2.
     pub fn receive(&mut self, byte: u8, line: Line, signals: &mut Signals) {
         if self.mode(USART2_RX) == AF_USART2 {
             self.usart2.receive(byte, line);
@@ -38,7 +38,7 @@ impl Chip {
         }
     }
 
-    /// Lets DMA carry what the port has received, and what it can send, at cycle `now`.
+    /// Transfers received bytes and bytes to send by DMA, at cycle `now`.
     pub(super) fn carry_serial(&mut self, now: u64, signals: &mut Signals) {
         if self.usart2.wants_to_be_read()
             && let Some(stream) = self.dma1.serving(DATA, &RECEIVER)

@@ -1,18 +1,18 @@
-//! Loads, stores and fetches: memories at once, all else by where it is.
+//! Loads, stores and fetches. Memories are accessed directly, all else by address.
 
 use super::fault::Fault;
 use super::{Bus, Cpu, Memories, Refusal, Stop, Trapped, Unmodelled, Width};
 
-/// Where peripherals begin; below is memory, which may be read at any alignment.
+/// First address of the peripherals. Addresses below are memory, which allows unaligned accesses.
 const PERIPHERALS: u32 = 0x4000_0000;
 
-/// The chip's own debug support, which its maker put on the private peripheral bus.
+/// The vendor's debug support on the private peripheral bus.
 const DEBUG_SUPPORT: u32 = 0xE004_2000;
 
-/// What an address of the private peripheral bus or of a bit-band alias stands for.
+/// What an address outside the memories belongs to.
 enum Place {
     Private,
-    /// One bit of the word at an address.
+    /// A bit-band alias: the address of the word, and the number of the bit.
     Bit(u32, u32),
     Board,
 }
@@ -68,14 +68,14 @@ impl Cpu {
         self.write_elsewhere(bus, address, width, value)
     }
 
-    /// Loads a word as LDM, LDRD and exclusives do, which must be aligned.
+    /// Loads a word for LDM, LDRD and exclusive loads. The address must be aligned.
     #[inline]
     pub(super) fn read_word<B: Bus>(&mut self, bus: &mut B, address: u32) -> Result<u32, Trapped> {
         self.check_aligned(address, Width::Word)?;
         self.read(bus, address, Width::Word)
     }
 
-    /// Stores a word as STM, STRD and exclusives do, which must be aligned.
+    /// Stores a word for STM, STRD and exclusive stores. The address must be aligned.
     #[inline]
     pub(super) fn write_word<B: Bus>(
         &mut self,
@@ -172,7 +172,7 @@ impl Cpu {
         }
     }
 
-    /// The word that a bit-band alias is a bit of. The alias itself is accessed like any device.
+    /// Reads the word that contains the bit of a bit-band alias. The alias region is accessed like a device.
     fn read_word_of_bit<B: Bus>(
         &mut self,
         bus: &mut B,
@@ -184,7 +184,7 @@ impl Cpu {
         self.read(bus, word, Width::Word)
     }
 
-    /// What the board may have said during an access.
+    /// Applies the signals that the board set during an access.
     fn after_board(&mut self) {
         self.spent += std::mem::take(&mut self.signals.wait_cycles);
         if self.signals.risen || self.signals.board_called {
@@ -205,7 +205,7 @@ impl Cpu {
         }
     }
 
-    /// An access that ends the run.
+    /// Ends the run because of an unmodelled access.
     pub(super) fn unmodelled(
         &mut self,
         register: String,
@@ -222,7 +222,7 @@ impl Cpu {
         }))
     }
 
-    /// One halfword of code.
+    /// Fetches one halfword of code.
     pub(super) fn fetch<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u16, Fault> {
         let executable = match address >> 29 {
             0 | 1 | 3 | 4 => !(Memories::CCM..Memories::SRAM).contains(&address),

@@ -1,50 +1,50 @@
-//! Where the time goes: instructions and cycles of each exception.
+//! Counts instructions and cycles of each exception.
 
 /// One completed run of an exception handler.
 ///
-/// Instructions and cycles are the handler's own, without those of exceptions that preempted it. Entry and return
-/// count as cycles of the handler.
+/// Instructions and cycles exclude those of exceptions that preempted the handler. Exception entry and return count as
+/// cycles of the handler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Activation {
     /// Exception number, 16 + the interrupt line.
     pub exception: u16,
-    /// Cycle at which it became pending.
+    /// Cycle at which the exception became pending.
     pub pended: u64,
-    /// Cycle at which its first instruction began.
+    /// Cycle at which the first instruction of the handler began.
     pub entered: u64,
-    /// Cycle at which it had returned.
+    /// Cycle at which the handler had returned.
     pub left: u64,
-    /// Instructions of its own.
+    /// Instructions of the handler itself.
     pub instructions: u64,
-    /// Cycles of its own.
+    /// Cycles of the handler itself.
     pub cycles: u64,
 }
 
-/// What one exception has taken so far.
+/// Totals of one exception since power-on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Totals {
-    /// Completed activations.
+    /// Number of completed activations.
     pub count: u64,
-    /// Instructions of their own.
+    /// Instructions of the handler itself.
     pub instructions: u64,
-    /// Cycles of their own.
+    /// Cycles of the handler itself.
     pub cycles: u64,
-    /// Most instructions of one activation.
+    /// Largest number of instructions of one activation.
     pub most_instructions: u64,
-    /// Most cycles of one activation.
+    /// Largest number of cycles of one activation.
     pub most_cycles: u64,
     /// Longest time from pending to the first instruction, cycles.
     pub longest_wait: u64,
 }
 
-/// A moment: cycles and instructions so far.
+/// Cycles and instructions since power-on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Now {
     pub cycle: u64,
     pub instructions: u64,
 }
 
-/// The books: handlers that have begun and not returned, and what the completed ones took.
+/// The running handlers, and the totals of the completed ones.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Account {
     open: Vec<Activation>,
@@ -55,7 +55,7 @@ pub(super) struct Account {
 }
 
 impl Account {
-    /// Charges what has passed to the handler that is on top.
+    /// Charges the elapsed cycles and instructions to the running handler.
     fn charge(&mut self, now: Now) {
         if let Some(top) = self.open.last_mut() {
             top.instructions += now.instructions - self.charged.instructions;
@@ -64,7 +64,7 @@ impl Account {
         self.charged = now;
     }
 
-    /// A handler's entry begins.
+    /// The entry of a handler begins.
     pub fn open(&mut self, exception: u16, pended: u64, now: Now) {
         self.charge(now);
         self.open.push(Activation {
@@ -77,7 +77,7 @@ impl Account {
         });
     }
 
-    /// The entry that has begun turns out to be that of another exception.
+    /// A late exception takes over the entry that has begun.
     pub fn take_over(&mut self, exception: u16, pended: u64) {
         if let Some(top) = self.open.last_mut() {
             top.exception = exception;
@@ -92,7 +92,7 @@ impl Account {
         }
     }
 
-    /// The handler on top has returned.
+    /// The running handler has returned.
     pub fn close(&mut self, now: Now) {
         self.charge(now);
         let Some(mut done) = self.open.pop() else {

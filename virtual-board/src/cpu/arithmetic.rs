@@ -1,8 +1,8 @@
-//! Integer arithmetic as the architecture manual's pseudocode names it.
+//! Integer arithmetic. The names are those of the architecture manual's pseudocode.
 
 use super::instruction::Shift;
 
-/// AddWithCarry: sum, carry out, overflow.
+/// AddWithCarry: returns sum, carry out and overflow.
 #[inline]
 pub fn add_with_carry(a: u32, b: u32, carry: bool) -> (u32, bool, bool) {
     let (partial, first) = a.overflowing_add(b);
@@ -11,7 +11,7 @@ pub fn add_with_carry(a: u32, b: u32, carry: bool) -> (u32, bool, bool) {
     (sum, first || second, overflow)
 }
 
-/// Shift_C: the value shifted by up to 255, and the carry out.
+/// Shift_C: returns the value shifted by up to 255 bits, and the carry out.
 #[inline]
 pub fn shift_with_carry(value: u32, shift: Shift, amount: u8, carry: bool) -> (u32, bool) {
     let amount = u32::from(amount);
@@ -33,20 +33,20 @@ pub fn shift_with_carry(value: u32, shift: Shift, amount: u8, carry: bool) -> (u
     }
 }
 
-/// SignedSatQ: the value in `bits` bits, and true if it did not fit.
+/// SignedSatQ: returns the value saturated to `bits` bits, and true if it saturated.
 pub fn saturate_signed(value: i64, bits: u8) -> (i32, bool) {
     let most = (1_i64 << (bits - 1)) - 1;
     let fitted = value.clamp(-most - 1, most);
     (fitted as i32, fitted != value)
 }
 
-/// UnsignedSatQ: the value in `bits` bits, and true if it did not fit.
+/// UnsignedSatQ: returns the value saturated to `bits` bits, and true if it saturated.
 pub fn saturate_unsigned(value: i64, bits: u8) -> (u32, bool) {
     let fitted = value.clamp(0, (1_i64 << bits) - 1);
     (fitted as u32, fitted != value)
 }
 
-/// The signed low or high halfword.
+/// The low or, if `top`, the high halfword, sign extended.
 pub fn half(value: u32, top: bool) -> i32 {
     (if top { value >> 16 } else { value }) as i16 as i32
 }

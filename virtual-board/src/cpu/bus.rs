@@ -1,28 +1,30 @@
-//! What the core needs of the board around it.
+//! The interface between the core and the board around it.
 
 use std::fmt;
 
 use super::{Memories, Signals};
 
-/// The board, as the core sees it: memories that it reaches directly, and everything else behind reads and writes.
+/// The board as the core sees it: memories with direct access, and reads and writes of all else.
 ///
-/// The core keeps to itself the private peripheral bus (0xE000_0000 to 0xE00F_FFFF) and the bit-band aliases of SRAM
-/// and peripherals, which arrive here as a read and a write of the word that holds the bit.
+/// The core handles the private peripheral bus (0xE000_0000 to 0xE00F_FFFF) itself. It converts an access to a bit-band
+/// alias into a read and a write of the word that holds the bit.
 pub trait Bus {
     /// The memories.
     fn memories(&mut self) -> &mut Memories;
 
-    /// Reads `address`, which is a multiple of the width and in none of the memories. The value is zero-extended.
+    /// Reads `address`, which is a multiple of the width and in none of the memories. The value is zero extended.
     ///
     /// # Errors
-    /// [`Refusal`], if there is nothing to read.
+    ///
+    /// [`Refusal`] if the address cannot be read.
     fn read(&mut self, address: u32, width: Width, signals: &mut Signals) -> Result<u32, Refusal>;
 
-    /// Writes `address`, which is a multiple of the width and not in RAM; flash is written here.
-    /// `value` has no bits above the width.
+    /// Writes `address`, which is a multiple of the width and not in RAM. Writes to flash arrive here. `value` has no bits
+    /// above the width.
     ///
     /// # Errors
-    /// [`Refusal`], if there is nothing to write.
+    ///
+    /// [`Refusal`] if the address cannot be written.
     fn write(
         &mut self,
         address: u32,
@@ -32,12 +34,13 @@ pub trait Bus {
     ) -> Result<(), Refusal>;
 }
 
-/// Why the board does not answer an access.
+/// Why the board refuses an access.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refusal {
-    /// The chip answers with an error too: the core takes a bus fault.
+    /// The real chip answers with an error too. The core takes a bus fault.
     BusFault,
-    /// The chip would answer, this board cannot: the run stops. The text names the register, as in `TIM8 + 0x4C`.
+    /// The real chip would answer, but this board does not model it. The run stops. The text names the register, such as
+    /// `TIM8 + 0x4C`.
     Unmodelled(String),
 }
 
@@ -53,7 +56,7 @@ pub enum Width {
 }
 
 impl Width {
-    /// Bytes of the access: 1, 2 or 4.
+    /// Number of bytes: 1, 2 or 4.
     #[must_use]
     pub const fn bytes(self) -> u32 {
         match self {

@@ -1,7 +1,7 @@
-//! Exception entry and return: stacking, vectors, tail-chaining, late arrival, and what faults become.
+//! Exception entry and return: stacking, vectors, tail-chaining, late arrival, and escalation of faults.
 //!
-//! Stacking is lazy for the FPU's registers if FPCCR says so, as after reset, and at once otherwise. An exception that
-//! comes before the first instruction of a handler of lower priority takes over that handler's entry.
+//! Lazy stacking of the FPU registers is used if FPCCR enables it, as after reset. Otherwise they are stacked at once. An
+//! exception of higher priority that arrives before the first instruction of a handler takes over that handler's entry.
 
 use super::exceptions::{BUS_FAULT, DEBUG_MONITOR, HARD_FAULT, MEM_MANAGE, NMI, SVCALL};
 use super::fault::{Fault, FaultStatus};
@@ -13,14 +13,15 @@ use super::{Bus, Cpu, Sleep, Stop, Trap, Trapped, Width, timing};
 
 const BASIC_FRAME: u32 = 0x20;
 const EXTENDED_FRAME: u32 = 0x68;
-/// Where the FPU's registers lie in a frame, and FPSCR after S0 to S15.
+/// Offset of the FPU registers in a stack frame.
 const FLOAT_PART: u32 = 0x20;
+/// Offset of FPSCR in a stack frame.
 const FLOAT_STATUS: u32 = 0x40;
 const STACKED_ALIGNMENT: u32 = 1 << 9;
 const THUMB: u32 = 1 << 24;
 
 impl Cpu {
-    /// Enters an exception that comes before what is being executed.
+    /// Enters an exception that preempts the present code.
     pub(super) fn enter<B: Bus>(&mut self, bus: &mut B, number: u16) {
         if self.entered_at == Some(self.instructions) {
             let first = self.exception;
@@ -49,14 +50,14 @@ impl Cpu {
         }
     }
 
-    /// Begins an exception in the entry that was opened for another one.
+    /// Begins an exception in the entry that was started for another one.
     fn take_over_entry<B: Bus>(&mut self, bus: &mut B, number: u16, return_code: u32) {
         self.account
             .take_over(number, self.exceptions.pended_at(number));
         self.begin(bus, number, return_code);
     }
 
-    /// Pends the fault of an entry into exception `number`, and says which of the two comes first.
+    /// Records a fault during the entry into exception `number`. Returns the exception that is handled first.
     fn derive(&mut self, fault: Fault, number: u16) -> u16 {
         self.faults.record(fault);
         let (derived, priority) = if self.system.handles(BUS_FAULT) {
@@ -65,7 +66,8 @@ impl Cpu {
             (HARD_FAULT, -1)
         };
         if priority >= self.exceptions.priority(number) {
-            // HardFault and NMI begin without a frame that could be returned to.
+            // The exception is at least as urgent as the fault. It begins without a complete frame, so its handler cannot
+            // return.
             return number;
         }
         if derived == HARD_FAULT {
@@ -75,7 +77,7 @@ impl Cpu {
         derived
     }
 
-    /// EXC_RETURN for the present state.
+    /// The value of EXC_RETURN for the present state.
     fn return_code(&self) -> u32 {
         let mode = match (self.exception, self.process_stack) {
             (0, false) => 9,
@@ -85,7 +87,7 @@ impl Cpu {
         0xFFFF_FFE0 | u32::from(!self.in_float_context) << 4 | mode
     }
 
-    /// ExceptionTaken: the state in which a handler begins.
+    /// ExceptionTaken: sets the state in which a handler begins.
     fn begin<B: Bus>(&mut self, bus: &mut B, number: u16, return_code: u32) {
         self.registers[usize::from(LR)] = return_code;
         self.exception = number;
@@ -115,14 +117,14 @@ impl Cpu {
         }
     }
 
-    /// Writes a word of a frame, which is in RAM or nowhere.
+    /// Writes a word of a stack frame. An address outside RAM is a fault.
     fn stack_word<B: Bus>(&self, bus: &mut B, address: u32, word: u32) -> Result<(), Fault> {
         bus.memories()
             .write(address & !3, Width::Word, word)
             .ok_or(Fault::Stacking)
     }
 
-    /// Reads a word of a frame.
+    /// Reads a word of a stack frame.
     fn unstack_word<B: Bus>(&self, bus: &mut B, address: u32) -> Result<u32, Fault> {
         bus.memories()
             .read(address & !3, Width::Word)
@@ -136,7 +138,7 @@ impl Cpu {
         let sp = self.registers[usize::from(SP)];
         let align = sp & 4 != 0 && (self.system.aligns_stack() || float);
         let frame = sp.wrapping_sub(size) & !(u32::from(align) << 2);
-        // A frame that cannot be written still moves the stack pointer.
+        // The stack pointer moves even if the frame cannot be written.
         self.registers[usize::from(SP)] = frame;
         let status =
             self.program_status() & !STACKED_ALIGNMENT | if align { STACKED_ALIGNMENT } else { 0 };
@@ -168,7 +170,7 @@ impl Cpu {
         }
     }
 
-    /// FPCCR at the entry of an exception that stacks lazily.
+    /// Value of FPCCR at the entry of an exception with lazy stacking.
     fn lazy_context(&self) -> u32 {
         let ready = |number: u16, at: u32| {
             let enabled = self.system.handles(number);
@@ -193,7 +195,7 @@ impl Cpu {
         self.stack_word(bus, base.wrapping_add(FLOAT_STATUS), status)
     }
 
-    /// ExecuteFPCheck: what the first instruction of the FPU in a context brings about.
+    /// ExecuteFPCheck: prepares the FPU for the first FPU instruction of a context.
     #[cold]
     pub(super) fn prepare_float<B: Bus>(&mut self, bus: &mut B) -> Result<(), Trapped> {
         if !self.system.float_is_on(self.privileged()) {
@@ -215,7 +217,7 @@ impl Cpu {
 
     /// ExceptionReturn.
     pub(super) fn return_from_exception<B: Bus>(&mut self, bus: &mut B, code: u32) {
-        // What the returning instruction took is the handler's.
+        // The cycles of the returning instruction count for its handler.
         self.spend(0);
         let number = self.exception;
         let nested = self.exceptions.active.len() > 1;
@@ -258,7 +260,7 @@ impl Cpu {
         }
     }
 
-    /// Tail-chains: from the end of one handler to the next, the frame left where it is.
+    /// Tail-chaining: goes from the end of one handler to the next and keeps the stack frame.
     fn chain<B: Bus>(&mut self, bus: &mut B, next: u16, return_code: u32) {
         self.account.close(self.now());
         self.account
@@ -267,7 +269,7 @@ impl Cpu {
         self.begin(bus, next, return_code);
     }
 
-    /// A return that faults: the fault's exception is chained.
+    /// A return that faults tail-chains to the exception of the fault.
     fn refuse_return<B: Bus>(&mut self, bus: &mut B, fault: Fault, code: u32) {
         self.take_fault(fault);
         if self.halted.is_none()
@@ -321,7 +323,7 @@ impl Cpu {
 
     fn unstack_float<B: Bus>(&mut self, bus: &mut B, base: u32) -> Result<(), Fault> {
         if self.system.lazy_frame_is_due() {
-            // Nobody has touched the registers since they were to be stacked.
+            // The FPU registers still hold the values that were to be stacked.
             self.system.float_context &= !SystemControl::LAZY_ACTIVE;
             return Ok(());
         }
@@ -337,13 +339,13 @@ impl Cpu {
         Ok(())
     }
 
-    /// Records a synchronous fault and pends its exception, or HardFault if that cannot come now.
+    /// Records a synchronous fault and pends its exception, or HardFault if that exception is disabled or masked.
     pub(super) fn take_fault(&mut self, fault: Fault) {
         self.faults.record(fault);
-        // Its handler gets an entry of its own.
+        // The handler of the fault gets an entry of its own.
         self.entered_at = None;
         if fault == Fault::Debug && self.system.handles(DEBUG_MONITOR) {
-            // A debug event below the monitor's priority is for HardFault too.
+            // If the present code is at least as urgent as the monitor, the debug event escalates to HardFault.
             if self.exceptions.priority(DEBUG_MONITOR) < self.priority {
                 self.faults.hard &= !(1 << 31);
                 self.pend_now(DEBUG_MONITOR);
@@ -358,7 +360,7 @@ impl Cpu {
         }
     }
 
-    /// SVC: its exception, or HardFault where that cannot come now.
+    /// SVC: pends SVCall, or HardFault if SVCall is masked.
     pub(super) fn call_supervisor(&mut self) {
         if self.can_take(SVCALL) {
             self.pend_now(SVCALL);
@@ -367,7 +369,7 @@ impl Cpu {
         }
     }
 
-    /// A bus fault that belongs to no particular instruction.
+    /// Pends a bus fault that is not attributed to an instruction.
     pub(super) fn pend_imprecise_bus_fault(&mut self) {
         self.faults.record(Fault::ImpreciseBus);
         if self.system.handles(BUS_FAULT) {
@@ -403,7 +405,7 @@ impl Cpu {
         self.attend_soon();
     }
 
-    /// ExecutionPriority, kept for the checks of every instruction.
+    /// ExecutionPriority, cached because every instruction checks it.
     pub(super) fn update_priority(&mut self) {
         let mut priority = self.exceptions.active_priority();
         if self.basepri != 0 {

@@ -1,4 +1,4 @@
-//! Exceptions: which are enabled, pending and active, and which comes first.
+//! State of the exceptions: enabled, pending, active, and their order of priority.
 
 /// Number of the non-maskable interrupt.
 pub const NMI: u16 = 2;
@@ -21,16 +21,16 @@ pub const SYSTICK: u16 = 15;
 /// Number of interrupt line 0.
 pub const INTERRUPT_0: u16 = 16;
 
-/// Numbers of exceptions: 16 of the core and 240 lines.
+/// Number of exception numbers: 16 of the core and 240 interrupt lines.
 pub const COUNT: usize = 256;
 
-/// Priority that code runs at where nothing is active or masked.
+/// Execution priority while nothing is active or masked.
 pub const THREAD_PRIORITY: i16 = 256;
 
-/// Bits of a priority that an STM32F4 has.
+/// Priority bits that the STM32F4 implements.
 const PRIORITY_BITS: u8 = 0xF0;
 
-/// A set of exceptions by number.
+/// A set of exception numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Set([u64; COUNT / 64]);
 
@@ -51,7 +51,7 @@ impl Set {
         self.0.iter().map(|word| word.count_ones()).sum()
     }
 
-    /// The numbers in both sets, ascending.
+    /// The numbers in both sets, in ascending order.
     pub fn common(&self, other: &Self) -> impl Iterator<Item = u16> {
         let both: [u64; COUNT / 64] = std::array::from_fn(|i| self.0[i] & other.0[i]);
         (0..).zip(both).flat_map(|(i, mut word)| {
@@ -63,7 +63,7 @@ impl Set {
         })
     }
 
-    /// 32 members from `first`, a multiple of 16, as bits.
+    /// 32 members of the set from `first`, a multiple of 16, as bits.
     pub fn word(&self, first: u16) -> u32 {
         (0..32)
             .filter(|i| first + i < COUNT as u16 && self.contains(first + i))
@@ -101,7 +101,7 @@ impl Default for Exceptions {
 }
 
 impl Exceptions {
-    /// Pends an exception at a cycle; if it is pending already, the first time counts.
+    /// Makes an exception pending at `cycle`. If it is pending already, the earlier cycle is kept.
     pub fn pend(&mut self, number: u16, cycle: u64) {
         if !self.pending.contains(number) {
             self.pended_at[usize::from(number)] = cycle;
@@ -119,17 +119,17 @@ impl Exceptions {
         self.priorities[usize::from(number)]
     }
 
-    /// Sets the priority register of an exception, as far as it has bits.
+    /// Sets the priority register of an exception. Bits that are not implemented are ignored.
     pub fn set_priority_byte(&mut self, number: u16, priority: u8) {
         self.priorities[usize::from(number)] = priority & PRIORITY_BITS;
     }
 
-    /// The part of a priority that decides about preemption.
+    /// The part of a priority that decides on preemption.
     pub fn group_priority(&self, priority: u8) -> i16 {
         (u16::from(priority) >> (self.group + 1) << (self.group + 1)) as i16
     }
 
-    /// Priority of an exception for preemption; lower comes first.
+    /// Priority of an exception for preemption. A lower number is more urgent.
     pub fn priority(&self, number: u16) -> i16 {
         match number {
             NMI => -2,
@@ -138,7 +138,7 @@ impl Exceptions {
         }
     }
 
-    /// The pending exception that comes first, with its priority for preemption.
+    /// The most urgent pending exception, with its priority for preemption.
     pub fn next(&self) -> Option<(u16, i16)> {
         let first = self
             .pending
@@ -151,7 +151,7 @@ impl Exceptions {
         Some((first, self.priority(first)))
     }
 
-    /// Priority of the active exceptions.
+    /// Priority of the most urgent active exception.
     pub fn active_priority(&self) -> i16 {
         self.active
             .common(&self.active)

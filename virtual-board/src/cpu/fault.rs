@@ -1,30 +1,30 @@
-//! Faults: which exception they raise and how the status registers show them.
+//! Faults: their exceptions and their bits in the status registers.
 
 use super::exceptions::{BUS_FAULT, HARD_FAULT, MEM_MANAGE, USAGE_FAULT};
 
-/// A fault, synchronous unless it says otherwise.
+/// A fault. It is synchronous unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// An instruction from where none may come.
+    /// Instruction fetch from a region where execution is not allowed.
     InstructionAccess,
-    /// An instruction from where nothing answers.
+    /// Instruction fetch from an unmapped address.
     InstructionBus,
-    /// A load, or a store without the write buffer, where nothing answers.
+    /// Load, or store without the write buffer, at an unmapped address.
     PreciseBus(u32),
-    /// A store through the write buffer where nothing answers. Asynchronous.
+    /// Store through the write buffer to an unmapped address. It is asynchronous.
     ImpreciseBus,
-    /// The frame of an exception return could not be read.
+    /// The stack frame could not be read at an exception return.
     Unstacking,
-    /// The frame of an exception entry could not be written.
+    /// The stack frame could not be written at an exception entry.
     Stacking,
-    /// The postponed part of a frame, that of the FPU, could not be written.
+    /// The FPU part of a stack frame could not be written by lazy stacking.
     LazyStacking,
     UndefinedInstruction,
-    /// An instruction outside Thumb state.
+    /// An instruction outside the Thumb state.
     InvalidState,
-    /// An exception return that cannot be.
+    /// An invalid exception return.
     InvalidPc,
-    /// The FPU is off, or the coprocessor is not there.
+    /// The FPU is disabled, or the coprocessor does not exist.
     NoCoprocessor,
     Unaligned,
     DivideByZero,
@@ -35,7 +35,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// Number of its exception.
+    /// Number of the exception that the fault raises.
     pub fn exception(self) -> u16 {
         match self {
             Self::InstructionAccess => MEM_MANAGE,
@@ -64,7 +64,7 @@ impl FaultStatus {
     /// HFSR.FORCED.
     pub const FORCED: u32 = 1 << 30;
 
-    /// Takes a fault down.
+    /// Records a fault in the status registers.
     pub fn record(&mut self, fault: Fault) {
         self.configurable |= match fault {
             Fault::InstructionAccess => 1,

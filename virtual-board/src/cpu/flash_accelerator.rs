@@ -1,16 +1,15 @@
-//! Flash as the core waits for it: the adaptive accelerator of an STM32F4 (reference manual RM0090, embedded flash
-//! interface).
+//! Wait times of the flash: the adaptive accelerator of an STM32F4 (reference manual RM0090, embedded flash interface).
 //!
-//! Flash is read 128 bits at a time, which takes the wait states of FLASH_ACR. The instruction cache keeps 64 such
-//! lines, the data cache 8, the least recently used one making place. With prefetch, the next line is being read while
-//! the present one executes. The lines are taken as fully associative, and instructions and data as not in each
-//! other's way, which the manual leaves open.
+//! Flash is read in lines of 128 bits. A read takes the wait states set in FLASH_ACR. The instruction cache keeps 64 lines,
+//! the data cache 8. The least recently used line is replaced. With prefetch, the next line is read while the present one
+//! executes. The manual does not define associativity and arbitration. The model assumes fully associative caches, and no
+//! conflict between instruction and data reads.
 
 use super::FlashTiming;
 
 const NO_LINE: u32 = u32::MAX;
 
-/// What the accelerator holds.
+/// State of the accelerator.
 #[derive(Debug, Clone)]
 pub struct FlashAccelerator {
     instructions: Cache,
@@ -31,7 +30,7 @@ impl Default for FlashAccelerator {
 }
 
 impl FlashAccelerator {
-    /// Cycles that the core waits when it begins to fetch from `line`, an address over 16, at `cycle`.
+    /// Core cycles of waiting for the fetch of `line` (address / 16) at `cycle`.
     pub fn fetch(&mut self, line: u32, cycle: u64, timing: FlashTiming) -> u32 {
         let wait_states = u32::from(timing.wait_states);
         if wait_states == 0 {
@@ -54,7 +53,7 @@ impl FlashAccelerator {
         wait
     }
 
-    /// Cycles that the core waits for data of `line` at `cycle`.
+    /// Core cycles of waiting for data of `line` at `cycle`.
     pub fn read(&mut self, line: u32, cycle: u64, timing: FlashTiming) -> u32 {
         let wait_states = u32::from(timing.wait_states);
         if wait_states == 0 || timing.data_cache && self.data.holds(line, cycle) {
@@ -67,10 +66,10 @@ impl FlashAccelerator {
     }
 }
 
-/// Lines by when they were last used.
+/// A cache that replaces the least recently used line.
 #[derive(Debug, Clone)]
 struct Cache {
-    /// Place of each line of flash in `kept`, or that it has none.
+    /// Index in `kept` of each flash line, or `NO_PLACE`.
     place: Vec<u8>,
     kept: Vec<(u32, u64)>,
     capacity: usize,
@@ -118,7 +117,7 @@ impl Cache {
     }
 }
 
-/// A line's number in the megabyte of flash.
+/// Number of a line within one megabyte of flash.
 fn index(line: u32) -> usize {
     (line & 0xFFFF) as usize
 }

@@ -1,7 +1,7 @@
-//! Arithmetic of the FPU (FPv4-SP): IEEE 754 single precision with the flags, rounding modes, default NaN and
-//! flush-to-zero of FPSCR.
+//! Arithmetic of the FPU (FPv4-SP): IEEE 754 single precision with the flags, rounding modes, default NaN and flush-to-zero
+//! of FPSCR.
 //!
-//! An operation works its exact result out as a double plus the sign of what the double leaves, and rounds that once.
+//! Each operation computes its exact result as a double plus the sign of the remainder, and rounds it once.
 
 /// FPSCR, the status and control register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -26,7 +26,7 @@ const INFINITY: u32 = 0x7F80_0000;
 const QUIET: u32 = 1 << 22;
 const THE_DEFAULT_NAN: u32 = 0x7FC0_0000;
 
-/// RMode.
+/// The rounding mode, field RMode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Rounding {
     Nearest,
@@ -35,7 +35,7 @@ enum Rounding {
     Zero,
 }
 
-/// A format to round to.
+/// A floating-point format as the target of rounding.
 struct Format {
     fraction_bits: u32,
     bias: i32,
@@ -51,19 +51,19 @@ const HALF: Format = Format {
 };
 
 impl Fpscr {
-    /// The register with `value` written to it; reserved bits are dropped.
+    /// The register after `value` is written to it. Reserved bits are ignored.
     pub fn new(value: u32) -> Self {
         const EXCEPTIONS: u32 =
             INVALID_OPERATION | DIVIDE_BY_ZERO | OVERFLOW | UNDERFLOW | INEXACT | INPUT_DENORMAL;
         Self(value & (FLAGS | CONTROLS | EXCEPTIONS))
     }
 
-    /// As VMRS reads it.
+    /// The value that VMRS reads.
     pub fn bits(self) -> u32 {
         self.0
     }
 
-    /// The register with the controls that FPDSCR has, and no flag.
+    /// The register with the control bits of FPDSCR and no flags.
     pub fn from_defaults(fpdscr: u32) -> Self {
         Self(fpdscr & CONTROLS)
     }
@@ -77,12 +77,12 @@ impl Fpscr {
         }
     }
 
-    /// `result`, computed by the host, if it is what the FPU gives and changes no flag: a normal number under plain
-    /// IEEE controls, with the inexact flag up already.
+    /// Returns the bits of `result`, computed by the host, if the FPU gives the same and changes no flag. This holds for a
+    /// normal number in the default modes if the inexact flag is already set.
     #[inline]
     fn plain(self, result: f32) -> Option<u32> {
         let bits = result.to_bits();
-        // The least normal number is left out: it may have been less before rounding, which is an underflow.
+        // The smallest normal number is excluded: it may have been smaller before rounding, which is an underflow.
         let normal = bits & !SIGN > LEAST_NORMAL && bits & !SIGN < INFINITY;
         (self.0 & (CONTROLS | INEXACT) == INEXACT && normal).then_some(bits)
     }
@@ -141,7 +141,7 @@ impl Fpscr {
         self.add_exact(double(a), double(b ^ flip))
     }
 
-    /// Sum of two doubles, neither of them a NaN.
+    /// Sum of two doubles that are not NaN.
     fn add_exact(&mut self, a: f64, b: f64) -> u32 {
         if a.is_infinite() || b.is_infinite() {
             let sum = a + b;
@@ -234,7 +234,7 @@ impl Fpscr {
         self.0 = self.0 & !FLAGS | flags << 28;
     }
 
-    /// FPToFixed: a number of `bits` bits, of which `fraction` stand behind the point, sign or zero extended.
+    /// FPToFixed: converts to a fixed-point number of `bits` bits with `fraction` fractional bits, sign or zero extended.
     pub fn float_to_fixed(
         &mut self,
         a: u32,
@@ -275,7 +275,7 @@ impl Fpscr {
         value as u32
     }
 
-    /// FixedToFP of a number of `bits` bits, of which `fraction` stand behind the point.
+    /// FixedToFP: converts a fixed-point number of `bits` bits with `fraction` fractional bits.
     pub fn fixed_to_float(
         &mut self,
         value: u32,
@@ -332,7 +332,7 @@ impl Fpscr {
         self.round_to(&HALF, self.rounding(), double(a), 0.0) as u16
     }
 
-    /// FPUnpack, as far as it changes a number: flushes a denormal one if FZ says so.
+    /// The part of FPUnpack that changes a number: flushes a denormal number to zero if FZ is set.
     fn unpack(&mut self, a: u32) -> u32 {
         let denormal = a & INFINITY == 0 && a & !SIGN != 0;
         if denormal && self.0 & FLUSH_TO_ZERO != 0 {
@@ -343,7 +343,7 @@ impl Fpscr {
         }
     }
 
-    /// FPProcessNaNs: the NaN that results, if an operand is one.
+    /// FPProcessNaNs: the resulting NaN, if an operand is one.
     fn propagate(&mut self, operands: &[u32]) -> Option<u32> {
         let signalling = operands.iter().find(|&&x| is_nan(x) && x & QUIET == 0);
         if signalling.is_some() {
@@ -366,7 +366,7 @@ impl Fpscr {
         self.round_to(&SINGLE, self.rounding(), value, left)
     }
 
-    /// FPRound of `value` plus something of the sign of `left` that is less than half its last bit.
+    /// FPRound of `value` plus a remainder of the sign of `left`, smaller than half its last bit.
     fn round_to(&mut self, format: &Format, rounding: Rounding, value: f64, left: f64) -> u32 {
         let width = format.fraction_bits;
         let largest_exponent = 2 * format.bias as u32 + 1;
@@ -380,7 +380,7 @@ impl Fpscr {
         }
         let bits = value.to_bits();
         let mut exponent = (bits >> 52 & 0x7FF) as i32 - 1023;
-        // The significand, with three more bits to hold a trace of what is left.
+        // The significand with three additional bits for the remainder.
         let mut significand = (bits & ((1 << 52) - 1) | 1 << 52) << 3;
         if left != 0.0 {
             if (left < 0.0) == negative {
@@ -411,7 +411,7 @@ impl Fpscr {
             Rounding::Zero => false,
         };
         let kept = kept + u32::from(up);
-        // The leading one of a normal significand counts as one in the exponent, and a carry out of it as another.
+        // The leading one of a normal significand adds one to the exponent. So does a carry out of it.
         let exponent = if tiny { 0 } else { exponent - least };
         let magnitude = ((exponent as u32) << width) + kept;
         let alternative = width == 10 && self.0 & ALTERNATIVE_HALF != 0;

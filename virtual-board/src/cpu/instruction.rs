@@ -1,12 +1,12 @@
-//! Instructions in decoded form: what the decoder gives, the decode cache keeps and the executor takes.
+//! Decoded instructions, as the decoder creates, the decode cache stores and the executor executes them.
 //!
-//! Names are those of the architecture manual (ARM DDI 0403). Everything that an instruction knows of its own address
-//! (branch targets, literals) is already worked out.
+//! Names are those of the architecture manual (ARM DDI 0403). Values that depend on the address of the instruction (branch
+//! targets, literals) are already computed.
 
 /// Number of a core register, 0 to 15, or [`SINK`].
 pub type Reg = u8;
 
-/// Where a result goes that nobody reads: the destination of CMP, TST and their kin.
+/// Destination of a result that is discarded, as of CMP and TST.
 pub const SINK: Reg = 16;
 /// The stack pointer.
 pub const SP: Reg = 13;
@@ -87,9 +87,9 @@ pub enum Instruction {
     Breakpoint,
     /// Permanently or architecturally undefined.
     Undefined,
-    /// Of a coprocessor that is not there.
+    /// An instruction of a coprocessor that does not exist.
     NoCoprocessor,
-    /// The manual leaves open what happens.
+    /// The manual calls the effect unpredictable.
     Unpredictable,
 
     // Floating point; `d`, `n` and `m` are numbers of single-precision registers, 0 to 31
@@ -122,7 +122,7 @@ pub enum Instruction {
 pub enum SetFlags {
     Never,
     Always,
-    /// As most 16-bit instructions do.
+    /// Only outside an IT block, as most 16-bit instructions do.
     OutsideIt,
 }
 
@@ -131,12 +131,12 @@ pub enum SetFlags {
 #[rustfmt::skip]
 pub enum Alu { And, Bic, Orr, Orn, Eor, Mov, Mvn, Add, Adc, Sub, Sbc, Rsb }
 
-/// Carry out of a shifter whose operand is known when decoding.
+/// Carry out of a shifter whose operand is known at decoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[rustfmt::skip]
 pub enum ShifterCarry { Unchanged, Clear, Set }
 
-/// Shift of a register operand. LSR and ASR go up to 32; RRX takes no amount.
+/// Shift of a register operand. LSR and ASR shift by up to 32. RRX has no amount.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[rustfmt::skip]
 pub enum Shift { Lsl, Lsr, Asr, Ror, Rrx }
@@ -146,7 +146,7 @@ pub enum Shift { Lsl, Lsr, Asr, Ror, Rrx }
 #[rustfmt::skip]
 pub enum Reversal { Bits, Bytes, BytesOfHalves, SignedHalf }
 
-/// What SXTB and its kin extend.
+/// Operand of SXTB and its variants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[rustfmt::skip]
 pub enum Extension { SignedByte, Byte, SignedHalf, Half, SignedBytes, Bytes }
@@ -156,7 +156,7 @@ pub enum Extension { SignedByte, Byte, SignedHalf, Half, SignedBytes, Bytes }
 #[rustfmt::skip]
 pub enum LaneOp { Add8, Sub8, Add16, Sub16, AddSubExchange, SubAddExchange }
 
-/// What becomes of the lanes of a parallel addition: the prefixes S, Q, SH, U, UQ and UH.
+/// Treatment of the result lanes: the prefixes S, Q, SH, U, UQ and UH.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[rustfmt::skip]
 pub enum Lanes { Signed, SignedSaturating, SignedHalving, Unsigned, UnsignedSaturating, UnsignedHalving }
@@ -166,7 +166,7 @@ pub enum Lanes { Signed, SignedSaturating, SignedHalving, Unsigned, UnsignedSatu
 #[rustfmt::skip]
 pub enum Long { Signed, Unsigned, SignedAccumulate, UnsignedAccumulate, UnsignedAccumulateTwice }
 
-/// What a load or store moves.
+/// Width and sign of a load or store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[rustfmt::skip]
 pub enum Access { Byte, Half, Word, SignedByte, SignedHalf }
@@ -192,7 +192,7 @@ pub enum UnaryOp { Mov, Abs, Neg, Sqrt }
 pub enum Condition { Eq, Ne, Cs, Cc, Mi, Pl, Vs, Vc, Hi, Ls, Ge, Lt, Gt, Le, Always }
 
 impl Condition {
-    /// The condition of a four-bit `cond` field; 15 is [`Condition::Always`] too.
+    /// The condition of a four-bit `cond` field. 15 also gives [`Condition::Always`].
     pub const fn from_field(field: u32) -> Self {
         use Condition::*;
         const ALL: [Condition; 16] = [

@@ -1,4 +1,4 @@
-//! The memories that the core reaches without the board's help.
+//! The memories that the core accesses directly.
 
 use super::Width;
 
@@ -9,19 +9,19 @@ pub struct Memories {
     flash_edition: u64,
     /// Main SRAM, at [`Memories::SRAM`].
     pub sram: Vec<u8>,
-    /// Core-coupled RAM, at [`Memories::CCM`]: data only, out of reach of DMA.
+    /// Core-coupled RAM, at [`Memories::CCM`]. It holds data only, and DMA cannot access it.
     pub ccm: Vec<u8>,
 }
 
 impl Memories {
-    /// Where flash begins. It also answers from address 0, from where the core boots.
+    /// First address of the flash. It is also mapped at address 0, from which the core boots.
     pub const FLASH: u32 = 0x0800_0000;
-    /// Where the core-coupled RAM begins.
+    /// First address of the core-coupled RAM.
     pub const CCM: u32 = 0x1000_0000;
-    /// Where the main SRAM begins.
+    /// First address of the main SRAM.
     pub const SRAM: u32 = 0x2000_0000;
 
-    /// Memories of so many bytes each: erased flash, RAM of zeros.
+    /// Memories of the given sizes in bytes, with erased flash and zeroed RAM.
     #[must_use]
     pub fn new(flash: usize, sram: usize, ccm: usize) -> Self {
         Self {
@@ -32,25 +32,25 @@ impl Memories {
         }
     }
 
-    /// Flash as it stands.
+    /// Content of the flash.
     #[must_use]
     pub fn flash(&self) -> &[u8] {
         &self.flash
     }
 
-    /// Flash, to be changed; the core then forgets what it has decoded.
+    /// Mutable content of the flash. The core then discards its decoded instructions.
     pub fn flash_mut(&mut self) -> &mut [u8] {
         self.flash_edition += 1;
         &mut self.flash
     }
 
-    /// Counts the calls of [`Memories::flash_mut`].
+    /// Number of calls of [`Memories::flash_mut`].
     #[must_use]
     pub fn flash_edition(&self) -> u64 {
         self.flash_edition
     }
 
-    /// Reads a little-endian value at any alignment, zero-extended; `None` if it is not all in one memory.
+    /// Reads a little-endian value at any alignment, zero extended. `None` if it does not lie within one memory.
     #[inline]
     #[must_use]
     pub fn read(&self, address: u32, width: Width) -> Option<u32> {
@@ -69,7 +69,7 @@ impl Memories {
         })
     }
 
-    /// Writes a little-endian value to RAM at any alignment; `None` if it is not all in one RAM.
+    /// Writes a little-endian value to RAM at any alignment. `None` if it does not lie within one RAM.
     #[inline]
     pub fn write(&mut self, address: u32, width: Width, value: u32) -> Option<()> {
         let (bytes, at) = match address >> 24 {

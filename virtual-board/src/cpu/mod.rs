@@ -1,12 +1,12 @@
-//! A processor core: ARMv7E-M with the single-precision FPU, the Cortex-M4F of an STM32F4.
+//! The processor core: ARMv7E-M with the single-precision FPU, the Cortex-M4F of an STM32F4.
 //!
-//! It interprets. An instruction is decoded once and kept; a run goes from one instruction to the next until the
-//! board wants to be asked again. Names are those of the architecture manual (ARM DDI 0403).
+//! The core is an interpreter. An instruction is decoded once and cached. A run executes instructions until the board needs
+//! control again. Names are those of the architecture manual (ARM DDI 0403).
 //!
 //! Instructions are counted exactly. Cycles are model cycles, see `timing.rs`.
 //!
-//! Not modelled, and an error that names it: the MPU, trace and debug units beside the cycle counter, instructions
-//! whose effect the manual leaves open. LDRT and its kin access as the privileged do.
+//! Not modelled are the MPU, the trace and debug units except the cycle counter, and unpredictable instructions. Using them
+//! ends the run with an error that names them. LDRT and its variants access memory with privilege.
 
 mod access;
 mod account;
@@ -46,24 +46,24 @@ use status::{Flags, ItState};
 use system_space::SystemControl;
 use systick::SysTick;
 
-/// The core.
+/// The processor core.
 #[derive(Debug, Clone)]
 pub struct Cpu {
-    /// The wires between board and core.
+    /// The signals between board and core.
     pub signals: Signals,
 
-    /// R0 to R12, the stack pointer in use, LR, an unused place, and the sink of results that nobody reads.
+    /// R0 to R12, the active stack pointer, LR, an unused entry, and the sink of discarded results.
     registers: [u32; 17],
-    /// The stack pointer that is not in use.
+    /// The inactive stack pointer.
     other_sp: u32,
     /// Address of the next instruction.
     pc: u32,
-    /// Address of the instruction in execution.
+    /// Address of the present instruction.
     instruction_address: u32,
     thumb: bool,
     flags: Flags,
     it: ItState,
-    /// True if the instruction in execution is in an IT block.
+    /// True if the present instruction is in an IT block.
     in_it_block: bool,
     float: FloatUnit,
     /// CONTROL.FPCA.
@@ -77,60 +77,60 @@ pub struct Cpu {
     primask: bool,
     faultmask: bool,
     basepri: u8,
-    /// Priority of what is being executed.
+    /// Execution priority of the present code.
     priority: i16,
     exceptions: Exceptions,
     faults: FaultStatus,
     system: SystemControl,
     systick: SysTick,
-    /// The exclusive monitor; it guards all memory.
+    /// The exclusive monitor. It covers all memory.
     exclusive: bool,
     /// The event register.
     event: bool,
     asleep: Option<Sleep>,
-    /// What no run goes beyond until a reset.
+    /// Reason of a permanent stop, until the next reset.
     halted: Option<Stop>,
 
     trap: Option<Trap>,
 
-    /// Cycles of the instruction in execution.
+    /// Cycles of the present instruction.
     spent: u32,
     instructions: u64,
     slept: u64,
-    /// Instructions at the last exception entry, while a late one may still take it over.
+    /// Instruction count at the last exception entry, while a late exception may still take it over.
     entered_at: Option<u64>,
-    /// Number of the last instruction that made a load which another access may overlap, and the register.
+    /// Instruction count at the last load that another access may overlap. `last_loaded` is its register.
     last_load_at: u64,
     last_loaded: Reg,
-    /// Number of the last instruction that gave a core register a result, and the register.
+    /// Instruction count at the last result in a core register. `last_result` is that register.
     last_result_at: u64,
     last_result: Reg,
-    /// Cycle at which the run loop looks up; 0 if something is to be attended to.
+    /// Cycle at which the run loop checks for events. 0 requests a check at once.
     look_up_at: u64,
     account: Account,
 
     decoded: Vec<Decoded>,
     decoded_edition: u64,
     breakpoints: BTreeSet<u32>,
-    /// A breakpoint that has been reported and is to be executed.
+    /// A breakpoint that has been reported and is executed next.
     passed_breakpoint: Option<u32>,
     accelerator: FlashAccelerator,
     fetch_line: u32,
     data_line: u32,
 }
 
-/// What makes an instruction end early.
+/// Why an instruction ends early.
 #[derive(Debug, Clone)]
 enum Trap {
     Fault(Fault),
     Stop(Stop),
 }
 
-/// Says that an instruction has ended early; why is in [`Cpu::trap`].
+/// Marks that an instruction has ended early. The reason is in [`Cpu::trap`].
 #[derive(Debug)]
 struct Trapped;
 
-/// What the core waits for.
+/// Kind of sleep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sleep {
     UntilInterrupt,
@@ -142,14 +142,14 @@ enum Sleep {
 struct FloatUnit {
     registers: [u32; 32],
     status: Fpscr,
-    /// True while an instruction of the FPU needs no preparation.
+    /// True while FPU instructions need no preparation.
     ready: bool,
-    /// Number of the last instruction that gave a register a result, and the register.
+    /// Instruction count at the last result in an FPU register, followed by that register.
     last_result_at: u64,
     last_result: u8,
 }
 
-/// A place of the decode cache. A size of 0 says that it is empty.
+/// An entry of the decode cache. A size of 0 marks an empty entry.
 #[derive(Debug, Clone, Copy)]
 struct Decoded {
     instruction: Instruction,
@@ -165,7 +165,7 @@ impl Decoded {
 
 const NO_LINE: u32 = u32::MAX;
 const NO_REGISTER: Reg = Reg::MAX;
-/// A number that no instruction reaches, nor the one after it.
+/// An instruction count that is never reached.
 const LONG_AGO: u64 = u64::MAX - 1;
 
 impl Default for Cpu {
@@ -223,14 +223,14 @@ impl Default for Cpu {
 }
 
 impl Cpu {
-    /// A core at power-on. It does nothing sensible before [`Cpu::reset`].
+    /// A core at power-on. [`Cpu::reset`] must be called before it can run.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes the reset: stack pointer and first address from the vector table at address 0. Time, interrupt lines,
-    /// accounts and breakpoints go on.
+    /// Resets the core. Stack pointer and start address are read from the vector table at address 0. Time, interrupt lines,
+    /// statistics and breakpoints are kept.
     pub fn reset<B: Bus>(&mut self, bus: &mut B) {
         let mut account = std::mem::take(&mut self.account);
         account.reset(self.now());
@@ -258,10 +258,10 @@ impl Cpu {
         }
     }
 
-    /// Executes until `cycle`, or until something else ends the run. Waiting for an interrupt is a jump of time.
+    /// Executes until `cycle`, or until something else ends the run. A sleeping core skips to the next event.
     pub fn run<B: Bus>(&mut self, bus: &mut B, cycle: u64) -> Stop {
         self.attend_soon();
-        // Apart from the rest, so that what is decoded can be read in place.
+        // Taken out of `self`, so that instructions can be read without copying.
         let mut decoded = std::mem::take(&mut self.decoded);
         let stop = loop {
             if self.signals.cycle >= self.look_up_at {
@@ -283,7 +283,7 @@ impl Cpu {
         stop
     }
 
-    /// Lets time pass to `cycle` without executing anything, as when a debugger has halted the core.
+    /// Advances time to `cycle` without executing anything, as when a debugger halts the core.
     pub fn stand_still(&mut self, cycle: u64) {
         self.signals.cycle = self.signals.cycle.max(cycle);
         self.attend_soon();
@@ -295,7 +295,7 @@ impl Cpu {
         self.instructions
     }
 
-    /// Cycles slept since power-on.
+    /// Cycles of sleep since power-on.
     #[must_use]
     pub fn slept(&self) -> u64 {
         self.slept
@@ -307,9 +307,10 @@ impl Cpu {
         self.asleep.is_some()
     }
 
-    /// Value of register `number`, 0 to 15; 15 is the address of the next instruction.
+    /// Value of register `number`, 0 to 15. Register 15 is the address of the next instruction.
     ///
     /// # Panics
+    ///
     /// If `number` is above 15.
     #[must_use]
     pub fn register(&self, number: usize) -> u32 {
@@ -374,19 +375,19 @@ impl Cpu {
         self.it = ItState::from_bits(bits);
     }
 
-    /// Number of the exception that is being handled; 0 in thread mode.
+    /// Number of the exception that is being handled. 0 in thread mode.
     #[must_use]
     pub fn exception(&self) -> u16 {
         self.exception
     }
 
-    /// CFSR and HFSR: which faults there have been since the reset, or since the image cleared them.
+    /// CFSR and HFSR: the faults since the reset, or since the image cleared them.
     #[must_use]
     pub fn fault_status(&self) -> (u32, u32) {
         (self.faults.configurable, self.faults.hard)
     }
 
-    /// Makes runs end before the instruction at `address` in flash, or no longer.
+    /// Sets or removes a breakpoint at `address` in flash. A run ends before the instruction there.
     pub fn set_breakpoint(&mut self, address: u32, on: bool) {
         let address = address & !1;
         if on {
@@ -394,24 +395,24 @@ impl Cpu {
         } else {
             self.breakpoints.remove(&address);
         }
-        // What has a breakpoint stays out of the cache, where it costs nothing to look for one.
+        // An instruction with a breakpoint is not cached. Cached instructions need no check.
         if let Some(place) = self.decoded.get_mut(place(address)) {
             *place = Decoded::EMPTY;
         }
     }
 
-    /// What exception `number` has taken since power-on.
+    /// Totals of exception `number` since power-on.
     #[must_use]
     pub fn totals(&self, number: u16) -> Totals {
         self.account.totals(number)
     }
 
-    /// Completed activations since the last call, oldest first, if [`Cpu::record_activations`] asked for them.
+    /// Takes the completed activations since the last call, oldest first. Empty unless [`Cpu::record_activations`] is on.
     pub fn take_activations(&mut self) -> Vec<Activation> {
         std::mem::take(&mut self.account.completed)
     }
 
-    /// Starts or ends keeping every activation.
+    /// Starts or stops recording every activation.
     pub fn record_activations(&mut self, on: bool) {
         self.account.record = on;
     }
@@ -436,19 +437,19 @@ impl Cpu {
         self.process_stack = !self.process_stack;
     }
 
-    /// Makes the run loop look up before the next instruction.
+    /// Makes the run loop check for events before the next instruction.
     #[inline]
     fn attend_soon(&mut self) {
         self.look_up_at = 0;
     }
 
-    /// Lets cycles pass, and those that the instruction in execution has taken so far.
+    /// Adds `cycles` and those of the present instruction to the time.
     #[inline(always)]
     fn spend(&mut self, cycles: u32) {
         self.signals.cycle += u64::from(std::mem::take(&mut self.spent) + cycles);
     }
 
-    /// Goes on at an address whose lowest bit is the Thumb state.
+    /// Continues at an address whose lowest bit is the Thumb state.
     #[inline]
     fn jump_unspent(&mut self, address: u32) {
         self.pc = address & !1;
@@ -458,7 +459,7 @@ impl Cpu {
         }
     }
 
-    /// Everything that is not the next instruction: what the board said, sleep, exceptions, the end of the run.
+    /// Handles everything except the next instruction: signals of the board, sleep, exceptions, and the end of the run.
     #[cold]
     fn attend<B: Bus>(&mut self, bus: &mut B, until: u64) -> Option<Stop> {
         if self.signals.risen {
@@ -512,7 +513,7 @@ impl Cpu {
         }
     }
 
-    /// True if what is pending ends the sleep. PRIMASK does not keep the core asleep.
+    /// Returns true if a pending exception or event ends the sleep. PRIMASK does not prevent waking up.
     fn wakes(&mut self, sleep: Sleep) -> bool {
         if sleep == Sleep::UntilEvent && std::mem::take(&mut self.event) {
             return true;
@@ -539,7 +540,7 @@ impl Cpu {
         None
     }
 
-    /// The next instruction.
+    /// Executes the next instruction.
     #[inline(always)]
     fn step<B: Bus>(&mut self, bus: &mut B, decoded: &mut Vec<Decoded>) -> Result<(), Trapped> {
         let address = self.pc;
@@ -573,7 +574,7 @@ impl Cpu {
         result
     }
 
-    /// Comes to the next instruction of an IT block; true if it is to be executed.
+    /// Advances the IT block. Returns true if the next instruction is to be executed.
     fn advance_it_block(&mut self, instruction: &Instruction) -> bool {
         let condition = self.it.condition();
         self.it = self.it.advanced();
@@ -581,7 +582,7 @@ impl Cpu {
         self.in_it_block
     }
 
-    /// Decodes what is not in the cache, and keeps it if it is in flash.
+    /// Decodes an instruction that is not cached. Instructions in flash are cached.
     #[cold]
     fn decode<B: Bus>(
         &mut self,
@@ -621,7 +622,7 @@ impl Cpu {
         })
     }
 
-    /// Waits for flash where execution comes to another 128 bits of it.
+    /// Waits for flash when execution reaches another line of 128 bits.
     #[inline(always)]
     fn begin_line(&mut self, line: u32) {
         self.fetch_line = line;
@@ -631,21 +632,21 @@ impl Cpu {
         }
     }
 
-    /// Notes a fault of the instruction in execution.
+    /// Records a fault of the present instruction.
     #[cold]
     fn fault(&mut self, fault: Fault) -> Trapped {
         self.trap = Some(Trap::Fault(fault));
         Trapped
     }
 
-    /// Notes that the run is to end at the instruction in execution.
+    /// Records that the run ends at the present instruction.
     #[cold]
     fn stop(&mut self, stop: Stop) -> Trapped {
         self.trap = Some(Trap::Stop(stop));
         Trapped
     }
 
-    /// What becomes of an instruction that ended early; the reason, if the run ends too.
+    /// Handles an instruction that ended early. Returns a reason if the run ends too.
     #[cold]
     fn end_early(&mut self) -> Option<Stop> {
         match self.trap.take()? {
@@ -658,7 +659,7 @@ impl Cpu {
     }
 }
 
-/// Place of an address in the decode cache.
+/// Index of an address in the decode cache.
 fn place(address: u32) -> usize {
     (address.wrapping_sub(Memories::FLASH) >> 1) as usize
 }

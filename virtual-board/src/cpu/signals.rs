@@ -1,14 +1,14 @@
-//! The wires between board and core beside the data: time, interrupt lines, wait states.
+//! Signals between board and core other than data: time, interrupt lines and wait states.
 
 use super::exceptions::{INTERRUPT_0, NMI, Set};
 
-/// What the board may say to the core at any moment, in an access or between two runs.
+/// Signals that the board may set at any time, during an access or between two runs.
 #[derive(Debug, Clone, Default)]
 pub struct Signals {
     pub(super) cycle: u64,
     /// Exceptions whose line is high.
     pub(super) levels: Set,
-    /// Exceptions whose line has risen since the core last looked.
+    /// Exceptions whose line has risen since the core last checked.
     pub(super) rises: Set,
     pub(super) risen: bool,
     pub(super) board_called: bool,
@@ -17,14 +17,14 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// Core clock cycles since power-on. In an access: when its instruction began.
+    /// Core cycles since power-on. During an access, the cycle at which its instruction began.
     #[must_use]
     pub fn cycle(&self) -> u64 {
         self.cycle
     }
 
-    /// Sets interrupt line `line` (0 to 239, the number of the vector table less 16). A line that rises pends its
-    /// interrupt; one that is still high when its handler returns pends it again.
+    /// Sets interrupt line `line` (0 to 239, the vector number less 16). A rising line makes its interrupt pending. If the
+    /// line is still high when the handler returns, the interrupt becomes pending again.
     pub fn set_line(&mut self, line: usize, high: bool) {
         self.set_level(number_of(line), high);
     }
@@ -48,38 +48,38 @@ impl Signals {
         self.levels.set(number, high);
     }
 
-    /// Makes the run end after the present instruction, with [`super::Stop::Event`].
+    /// Makes the run end after the present instruction with [`super::Stop::Event`].
     pub fn call_board(&mut self) {
         self.board_called = true;
     }
 
-    /// Makes the present access take so many cycles longer, as a slower bus does.
+    /// Extends the present access by `cycles`, as a slower bus does.
     pub fn wait(&mut self, cycles: u32) {
         self.wait_cycles += cycles;
     }
 
-    /// Sets how long flash makes the core wait.
+    /// Sets the wait times of the flash.
     pub fn set_flash_timing(&mut self, timing: FlashTiming) {
         self.flash_timing = timing;
     }
 }
 
-/// Exception of an interrupt line; one that does not exist for a line that does not.
+/// Exception number of an interrupt line. A line that does not exist gives a number that does not exist.
 fn number_of(line: usize) -> u16 {
     u16::try_from(line)
         .unwrap_or(u16::MAX)
         .saturating_add(INTERRUPT_0)
 }
 
-/// How long flash makes the core wait: the FLASH_ACR of an STM32F4.
+/// Settings of the flash wait times: the FLASH_ACR of an STM32F4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct FlashTiming {
-    /// Cycles that a read of 128 bits takes beyond the first.
+    /// Additional cycles of reading 128 bits.
     pub wait_states: u8,
-    /// The next 128 bits are read ahead (PRFTEN).
+    /// If true, the next 128 bits are prefetched (PRFTEN).
     pub prefetch: bool,
-    /// The instruction cache is on (ICEN).
+    /// If true, the instruction cache is on (ICEN).
     pub instruction_cache: bool,
-    /// The data cache is on (DCEN).
+    /// If true, the data cache is on (DCEN).
     pub data_cache: bool,
 }

@@ -58,7 +58,7 @@ impl Flags {
     }
 }
 
-/// ITSTATE: the condition of the next instruction and how many follow; 0 outside an IT block.
+/// ITSTATE: the condition of the next instruction and the number of remaining ones. 0 outside an IT block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ItState(pub u8);
 
@@ -81,7 +81,7 @@ impl ItState {
         }
     }
 
-    /// As it stands in xPSR.
+    /// The bits at their positions in xPSR.
     pub fn bits(self) -> u32 {
         u32::from(self.0 >> 2) << 10 | u32::from(self.0 & 3) << 25
     }

@@ -5,39 +5,39 @@ use super::Width;
 /// Why [`super::Cpu::run`] returned.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Stop {
-    /// The cycle asked for is reached, awake or asleep; the last instruction may have taken it a little further.
+    /// The requested cycle is reached, awake or asleep. The last instruction may have exceeded it slightly.
     Deadline,
-    /// The board asked for it by [`super::Signals::call_board`].
+    /// The board requested it by [`super::Signals::call_board`].
     Event,
-    /// The next instruction is at a breakpoint of [`super::Cpu::set_breakpoint`]; the next run goes on with it.
+    /// The next instruction is at a breakpoint of [`super::Cpu::set_breakpoint`]. The next run starts with it.
     Breakpoint(u32),
-    /// The image asked for a reset (AIRCR.SYSRESETREQ). The core does nothing more until [`super::Cpu::reset`].
+    /// The image requested a reset (AIRCR.SYSRESETREQ). The core executes nothing until [`super::Cpu::reset`].
     Reset,
-    /// A fault came where none can be taken. The core lets time pass and does nothing more until [`super::Cpu::reset`].
+    /// A fault occurred where none can be handled. Time passes, but the core executes nothing until [`super::Cpu::reset`].
     Lockup {
-        /// Address of the instruction that could not go on.
+        /// Address of the instruction at which the core locked up.
         pc: u32,
     },
-    /// The image did what this board has no model of.
+    /// The image used something that this board does not model.
     Unmodelled(Unmodelled),
 }
 
-/// Something that the chip does and this board does not.
+/// A function of the chip that this board does not model.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Unmodelled {
-    /// An access.
+    /// An access to a register.
     #[error(
         "{register} is not modelled: the instruction at {pc:#010x} {} a {width} at {address:#010x}",
         match written { Some(value) => format!("writes {value:#x} as"), None => "reads".into() }
     )]
     Access {
-        /// What is there, by peripheral and offset.
+        /// The register, as peripheral and offset.
         register: String,
-        /// Where.
+        /// The address.
         address: u32,
-        /// How wide.
+        /// The width of the access.
         width: Width,
-        /// What was to be written; `None` for a read.
+        /// The value to write. `None` for a read.
         written: Option<u32>,
         /// Address of the instruction.
         pc: u32,
@@ -49,7 +49,7 @@ pub enum Unmodelled {
         word: u32,
         /// Address of the instruction.
         pc: u32,
-        /// What is missing.
+        /// The reason.
         why: &'static str,
     },
 }

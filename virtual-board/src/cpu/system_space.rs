@@ -6,10 +6,10 @@ use super::exceptions::{
 use super::fault::Fault;
 use super::{Cpu, Stop, Trapped, Width};
 
-/// Interrupt lines of an STM32F407.
+/// Number of interrupt lines of an STM32F407.
 const LINES: u16 = 82;
 
-/// What the registers of system control hold, those of faults and exceptions apart.
+/// Registers of system control, without those of faults and exceptions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SystemControl {
     auxiliary: u32,
@@ -32,7 +32,7 @@ pub struct SystemControl {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 struct CycleCounter {
     counts: bool,
-    /// While it counts, what is to be added to the cycle; else its value.
+    /// While it counts: the offset to the core cycle. Otherwise its value.
     base: u32,
 }
 
@@ -109,7 +109,7 @@ impl SystemControl {
         self.configuration & STACK_ALIGN != 0
     }
 
-    /// True if a fault has its own handler, rather than HardFault.
+    /// Returns true if the fault has its own enabled handler. Otherwise it escalates to HardFault.
     pub fn handles(&self, exception: u16) -> bool {
         match exception {
             MEM_MANAGE => self.handlers >> 16 & 1 == 1,
@@ -120,7 +120,7 @@ impl SystemControl {
         }
     }
 
-    /// True if CPACR lets this privilege use the FPU.
+    /// Returns true if CPACR allows FPU access at this privilege.
     pub fn float_is_on(&self, privileged: bool) -> bool {
         match self.coprocessors >> 20 & 15 {
             0b1111 => true,
@@ -134,7 +134,7 @@ impl SystemControl {
     }
 }
 
-/// Register of a word of the private peripheral bus.
+/// A register of the private peripheral bus.
 enum Register {
     DwtControl,
     CycleCount,
@@ -142,9 +142,9 @@ enum Register {
     ControllerType,
     Auxiliary,
     SysTick(u32),
-    /// ISER and ICER, by first exception; what a one does.
+    /// ISER and ICER, by first exception. The flag tells whether writing a one enables or disables.
     Enabled(u16, bool),
-    /// ISPR and ICPR.
+    /// ISPR and ICPR, in the same form.
     Pending(u16, bool),
     Active(u16),
     /// IPR and SHPR, by first exception.
@@ -217,7 +217,7 @@ impl Register {
     }
 }
 
-/// Name of what lies at an address of the private peripheral bus.
+/// Name of the block at an address of the private peripheral bus.
 fn name(address: u32) -> String {
     let (block, base) = match address >> 12 {
         0xE0000 => ("ITM", 0xE000_0000),
@@ -232,7 +232,7 @@ fn name(address: u32) -> String {
     format!("{block} + {:#x}", address - base)
 }
 
-/// Lines that are there among the 32 from exception `first`, as bits.
+/// Implemented lines among the 32 from exception `first`, as bits.
 fn implemented(first: u16) -> u32 {
     let lines = (INTERRUPT_0 + LINES).saturating_sub(first).min(32);
     ((1_u64 << lines) - 1) as u32
@@ -284,7 +284,7 @@ impl Cpu {
         let cycle = self.signals.cycle;
         let register = Register::at(address)?;
         Some(match register {
-            // Four comparators.
+            // The DWT has four comparators.
             Register::DwtControl => 0x4000_0000 | u32::from(self.system.cycle_counter.counts),
             Register::CycleCount => self.cycle_count(),
             Register::ControllerType => u32::from((LINES - 1) / 32),
@@ -365,7 +365,7 @@ impl Cpu {
             Register::ResetControl => return self.set_reset_control(value),
             Register::Sleep => self.system.sleep = value & (SLEEP_ON_EXIT | EVENT_ON_PEND | 4),
             Register::Configuration => {
-                // BFHFNMIGN would let a handler probe for what is there.
+                // BFHFNMIGN is not modelled. It would let a handler test whether an address is mapped.
                 const MODELLED: u32 = NON_BASE_THREAD
                     | USER_SETS_PENDING
                     | TRAP_UNALIGNED
@@ -479,7 +479,7 @@ impl Cpu {
             | pending(SVCALL, 15)
     }
 
-    /// CYCCNT. It stands still while the core sleeps.
+    /// CYCCNT. It stops while the core sleeps.
     fn cycle_count(&self) -> u32 {
         let counter = self.system.cycle_counter;
         if counter.counts {

@@ -1,13 +1,13 @@
-//! SysTick, the core's own timer.
+//! SysTick, the timer of the core.
 
-/// The timer. It counts down to zero, reloads one clock later, and says so at zero.
+/// A down counter. It reloads one clock after zero and sets its flag at zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SysTick {
     control: u32,
     reload: u32,
-    /// Cycle at which it reaches zero next, while it counts.
+    /// Cycle of the next zero while it counts.
     zero_at: u64,
-    /// Value while it does not count.
+    /// Value while it is stopped.
     held: u32,
     count_flag: bool,
 }
@@ -19,7 +19,7 @@ const MAXIMUM: u32 = 0xFF_FFFF;
 
 impl SysTick {
     fn cycles_per_count(&self) -> u64 {
-        // The reference clock of an STM32F4 is the core clock divided by eight.
+        // The reference clock of an STM32F4 is one eighth of the core clock.
         if self.control & CORE_CLOCK != 0 { 1 } else { 8 }
     }
 
@@ -27,7 +27,7 @@ impl SysTick {
         self.control & ENABLE != 0 && (self.reload != 0 || self.zero_at != u64::MAX)
     }
 
-    /// Cycle of its next zero.
+    /// Cycle of the next zero.
     pub fn next_zero(&self) -> u64 {
         if self.counts() {
             self.zero_at
@@ -36,7 +36,7 @@ impl SysTick {
         }
     }
 
-    /// Passes the zeros up to `cycle`; true if one of them asks for the exception.
+    /// Processes all zeros up to `cycle`. Returns true if one of them requests the exception.
     pub fn pass(&mut self, cycle: u64) -> bool {
         let mut passed = false;
         while self.next_zero() <= cycle {
@@ -59,7 +59,7 @@ impl SysTick {
             .zero_at
             .saturating_sub(cycle)
             .div_ceil(self.cycles_per_count());
-        // The clock between zero and the reloaded value.
+        // The one clock between zero and the reloaded value.
         if left == u64::from(self.reload) + 1 {
             0
         } else {
@@ -76,7 +76,7 @@ impl SysTick {
             }
             4 => self.reload,
             8 => self.value(cycle),
-            // No exact 10 ms: NOREF is clear, SKEW is set.
+            // NOREF is clear and SKEW is set: there is no exact 10 ms value.
             12 => 0x4000_0000,
             _ => return None,
         })

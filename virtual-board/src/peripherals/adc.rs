@@ -1,5 +1,5 @@
-//! One analog-to-digital converter: a single regular channel, once or over and over, started by software, by TIM8 or at
-//! the pace of TIM3.
+//! One analog-to-digital converter. It converts a single regular channel, once or continuously. Software, TIM8 or TIM3
+//! starts it.
 
 use super::{Answer, Lack, bit, field, require};
 
@@ -11,7 +11,7 @@ const SMPR2: u32 = 0x10;
 const SQR1: u32 = 0x2C;
 const SQR2: u32 = 0x30;
 const SQR3: u32 = 0x34;
-/// The data register, which DMA reads.
+/// Offset of the data register, which DMA reads.
 pub const DR: u32 = 0x4C;
 
 const EOC: u32 = 1 << 1;
@@ -26,7 +26,7 @@ const TIM8_TRGO: u32 = 0b1110;
 const TIM3_TRGO: u32 = 0b1000;
 const RISING: u32 = 0b01;
 
-/// Where the common registers of all converters begin, and the one that divides their clock.
+/// Offset of the common registers of all converters.
 pub const COMMON: u32 = 0x300;
 /// Common control register.
 pub const CCR: u32 = COMMON + 0x04;
@@ -42,14 +42,14 @@ pub struct Adc {
     dr: u32,
     /// Cycle at which the running conversion ends.
     ends_at: Option<u64>,
-    /// Cycles of the core in one clock of the converter.
+    /// Core cycles per clock of the converter.
     divider: u32,
-    /// Cycle up to which TIM3's triggers have been followed to the end of their conversion.
+    /// Cycle up to which the triggers of TIM3 have been processed.
     followed: u64,
 }
 
 impl Adc {
-    /// Reads a register; all conversions that have ended must have been [delivered](Self::deliver).
+    /// Reads a register. All conversions that have ended must have been [delivered](Self::deliver).
     #[inline]
     pub fn read(&mut self, offset: u32) -> Answer<u32> {
         Ok(match offset {
@@ -67,7 +67,7 @@ impl Adc {
         })
     }
 
-    /// Writes a register at cycle `now`, with so many cycles in a clock of the converter.
+    /// Writes a register at cycle `now`. `divider` is the number of core cycles per converter clock.
     pub fn write(&mut self, offset: u32, value: u32, now: u64, divider: u32) -> Answer {
         match offset {
             SR => self.sr &= value,
@@ -97,7 +97,7 @@ impl Adc {
                     )?;
                     self.divider = divider;
                     if !followed {
-                        // Results that ended before nobody collects. A conversion that is under way goes on.
+                        // Earlier results are not collected. A running conversion continues.
                         self.skip_to(now);
                     }
                 }
@@ -119,7 +119,7 @@ impl Adc {
         Ok(())
     }
 
-    /// TIM8's trigger at cycle `at`.
+    /// A trigger of TIM8 at cycle `at`.
     pub fn trigger(&mut self, at: u64, divider: u32) {
         let waits = bit(self.cr2, ADON)
             && field(self.cr2, 28, 2) == RISING
@@ -135,36 +135,35 @@ impl Adc {
         self.ends_at = Some(at + self.conversion_cycles());
     }
 
-    /// Whether each update of TIM3 starts one conversion.
+    /// Returns true if each update of TIM3 starts one conversion.
     pub fn paced(&self) -> bool {
         bit(self.cr2, ADON)
             && field(self.cr2, 28, 2) == RISING
             && field(self.cr2, 24, 4) == TIM3_TRGO
     }
 
-    /// The span of triggers, after the first cycle and up to the second, whose conversions have ended since this was
-    /// asked last.
+    /// The interval of triggers, first cycle exclusive and last inclusive, whose conversions have ended since the last call.
     pub fn follow(&mut self, now: u64) -> (u64, u64) {
         let from = self.followed;
         self.followed = now.saturating_sub(self.conversion_cycles()).max(from);
         (from, self.followed)
     }
 
-    /// No trigger is left to follow but those of conversions that are under way at cycle `now`.
+    /// Discards triggers whose conversions ended before cycle `now`.
     pub fn skip_to(&mut self, now: u64) {
         self.followed = self
             .followed
             .max(now.saturating_sub(self.conversion_cycles()));
     }
 
-    /// Triggers up to cycle `now` are followed; their conversions have ended.
+    /// Discards all triggers up to cycle `now`.
     pub fn begin_at(&mut self, now: u64) {
         self.followed = self.followed.max(now);
     }
 
-    /// Share of what stands behind `source_ohm` at the pin that the sampling capacitor takes in the sampling time. It
-    /// is taken to begin empty, which it does at worst (data sheet, ADC characteristics: 6 kΩ and 7 pF at most). What
-    /// would be less than a twentieth of a count is left out.
+    /// Fraction of the source voltage that the sampling capacitor reaches within the sampling time, for a source of
+    /// `source_ohm`. The capacitor is assumed to start empty, which is the worst case (data sheet, ADC characteristics: 6 kΩ
+    /// and 7 pF at most). An error below a twentieth of a count is neglected.
     pub fn settled_share(&self, source_ohm: f64, core_hz: f64) -> f64 {
         const SWITCH_OHM: f64 = 6e3;
         const CAPACITOR_F: f64 = 7e-12;
@@ -174,18 +173,18 @@ impl Adc {
         if left < NEGLIGIBLE { 1.0 } else { 1.0 - left }
     }
 
-    /// Channel that is converted.
+    /// The channel that is converted.
     pub fn channel(&self) -> usize {
         field(self.sqr[2], 0, 5) as usize
     }
 
-    /// Cycles of the core in a conversion: sampling, and 12 clocks for the bits.
+    /// Core cycles of a conversion: sampling plus 12 converter clocks.
     pub fn conversion_cycles(&self) -> u64 {
         const BITS: u32 = 12;
         u64::from((self.sampling_clocks() + BITS) * self.divider)
     }
 
-    /// Clocks of the converter for which it samples.
+    /// Sampling time in converter clocks.
     fn sampling_clocks(&self) -> u32 {
         const SAMPLING: [u32; 8] = [3, 15, 28, 56, 84, 112, 144, 480];
         let channel = self.channel() as u32;
@@ -196,7 +195,7 @@ impl Adc {
         SAMPLING[code as usize]
     }
 
-    /// Number of conversions that have ended by cycle `now`; the next one then runs, if there is to be one.
+    /// Number of conversions that have ended by cycle `now`. In continuous mode, the next one then runs.
     #[inline]
     pub fn ended(&mut self, now: u64) -> u64 {
         let Some(end) = self.ends_at.filter(|end| *end <= now) else {
@@ -213,7 +212,7 @@ impl Adc {
         }
     }
 
-    /// Puts the result of an ended conversion into the data register. Returns whether DMA is to collect it.
+    /// Writes the result of a conversion to the data register. Returns true if DMA is to read it.
     #[inline]
     pub fn deliver(&mut self, counts: u16) -> bool {
         if self.sr & OVR != 0 && self.collected() {
@@ -224,7 +223,7 @@ impl Adc {
         self.collected()
     }
 
-    /// Whether results go to DMA.
+    /// Returns true if DMA reads the results.
     pub fn collected(&self) -> bool {
         bit(self.cr2, DMA)
     }
@@ -235,7 +234,7 @@ impl Adc {
         self.sr &= !EOC;
     }
 
-    /// Nobody took the result.
+    /// Sets the overrun flag: the previous result was not read.
     pub fn overrun(&mut self) {
         self.sr |= OVR;
     }
@@ -260,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn seventy_conversions_fit_a_control_period() {
+    fn seventy_conversions_fit_in_a_control_period() {
         let mut adc = continuous(3);
         adc.trigger(1000, 8);
         assert_eq!(adc.ended(1000 + 8400), 70);
@@ -268,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn it_waits_for_its_trigger_and_then_no_more() {
+    fn a_triggered_converter_converts_once_per_trigger() {
         let mut adc = continuous(9);
         assert_eq!(adc.ended(1_000_000), 0);
         adc.trigger(1_000_000, 8);
@@ -277,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn an_overrun_stops_the_collecting() {
+    fn an_overrun_stops_the_dma_requests() {
         let mut adc = continuous(3);
         assert!(adc.deliver(1));
         adc.overrun();

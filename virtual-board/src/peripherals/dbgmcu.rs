@@ -1,11 +1,11 @@
-//! Debug support: what a debugger that halts the core holds still with it.
+//! Debug support: selects the peripherals that stop while a debugger halts the core.
 
 use super::{Answer, Lack, bit};
 
-/// Device and revision of an STM32F407 of revision Z.
+/// Device and revision identifier of an STM32F407 of revision Z.
 const IDCODE: u32 = 0x1001_6413;
 
-/// What may stand still while the core does (RM0090, section 38.16).
+/// Peripherals that can stop with the core (RM0090, section 38.16).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names of the reference manual")]
 pub enum Held {
@@ -15,18 +15,18 @@ pub enum Held {
     Iwdg,
 }
 
-/// Fields of its registers.
+/// Implemented bits of its registers.
 const FIELDS: [u32; 3] = [0x001F_00E7, 0x06E0_19FF, 0x0007_0003];
 
 /// DBGMCU.
 #[derive(Debug, Clone, Default)]
 pub struct Dbgmcu {
-    /// CR, APB1_FZ, APB2_FZ.
+    /// The registers CR, APB1_FZ and APB2_FZ.
     settings: [u32; 3],
 }
 
 impl Dbgmcu {
-    /// Whether the clock of a timer or watchdog stops with the core, by its bit among those of its bus.
+    /// Returns true if the clock of this timer or watchdog stops with the core.
     pub fn stops(&self, held: Held) -> bool {
         match held {
             Held::Tim2 => bit(self.settings[1], 0),

@@ -1,4 +1,4 @@
-//! A DMA controller: transfers between a peripheral's register and memory, one item a request.
+//! A DMA controller: transfers between a peripheral register and memory, one item per request.
 
 use super::{Answer, Lack, bit, field, require};
 use crate::cpu::Width;
@@ -16,16 +16,16 @@ const TCIE: u32 = 4;
 const CIRC: u32 = 8;
 const MINC: u32 = 10;
 
-/// Fields of a stream's control register, and those of its FIFO's that can be written; the FIFO is empty.
+/// Implemented bits of a stream's control register and of its FIFO control register. The FIFO is always empty.
 const CONTROL_FIELDS: u32 = 0x0FEF_FFFF;
 const FIFO_FIELDS: u32 = 0b1000_0111;
 const EMPTY: u32 = 0b100 << 3;
 
-/// Flags of a stream, in the order of its six bits.
+/// Flags of a stream, by their position in its six bits.
 const HALF: u32 = 1 << 4;
 const COMPLETE: u32 = 1 << 5;
 
-/// One stream.
+/// One DMA stream.
 #[derive(Debug, Clone, Copy)]
 struct Stream {
     cr: u32,
@@ -33,17 +33,17 @@ struct Stream {
     par: u32,
     m0ar: u32,
     m1ar: u32,
-    /// Without the level of the FIFO, which is always empty.
+    /// FIFO control register without the fill level, which is always empty.
     fcr: u32,
     flags: u32,
-    /// Items at the start, and those that are left.
+    /// Number of items at the start.
     items: u32,
     left: u32,
 }
 
 impl Default for Stream {
     fn default() -> Self {
-        /// A threshold of half.
+        /// FIFO threshold of half.
         const HALF_FULL: u32 = 0b01;
         Self {
             cr: 0,
@@ -65,12 +65,12 @@ pub struct Dma {
     streams: [Stream; STREAMS],
 }
 
-/// Where an item comes from or goes to.
+/// Memory side of a transfer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// In memory.
+    /// Address in memory.
     pub address: u32,
-    /// Of the item.
+    /// Width of the item.
     pub width: Width,
 }
 
@@ -132,7 +132,7 @@ impl Dma {
         })
     }
 
-    /// Stream that serves a peripheral whose register stands at `from`, of the streams and channels that can.
+    /// Stream that serves the peripheral register at address `from`. `able` lists the possible streams and channels.
     pub fn serving(&self, from: u32, able: &[(usize, u32)]) -> Option<usize> {
         able.iter().find_map(|(number, channel)| {
             let stream = &self.streams[*number];
@@ -141,19 +141,19 @@ impl Dma {
         })
     }
 
-    /// Carries an item by stream `number`. Returns its place in memory; `None` if the stream is done.
+    /// Transfers one item with stream `number`. Returns its memory address and width. `None` if the stream has completed.
     #[inline]
     pub fn carry(&mut self, number: usize) -> Option<Place> {
         let stream = &mut self.streams[number];
         bit(stream.cr, EN).then(|| stream.step())
     }
 
-    /// Items that stream `number` has left before it begins anew.
+    /// Remaining items of stream `number`.
     pub fn left(&self, number: usize) -> u32 {
         self.streams[number].left
     }
 
-    /// Whether stream `number` asks for an interrupt.
+    /// Returns true if stream `number` requests an interrupt.
     pub fn requests_interrupt(&self, number: usize) -> bool {
         let stream = &self.streams[number];
         let asks = |flag: u32, enable: u32| stream.flags & flag != 0 && bit(stream.cr, enable);
@@ -161,10 +161,10 @@ impl Dma {
     }
 }
 
-/// Places of the flags of four streams in their register.
+/// Bit positions of the flags of four streams in their register.
 const SHIFTS: [u32; 4] = [0, 6, 16, 22];
 
-/// Stream and offset in its registers.
+/// Stream number, and offset in the registers of the stream.
 fn place(offset: u32) -> Answer<(usize, u32)> {
     let from_first = offset.checked_sub(FIRST_STREAM).ok_or(Lack::Register)?;
     let stream = (from_first / STREAM_BYTES) as usize;
@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_goes_round() {
+    fn a_circular_stream_restarts_at_the_beginning() {
         let mut dma = ring(3, true);
         assert_eq!(
             addresses(&mut dma, 4),
@@ -269,13 +269,13 @@ mod tests {
     }
 
     #[test]
-    fn one_that_is_done_serves_no_more() {
+    fn a_completed_stream_transfers_nothing() {
         let mut dma = ring(2, false);
         assert_eq!(addresses(&mut dma, 3).len(), 2);
     }
 
     #[test]
-    fn another_channel_serves_another_peripheral() {
+    fn a_stream_with_another_channel_does_not_serve_the_peripheral() {
         assert_eq!(ring(3, true).serving(FROM, &[(1, 0)]), None);
     }
 }

@@ -1,8 +1,8 @@
-//! External interrupts: edges of pins.
+//! External interrupts: edges at pins.
 
 use super::{Answer, Lack, bit};
 
-/// Lines that pins feed.
+/// Number of lines that pins can feed.
 pub const PIN_LINES: usize = 16;
 
 /// EXTI.
@@ -31,7 +31,7 @@ impl Exti {
 
     /// Writes a register.
     pub fn write(&mut self, offset: u32, value: u32) -> Answer {
-        /// Lines that the chip has.
+        /// Implemented lines.
         const LINES: u32 = 0x007F_FFFF;
         let value = value & LINES;
         match offset {
@@ -55,12 +55,12 @@ impl Exti {
         }
     }
 
-    /// Lines of which an edge counts.
+    /// Lines with at least one enabled edge.
     pub fn watched(&self) -> u32 {
         self.rising | self.falling
     }
 
-    /// Whether any of these lines asks for an interrupt.
+    /// Returns true if any of these lines requests an interrupt.
     pub fn requests(&self, lines: std::ops::RangeInclusive<u32>) -> bool {
         let asked = self.pending & self.mask;
         lines.into_iter().any(|line| bit(asked, line))
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_fall_stays_pending_until_a_one_is_written() {
+    fn a_falling_edge_stays_pending_until_a_one_is_written() {
         let mut exti = Exti::default();
         exti.write(0x00, 1 << 15).unwrap();
         exti.write(0x0C, 1 << 15).unwrap();

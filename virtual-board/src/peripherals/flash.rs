@@ -1,4 +1,4 @@
-//! The flash interface: wait states, and programming and erasing that take their time and may be cut short.
+//! The flash interface: wait states, and programming and erasing. Both take time and can be interrupted.
 
 use super::{Answer, Lack, NEVER, bit, field, require};
 use crate::cpu::{FlashTiming, Width};
@@ -14,13 +14,13 @@ const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 const OPTION_KEYS: [u32; 2] = [0x0819_2A3B, 0x4C5D_6E7F];
 const OPTLOCK: u32 = 0;
 const OPTSTRT: u32 = 1;
-/// Option bytes as delivered: nothing is protected, no brown-out level.
+/// Factory option bytes: no protection and no brown-out level.
 const OPTIONS: u32 = 0x0FFF_AAEC;
-/// Time to program the option bytes, s: they are erased with their small sector, as one of 16 KiB.
+/// Time to program the option bytes, s. Their sector is erased like one of 16 KiB.
 const OPTIONS_S: f64 = 0.25;
 
-/// Supply below which the chip is held in reset, V, by the brown-out level (data sheet, typical, falling); without one
-/// the power-down reset is left.
+/// Supply below which the chip is held in reset, V, by brown-out level (data sheet, typical, falling). The last entry is the
+/// power-down reset, which applies if no level is set.
 const BROWN_OUT_V: [f64; 4] = [2.83, 2.50, 2.19, 1.68];
 
 const EOP: u32 = 1 << 0;
@@ -35,46 +35,49 @@ const MER: u32 = 2;
 const STRT: u32 = 16;
 const LOCK: u32 = 31;
 
-/// Time to program an item, and to erase a sector of 16, 64 or 128 KiB, s (data sheet, typical, 32 bits at a time).
+/// Time to program one item, s (data sheet, typical, 32 bits at a time).
 const PROGRAM_S: f64 = 16e-6;
+/// Sector sizes in KiB and their erase times, s (data sheet, typical, 32 bits at a time).
 const ERASE_S: [(u32, f64); 3] = [(16, 0.25), (64, 0.55), (128, 1.0)];
 
-/// A change of the flash.
+/// A flash operation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Change {
-    /// Bits of an item go from one to zero.
+    /// Clears the zero bits of `value` in one item.
     Program {
-        /// From the beginning of the flash.
+        /// Offset from the start of the flash.
         at: u32,
-        /// Of the item.
+        /// Width of the item.
         width: Width,
-        /// Its bits that are zero.
+        /// The programmed value.
         value: u32,
     },
-    /// All bits of a span go to one.
+    /// Sets all bits of a range to one.
     Erase {
-        /// From the beginning of the flash.
+        /// Offset from the start of the flash.
         at: u32,
-        /// Length.
+        /// Length in bytes.
         bytes: u32,
     },
-    /// The option bytes become these.
+    /// Programs the option bytes to this value.
     Options(u32),
 }
 
-/// FLASH, as far as one bank of the STM32F407 goes.
+/// The flash interface, for the one bank of the STM32F407.
 #[derive(Debug, Clone)]
 pub struct Flash {
     acr: u32,
     sr: u32,
     cr: u32,
     keys_given: usize,
-    /// As in the register, as programmed, and as loaded when the supply came.
+    /// Option bytes as written to the register.
     optcr: u32,
+    /// Option bytes as programmed.
     options: u32,
+    /// Option bytes as loaded at power-on.
     loaded: u32,
     option_keys_given: usize,
-    /// What runs, and when it ends.
+    /// The running operation, and the cycle of its end.
     busy: Option<(Change, u64)>,
 }
 
@@ -95,7 +98,7 @@ impl Default for Flash {
 }
 
 impl Flash {
-    /// After a reset: the option bytes stay, and are loaded if the supply was gone.
+    /// The state after a reset. The option bytes are kept. They are loaded if the supply was lost.
     pub fn reset(&self, of_power: bool) -> Self {
         Self {
             optcr: self.options | 1 << OPTLOCK,
@@ -105,7 +108,7 @@ impl Flash {
         }
     }
 
-    /// With option bytes that have had the highest brown-out level since before the supply came.
+    /// The state with the highest brown-out level programmed before power-on.
     pub fn with_brown_out(mut self) -> Self {
         self.options &= !(0b11 << 2);
         self.reset(true)
@@ -128,7 +131,7 @@ impl Flash {
         })
     }
 
-    /// Writes a register at cycle `now` of a core at this rate. Returns the change that begins, if one does.
+    /// Writes a register at cycle `now`. `hclk_hz` is the core frequency. Returns an operation if one starts.
     pub fn write(
         &mut self,
         offset: u32,
@@ -227,8 +230,8 @@ impl Flash {
         self.busy = Some((change, now + cycles as u64));
     }
 
-    /// The program writes `value` at byte `at` of the flash. Returns whether programming has begun; if not, the status
-    /// register says why.
+    /// The program writes `value` at offset `at` of the flash. Returns true if programming starts. Otherwise the status
+    /// register holds the error.
     pub fn program(
         &mut self,
         at: u32,
@@ -259,29 +262,29 @@ impl Flash {
         Ok(false)
     }
 
-    /// Cycle at which the running change ends.
+    /// Cycle at which the running operation ends.
     pub fn next_done(&self) -> u64 {
         self.busy.map_or(NEVER, |(_, end)| end)
     }
 
-    /// What runs, and the cycle at which it ends.
+    /// The running operation, and the cycle at which it ends.
     pub fn running(&self) -> Option<(Change, u64)> {
         self.busy
     }
 
-    /// Ends the running change, which is to be carried out now.
+    /// Ends and returns the running operation, which the caller then applies.
     pub fn done(&mut self) -> Option<Change> {
         self.busy.take().map(|(change, _)| change)
     }
 
-    /// Keeps what a change that has ended made of the option bytes.
+    /// Stores the result of a completed operation on the option bytes.
     pub fn keep(&mut self, change: Change) {
         if let Change::Options(options) = change {
             self.options = options;
         }
     }
 
-    /// How the core must wait.
+    /// The wait times of the flash.
     pub fn timing(&self) -> FlashTiming {
         FlashTiming {
             wait_states: field(self.acr, 0, 3) as u8,
@@ -293,7 +296,7 @@ impl Flash {
 }
 
 impl Change {
-    /// Carries it out on the flash.
+    /// Applies the operation to the flash.
     pub fn apply(self, flash: &mut [u8]) {
         match self {
             Self::Program { at, width, value } => {
@@ -313,7 +316,7 @@ impl Change {
         }
     }
 
-    /// Leaves the flash as when the supply goes in the middle: cells that were to change read as `noise` says.
+    /// Applies the operation as interrupted by a loss of the supply. Cells that were to change take values of `noise`.
     pub fn interrupt(self, flash: &mut [u8], mut noise: impl FnMut() -> u8) {
         let mut after = flash.to_vec();
         self.apply(&mut after);
@@ -341,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn programming_takes_its_time_and_only_clears_bits() {
+    fn programming_takes_time_and_only_clears_bits() {
         let mut flash = unlocked();
         flash.write(CR, 1 << PG | 2 << 8, 0, HCLK_HZ).unwrap();
         assert!(
@@ -358,14 +361,14 @@ mod tests {
     }
 
     #[test]
-    fn a_locked_flash_says_so() {
+    fn writing_a_locked_flash_sets_an_error_flag() {
         let mut flash = Flash::default();
         assert!(!flash.program(0, Width::Word, 0, 0, HCLK_HZ).unwrap());
         assert_eq!(flash.read(SR).unwrap(), PGSERR);
     }
 
     #[test]
-    fn a_sector_takes_its_time_to_erase() {
+    fn erasing_a_sector_takes_time() {
         let mut flash = unlocked();
         let change = flash
             .write(CR, 1 << SER | 5 << 3 | 1 << STRT, 0, HCLK_HZ)
@@ -381,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn a_brown_out_level_acts_once_the_supply_comes_again() {
+    fn a_brown_out_level_acts_after_the_next_power_on() {
         let mut flash = Flash::default();
         flash
             .write(OPTCR, OPTIONS & !0b1100 | 1 << OPTSTRT, 0, HCLK_HZ)
@@ -400,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_cut_short_touches_nothing_but_its_own_cells() {
+    fn an_interrupted_operation_changes_only_its_own_cells() {
         let mut cells = vec![0; 32 * 1024];
         let erase = Change::Erase {
             at: 16 * 1024,

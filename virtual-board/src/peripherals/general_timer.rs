@@ -1,4 +1,4 @@
-//! TIM2 and TIM3 as timers that count up over and over: a clock to read, and a trigger at each update.
+//! TIM2 and TIM3 as periodic up-counters. They provide a time base and a trigger at each update.
 
 use super::{Answer, Lack, bit, field, require};
 
@@ -18,38 +18,38 @@ const ARPE: u32 = 7;
 const UIF: u32 = 1;
 const MMS_UPDATE: u32 = 0b010;
 
-/// A general-purpose timer (RM0090, section 18), its channels left out.
+/// A general-purpose timer without its channels (RM0090, section 18).
 #[derive(Debug, Clone)]
 pub struct GeneralTimer {
-    /// Bits of the counter.
+    /// Mask of the counter's width.
     mask: u32,
     cr1: u32,
     cr2: u32,
     psc: u32,
     arr: u32,
-    /// Prescaler that acts: the one at the last update.
+    /// The active prescaler, loaded at the last update.
     active_psc: u32,
     /// Core cycles in one clock of the timer.
     divider: u32,
-    /// Cycle at which it counted 0, while it runs.
+    /// Cycle at which the count was 0, while it runs.
     zero_at: u64,
-    /// Value while it stands still.
+    /// Count while it is stopped.
     stopped_at: u32,
     /// Cycle up to which the program has cleared the update flag.
     cleared_at: u64,
-    /// Set by software.
+    /// True if software set the update flag.
     forced: bool,
-    /// Cycle since which a debugger holds it still.
+    /// Cycle since which a debugger halts the timer.
     held_at: Option<u64>,
 }
 
 impl GeneralTimer {
-    /// TIM2, which counts to 32 bits.
+    /// TIM2, with 32 bits.
     pub fn wide() -> Self {
         Self::of(u32::MAX)
     }
 
-    /// TIM3, which counts to 16 bits.
+    /// TIM3, with 16 bits.
     pub fn narrow() -> Self {
         Self::of(0xFFFF)
     }
@@ -86,7 +86,7 @@ impl GeneralTimer {
         })
     }
 
-    /// Writes a register at cycle `now`, with so many cycles in a clock of the timer.
+    /// Writes a register at cycle `now`. `divider` is the number of core cycles per timer clock.
     pub fn write(&mut self, offset: u32, value: u32, now: u64, divider: u32) -> Answer {
         match offset {
             CR1 => {
@@ -143,7 +143,7 @@ impl GeneralTimer {
     }
 
     fn start_from(&mut self, count: u32, now: u64) {
-        // It may have counted since before power-on, so to say.
+        // The cycle of the last zero may lie before power-on, hence the wrapping subtraction.
         self.zero_at = now.wrapping_sub(u64::from(count) * self.clock_cycles());
     }
 
@@ -168,30 +168,30 @@ impl GeneralTimer {
         (since % self.update_cycles() / self.clock_cycles()) as u32
     }
 
-    /// Updates after cycle `from` and up to cycle `to`.
+    /// Number of updates after cycle `from` and up to cycle `to`.
     pub fn updates(&self, from: u64, to: u64) -> u64 {
         if !self.runs() {
             return 0;
         }
         let by = |cycle: u64| {
             let cycle = self.held_at.map_or(cycle, |held| held.min(cycle));
-            // Signed: the counter may have begun in the middle of its first round.
+            // Signed, because the counter may have started within its first period.
             (cycle.wrapping_sub(self.zero_at) as i64).div_euclid(self.update_cycles() as i64)
         };
         u64::try_from(by(to) - by(from)).unwrap_or(0)
     }
 
-    /// Whether updates go out as trigger.
+    /// Returns true if updates are output as trigger.
     pub fn triggers_by_update(&self) -> bool {
         field(self.cr2, 4, 3) == MMS_UPDATE
     }
 
-    /// A debugger holds it still from cycle `now` on.
+    /// A debugger halts the timer at cycle `now`.
     pub fn hold(&mut self, now: u64) {
         self.held_at = Some(now);
     }
 
-    /// It goes on from cycle `now`.
+    /// The halted timer continues at cycle `now`.
     pub fn go_on(&mut self, now: u64) {
         if let Some(held_at) = self.held_at.take() {
             self.zero_at = self.zero_at.wrapping_add(now - held_at);
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn it_updates_each_time_it_is_through() {
+    fn it_updates_at_the_end_of_each_period() {
         let timer = running(0);
         assert_eq!(timer.read(CNT, 1000 + 20).unwrap(), 10);
         assert_eq!(timer.read(CNT, 1000 + 336 + 20).unwrap(), 10);
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_start_in_the_middle_brings_the_first_update_forward() {
+    fn a_start_within_the_period_makes_the_first_update_earlier() {
         let timer = running(24);
         assert_eq!(timer.updates(1000, 1000 + 336 - 48 - 1), 0);
         assert_eq!(timer.updates(1000, 1000 + 336 - 48), 1);
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_debugger_that_holds_it_takes_no_count_away() {
+    fn a_debugger_halt_loses_no_count() {
         let mut timer = running(0);
         timer.hold(1000 + 100);
         assert_eq!(timer.read(CNT, 1_000_000).unwrap(), 50);

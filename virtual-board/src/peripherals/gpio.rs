@@ -2,7 +2,7 @@
 
 use super::{Answer, Lack, bit, field};
 
-/// Pins of a port.
+/// Number of pins of a port.
 pub const PINS: usize = 16;
 
 const MODER: u32 = 0x00;
@@ -16,16 +16,16 @@ const LCKR: u32 = 0x1C;
 const AFRL: u32 = 0x20;
 const AFRH: u32 = 0x24;
 
-/// What a pin is set up for.
+/// Function of a pin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// Read by the program.
+    /// Input of the program.
     Input,
-    /// Driven by the program.
+    /// Output of the program.
     Output,
-    /// Given to the peripheral of this number.
+    /// Assigned to the peripheral with this alternate function number.
     Alternate(u8),
-    /// Given to the converters.
+    /// Analog input.
     Analog,
 }
 
@@ -38,12 +38,12 @@ pub struct Gpio {
     pupdr: u32,
     odr: u32,
     afr: [u32; 2],
-    /// Level from outside; `None` is not connected.
+    /// External level of each pin. `None` if nothing is connected.
     outside: [Option<bool>; PINS],
 }
 
 impl Gpio {
-    /// Port number `port`, counted from A, after a reset.
+    /// The port number `port`, counted from A, after a reset.
     pub fn reset(port: usize) -> Self {
         // The debug pins of ports A and B keep their function.
         let (moder, ospeedr, pupdr) = match port {
@@ -62,7 +62,7 @@ impl Gpio {
         }
     }
 
-    /// As after a reset, with what is connected from outside still there.
+    /// Resets the registers. External connections are kept.
     pub fn reset_registers(&mut self, port: usize) {
         let outside = self.outside;
         *self = Self::reset(port);
@@ -91,7 +91,7 @@ impl Gpio {
             OSPEEDR => self.ospeedr = value,
             PUPDR => self.pupdr = value,
             ODR => self.odr = value & 0xFFFF,
-            // Where a pin is both set and reset, it is set.
+            // If a pin is both set and reset, it is set.
             BSRR => self.odr = self.odr & !(value >> 16) | value & 0xFFFF,
             LCKR => return Err(Lack::Use("locking of pins")),
             AFRL | AFRH => self.afr[(offset - AFRL) as usize / 4] = value,
@@ -100,7 +100,7 @@ impl Gpio {
         Ok(())
     }
 
-    /// What `pin` is set up for.
+    /// Function of `pin`.
     pub fn mode(&self, pin: usize) -> Mode {
         match field(self.moder, 2 * pin as u32, 2) {
             0 => Mode::Input,
@@ -110,19 +110,19 @@ impl Gpio {
         }
     }
 
-    /// Level that the program drives on `pin`; `None` if it does not.
+    /// Level to which the program drives `pin`. `None` if it does not drive it.
     pub fn driven(&self, pin: usize) -> Option<bool> {
         let high = bit(self.odr, pin as u32);
         let open = bit(self.otyper, pin as u32) && high;
         (self.mode(pin) == Mode::Output && !open).then_some(high)
     }
 
-    /// Time of an edge of `pin`, s, by its speed (data sheet, I/O AC characteristics, 50 pF).
+    /// Edge time of `pin`, s, by its speed setting (data sheet, I/O AC characteristics, 50 pF).
     pub fn edge_s(&self, pin: usize) -> f64 {
         [100e-9, 20e-9, 10e-9, 6e-9][field(self.ospeedr, 2 * pin as u32, 2) as usize]
     }
 
-    /// Where the pull of `pin` leads, if it has one.
+    /// Level to which the internal resistor pulls `pin`. `None` without one.
     pub fn pull(&self, pin: usize) -> Option<bool> {
         match field(self.pupdr, 2 * pin as u32, 2) {
             0b01 => Some(true),
@@ -131,7 +131,7 @@ impl Gpio {
         }
     }
 
-    /// Level of `pin`, as the input register reads it. A pin that nothing drives or pulls is low; an analog one reads 0.
+    /// Level of `pin` in the input register. A floating pin and an analog pin read 0.
     pub fn level(&self, pin: usize) -> bool {
         if self.mode(pin) == Mode::Analog {
             return false;
@@ -140,7 +140,7 @@ impl Gpio {
         self.driven(pin).or(self.outside[pin]).unwrap_or(pulled_up)
     }
 
-    /// Connects `pin` to a level from outside, or to nothing.
+    /// Connects `pin` to an external level, or disconnects it.
     pub fn connect(&mut self, pin: usize, level: Option<bool>) {
         self.outside[pin] = level;
     }
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn an_input_follows_the_outside_and_else_its_pull() {
+    fn an_input_follows_the_external_level_or_its_pull_resistor() {
         let mut port = Gpio::reset(3);
         assert!(!port.level(15));
         port.write(PUPDR, 0b01 << 30).unwrap();
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn an_open_drain_pulls_down_only() {
+    fn an_open_drain_output_only_pulls_low() {
         let mut port = Gpio::reset(3);
         port.write(MODER, 0b01).unwrap();
         port.write(OTYPER, 1).unwrap();
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn alternate_functions_have_numbers() {
+    fn a_pin_reports_its_alternate_function_number() {
         let mut port = Gpio::reset(2);
         port.write(MODER, 0b10 << 12).unwrap();
         port.write(AFRL, 3 << 24).unwrap();

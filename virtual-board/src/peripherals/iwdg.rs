@@ -1,5 +1,4 @@
-//! The independent watchdog: once started, only a reset stops it. It runs on its own oscillator, so that its time is
-//! in seconds.
+//! The independent watchdog. Once started, only a reset stops it. It has its own oscillator, so its time is in seconds.
 
 use super::rcc::LSI_HZ;
 use super::{Answer, Lack};
@@ -13,15 +12,16 @@ const UNLOCK: u32 = 0x5555;
 const RELOAD: u32 = 0xAAAA;
 const START: u32 = 0xCCCC;
 
-/// IWDG. New settings count from the next reload on; the few slow clocks that they take to arrive do not show in SR.
+/// The watchdog. New settings act from the next reload. The short synchronisation time of the settings is not modelled in
+/// SR.
 #[derive(Debug, Clone)]
 pub struct Iwdg {
     unlocked: bool,
     prescaler: u32,
     reload: u32,
-    /// When it resets, s; `None` before it is started.
+    /// Time of the reset, s. `None` before it is started.
     expires_s: Option<f64>,
-    /// Since when a debugger holds it still, s.
+    /// Time since which a debugger halts it, s.
     held_s: Option<f64>,
 }
 
@@ -65,23 +65,23 @@ impl Iwdg {
         Ok(())
     }
 
-    /// From a reload to the reset, s.
+    /// Time from a reload to the reset, s.
     fn period_s(&self) -> f64 {
         let divider = 4 << self.prescaler.min(6);
         f64::from((self.reload + 1) * divider) / LSI_HZ
     }
 
-    /// When it will reset the chip, s, unless it is reloaded before.
+    /// Time at which it resets the chip unless it is reloaded, s.
     pub fn expires_s(&self) -> Option<f64> {
         self.expires_s.filter(|_| self.held_s.is_none())
     }
 
-    /// A debugger holds it still from time `now_s` on.
+    /// A debugger halts it at time `now_s`.
     pub fn hold(&mut self, now_s: f64) {
         self.held_s = Some(now_s);
     }
 
-    /// It goes on from time `now_s`.
+    /// The halted watchdog continues at time `now_s`.
     pub fn go_on(&mut self, now_s: f64) {
         if let Some(held_s) = self.held_s.take() {
             self.expires_s = self.expires_s.map(|at_s| at_s + now_s - held_s);
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_runs_out_unless_reloaded() {
+    fn it_expires_unless_reloaded() {
         let mut watchdog = Iwdg::default();
         watchdog.write(RLR, 99, 0.0).unwrap();
         assert_eq!(watchdog.read(RLR).unwrap(), 0xFFF, "locked");

@@ -1,8 +1,8 @@
-//! The peripherals of the STM32F407 that the paddle's firmware and its like use, one file each.
+//! The peripherals of the STM32F407 that the paddle's firmware and similar programs use, one per file.
 //!
-//! Registers, bits and their effects are those of ST's reference manual RM0090, by its names. Each peripheral is
-//! functions of its registers and of the time, in cycles of the core; what connects it to others is in
-//! [`crate::chip`]. What a model lacks is refused, never answered with a zero.
+//! Registers, bits and their effects follow ST's reference manual RM0090, with its names. Each peripheral depends only on
+//! its registers and on the time in core cycles. The connections between peripherals are in [`crate::chip`]. An unmodelled
+//! access is refused and never answered with a zero.
 
 pub mod adc;
 pub mod dbgmcu;
@@ -19,7 +19,7 @@ pub mod tim5;
 pub mod tim8;
 pub mod usart;
 
-/// What the model of a peripheral lacks.
+/// What a peripheral does not model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lack {
     /// The register.
@@ -28,10 +28,10 @@ pub enum Lack {
     Use(&'static str),
 }
 
-/// A peripheral's answer to an access.
+/// The answer of a peripheral to an access.
 pub type Answer<T = ()> = Result<T, Lack>;
 
-/// Refuses a use unless `holds`.
+/// Returns an error with the text `otherwise` unless `holds` is true.
 fn require(holds: bool, otherwise: &'static str) -> Answer {
     if holds {
         Ok(())
@@ -40,15 +40,15 @@ fn require(holds: bool, otherwise: &'static str) -> Answer {
     }
 }
 
-/// Whether bit `number` of `word` is set.
+/// Returns true if bit `number` of `word` is set.
 pub(crate) const fn bit(word: u32, number: u32) -> bool {
     word >> number & 1 == 1
 }
 
-/// The `width` bits of `word` from bit `first` on.
+/// The `width` bits of `word` starting at bit `first`.
 const fn field(word: u32, first: u32, width: u32) -> u32 {
     word >> first & ((1 << width) - 1)
 }
 
-/// No event is to come.
+/// A cycle that is never reached: no event.
 pub const NEVER: u64 = u64::MAX;

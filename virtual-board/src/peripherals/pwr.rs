@@ -1,5 +1,4 @@
-//! Power control: what start-up code sets, and the detector of a low supply. The core is never put into stop or standby
-//! mode.
+//! Power control: the settings of start-up code, and the voltage detector. Stop and standby modes are not modelled.
 
 use super::{Answer, Lack, bit, field, require};
 
@@ -12,12 +11,13 @@ const VOS: u32 = 1 << 14;
 const PVDO: u32 = 2;
 const VOSRDY: u32 = 1 << 14;
 
-/// The supply as it should be, V.
+/// Nominal supply, V.
 pub const NOMINAL_V: f64 = 3.3;
 
-/// Thresholds of the detector by PLS for a supply that falls, V, and how much higher the supply must rise again (data
-/// sheet, embedded reset and power control block characteristics, typical).
+/// Detector threshold for a falling supply, V, by PLS (data sheet, embedded reset and power control block characteristics,
+/// typical).
 const FALLING_V: [f64; 8] = [2.04, 2.19, 2.35, 2.51, 2.66, 2.82, 2.93, 3.03];
+/// Additional voltage for a rising supply, V.
 const HYSTERESIS_V: f64 = 0.1;
 
 /// PWR.
@@ -29,7 +29,7 @@ pub struct Pwr {
 }
 
 impl Pwr {
-    /// After a reset, at this supply.
+    /// The state after a reset at this supply.
     pub fn reset(supply_v: f64) -> Self {
         Self {
             cr: VOS,
@@ -47,7 +47,7 @@ impl Pwr {
         }
     }
 
-    /// Writes a register. Returns the new output of the detector if that has changed.
+    /// Writes a register. Returns the new output of the detector if it changes.
     pub fn write(&mut self, offset: u32, value: u32) -> Answer<Option<bool>> {
         match offset {
             CR => {
@@ -62,7 +62,7 @@ impl Pwr {
         }
     }
 
-    /// The supply is now `supply_v`. Returns the new output of the detector, true for low, if that has changed.
+    /// Sets the supply to `supply_v`. Returns the new output of the detector, true for low, if it changes.
     pub fn set_supply(&mut self, supply_v: f64) -> Option<bool> {
         self.supply_v = supply_v;
         self.compare()
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_detector_sees_a_dip_once_it_is_on() {
+    fn the_enabled_detector_sees_a_voltage_dip() {
         let mut pwr = Pwr::reset(NOMINAL_V);
         assert_eq!(pwr.set_supply(2.5), None);
         pwr.set_supply(NOMINAL_V);

@@ -1,17 +1,19 @@
-//! Reset and clock control: oscillators, the tree of clocks, gates of the peripherals, causes of the last reset.
+//! Reset and clock control: oscillators, clock tree, peripheral clock gates, and reset causes.
 
 use super::{Answer, Lack, bit, field, require};
 
 /// The internal oscillator, Hz.
 pub const HSI_HZ: f64 = 16e6;
-/// The internal slow oscillator behind the watchdog, Hz, nominal; the data sheet allows 17 to 47 kHz.
+/// The slow internal oscillator of the watchdog, Hz, nominal. The data sheet allows 17 to 47 kHz.
 pub const LSI_HZ: f64 = 32e3;
-/// The board's crystal, Hz.
+/// The crystal of the board, Hz.
 pub const HSE_HZ: f64 = 8e6;
 
-/// Start-up times of crystal, main PLL and slow oscillator, s (data sheet, typical, typical, maximum).
+/// Start-up time of the crystal, s (data sheet, typical).
 const HSE_STARTUP_S: f64 = 2e-3;
+/// Lock time of the main PLL, s (data sheet, typical).
 const PLL_LOCK_S: f64 = 75e-6;
+/// Start-up time of the slow oscillator, s (data sheet, maximum).
 const LSI_STARTUP_S: f64 = 40e-6;
 
 const CR: u32 = 0x00;
@@ -31,7 +33,7 @@ const CSSC: u32 = 23;
 const LSION: u32 = 0;
 const RMVF: u32 = 24;
 
-/// A bus with its gates and resets, by the place of its registers among their kin.
+/// A bus with clock gates and resets. The number is the index of its register in a register group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names of the buses")]
 pub enum Bus {
@@ -42,13 +44,13 @@ pub enum Bus {
     Apb2 = 5,
 }
 
-/// Words from RSTR, ENR or LPENR of AHB1 to the end of its kin.
+/// Number of words in a register group such as AHB1RSTR to APB2RSTR.
 const BANK_WORDS: usize = 6;
 const RSTR: u32 = 0x10;
 const ENR: u32 = 0x30;
 const LPENR: u32 = 0x50;
 
-/// Fields of the reset, enable and low-power enable registers of the buses.
+/// Implemented bits of the reset, enable and low-power enable registers.
 const RESET_FIELDS: [u32; BANK_WORDS] = [
     0x2260_11FF,
     0x0000_00C1,
@@ -74,7 +76,7 @@ const LOW_POWER_FIELDS: [u32; BANK_WORDS] = [
     0x0007_5F33,
 ];
 
-/// Fields of the register at `offset` of these.
+/// Implemented bits of the register at `offset` of these groups.
 fn fields(offset: u32) -> u32 {
     let (bank, first) = match offset {
         LPENR.. => (&LOW_POWER_FIELDS, LPENR),
@@ -85,18 +87,18 @@ fn fields(offset: u32) -> u32 {
     bank.get(word as usize).copied().unwrap_or_default()
 }
 
-/// Place of a peripheral among the gates: its bus, and its bit in the enable and reset registers.
+/// Clock gate of a peripheral: its bus, and its bit in the enable and reset registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Gate(pub Bus, pub u32);
 
-/// Why the chip was reset.
+/// Cause of a reset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResetCause {
-    /// The supply came, or was too low for a while.
+    /// Power-on or a supply that was too low.
     Power,
-    /// The independent watchdog ran out.
+    /// The independent watchdog expired.
     IndependentWatchdog,
-    /// The image asked for it.
+    /// The image requested it.
     Software,
     /// The reset pin was pulled low.
     Pin,
@@ -105,7 +107,7 @@ pub enum ResetCause {
 }
 
 impl ResetCause {
-    /// Flags of RCC_CSR that it sets.
+    /// Flags of RCC_CSR that this cause sets.
     const fn flags(self) -> u32 {
         const BOR: u32 = 1 << 25;
         const PIN: u32 = 1 << 26;
@@ -122,19 +124,19 @@ impl ResetCause {
     }
 }
 
-/// Frequencies that follow from the registers.
+/// Clock frequencies that result from the registers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clocks {
-    /// Of core, memories and AHB, Hz.
+    /// Frequency of core, memories and AHB, Hz.
     pub hclk_hz: f64,
-    /// Cycles of the core in one of APB1.
+    /// Core cycles per cycle of APB1.
     pub apb1_divider: u32,
-    /// Cycles of the core in one of APB2.
+    /// Core cycles per cycle of APB2.
     pub apb2_divider: u32,
 }
 
 impl Clocks {
-    /// Cycles of the core in one of the timers on a bus with this divider.
+    /// Core cycles per clock of a timer on a bus with this divider.
     pub const fn timer_divider(bus_divider: u32) -> u32 {
         if bus_divider == 1 { 1 } else { bus_divider / 2 }
     }
@@ -159,7 +161,7 @@ pub struct Rcc {
 }
 
 impl Rcc {
-    /// After a reset, with the cause added to those that `before` remembers.
+    /// The state after a reset. The flag of the cause is added to those of `before`.
     pub fn reset(cause: ResetCause, before: Option<&Self>) -> Self {
         const CAUSES: u32 = 0xFE00_0000;
         let known = match (cause, before) {
@@ -197,7 +199,7 @@ impl Rcc {
                     | ready(self.on(PLLON), self.pll_ready_at, PLLON + 1)
             }
             PLLCFGR => self.pllcfgr,
-            // The switch is at once: SWS is SW.
+            // The clock switch is immediate: SWS equals SW.
             CFGR => self.cfgr | (self.cfgr & 0b11) << 2,
             CIR => self.cir,
             BDCR => self.bdcr,
@@ -280,26 +282,26 @@ impl Rcc {
             _ => (&mut self.resets, RSTR),
         };
         let word = offset.wrapping_sub(first) / 4;
-        // The fourth of each bank is not there.
+        // The fourth word of each group does not exist.
         match bank.get_mut(word as usize) {
             Some(register) if word != 3 => Ok(register),
             _ => Err(Lack::Register),
         }
     }
 
-    /// Whether the clock of a peripheral is on.
+    /// Returns true if the clock of a peripheral is on.
     #[inline]
     pub fn enabled(&self, Gate(bus, place): Gate) -> bool {
         bit(self.enables[bus as usize], place)
     }
 
-    /// Whether a peripheral is held in reset.
+    /// Returns true if a peripheral is held in reset.
     pub fn held_in_reset(&self, Gate(bus, place): Gate) -> bool {
         bit(self.resets[bus as usize], place)
     }
 
-    /// Stops or starts the crystal. Returns whether the clock security system raises the non-maskable interrupt; the
-    /// core then runs on the internal oscillator.
+    /// Stops or restarts the crystal. Returns true if the clock security system raises the non-maskable interrupt. The core
+    /// then runs from the internal oscillator.
     pub fn set_crystal(&mut self, runs: bool) -> bool {
         self.crystal_runs = runs;
         let watched = !runs && self.on(CSSON) && self.on(HSEON);
@@ -311,12 +313,12 @@ impl Rcc {
         watched
     }
 
-    /// Whether the non-maskable interrupt of the clock security system is raised.
+    /// Returns true if the clock security system has raised the non-maskable interrupt.
     pub fn clock_failed(&self) -> bool {
         bit(self.cir, CSSF)
     }
 
-    /// The clocks as set. One that stands still has 0 Hz.
+    /// The clock frequencies. A stopped clock has 0 Hz.
     pub fn clocks(&self) -> Clocks {
         let hse_hz = if self.crystal_runs { HSE_HZ } else { 0.0 };
         let system_hz = match self.cfgr & 0b11 {
@@ -367,7 +369,7 @@ mod tests {
     }
 
     #[test]
-    fn oscillators_take_their_time() {
+    fn oscillators_need_a_start_up_time() {
         let mut rcc = Rcc::reset(ResetCause::Power, None);
         rcc.write(CR, 0x83 | 1 << HSEON, 100).unwrap();
         let ready_at = 100 + (HSE_STARTUP_S * HSI_HZ) as u64;
@@ -376,7 +378,7 @@ mod tests {
     }
 
     #[test]
-    fn the_pll_makes_168_mhz_and_its_buses() {
+    fn the_pll_gives_168_mhz_and_the_bus_clocks() {
         let mut rcc = started();
         let dividers = 0b101 << 10 | 0b100 << 13;
         assert!(
@@ -396,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn a_crystal_that_stops_leaves_the_core_on_the_internal_oscillator() {
+    fn after_a_crystal_failure_the_core_runs_from_the_internal_oscillator() {
         let mut rcc = started();
         rcc.write(CFGR, 2, 50_000).unwrap();
         assert!(!rcc.clone().set_crystal(false), "not watched");
@@ -410,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn causes_of_resets_add_up_until_they_are_removed() {
+    fn reset_cause_flags_accumulate_until_they_are_cleared() {
         let power = Rcc::reset(ResetCause::Power, None);
         let mut both = Rcc::reset(ResetCause::IndependentWatchdog, Some(&power));
         assert_eq!(both.read(CSR, 0).unwrap() >> 24, 0b0010_1110);

@@ -1,4 +1,4 @@
-//! System configuration: which port feeds which external interrupt line.
+//! System configuration: selects the port that feeds each external interrupt line.
 
 use super::{Answer, Lack, field};
 
@@ -29,7 +29,7 @@ impl Syscfg {
         Ok(())
     }
 
-    /// Port, counted from A, whose pin `line` feeds interrupt line `line`.
+    /// Port, counted from A, that feeds interrupt line `line`.
     pub fn port_of_line(&self, line: usize) -> usize {
         field(self.exticr[line / 4], 4 * (line as u32 % 4), 4) as usize
     }

@@ -1,4 +1,4 @@
-//! TIM5, a 32-bit timer, in encoder mode: its counter follows two pins.
+//! TIM5, a 32-bit timer in encoder mode: its counter follows two pins.
 
 use super::{Answer, Lack, field, require};
 
@@ -12,7 +12,7 @@ const ARR: u32 = 0x2C;
 const CEN: u32 = 1;
 const ENCODER_MODE_3: u32 = 0b011;
 
-/// TIM5. Another mode than that of an encoder on both edges of both channels is refused.
+/// The timer. Only encoder mode on both edges of both channels is modelled.
 #[derive(Debug, Clone)]
 pub struct Tim5 {
     cr1: u32,
@@ -94,8 +94,8 @@ impl Tim5 {
         Ok(())
     }
 
-    /// The encoder has moved by so many counts in so many clocks of the timer. Levels that are shorter than the input
-    /// filters let pass do not count; how many do then is taken to be the most that could.
+    /// The encoder has moved by `counts` within `clocks` of the timer. Levels shorter than the input filter are not counted.
+    /// The model then assumes the largest number that could pass.
     pub fn follow(&mut self, counts: i32, clocks: u64) {
         if self.cr1 & CEN == 0 {
             return;
@@ -106,9 +106,9 @@ impl Tim5 {
         self.cnt = self.cnt.wrapping_add_signed(counts.clamp(-most, most));
     }
 
-    /// Clocks for which a level of a channel must hold.
+    /// Timer clocks for which a level of a channel must be stable.
     fn filter_clocks(&self, channel: u32) -> u64 {
-        /// Division of the sampling clock and number of equal samples, by ICxF.
+        /// Divider of the sampling clock, and number of equal samples, by ICxF.
         const FILTERS: [(u64, u64); 16] = [
             (1, 1),
             (1, 2),
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn it_follows_both_ways_and_wraps() {
+    fn it_counts_in_both_directions_and_wraps() {
         let mut timer = encoder();
         timer.follow(3, 4200);
         timer.follow(-5, 4200);
@@ -153,14 +153,14 @@ mod tests {
     }
 
     #[test]
-    fn what_the_filter_swallows_does_not_count() {
+    fn edges_shorter_than_the_filter_are_not_counted() {
         let mut timer = encoder();
         timer.follow(1000, 4200);
         assert_eq!(timer.read(CNT).unwrap(), 2 * 4200 / 48);
     }
 
     #[test]
-    fn it_stands_still_until_it_is_enabled() {
+    fn it_does_not_count_until_it_is_enabled() {
         let mut timer = Tim5::default();
         timer.follow(3, 4200);
         assert_eq!(timer.read(CNT).unwrap(), 0);

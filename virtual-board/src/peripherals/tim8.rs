@@ -1,5 +1,5 @@
-//! TIM8, an advanced timer: counts up or up and down, repeats, reloads what was preloaded at its update, and drives
-//! pulse-width modulated outputs.
+//! TIM8, an advanced timer. It counts up or up and down, with a repetition counter and preload registers, and drives PWM
+//! outputs.
 
 use super::{Answer, Lack, NEVER, bit, field, require};
 
@@ -25,7 +25,7 @@ const UDIS: u32 = 1;
 const URS: u32 = 2;
 const ARPE: u32 = 7;
 const UIF: u32 = 1;
-/// Off-state in idle mode: with the main outputs off, the pins are driven to their idle state instead of released.
+/// Off-state in idle mode: with MOE cleared, the pins are driven to their idle state instead of released.
 const OSSI: u32 = 10;
 const BKE: u32 = 12;
 const BKP: u32 = 13;
@@ -35,10 +35,10 @@ const MMS_UPDATE: u32 = 0b010;
 const PWM_MODE_1: u32 = 0b110;
 const PWM_MODE_2: u32 = 0b111;
 
-/// Capture/compare channels.
+/// Number of capture/compare channels.
 const CHANNELS: usize = 4;
 
-/// What acts until the next update.
+/// Register values that act until the next update.
 #[derive(Debug, Clone, Copy, Default)]
 struct Active {
     psc: u32,
@@ -46,7 +46,7 @@ struct Active {
     ccr: [u32; CHANNELS],
 }
 
-/// TIM8. Channels are outputs; the flags of their compares are set at the update, for all that matched since the last.
+/// The timer. All channels are outputs. Compare flags are set at the update, for all matches since the last one.
 #[derive(Debug, Clone)]
 pub struct Tim8 {
     cr1: u32,
@@ -61,26 +61,26 @@ pub struct Tim8 {
     ccr: [u32; CHANNELS],
     bdtr: u32,
     active: Active,
-    /// Turning points until the update, this one counted in.
+    /// Turning points until the update, including the next one.
     turns_left: u32,
-    /// Core cycles in one clock of the timer.
+    /// Core cycles per clock of the timer.
     divider: u32,
-    /// Cycle of the last turning point; while it stands still, unused.
+    /// Cycle of the last turning point. Unused while it is stopped.
     turned_at: u64,
-    /// Whether it counts up from there.
+    /// True if it counts up after that point.
     up: bool,
-    /// Value while it stands still.
+    /// Count while it is stopped.
     stopped_at: u32,
-    /// Cycle since which a debugger holds it still.
+    /// Cycle since which a debugger halts the timer.
     held_at: Option<u64>,
 }
 
-/// What an output does to its pin.
+/// Effect of an output on its pin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Output {
-    /// Nothing: the pin is left to its pull.
+    /// The pin is not driven. Its pull resistor sets the level.
     Released,
-    /// It is high for this share of the time, 0 to 1.
+    /// The pin is driven and high for this fraction of the time, 0 to 1.
     High(f64),
 }
 
@@ -134,8 +134,8 @@ impl Tim8 {
         })
     }
 
-    /// Writes a register at cycle `now`, with so many cycles in a clock of the timer. Returns whether this made an
-    /// update.
+    /// Writes a register at cycle `now`. `divider` is the number of core cycles per timer clock. Returns true if the write
+    /// causes an update.
     pub fn write(&mut self, offset: u32, value: u32, now: u64, divider: u32) -> Answer<bool> {
         match offset {
             CR1 => return self.control(value, now, divider).map(|()| false),
@@ -220,7 +220,7 @@ impl Tim8 {
                     "outputs that come back by themselves",
                 )?;
                 self.bdtr = value & 0xFFFF;
-                // The input of the break is connected to no pin, and low.
+                // The break input is not connected to a pin and is low.
                 if bit(value, BKE) && !bit(value, BKP) {
                     self.brake();
                 }
@@ -263,7 +263,7 @@ impl Tim8 {
         bit(self.cr1, CEN)
     }
 
-    /// Whether the active edge is in the middle: it counts up and down.
+    /// Returns true in centre-aligned mode, in which it counts up and down.
     fn centre_aligned(&self) -> bool {
         field(self.cr1, 5, 2) != 0
     }
@@ -272,12 +272,12 @@ impl Tim8 {
         bit(self.ccmr[channel / 2], 8 * (channel as u32 % 2) + 3)
     }
 
-    /// Core cycles in one count.
+    /// Core cycles per count.
     fn clock_cycles(&self) -> u32 {
         (self.active.psc + 1) * self.divider
     }
 
-    /// Core cycles from one turning point to the next.
+    /// Core cycles between two turning points.
     fn turn_cycles(&self) -> u64 {
         let counts = if self.centre_aligned() {
             self.active.arr
@@ -302,7 +302,7 @@ impl Tim8 {
         }
     }
 
-    /// Takes over what was preloaded, and starts the repetitions anew.
+    /// Loads the preload registers and restarts the repetition counter.
     fn reload(&mut self) {
         self.active = Active {
             psc: self.psc,
@@ -321,12 +321,12 @@ impl Tim8 {
         }
     }
 
-    /// Core cycles between updates as they are set.
+    /// Core cycles between updates with the present settings.
     pub fn update_cycles(&self) -> u64 {
         u64::from(self.rcr + 1) * self.turn_cycles()
     }
 
-    /// Carries the update out, at its cycle. Returns whether it was one, and not disabled.
+    /// Executes the update at its cycle. Returns true if it is an enabled update.
     pub fn update(&mut self) -> bool {
         let turns = self.turns_left;
         self.turned_at = self.next_update();
@@ -347,18 +347,18 @@ impl Tim8 {
         true
     }
 
-    /// Whether the update asks for an interrupt.
+    /// Returns true if the update requests an interrupt.
     pub fn requests_update_interrupt(&self) -> bool {
         self.sr & self.dier & UIF != 0
     }
 
-    /// Whether updates go out as trigger.
+    /// Returns true if updates are output as trigger.
     pub fn triggers_by_update(&self) -> bool {
         field(self.cr2, 4, 3) == MMS_UPDATE
     }
 
-    /// The clock security system has found the clock gone, or the break input is active: the outputs go off without
-    /// a line of the program, if breaks are enabled (RM0090, section 17.3.12).
+    /// A break: the clock security system has detected a failure, or the break input is active. If breaks are enabled, the
+    /// outputs go off without software (RM0090, section 17.3.12).
     pub fn brake(&mut self) {
         if bit(self.bdtr, BKE) {
             self.bdtr &= !(1 << MOE);
@@ -366,20 +366,19 @@ impl Tim8 {
         }
     }
 
-    /// A debugger holds the counter still from cycle `now` on; the outputs are then off as without MOE (RM0090,
-    /// section 17.3.20).
+    /// A debugger halts the counter at cycle `now`. The outputs are then off as with MOE cleared (RM0090, section 17.3.20).
     pub fn hold(&mut self, now: u64) {
         self.held_at = Some(now);
     }
 
-    /// It goes on from cycle `now`.
+    /// The halted counter continues at cycle `now`.
     pub fn go_on(&mut self, now: u64) {
         if let Some(held_at) = self.held_at.take() {
             self.turned_at += now - held_at;
         }
     }
 
-    /// What output `channel` (from 0) does to its pin (RM0090, table of the output control bits).
+    /// Effect of output `channel` (from 0) on its pin (RM0090, table of the output control bits).
     pub fn output(&self, channel: usize) -> Output {
         let (number, place) = (channel as u32 / 2, channel as u32 % 2);
         let mode = field(self.ccmr[number as usize], 8 * place + 4, 3);
@@ -402,8 +401,8 @@ impl Tim8 {
         Output::High(if inverted { 1.0 - share } else { share })
     }
 
-    /// Whether an output passes through the high level on its way to a low idle state: its inactive level, which comes
-    /// first, is the one that its polarity says (RM0090, the same table).
+    /// Returns true if an output passes through the high level on its way to a low idle state. The inactive level comes
+    /// first, and its polarity defines it (RM0090, the same table).
     pub fn inverted(&self, channel: usize) -> bool {
         bit(self.ccer, 4 * channel as u32 + 1)
     }
@@ -417,7 +416,7 @@ impl Tim8 {
         }
     }
 
-    /// What the program wrote last to the compare register of `channel` (from 0); it acts from the next update on.
+    /// Value last written to the compare register of `channel` (from 0). It acts from the next update.
     pub fn compare(&self, channel: usize) -> u32 {
         self.ccr[channel]
     }
@@ -427,7 +426,7 @@ impl Tim8 {
 mod tests {
     use super::*;
 
-    /// Centre-aligned up to 2100, update at every fourth turning point, channels 1 and 2 of opposite polarity.
+    /// Centre-aligned up to 2100, with an update at every fourth turning point. Channels 1 and 2 have opposite polarity.
     fn bridge(started_at: u64) -> Tim8 {
         let mut timer = Tim8::default();
         for (offset, value) in [
@@ -450,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fourth_turning_point_updates() {
+    fn every_fourth_turning_point_is_an_update() {
         let mut timer = bridge(1000);
         assert_eq!(timer.next_update(), 1000 + 8400);
         assert!(timer.update());
@@ -484,7 +483,7 @@ mod tests {
     }
 
     #[test]
-    fn without_main_output_enable_nothing_is_driven() {
+    fn without_main_output_enable_no_pin_is_driven() {
         let mut timer = bridge(0);
         timer.write(BDTR, 0, 10, 1).unwrap();
         assert_eq!(timer.output(0), Output::Released);
@@ -495,7 +494,7 @@ mod tests {
     }
 
     #[test]
-    fn a_debugger_takes_the_outputs_away_and_no_count() {
+    fn a_debugger_halt_disables_the_outputs_and_loses_no_count() {
         let mut timer = bridge(0);
         timer.hold(100);
         assert_eq!(timer.output(0), Output::Released);
@@ -507,7 +506,7 @@ mod tests {
     }
 
     #[test]
-    fn a_break_stays_until_the_program_ends_it() {
+    fn a_break_lasts_until_the_program_ends_it() {
         let mut timer = bridge(0);
         timer.brake();
         assert_eq!(timer.output(0), Output::High(0.5), "not enabled");
@@ -524,7 +523,7 @@ mod tests {
     }
 
     #[test]
-    fn writing_zero_clears_a_flag_and_one_leaves_it() {
+    fn writing_zero_clears_a_flag_and_writing_one_keeps_it() {
         let mut timer = bridge(0);
         timer.update();
         timer.write(DIER, 1, 9000, 1).unwrap();
@@ -536,7 +535,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_cannot_do_is_refused() {
+    fn unmodelled_settings_are_refused() {
         let mut timer = Tim8::default();
         assert!(matches!(
             timer.write(BDTR, 1 << 14, 0, 1),

@@ -1,4 +1,4 @@
-//! A serial port: one byte in the shifter and one behind it each way, at the pace of its baud rate.
+//! A serial port: one byte in the shift register and one in the buffer, in each direction, at its baud rate.
 
 use super::{Answer, Lack, NEVER, bit, require};
 
@@ -31,10 +31,10 @@ const DMAT: u32 = 7;
 /// Start bit, eight data bits, stop bit.
 pub const FRAME_BITS: u64 = 10;
 
-/// What the line did to a byte.
+/// Disturbance of a byte on the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Line {
-    /// Nothing.
+    /// No disturbance.
     #[default]
     Quiet,
     /// One of the three samples in the middle of a bit differed.
@@ -43,7 +43,7 @@ pub enum Line {
     Broken,
 }
 
-/// A USART, without modem lines and parity.
+/// A USART without modem lines and parity.
 #[derive(Debug, Clone)]
 pub struct Usart {
     sr: u32,
@@ -51,11 +51,11 @@ pub struct Usart {
     cr1: u32,
     cr3: u32,
     received: u8,
-    /// Waits for the shifter.
+    /// The byte that waits for the shift register.
     behind: Option<u8>,
-    /// In the shifter, and when its stop bit ends.
+    /// The byte in the shift register, and the cycle at which its stop bit ends.
     shifting: Option<(u8, u64)>,
-    /// A read of the status register, followed by one of the data register, clears these flags.
+    /// Error flags that the program has read from the status register. A read of the data register then clears them.
     errors_seen: u32,
 }
 
@@ -91,7 +91,7 @@ impl Usart {
         })
     }
 
-    /// Writes a register at cycle `now`, with so many cycles in a clock of the port's bus.
+    /// Writes a register at cycle `now`. `divider` is the number of core cycles per clock of the port's bus.
     pub fn write(&mut self, offset: u32, value: u32, now: u64, divider: u32) -> Answer {
         match offset {
             SR => {
@@ -141,10 +141,10 @@ impl Usart {
         }
     }
 
-    /// Core cycles of a bit.
+    /// Core cycles per bit.
     pub fn bit_cycles(&self, divider: u32) -> u64 {
         let clocks = if bit(self.cr1, OVER8) {
-            // Three bits of fraction, of clocks eight times as fast.
+            // With oversampling by 8, the fraction has three bits.
             (self.brr >> 4) * 8 + (self.brr & 0b111)
         } else {
             self.brr
@@ -152,17 +152,17 @@ impl Usart {
         u64::from(clocks.max(1) * divider)
     }
 
-    /// Whether it listens.
+    /// Returns true if the receiver is on.
     pub fn receives(&self) -> bool {
         bit(self.cr1, UE) && bit(self.cr1, RE)
     }
 
-    /// Cycle at which the byte in the shifter is out.
+    /// Cycle at which the byte in the shift register is sent.
     pub fn next_sent(&self) -> u64 {
         self.shifting.map_or(NEVER, |(_, end)| end)
     }
 
-    /// Ends the byte in the shifter, and begins the next. Returns it.
+    /// Ends the byte in the shift register and starts the next. Returns the sent byte.
     pub fn sent(&mut self, divider: u32) -> Option<u8> {
         let (byte, end) = self.shifting.take()?;
         self.feed_shifter(end, divider);
@@ -172,8 +172,8 @@ impl Usart {
         Some(byte)
     }
 
-    /// A byte has come in. One that finds the last one still there is lost, and the overrun flag says so.
-    /// With noise on the line, or a stop bit that is none, flags say so.
+    /// A byte has arrived. If the previous byte has not been read, the new byte is lost and the overrun flag is set. Noise
+    /// and a missing stop bit set their flags.
     pub fn receive(&mut self, byte: u8, line: Line) {
         if !self.receives() {
             return;
@@ -191,25 +191,25 @@ impl Usart {
         }
     }
 
-    /// Whether it asks DMA to fetch the byte that it has received.
+    /// Returns true if it requests DMA to read the received byte.
     pub fn wants_to_be_read(&self) -> bool {
         bit(self.cr3, DMAR) && self.sr & RXNE != 0
     }
 
-    /// The byte that it has received, as DMA fetches it.
+    /// The received byte, as read by DMA.
     pub fn fetched(&mut self) -> u8 {
         self.sr &= !RXNE;
         self.sr &= !std::mem::take(&mut self.errors_seen);
         self.received
     }
 
-    /// Whether it asks DMA for the next byte to send.
+    /// Returns true if it requests the next byte to send from DMA.
     pub fn wants_to_be_written(&self) -> bool {
         let on = bit(self.cr1, UE) && bit(self.cr1, TE);
         on && bit(self.cr3, DMAT) && self.sr & TXE != 0
     }
 
-    /// Whether it asks for an interrupt.
+    /// Returns true if it requests an interrupt.
     pub fn requests_interrupt(&self) -> bool {
         let asks = |flags: u32, enable: u32| self.sr & flags != 0 && bit(self.cr1, enable);
         asks(RXNE | ORE, RXNEIE) || asks(TXE, TXEIE) || asks(TC, TCIE)
@@ -223,7 +223,7 @@ mod tests {
     const DIVIDER: u32 = 4;
 
     #[test]
-    fn it_asks_dma_for_bytes_to_send_and_to_fetch() {
+    fn it_requests_dma_for_sending_and_receiving() {
         let mut port = port();
         assert!(!port.wants_to_be_written());
         port.write(CR3, 1 << DMAT | 1 << DMAR, 0, DIVIDER).unwrap();
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_go_out_one_after_the_other() {
+    fn bytes_are_sent_one_after_the_other() {
         let mut port = port();
         port.write(DR, 1, 1000, DIVIDER).unwrap();
         assert!(port.sr & TXE != 0, "the shifter took it");
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn a_byte_that_is_not_fetched_makes_the_next_one_lost() {
+    fn a_byte_that_is_not_read_causes_an_overrun() {
         let mut port = port();
         port.receive(b'a', Line::Quiet);
         assert!(port.requests_interrupt());
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_flagged_beside_the_byte_that_is_right_all_the_same() {
+    fn a_noisy_byte_is_received_and_flagged() {
         let mut port = port();
         port.receive(b'a', Line::Noisy);
         assert_eq!(port.read(SR).unwrap() & (RXNE | NF), RXNE | NF);
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn oversampling_by_eight_has_three_bits_of_fraction() {
+    fn oversampling_by_eight_uses_three_fraction_bits() {
         let mut port = Usart::default();
         port.write(CR1, 1 << OVER8, 0, 1).unwrap();
         port.write(BRR, 0x53, 0, 1).unwrap();

@@ -1,4 +1,4 @@
-//! Coprocessor space: the FPU's instructions, and those of coprocessors that are not there.
+//! The coprocessor space: FPU instructions, and those of coprocessors that do not exist.
 
 use super::{aligned_pc, bit, bits, small};
 use crate::cpu::instruction::Instruction::{self, *};
@@ -20,7 +20,7 @@ pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     }
 }
 
-/// Number of the single-precision register whose lowest bit stands apart.
+/// Number of the single-precision register. Its lowest bit is encoded separately.
 const fn single(high: u8, low: u8) -> u8 {
     high << 1 | low
 }
@@ -30,7 +30,7 @@ fn arithmetic(first: u16, second: u16) -> Instruction {
     let n = single(small(first, 3, 0), small(second, 7, 7));
     let m = single(small(second, 3, 0), small(second, 5, 5));
     if bit(second, 8) {
-        // Double precision.
+        // Double precision is not implemented.
         return Undefined;
     }
     let op = bit(second, 6);
@@ -216,7 +216,7 @@ fn load_store(address: u32, first: u16, second: u16) -> Instruction {
         (true, false, true) => true,
         _ => return Undefined,
     };
-    // An odd number of words of doubleword registers is the FLDMX form, which moves one word less.
+    // An odd number of words for doubleword registers is the form FLDMX, which transfers one word less.
     let count = if double { words & !1 } else { words };
     if n == PC || count == 0 || count > 32 || first_single + count > 32 {
         return Unpredictable;

@@ -1,4 +1,4 @@
-//! From Thumb machine code to [`Instruction`].
+//! Decodes Thumb machine code into [`Instruction`]s.
 
 mod float;
 mod narrow;
@@ -6,12 +6,12 @@ mod wide;
 
 use super::instruction::{Instruction, Shift};
 
-/// True if `first` is the first halfword of a 32-bit instruction.
+/// Returns true if `first` is the first halfword of a 32-bit instruction.
 pub fn is_wide(first: u16) -> bool {
     first >= 0xE800
 }
 
-/// Decodes the instruction at `address`; `second` has a meaning only if [`is_wide`].
+/// Decodes the instruction at `address`. `second` is used only if [`is_wide`].
 pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     if is_wide(first) {
         wide::decode(address, first, second)
@@ -30,12 +30,12 @@ const fn bit(half: u16, at: u32) -> bool {
     half >> at & 1 == 1
 }
 
-/// Bits `high` to `low` of a halfword: a number of a register, or another small number.
+/// Bits `high` to `low` of a halfword as a register number or another small number.
 const fn small(half: u16, high: u32, low: u32) -> u8 {
     bits(half, high, low) as u8
 }
 
-/// Value of PC that an instruction at `address` sees, aligned to a word.
+/// Value of PC that the instruction at `address` reads, aligned to a word.
 const fn aligned_pc(address: u32) -> u32 {
     address.wrapping_add(4) & !3
 }
@@ -59,7 +59,7 @@ fn immediate_shift(kind: u32, amount: u32) -> (Shift, u8) {
     }
 }
 
-/// Shift of a `type` field whose amount is in a register.
+/// Shift type of a `type` field whose amount is in a register.
 const fn register_shift(kind: u32) -> Shift {
     match kind & 3 {
         0 => Shift::Lsl,

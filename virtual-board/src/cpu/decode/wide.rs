@@ -24,7 +24,7 @@ pub fn decode(address: u32, first: u16, second: u16) -> Instruction {
     }
 }
 
-/// Registers that may not be the operand of most instructions.
+/// Returns true for SP and PC, which most instructions do not accept as an operand.
 fn bad(reg: Reg) -> bool {
     reg == SP || reg == PC
 }
@@ -154,8 +154,8 @@ fn byte_exclusive_or_table(load: bool, n: Reg, second: u16) -> Instruction {
     }
 }
 
-/// An operation of the four-bit field that immediates and shifted registers share, with what SP or PC in the place
-/// of the destination or of the first operand make of it.
+/// Decodes the four-bit operation field of immediates and shifted registers. SP or PC as destination or first operand select
+/// other operations.
 fn alu(op: u32, set: bool, d: Reg, n: Reg) -> Option<(Alu, Reg, bool)> {
     let test = d == PC && set;
     let d_or_sink = if test { SINK } else { d };
@@ -177,7 +177,7 @@ fn alu(op: u32, set: bool, d: Reg, n: Reg) -> Option<(Alu, Reg, bool)> {
     Some((alu, d, n_is_used))
 }
 
-/// True if these registers leave open what the instruction does. SP may be adjusted, compared and copied.
+/// Returns true if the effect is unpredictable with these registers. SP may be adjusted, compared and copied.
 fn open(alu: Alu, d: Reg, n: Reg, n_is_used: bool) -> bool {
     let sp_is_fine = matches!(alu, Alu::Add | Alu::Sub);
     let d_is_bad = d == PC || (d == SP && !(sp_is_fine && n == SP));
@@ -242,7 +242,7 @@ fn always(set: bool) -> SetFlags {
     }
 }
 
-/// ThumbExpandImm_C; `None` where it is left open.
+/// ThumbExpandImm_C. `None` where the result is unpredictable.
 fn expand_immediate(first: u16, second: u16) -> Option<(u32, ShifterCarry)> {
     let byte = bits(second, 7, 0);
     let rotation = bits(first, 10, 10) << 4 | bits(second, 14, 12) << 1 | byte >> 7;
@@ -452,7 +452,7 @@ fn load_store(address: u32, first: u16, second: u16) -> Instruction {
     if !load && (signed || n == PC) {
         return Undefined;
     }
-    // PLD and PLI stand where a byte or halfword would be loaded into PC.
+    // A load of a byte or halfword into PC encodes PLD or PLI.
     let hint = load && t == PC && kind != Access::Word;
     if hint {
         return preload(n, first, second);
@@ -531,7 +531,7 @@ fn load_store(address: u32, first: u16, second: u16) -> Instruction {
     }
 }
 
-/// PLD and PLI, which do nothing here, in their four forms.
+/// PLD and PLI in their four forms. They have no effect here.
 fn preload(n: Reg, first: u16, second: u16) -> Instruction {
     let registers = bits(second, 11, 6) == 0;
     let negative_offset = bits(second, 11, 8) == 0b1100;

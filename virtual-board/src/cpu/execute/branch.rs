@@ -4,7 +4,7 @@ use super::super::instruction::{LR, PC, Reg};
 use super::super::{Bus, Trapped, Width, timing};
 use crate::cpu::Cpu;
 
-/// Jumps at or above this address return from an exception, in handler mode.
+/// In handler mode, a jump to this address or above is an exception return.
 const EXCEPTION_RETURN: u32 = 0xF000_0000;
 
 impl Cpu {
@@ -34,7 +34,7 @@ impl Cpu {
         }
     }
 
-    /// BXWritePC, also of what a load gives to PC.
+    /// BXWritePC. A load into PC uses it too.
     #[inline]
     pub(super) fn write_pc<B: Bus>(&mut self, bus: &mut B, target: u32) {
         self.spent += timing::refill(target);

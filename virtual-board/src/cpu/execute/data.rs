@@ -96,7 +96,7 @@ impl Cpu {
     }
 
     pub(super) fn insert_bits(&mut self, d: Reg, n: Reg, mask: u32, lsb: u8) {
-        // BFC inserts from the sink, whose content means nothing.
+        // BFC is decoded as an insertion from the sink register. It inserts zeros.
         let source = if n == super::super::instruction::SINK {
             0
         } else {

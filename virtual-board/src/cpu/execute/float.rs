@@ -20,7 +20,7 @@ impl Cpu {
         self.float.registers[usize::from(register & 31)] = bits;
     }
 
-    /// Gives a register the result of arithmetic, for which the next instruction has to wait.
+    /// Sets a register to the result of arithmetic. An instruction that reads it next must wait.
     #[inline]
     fn set_result(&mut self, register: u8, bits: u32) {
         self.set_s(register, bits);
@@ -28,7 +28,7 @@ impl Cpu {
         self.float.last_result = register;
     }
 
-    /// Waits for the result of the instruction before, should one of these registers take it.
+    /// Waits one cycle if the previous instruction computed one of these registers.
     #[inline]
     fn await_operands(&mut self, n: u8, m: u8) {
         let fresh = self.float.last_result_at + 1 == self.instructions

@@ -24,7 +24,7 @@ impl Access {
     }
 }
 
-/// Address of an access, and what the base becomes if it is written back.
+/// Address of an access, and the new value of the base register if it is written back.
 #[inline]
 fn addresses(base: u32, offset: i32, index: Index) -> (u32, Option<u32>) {
     let moved = base.wrapping_add_signed(offset);
@@ -36,7 +36,8 @@ fn addresses(base: u32, offset: i32, index: Index) -> (u32, Option<u32>) {
 }
 
 impl Cpu {
-    /// Spends the second cycle of a load, unless it follows another one whose result it needs not.
+    /// Spends the second cycle of a load. A load that follows another load and does not use its result overlaps and needs
+    /// one cycle.
     #[inline(always)]
     pub(super) fn time_load(&mut self, base: Reg, loads: Reg) {
         self.await_address(base);
@@ -91,7 +92,7 @@ impl Cpu {
             return self.load_into(bus, kind, t, address);
         };
         let old_base = self.get(n);
-        // Before the load: what goes to PC may be the end of the handler.
+        // The base is written back before the load, because a load into PC may end the handler.
         self.set_loaded(n, new_base);
         let result = self.load_into(bus, kind, t, address);
         if result.is_err() {
@@ -127,7 +128,7 @@ impl Cpu {
         index: Index,
     ) -> Result<(), Trapped> {
         let (address, new_base) = addresses(self.get(n), offset, index);
-        // No second cycle: the write buffer ends it beside the next instruction.
+        // A store needs no second cycle: the write buffer completes it during the next instruction.
         self.await_address(n);
         self.write(bus, address, kind.width(), self.get(t))?;
         if let Some(new_base) = new_base {
@@ -208,8 +209,8 @@ impl Cpu {
         Ok(())
     }
 
-    /// First address of a block of so many words at register `n`, and what the register becomes. Spends a cycle for
-    /// each word.
+    /// First address of a block of `words` words at register `n`, and the new value of the register. Spends a cycle for each
+    /// word.
     pub(super) fn block(&mut self, n: Reg, down: bool, words: u32) -> (u32, u32) {
         self.await_address(n);
         self.spent += words;

@@ -1,4 +1,4 @@
-//! What each instruction does.
+//! Executes instructions.
 
 mod branch;
 mod data;
@@ -12,7 +12,7 @@ use super::fault::Fault;
 use super::instruction::{Instruction, Reg, SP, SetFlags};
 use super::{Bus, Cpu, Stop, Trapped, Unmodelled, timing};
 
-/// Bits that a register can hold: the stack pointer is always at a word.
+/// Writable bits of each register. The stack pointer is always aligned to a word.
 const WRITABLE: [u32; 17] = {
     let mut masks = [u32::MAX; 17];
     masks[SP as usize] = !3;
@@ -25,7 +25,7 @@ impl Cpu {
         self.registers[usize::from(register)]
     }
 
-    /// Gives a register the result of a computation.
+    /// Sets a register to the result of a computation.
     #[inline(always)]
     fn set(&mut self, register: Reg, value: u32) {
         self.last_result_at = self.instructions;
@@ -33,14 +33,14 @@ impl Cpu {
         self.set_loaded(register, value);
     }
 
-    /// Gives a register what came from memory, or the address that an access writes back.
+    /// Sets a register to a loaded value, or to a written-back address.
     #[inline(always)]
     fn set_loaded(&mut self, register: Reg, value: u32) {
         let register = usize::from(register);
         self.registers[register] = value & WRITABLE[register];
     }
 
-    /// Waits for the result of the instruction before, should an address need it.
+    /// Waits one cycle if the previous instruction computed the base register of an address.
     #[inline(always)]
     fn await_address(&mut self, base: Reg) {
         let fresh = self.last_result_at + 1 == self.instructions && self.last_result == base;
@@ -56,7 +56,7 @@ impl Cpu {
         }
     }
 
-    /// Executes one instruction. `pc` is already that of the next.
+    /// Executes one instruction. `pc` already points to the next one.
     #[inline(always)]
     pub(super) fn execute<B: Bus>(
         &mut self,
@@ -316,7 +316,7 @@ impl Cpu {
         Ok(())
     }
 
-    /// Ends the run at an instruction whose effect the manual leaves open.
+    /// Ends the run at an instruction that the manual calls unpredictable.
     #[cold]
     fn unpredictable<B: Bus>(&mut self, bus: &mut B) -> Trapped {
         let pc = self.instruction_address;

@@ -55,7 +55,7 @@ impl Cpu {
         self.set(high, (value >> 32) as u32);
     }
 
-    /// Sets a register to a sum that is to fit in 32 bits, and Q if it does not.
+    /// Sets a register to the lower 32 bits of a sum, and sets Q if the sum does not fit.
     fn set_sum(&mut self, d: Reg, sum: i64) {
         self.set(d, sum as u32);
         self.flags.q |= i64::from(sum as i32) != sum;
@@ -65,7 +65,7 @@ impl Cpu {
         a.map_or(0, |a| i64::from(self.get(a) as i32))
     }
 
-    /// SMULBB, SMLABB and their kin.
+    /// SMULBB, SMLABB and their variants.
     pub(super) fn multiply_halves(
         &mut self,
         d: Reg,
@@ -79,7 +79,7 @@ impl Cpu {
         self.set_sum(d, i64::from(product) + self.addend(a));
     }
 
-    /// SMULWB, SMLAWB and their kin.
+    /// SMULWB, SMLAWB and their variants.
     pub(super) fn multiply_word_by_half(
         &mut self,
         d: Reg,
@@ -92,7 +92,7 @@ impl Cpu {
         self.set_sum(d, (product >> 16) + self.addend(a));
     }
 
-    /// Products of the low and of the high halfwords, and their sum or difference.
+    /// Sum or difference of the products of the low and of the high halfwords.
     fn dual(&self, n: Reg, m: Reg, subtract: bool, exchange: bool) -> i64 {
         let n = self.get(n);
         let m = self.get(m).rotate_right(if exchange { 16 } else { 0 });
@@ -115,7 +115,7 @@ impl Cpu {
         self.set_sum(d, sum);
     }
 
-    /// SMLALBB and its kin.
+    /// SMLALBB and its variants.
     pub(super) fn multiply_halves_long(
         &mut self,
         low: Reg,

@@ -1,4 +1,4 @@
-//! The DSP extension's operations on bytes and halfwords.
+//! Operations of the DSP extension on bytes and halfwords.
 
 use super::super::arithmetic::{saturate_signed, saturate_unsigned};
 use super::super::instruction::{LaneOp, Lanes, Reg};
@@ -24,7 +24,7 @@ impl Cpu {
     /// Parallel addition and subtraction.
     pub(super) fn parallel(&mut self, parallel: LaneOp, lanes: Lanes, d: Reg, n: Reg, m: Reg) {
         let (n, m) = (self.get(n), self.get(m));
-        // Which lane of `m` meets each lane of `n`, and whether it is subtracted.
+        // For each lane of `n`: the lane of `m`, and true if it is subtracted.
         let (width, plan): (u32, &[(u32, bool)]) = match parallel {
             LaneOp::Add8 => (8, &[(0, false), (1, false), (2, false), (3, false)]),
             LaneOp::Sub8 => (8, &[(0, true), (1, true), (2, true), (3, true)]),

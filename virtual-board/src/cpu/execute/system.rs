@@ -1,4 +1,4 @@
-//! Special registers, masks and waiting.
+//! Special registers, interrupt masks and wait instructions.
 
 use super::super::instruction::Reg;
 use super::super::status::Flags;
@@ -6,7 +6,7 @@ use super::super::{Sleep, Stop, Trapped, Unmodelled, timing};
 use crate::cpu::Cpu;
 use crate::cpu::instruction::SP;
 
-// SYSm: the numbers below 8 name parts of the program status register, one bit a part.
+// SYSm: each bit of a number below 8 selects a part of the program status register.
 const NOT_APSR: u8 = 4;
 const IPSR: u8 = 1;
 const LAST_STATUS: u8 = 7;

@@ -1,4 +1,4 @@
-//! Entry, return and order of exceptions.
+//! Tests entry, return and priority of exceptions.
 
 use super::*;
 
@@ -11,7 +11,7 @@ fn pend(bench: &mut Bench, line: usize) {
 }
 
 #[test]
-fn an_interrupt_saves_and_restores_what_the_manual_says() {
+fn an_interrupt_saves_and_restores_the_registers_that_the_manual_lists() {
     let mut bench = Bench::new(&nops(8));
     bench.enable(0, 0);
     bench.handler(16, &[SELF_LOOP]);
@@ -53,7 +53,7 @@ fn an_interrupt_saves_and_restores_what_the_manual_says() {
 }
 
 #[test]
-fn a_stack_at_an_odd_word_is_aligned_and_given_back() {
+fn a_stack_at_an_odd_word_is_aligned_for_the_frame_and_restored() {
     let mut bench = Bench::new(&nops(8));
     bench.enable(0, 0);
     bench.handler(16, &[NOP, NOP, RETURN]);
@@ -67,19 +67,19 @@ fn a_stack_at_an_odd_word_is_aligned_and_given_back() {
 }
 
 #[test]
-fn the_more_urgent_and_then_the_lower_number_comes_first() {
+fn the_most_urgent_exception_and_then_the_lowest_number_comes_first() {
     let mut bench = Bench::new(&[]);
     for (line, priority) in [(0, 0x40), (1, 0x20), (2, 0x20)] {
         bench.enable(line, priority);
         pend(&mut bench, line.into());
     }
-    // Written in hexadecimal: 17, 18, then 16 as digits of 16.
+    // In hexadecimal: first 17, then 18, then 16, each as a digit above 16.
     bench.go(100);
     assert_eq!(bench.handled(), (17 * 16 + 18) * 16 + 16);
 }
 
 #[test]
-fn a_chained_exception_finds_the_same_frame() {
+fn a_tail_chained_exception_reuses_the_frame() {
     let mut bench = Bench::new(&[]);
     bench.enable(0, 0x40);
     bench.enable(1, 0x40);
@@ -89,7 +89,7 @@ fn a_chained_exception_finds_the_same_frame() {
     bench.go(100);
     let done = bench.cpu.take_activations();
     assert_eq!([done[0].exception, done[1].exception], [16, 17]);
-    // Entry, two instructions, BX and its refill; then the chain in place of an entry, and the return.
+    // First the entry, two instructions, BX and its refill. Then tail-chaining instead of an entry, and the return.
     assert_eq!(done[0].cycles, 12 + 2 + 3);
     assert_eq!(done[1].cycles, 6 + 2 + 3 + 12);
     assert_eq!(done[1].entered, done[0].left + 6);
@@ -98,7 +98,7 @@ fn a_chained_exception_finds_the_same_frame() {
 }
 
 #[test]
-fn the_more_urgent_preempts_and_is_not_charged_to_the_other() {
+fn cycles_of_a_preempting_exception_do_not_count_for_the_preempted_one() {
     let mut bench = Bench::new(&[]);
     bench.enable(0, 0x40);
     bench.enable(1, 0x20);
@@ -117,9 +117,9 @@ fn the_more_urgent_preempts_and_is_not_charged_to_the_other() {
 }
 
 #[test]
-fn equal_urgency_does_not_preempt() {
+fn an_exception_of_equal_priority_does_not_preempt() {
     let mut bench = Bench::new(&[]);
-    // PRIGROUP 6: only the highest bit of a priority decides about preemption.
+    // PRIGROUP 6: only the highest priority bit decides on preemption.
     bench.poke(0xE000_ED0C, 0x05FA_0600);
     bench.enable(0, 0x60);
     bench.enable(1, 0x20);
@@ -132,13 +132,13 @@ fn equal_urgency_does_not_preempt() {
 }
 
 #[test]
-fn an_urgent_exception_takes_a_late_entry_over() {
+fn a_late_urgent_exception_takes_over_the_entry() {
     let mut bench = Bench::new(&[]);
     bench.enable(0, 0x40);
     bench.enable(1, 0x20);
     bench.cpu.record_activations(true);
     pend(&mut bench, 0);
-    // The entry takes 12 cycles; the other comes within them.
+    // The entry takes 12 cycles. The other exception arrives within them.
     bench.go(1);
     assert_eq!(bench.cpu.exception(), 16);
     pend(&mut bench, 1);
@@ -151,7 +151,7 @@ fn an_urgent_exception_takes_a_late_entry_over() {
 }
 
 #[test]
-fn basepri_holds_back_what_is_not_more_urgent() {
+fn basepri_masks_exceptions_that_are_not_more_urgent() {
     let mut bench = Bench::new(&[0xF380, 0x8811, NOP]);
     bench.cpu.set_register(0, 0x40);
     bench.enable(0, 0x40);
@@ -161,7 +161,7 @@ fn basepri_holds_back_what_is_not_more_urgent() {
     pend(&mut bench, 1);
     bench.go(100);
     assert_eq!(bench.handled(), 17);
-    // MSR BASEPRI, R0 with zero lifts the mask.
+    // MSR BASEPRI, R0 with R0 = 0 removes the mask.
     bench.cpu.set_register(0, 0);
     bench.cpu.set_register(15, MAIN);
     bench.go(100);
@@ -169,7 +169,7 @@ fn basepri_holds_back_what_is_not_more_urgent() {
 }
 
 #[test]
-fn primask_holds_interrupts_but_ends_sleep() {
+fn primask_masks_interrupts_but_they_end_sleep() {
     let mut bench = Bench::new(&[0xB672, WAIT_FOR_INTERRUPT, 0x2401, NOP, 0xB662, NOP]);
     bench.enable(0, 0);
     bench.go(50);
@@ -187,7 +187,7 @@ fn a_line_that_stays_high_pends_again() {
     let mut bench = Bench::new(&[]);
     bench.enable(1, 0);
     bench.cpu.set_register(1, DEVICE);
-    // It lowers its line at the third call: R5 counts.
+    // The handler lowers its line at the third call. R5 counts the calls.
     bench.handler(17, &[0x3501, 0x2D03, 0xBF08, STORE, RETURN]);
     bench.cpu.signals.set_line(1, true);
     bench.go(300);
@@ -196,7 +196,7 @@ fn a_line_that_stays_high_pends_again() {
 }
 
 #[test]
-fn a_line_lowered_before_its_handler_comes_stays_pending() {
+fn an_interrupt_stays_pending_if_its_line_falls_before_the_handler_starts() {
     let mut bench = Bench::new(&[]);
     pend(&mut bench, 0);
     bench.go(5);
@@ -206,7 +206,7 @@ fn a_line_lowered_before_its_handler_comes_stays_pending() {
 }
 
 #[test]
-fn clearing_a_pending_bit_does_not_outdo_a_high_line() {
+fn clearing_a_pending_bit_has_no_effect_while_the_line_is_high() {
     let mut bench = Bench::new(&[]);
     bench.cpu.signals.set_line(3, true);
     bench.go(5);
@@ -218,13 +218,13 @@ fn clearing_a_pending_bit_does_not_outdo_a_high_line() {
 }
 
 #[test]
-fn an_interrupt_within_an_it_block_comes_back_into_it() {
+fn an_interrupt_within_an_it_block_returns_into_it() {
     // CMP R0, R0; ITTE EQ; MOVEQ R1, #1; STREQ R2, [R3]; MOVNE R4, #3; MOVS R5, #1
     let mut bench = Bench::new(&[0x4280, 0xBF06, 0x2101, 0x601A, 0x2403, 0x2501]);
     bench.enable(1, 0);
     bench.cpu.set_register(2, 1);
     bench.cpu.set_register(3, DEVICE);
-    // The handler lowers the line and leaves other flags.
+    // The handler lowers the line and changes the flags.
     bench.handler(17, &[0x2200, 0x601A, 0x2601, RETURN]);
     bench.go(200);
     assert_eq!(bench.cpu.totals(17).count, 1);
@@ -235,7 +235,7 @@ fn an_interrupt_within_an_it_block_comes_back_into_it() {
 }
 
 #[test]
-fn pendsv_waits_for_interrupts() {
+fn pendsv_of_low_priority_waits_for_interrupts() {
     let mut bench = Bench::new(&[]);
     bench.poke(0xE000_ED20, 0x00F0_0000);
     bench.enable(0, 0x20);
@@ -246,7 +246,7 @@ fn pendsv_waits_for_interrupts() {
 }
 
 #[test]
-fn nmi_passes_every_mask() {
+fn nmi_is_not_masked() {
     let mut bench = Bench::new(&[0xB671, NOP, NOP]);
     bench.go(4);
     bench.cpu.signals.set_nmi(true);
@@ -256,14 +256,14 @@ fn nmi_passes_every_mask() {
 }
 
 #[test]
-fn a_supervisor_call_returns_behind_itself() {
+fn a_supervisor_call_returns_to_the_next_instruction() {
     let mut bench = Bench::new(&[0xDF05, 0x2401]);
     bench.go(60);
     assert_eq!((bench.handled(), bench.r(4)), (11, 1));
 }
 
 #[test]
-fn sleep_on_exit_sleeps_without_an_instruction_of_the_thread() {
+fn sleep_on_exit_executes_no_instruction_of_the_thread() {
     let mut bench = Bench::new(&[WAIT_FOR_INTERRUPT, 0x2401]);
     bench.enable(0, 0);
     bench.poke(0xE000_ED10, 2);
@@ -297,7 +297,7 @@ mod float_frames {
     }
 
     #[test]
-    fn a_lazy_frame_is_left_empty_if_the_handler_has_no_floats() {
+    fn lazy_stacking_writes_no_fpu_registers_if_the_handler_uses_none() {
         let mut bench = bench(&[NOP, NOP, NOP, RETURN]);
         bench.go(13);
         assert_eq!(bench.r(14), 0xFFFF_FFE9);
@@ -311,7 +311,7 @@ mod float_frames {
     }
 
     #[test]
-    fn a_lazy_frame_is_filled_by_the_handlers_first_float() {
+    fn the_first_fpu_instruction_of_the_handler_completes_lazy_stacking() {
         let mut bench = bench(&[NOP, FLOAT[0], FLOAT[1], NOP, RETURN]);
         bench.cpu.set_float_register(0, 0x77);
         bench.go(31);
@@ -331,7 +331,7 @@ mod float_frames {
     }
 
     #[test]
-    fn an_eager_frame_is_filled_at_once() {
+    fn without_lazy_stacking_the_fpu_registers_are_written_at_entry() {
         let mut bench = bench(&[NOP, NOP, NOP, RETURN]);
         bench.poke(FPCCR, 1 << 31);
         bench.go(30);
@@ -343,7 +343,7 @@ mod float_frames {
     }
 
     #[test]
-    fn a_nested_handler_without_floats_takes_the_basic_frame() {
+    fn a_nested_handler_without_an_fpu_context_uses_the_basic_frame() {
         let mut bench = bench(&[NOP, NOP, NOP, RETURN]);
         bench.enable(0, 0x40);
         bench.enable(1, 0x20);

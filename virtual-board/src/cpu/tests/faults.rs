@@ -1,4 +1,4 @@
-//! Faults: what a wild pointer, a wild jump or a broken stack become.
+//! Tests faults: invalid addresses, invalid jumps and a broken stack.
 
 use super::*;
 
@@ -14,7 +14,7 @@ const LOAD: u16 = 0x6808;
 /// `STR R0, [R1]`.
 const STORE: u16 = 0x6008;
 
-/// Runs `main` with R1 set, handlers being endless loops, and gives the exception it ends in with CFSR and HFSR.
+/// Runs `main` with R1 set and endless loops as handlers. Returns the exception in which it ends, with CFSR and HFSR.
 fn fault(main: &[u16], r1: u32) -> (Bench, u16, u32, u32) {
     fault_with(main, r1, |_| {})
 }
@@ -33,7 +33,7 @@ fn fault_with(main: &[u16], r1: u32, prepare: impl Fn(&mut Bench)) -> (Bench, u1
 }
 
 #[test]
-fn a_wild_load_is_a_precise_bus_fault_forced_to_hard_fault() {
+fn a_load_from_an_unmapped_address_is_a_precise_bus_fault_and_escalates() {
     let (mut bench, exception, cfsr, hfsr) = fault(&[NOP, LOAD], NOWHERE);
     assert_eq!((exception, cfsr, hfsr), (3, 0x8200, FORCED));
     assert_eq!(bench.peek(BFAR), NOWHERE);
@@ -42,21 +42,21 @@ fn a_wild_load_is_a_precise_bus_fault_forced_to_hard_fault() {
 }
 
 #[test]
-fn a_wild_store_is_an_imprecise_bus_fault_after_the_store() {
+fn a_buffered_store_to_an_unmapped_address_is_an_imprecise_bus_fault() {
     let (mut bench, exception, cfsr, hfsr) = fault(&[NOP, STORE, NOP], NOWHERE);
     assert_eq!((exception, cfsr, hfsr), (3, 0x0400, FORCED));
     assert_eq!(bench.peek(bench.r(13) + 24), MAIN + 4);
 }
 
 #[test]
-fn a_wild_store_without_the_write_buffer_is_precise() {
+fn without_the_write_buffer_a_store_to_an_unmapped_address_is_a_precise_bus_fault() {
     let prepare = |bench: &mut Bench| bench.poke(0xE000_E008, 2);
     let (_, exception, cfsr, _) = fault_with(&[STORE], NOWHERE, prepare);
     assert_eq!((exception, cfsr), (3, 0x8200));
 }
 
 #[test]
-fn an_enabled_handler_takes_its_own_fault() {
+fn an_enabled_fault_handler_handles_its_fault() {
     let prepare = |bench: &mut Bench| bench.poke(SHCSR, 7 << 16);
     let (_, exception, cfsr, hfsr) = fault_with(&[LOAD], NOWHERE, prepare);
     assert_eq!((exception, cfsr, hfsr), (5, 0x8200, 0));
@@ -65,7 +65,7 @@ fn an_enabled_handler_takes_its_own_fault() {
 }
 
 #[test]
-fn an_enabled_handler_that_is_masked_escalates() {
+fn a_masked_fault_handler_escalates_to_hard_fault() {
     // CPSID I; LDR R0, [R1]
     let prepare = |bench: &mut Bench| bench.poke(SHCSR, 7 << 16);
     let (_, exception, cfsr, hfsr) = fault_with(&[0xB672, LOAD], NOWHERE, prepare);
@@ -80,7 +80,7 @@ fn a_jump_to_an_even_address_is_an_invalid_state() {
 }
 
 #[test]
-fn jumps_to_where_no_code_is_are_faults() {
+fn jumps_to_addresses_without_code_are_faults() {
     for (target, status) in [
         (0x4000_0001, 1),
         (0xE000_E001, 1),
@@ -93,13 +93,13 @@ fn jumps_to_where_no_code_is_are_faults() {
 }
 
 #[test]
-fn a_jump_to_a_return_code_in_thread_mode_is_only_a_wild_jump() {
+fn in_thread_mode_a_jump_to_an_exception_return_value_is_a_fault() {
     let (_, exception, cfsr, _) = fault(&[0x4708], 0xFFFF_FFF9);
     assert_eq!((exception, cfsr), (3, 1));
 }
 
 #[test]
-fn an_unaligned_word_is_fine_in_memory_and_a_fault_elsewhere() {
+fn an_unaligned_word_is_allowed_in_memory_and_a_fault_elsewhere() {
     let (bench, exception, ..) = fault(&[LOAD], Memories::SRAM + 1);
     assert_eq!((exception, bench.r(0)), (0, 0));
     let (_, exception, cfsr, _) = fault(&[LOAD], DEVICE + 1);
@@ -113,7 +113,7 @@ fn an_unaligned_word_is_fine_in_memory_and_a_fault_elsewhere() {
 }
 
 #[test]
-fn a_division_by_zero_gives_zero_or_the_fault_that_was_asked_for() {
+fn a_division_by_zero_gives_zero_or_a_fault_if_the_trap_is_enabled() {
     // UDIV R0, R1, R2
     let (bench, exception, ..) = fault(&[0xFBB1, 0xF0F2], 7);
     assert_eq!((exception, bench.r(0)), (0, 0));
@@ -123,7 +123,7 @@ fn a_division_by_zero_gives_zero_or_the_fault_that_was_asked_for() {
 }
 
 #[test]
-fn floats_without_the_fpu_are_a_fault() {
+fn an_fpu_instruction_with_the_fpu_disabled_is_a_fault() {
     let off = |bench: &mut Bench| bench.poke(0xE000_ED88, 0);
     let (_, exception, cfsr, _) = fault_with(&[0xEEB7, 0x0A00], 0, off);
     assert_eq!((exception, cfsr), (3, 1 << 19));
@@ -136,14 +136,14 @@ fn a_breakpoint_without_a_debugger_is_a_hard_fault() {
 }
 
 #[test]
-fn a_stack_that_has_run_out_of_ram_still_reaches_hard_fault() {
+fn a_stack_overflow_out_of_ram_still_reaches_hard_fault() {
     let below = |bench: &mut Bench| bench.cpu.set_register(13, Memories::SRAM + 8);
     let (_, exception, cfsr, hfsr) = fault_with(&[LOAD], NOWHERE, below);
     assert_eq!((exception, cfsr, hfsr), (3, 0x9200, FORCED));
 }
 
 #[test]
-fn an_interrupt_whose_frame_does_not_fit_is_a_fault_of_stacking() {
+fn an_interrupt_whose_frame_does_not_fit_in_ram_is_a_stacking_fault() {
     let mut bench = Bench::new(&[]);
     bench.handler(3, &[SELF_LOOP]);
     bench.enable(0, 0x20);
@@ -169,11 +169,11 @@ fn a_fault_in_hard_fault_locks_up() {
 }
 
 #[test]
-fn a_vector_that_points_nowhere_is_a_hard_fault_of_its_own() {
+fn an_unreadable_vector_is_a_hard_fault() {
     let mut bench = Bench::new(&[]);
     bench.handler(3, &[SELF_LOOP]);
     bench.enable(0, 0x20);
-    // The table moves to where nothing answers, but for HardFault's vector.
+    // Only the HardFault entry of the moved vector table is mapped.
     bench.poke(0xE000_ED08, Memories::SRAM + 0x1_0000 - 0x40);
     let handler = bench.peek(Memories::FLASH + 12);
     bench.poke(Memories::SRAM + 0x1_0000 - 0x80 + 12, handler);
@@ -182,7 +182,7 @@ fn a_vector_that_points_nowhere_is_a_hard_fault_of_its_own() {
     bench.vector(16, 0);
     bench.cpu.signals.set_line(0, true);
     bench.go(60);
-    // The aligned table holds vector 16: it reads as zero, which is no Thumb code.
+    // The aligned table holds vector 16. It reads as zero, which is not a Thumb address.
     assert_eq!(bench.cpu.exception(), 3);
     assert_eq!(bench.peek(CFSR), 1 << 17);
 }
@@ -205,7 +205,7 @@ fn a_return_to_thread_from_a_nested_handler_is_refused() {
 }
 
 #[test]
-fn what_the_board_has_no_model_of_stops_the_run_and_names_it() {
+fn an_unmodelled_access_stops_the_run_and_names_the_register() {
     let mut bench = Bench::new(&[LOAD]);
     bench.cpu.set_register(1, UNMODELLED);
     let Stop::Unmodelled(what) = bench.run(100) else {
@@ -230,7 +230,7 @@ fn what_the_board_has_no_model_of_stops_the_run_and_names_it() {
 }
 
 #[test]
-fn an_instruction_whose_effect_is_open_stops_the_run() {
+fn an_unpredictable_instruction_stops_the_run() {
     // LDM R1!, {R1, R2}
     let mut bench = Bench::new(&[0xE8B1, 0x0006]);
     let Stop::Unmodelled(what) = bench.run(100) else {

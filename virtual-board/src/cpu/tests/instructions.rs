@@ -1,4 +1,4 @@
-//! Instructions at their edges. That every encoding does what it should is compared in `virtual-board/reference`.
+//! Tests edge cases of instructions. `virtual-board/reference` compares every encoding.
 
 use super::*;
 
@@ -8,7 +8,7 @@ const C: u32 = 1 << 29;
 const V: u32 = 1 << 28;
 const Q: u32 = 1 << 27;
 
-/// Executes one instruction with R0 to R3 set, and gives R0 and the flags.
+/// Executes one instruction with R0 to R3 set. Returns R0 and the flags.
 fn execute(code: &[u16], registers: [u32; 4], flags: u32) -> (u32, u32) {
     let mut bench = Bench::new(code);
     for (n, value) in registers.into_iter().enumerate() {
@@ -54,7 +54,7 @@ fn shifts_by_32_and_more() {
 }
 
 #[test]
-fn an_it_block_executes_what_holds_and_leaves_the_flags() {
+fn an_it_block_executes_the_matching_instructions_and_keeps_the_flags() {
     // ITTE EQ; MOVEQ R0, #1; MOVEQ R1, #2; MOVNE R2, #3
     let code = [0xBF06, 0x2001, 0x2102, 0x2203];
     for (flags, expected) in [(Z, [1, 2, 9]), (0, [9, 9, 3])] {
@@ -88,7 +88,7 @@ fn saturation_sets_the_sticky_flag_and_nothing_else() {
 }
 
 #[test]
-fn parallel_sums_say_by_lane_where_they_carried() {
+fn parallel_sums_set_ge_for_each_lane_that_carried() {
     const SADD8: &[u16] = &[0xFA81, 0xF002];
     const UADD16: &[u16] = &[0xFA91, 0xF042];
     const SEL: &[u16] = &[0xFAA1, 0xF082];
@@ -118,7 +118,7 @@ fn a_dual_product_overflows_only_in_the_sum() {
 }
 
 #[test]
-fn the_longest_product_of_all_fits() {
+fn the_largest_accumulated_product_fits_in_64_bits() {
     // UMAAL R0, R1, R2, R3
     let mut bench = Bench::new(&[0xFBE2, 0x0163]);
     for n in 0..4 {
@@ -165,7 +165,7 @@ fn bit_band_aliases_are_single_bits() {
 }
 
 #[test]
-fn flash_that_changes_is_decoded_anew() {
+fn changed_flash_is_decoded_again() {
     let mut bench = Bench::new(&[0x2001, SELF_LOOP]);
     bench.go(10);
     bench.code(MAIN, &[0x2002]);
@@ -175,7 +175,7 @@ fn flash_that_changes_is_decoded_anew() {
 }
 
 #[test]
-fn code_in_ram_may_change_under_way() {
+fn code_in_ram_may_change_while_it_runs() {
     // RAM: ADDS R0, #1; BX LR. Then the same place: ADDS R0, #2.
     let mut bench = Bench::new(&[0x4788, 0x801A, 0x4788]);
     bench.board.memories.sram[..4].copy_from_slice(&[0x01, 0x30, 0x70, 0x47]);
@@ -202,7 +202,7 @@ fn a_breakpoint_ends_a_run_once_each_time() {
 mod floats {
     use super::*;
 
-    /// Executes one instruction with S0, S1 and S2 set, and gives S0 and FPSCR.
+    /// Executes one instruction with S0, S1 and S2 set. Returns S0 and FPSCR.
     fn execute(code: [u16; 2], registers: [f32; 3], status: u32) -> (f32, u32) {
         let mut bench = Bench::new(&code);
         bench.go(0);
@@ -232,7 +232,7 @@ mod floats {
     const FLUSH: u32 = 1 << 24;
 
     #[test]
-    fn halfway_cases_go_to_even_and_directed_ones_where_they_should() {
+    fn ties_round_to_even_and_directed_modes_round_in_their_direction() {
         let half_ulp = f32::EPSILON / 2.0;
         let next = 1.0 + f32::EPSILON;
         let sum = |a, status| execute(ADD, [a, half_ulp, 0.0], status).0;
@@ -249,7 +249,7 @@ mod floats {
 
     #[test]
     fn a_result_just_below_the_normal_numbers_has_underflowed() {
-        // The exact quotient rounds up to the least normal number.
+        // The exact quotient rounds up to the smallest normal number.
         let below = f32::from_bits(0x00FF_FFFF);
         let (result, status) = execute(DIV, [below, 2.0, 0.0], 0);
         assert_eq!(result, f32::MIN_POSITIVE);
@@ -259,7 +259,7 @@ mod floats {
     }
 
     #[test]
-    fn exceptions_leave_their_flags() {
+    fn floating_point_exceptions_set_their_flags() {
         assert_eq!(execute(DIV, [1.0, 0.0, 0.0], 0), (f32::INFINITY, BY_ZERO));
         assert_eq!(execute(DIV, [0.0, 0.0, 0.0], 0).1, INVALID);
         assert_eq!(
@@ -286,9 +286,9 @@ mod floats {
     }
 
     #[test]
-    fn chained_rounds_twice_and_fused_once() {
+    fn a_chained_multiply_add_rounds_twice_and_a_fused_one_once() {
         let x = 1.0 + f32::EPSILON;
-        // x² = 1 + 2ε + ε²: the product loses ε² before 1 + 2ε is taken away.
+        // x² = 1 + 2ε + ε². The rounded product loses ε² before 1 + 2ε is subtracted.
         let registers = [-(1.0 + 2.0 * f32::EPSILON), x, x];
         let chained = [MLA[0], MLA[1]];
         assert_eq!(execute(chained, registers, 0).0, 0.0);

@@ -1,4 +1,4 @@
-//! The core on a bench: code in flash, RAM, and one device with an interrupt line.
+//! A test bench for the core: code in flash, RAM, and one device with an interrupt line.
 
 mod exceptions;
 mod faults;
@@ -7,15 +7,15 @@ mod time;
 
 use super::{Bus, Cpu, Memories, Refusal, Signals, Stop, Width};
 
-/// Where `Bench::main` begins.
+/// Address of `Bench::main`.
 const MAIN: u32 = 0x0800_0400;
 /// Top of the stack.
 const STACK: u32 = 0x2000_1000;
-/// A device: what is written to it is the level of interrupt line 1; it reads as the last value written.
+/// Address of a device. Writing it sets the level of interrupt line 1. It reads as the last written value.
 const DEVICE: u32 = 0x4000_0000;
-/// A device that the board has no model of.
+/// Address of a device that the board does not model.
 const UNMODELLED: u32 = 0x4000_0100;
-/// Nothing at all.
+/// An unmapped address.
 const NOWHERE: u32 = 0x6000_0000;
 
 const SELF_LOOP: u16 = 0xE7FE;
@@ -63,7 +63,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// A core that has been reset to `main`, with the FPU on and handlers that note their number in R7.
+    /// A core after reset that executes `main`. The FPU is on, and each handler records its number in R7.
     fn new(main: &[u16]) -> Self {
         let board = Board {
             memories: Memories::new(0x1_0000, 0x1_0000, 0x1000),
@@ -99,21 +99,21 @@ impl Bench {
         }
     }
 
-    /// A handler of one's own.
+    /// Replaces the handler of an exception.
     fn handler(&mut self, number: u16, code: &[u16]) {
         let at = 0x0800_1000 + u32::from(number) * 64;
         self.code(at, code);
         self.vector(number, at | 1);
     }
 
-    /// Writes a word as the core does.
+    /// Writes a word through the core.
     fn poke(&mut self, address: u32, value: u32) {
         let Ok(()) = self.cpu.write(&mut self.board, address, Width::Word, value) else {
             panic!("{address:#x} cannot be written");
         };
     }
 
-    /// Reads a word as the core does.
+    /// Reads a word through the core.
     fn peek(&mut self, address: u32) -> u32 {
         match self.cpu.read(&mut self.board, address, Width::Word) {
             Ok(value) => value,
@@ -131,7 +131,7 @@ impl Bench {
         self.cpu.run(&mut self.board, until)
     }
 
-    /// Runs for so many cycles, which nothing may end early.
+    /// Runs for `cycles` and checks that nothing ends the run early.
     fn go(&mut self, cycles: u64) {
         assert_eq!(self.run(cycles), Stop::Deadline);
     }
@@ -140,7 +140,7 @@ impl Bench {
         self.cpu.register(number)
     }
 
-    /// The exceptions that have been handled, as digits.
+    /// The handled exceptions, as hexadecimal digits.
     fn handled(&self) -> u32 {
         self.r(7)
     }

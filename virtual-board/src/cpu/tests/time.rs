@@ -1,10 +1,10 @@
-//! Time: SysTick, sleep, the cycle counter, flash.
+//! Tests of timing: SysTick, sleep, the cycle counter, and flash.
 
 use super::*;
 use crate::cpu::FlashTiming;
 
 #[test]
-fn systick_comes_every_reload_and_one_cycles() {
+fn systick_fires_every_reload_value_plus_one_cycles() {
     let mut bench = Bench::new(&[WAIT_FOR_INTERRUPT, 0xE7FD]);
     bench.cpu.record_activations(true);
     bench.poke(0xE000_E014, 999);
@@ -22,7 +22,7 @@ fn systick_comes_every_reload_and_one_cycles() {
 }
 
 #[test]
-fn sleep_ends_exactly_where_the_board_wakes_it() {
+fn sleep_ends_exactly_at_the_cycle_of_the_wake_up() {
     let mut bench = Bench::new(&[WAIT_FOR_INTERRUPT, 0xE7FD]);
     bench.enable(0, 0);
     bench.cpu.record_activations(true);
@@ -36,7 +36,7 @@ fn sleep_ends_exactly_where_the_board_wakes_it() {
 }
 
 #[test]
-fn an_event_lets_one_wait_pass() {
+fn an_event_ends_one_wait_for_event() {
     // SEV; WFE; MOVS R0, #1; WFE; MOVS R0, #2
     let mut bench = Bench::new(&[0xBF40, 0xBF20, 0x2001, 0xBF20, 0x2002]);
     bench.go(100);
@@ -45,7 +45,7 @@ fn an_event_lets_one_wait_pass() {
 }
 
 #[test]
-fn the_cycle_counter_counts_what_is_not_slept() {
+fn the_cycle_counter_stops_during_sleep() {
     let mut bench = Bench::new(&[NOP, NOP, NOP, WAIT_FOR_INTERRUPT]);
     bench.poke(0xE000_1004, 100);
     bench.poke(0xE000_1000, 1);
@@ -54,7 +54,7 @@ fn the_cycle_counter_counts_what_is_not_slept() {
 }
 
 #[test]
-fn a_run_ends_at_its_cycle_whatever_it_was_asked_before() {
+fn each_run_ends_at_its_own_deadline() {
     let mut bench = Bench::new(&[]);
     for length in [1, 7, 1000, 3] {
         let before = bench.cpu.signals.cycle();
@@ -68,7 +68,7 @@ fn a_run_ends_at_its_cycle_whatever_it_was_asked_before() {
 }
 
 #[test]
-fn flash_waits_where_nothing_has_been_read_ahead() {
+fn a_fetch_waits_for_flash_that_was_not_prefetched() {
     let main = nops(64);
     let cycles = |timing: FlashTiming| {
         let mut bench = Bench::new(&main);
@@ -93,7 +93,7 @@ fn flash_waits_where_nothing_has_been_read_ahead() {
         prefetch: true,
         ..slow
     };
-    // Eight instructions a line hide the six cycles of reading the next.
+    // Eight instructions per line hide the six cycles of reading the next line.
     assert_eq!(cycles(ahead)[0], 64 + 5);
     let cached = FlashTiming {
         instruction_cache: true,
@@ -103,7 +103,7 @@ fn flash_waits_where_nothing_has_been_read_ahead() {
 }
 
 #[test]
-fn instructions_wait_for_what_the_one_before_has_yet_to_give() {
+fn an_instruction_waits_for_the_result_of_the_previous_one() {
     const RAM: u32 = 0x2000_0100;
     const ADD_R0_0: u16 = 0x3000;
     const LOAD_R1_AT_R0: u16 = 0x6801;
@@ -127,18 +127,18 @@ fn instructions_wait_for_what_the_one_before_has_yet_to_give() {
         assert_eq!(bench.run(1_000), Stop::Breakpoint(end));
         bench.cpu.signals.cycle() - before
     };
-    // Loads overlap unless one's address is the other's result; nothing overlaps with a store before it.
+    // Loads overlap unless the address of one is the result of the other. Nothing overlaps with a preceding store.
     assert_eq!(cycles(&[&[LOAD_R1_AT_R0]]), 2);
     assert_eq!(cycles(&[&[LOAD_R1_AT_R0, LOAD_R2_AT_R0]]), 2 + 1);
     assert_eq!(cycles(&[&[LOAD_R2_AT_R0, LOAD_R3_AT_R2]]), 2 + 2);
     assert_eq!(cycles(&[&[LOAD_R1_AT_R0, STORE_R1_AT_R0]]), 2 + 1);
     assert_eq!(cycles(&[&[STORE_R1_AT_R0, LOAD_R1_AT_R0]]), 1 + 2);
     assert_eq!(cycles(&[&[STORE_R1_AT_R0_R3, LOAD_R1_AT_R0]]), 2 + 2);
-    // A base that was computed right before.
+    // The base register was computed by the preceding instruction.
     assert_eq!(cycles(&[&[ADD_R0_0, LOAD_R1_AT_R0]]), 1 + 1 + 2);
     assert_eq!(cycles(&[&[ADD_R0_0, NOP, LOAD_R1_AT_R0]]), 1 + 1 + 2);
     assert_eq!(cycles(&[&[ADD_R0_0, STORE_R1_AT_R0]]), 1 + 1 + 1);
-    // Numbers of the FPU, but for an addend.
+    // FPU results delay the next instruction, unless it uses them as the addend of a multiplication.
     assert_eq!(cycles(&[&ADD_S0_S1_S2, &ADD_S3_S0_S0]), 1 + 1 + 1);
     assert_eq!(cycles(&[&ADD_S0_S1_S2, &[NOP], &ADD_S3_S0_S0]), 1 + 1 + 1);
     assert_eq!(cycles(&[&ADD_S0_S1_S2, &ADD_S4_S0_TIMES_S5]), 1 + 1 + 3);

@@ -1,18 +1,18 @@
-//! Decimal text of `f32`, in single precision: core's conversions serve every float exactly and take some 30 KiB
-//! of flash for it.
+//! Decimal text of `f32` in single precision. The conversions of `core` are exact for every float, but need some 30 KiB of
+//! flash.
 
 use core::fmt;
 
-/// Significant digits of [`Decimal`]; that many survive a text, a float and a text again.
+/// Significant digits that [`Decimal`] writes. A number with this many digits is unchanged after it is parsed and written.
 const SIGNIFICANT_DIGITS: u32 = 6;
-/// Digits of a mantissa that are read; further ones are below the resolution.
+/// Number of mantissa digits that are read. Further digits are below the resolution.
 const MANTISSA_DIGITS: u32 = 9;
-/// Exponents beyond this give 0 or overflow anyway.
+/// Largest exponent that is evaluated. Larger ones give 0 or overflow anyway.
 const MAX_EXPONENT: i32 = 99;
 
-/// The number that a text such as `-12.5` or `3e-4` stands for; `None` for anything else.
+/// Parses a number such as `-12.5` or `3e-4`. Returns `None` for other text.
 ///
-/// Correctly rounded up to seven digits and ten decimals, to the last bits beyond.
+/// The result is correctly rounded for up to seven digits and ten decimals. Otherwise the last bits may differ.
 pub fn parse(text: &str) -> Option<f32> {
     let bytes = text.as_bytes();
     let (negative, bytes) = signed(bytes);
@@ -82,7 +82,7 @@ fn scaled(mut value: f32, mut exponent: i32) -> f32 {
     value
 }
 
-/// Shows a number with up to six significant digits and no trailing zeros.
+/// Displays a number with up to six significant digits and without trailing zeros.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decimal(pub f32);
 
@@ -128,7 +128,7 @@ impl fmt::Display for Decimal {
     }
 }
 
-/// Shows a number with a fixed count of decimals, up to nine; large ones as [`Decimal`] does.
+/// Displays a number with a fixed number of decimals, up to nine. Large numbers are displayed like [`Decimal`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fixed(pub f32, pub u32);
 
@@ -147,7 +147,7 @@ impl fmt::Display for Fixed {
     }
 }
 
-/// `digits` with a point before the last `decimals` of them.
+/// Writes `digits` with a decimal point before the last `decimals` of them.
 fn fixed(f: &mut fmt::Formatter<'_>, digits: u32, decimals: u32) -> fmt::Result {
     match 10_u32.checked_pow(decimals) {
         None | Some(0 | 1) => write!(f, "{digits}"),

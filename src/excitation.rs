@@ -1,20 +1,20 @@
-//! Test signals, generated on the device so that simulation and hardware run the same.
+//! Excitation signals. They are generated on the device, so that simulation and hardware use the same signals.
 
 use core::fmt;
 
 use crate::phase::{self, Phase};
 
-/// Harmonics of a multisine: 1 to this, all of the same amplitude.
+/// Number of harmonics of a multisine. All have the same amplitude.
 pub const MULTISINE_HARMONICS: u32 = 6;
-/// Peak of the sum of that many unit sines with Schroeder's phases.
+/// Peak of the sum of these unit sines with Schroeder's phases.
 const MULTISINE_PEAK: f32 = 3.3155;
-/// A ramp stops once the paddle has moved this far, rad (0.5 degrees).
+/// A ramp stops when the paddle has moved by this, rad (0.5 degrees).
 const BREAKAWAY_RAD: f32 = 0.008_726_6;
 
-/// Form of a test signal.
+/// Form of an excitation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
-    /// Constant from the first tick on.
+    /// Constant from the first tick.
     Step,
     /// Sine.
     Sine,
@@ -22,16 +22,16 @@ pub enum Shape {
     Square,
     /// Triangle wave.
     Triangle,
-    /// Sine whose frequency goes linearly from `frequency_hz` to `end_frequency_hz` over the duration.
+    /// Sine whose frequency changes linearly from `frequency_hz` to `end_frequency_hz` over the duration.
     Chirp,
-    /// The first six harmonics of `frequency_hz`, flat, with Schroeder's phases for a low peak.
+    /// The first six harmonics of `frequency_hz` with equal amplitudes and Schroeder's phases, which give a low peak.
     Multisine,
-    /// From 0 linearly to the amplitude over the duration, or until the paddle breaks away.
+    /// Linear from 0 to the amplitude over the duration, or until the paddle starts to move.
     Ramp,
 }
 
 impl Shape {
-    /// All shapes with the names that the console uses.
+    /// All shapes with their names in the console.
     pub const NAMED: [(&'static str, Self); 7] = [
         ("step", Self::Step),
         ("sine", Self::Sine),
@@ -43,8 +43,8 @@ impl Shape {
     ];
 }
 
-/// A test signal. Amplitude and offset are in the unit of the mode: rad in position mode, N m at the motor in
-/// torque mode; they add to the reference.
+/// An excitation. Amplitude and offset are in the unit of the mode: rad in position mode, N m at the motor in torque mode.
+/// They add to the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excitation {
     /// Form.
@@ -53,16 +53,16 @@ pub struct Excitation {
     pub amplitude: f32,
     /// Constant part.
     pub offset: f32,
-    /// Frequency, Hz; of a chirp the first one, of a multisine the fundamental. No meaning for step and ramp.
+    /// Frequency, Hz: start frequency of a chirp, fundamental of a multisine. Unused for step and ramp.
     pub frequency_hz: f32,
-    /// Last frequency of a chirp, Hz.
+    /// End frequency of a chirp, Hz.
     pub end_frequency_hz: f32,
-    /// How long, s; 0 = until stopped.
+    /// Duration, s. 0 = until stopped.
     pub duration_s: f32,
 }
 
 impl Excitation {
-    /// A step of `amplitude` that lasts until stopped.
+    /// A step by `amplitude` that lasts until stopped.
     pub const fn step(amplitude: f32) -> Self {
         Self {
             shape: Shape::Step,
@@ -74,11 +74,13 @@ impl Excitation {
         }
     }
 
-    /// Whether it makes sense on a paddle: its position loop follows some 20 Hz, and at 100 Hz the motor's clamp moves it by
-    /// a tenth of a degree.
+    /// Checks that the signal is sensible for a paddle. The position loop follows up to about 20 Hz. At 100 Hz the largest
+    /// motor torque moves the paddle by a tenth of a degree.
     ///
     /// # Errors
-    /// [`ExcitationError::TooFast`] above 500 Hz, [`ExcitationError::Endless`] above 50 Hz without an end within a minute.
+    ///
+    /// [`ExcitationError::TooFast`] above 500 Hz, and [`ExcitationError::Endless`] above 50 Hz without an end within a
+    /// minute.
     pub fn check_sense(&self) -> Result<(), ExcitationError> {
         const FASTEST_HZ: f32 = 500.0;
         const FASTEST_ENDLESS_HZ: f32 = 50.0;
@@ -114,15 +116,15 @@ impl Excitation {
 pub enum ExcitationError {
     /// A number is negative where it must not be, or not finite.
     BadNumber,
-    /// A chirp or a ramp without end has no slope.
+    /// A chirp or a ramp needs a duration for its slope.
     NeedsDuration,
-    /// The frequency is above half the rate of the position loop, or 0 for a wave.
+    /// The frequency is above half the rate of the position loop, or it is 0 for a periodic signal.
     BadFrequency,
-    /// No paddle follows that.
+    /// The paddle cannot follow the frequency.
     TooFast,
-    /// A fast signal needs an end.
+    /// A fast signal needs a duration.
     Endless,
-    /// With the reference it goes beyond the travel or the torque limit.
+    /// Together with the reference, the signal exceeds the travel or the torque limit.
     OutOfRange,
     /// The controller is off.
     Disarmed,
@@ -170,7 +172,8 @@ impl Generator {
     /// A generator for ticks of `tick_s`.
     ///
     /// # Errors
-    /// [`ExcitationError`] for numbers that make no signal.
+    ///
+    /// [`ExcitationError`] for invalid parameters.
     pub fn new(excitation: &Excitation, tick_s: f32) -> Result<Self, ExcitationError> {
         let &Excitation {
             shape,
@@ -234,7 +237,7 @@ impl Generator {
         })
     }
 
-    /// The value for this tick; `None` once it is over. The paddle stands at `position_rad`.
+    /// The value for this tick. `None` after the end. `position_rad` is the present position of the paddle.
     #[inline]
     pub fn next(&mut self, position_rad: f32) -> Option<f32> {
         if self.breakaway.is_some() || (self.ticks != 0 && self.tick >= self.ticks) {
@@ -265,16 +268,16 @@ impl Generator {
         Some(self.offset + wave)
     }
 
-    /// The value of a ramp at which the paddle broke away.
+    /// The value of a ramp at which the paddle started to move.
     pub fn breakaway(&self) -> Option<f32> {
         self.breakaway
     }
 }
 
-/// Sum of the harmonics, at most 1. Schroeder's phases for a flat spectrum: -pi k (k - 1) / N
-/// (IEEE Transactions on Information Theory 16, 1970, p. 85).
+/// Sum of the harmonics, at most 1. Schroeder's phases for a flat spectrum are -pi k (k - 1) / N (IEEE Transactions on
+/// Information Theory 16, 1970, p. 85).
 ///
-/// The sum is the imaginary part of a polynomial in exp(i phase), by Horner's scheme: one sine and cosine for all.
+/// The sum is the imaginary part of a polynomial in exp(i phase). Horner's scheme needs only one sine and one cosine.
 #[inline]
 fn multisine(phase: Phase) -> f32 {
     const HALF_ROOT_3: f32 = 0.866_025_4;

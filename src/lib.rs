@@ -1,6 +1,6 @@
-//! Control core of a one-axis haptic paddle: measurement in, duty out.
+//! Control core of a one-axis haptic paddle. It turns measurements into a duty.
 //!
-//! The way of the data, once a control period, in [`controller::Controller::step`]:
+//! The data flow of one control period, in [`controller::Controller::step`]:
 //!
 //! ```text
 //! sensing      counts         -> angles, current
@@ -11,8 +11,8 @@
 //! telemetry    tells a computer
 //! ```
 //!
-//! Everything is `f32`, allocates nothing and panics nowhere. Angles are radians at the paddle and torques are
-//! N m at the motor, unless a name says otherwise; [`settings`] are in the units that people use.
+//! All numbers are `f32`. The core does not allocate memory and does not panic. Angles are radians at the paddle and torques
+//! are N m at the motor, unless a name says otherwise. [`settings`] are in user units.
 //!
 //! ```
 //! use haptic_paddle::controller::{Controller, Duty, Measurement, Mode, TickRate};
@@ -32,7 +32,7 @@
 //! ```
 #![no_std]
 
-/// On a host only, where a console may write into a string.
+/// On a host only, a console may write into a string.
 #[cfg(not(target_os = "none"))]
 extern crate std;
 

@@ -1,11 +1,11 @@
-//! Step metrics as the lab report takes them, streaming, in constant memory.
+//! Metrics of a step response as the lab report defines them, computed sample by sample in constant memory.
 
 use crate::estimate::low_pass::{self, LowPass};
 
-/// Time constant of the mean that is the steady-state error.
+/// Time constant of the weighted mean that gives the steady-state error, s.
 const STEADY_STATE_S: f32 = 0.02;
 
-/// Follows a step response sample by sample.
+/// Computes the metrics of a step response sample by sample.
 #[derive(Clone, Copy, Debug)]
 pub struct StepMetrics {
     tick_s: f32,
@@ -20,25 +20,26 @@ pub struct StepMetrics {
     error_rad: LowPass,
 }
 
-/// The figures of a step response so far.
+/// The metrics of a step response so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {
-    /// How far the position went beyond the target, rad; 0 if never.
+    /// Largest excess of the position over the target, rad. 0 without overshoot.
     pub overshoot_rad: f32,
-    /// First crossing of the target, s after the step; `None` if it was never reached.
+    /// Time from the step to the first crossing of the target, s. `None` if it was never reached.
     pub rise_s: Option<f32>,
-    /// Last time outside the band, s after the step; 0 if never outside, `None` if the last sample is outside.
+    /// Time from the step to the last sample outside the band, s. 0 if no sample was outside. `None` if the last sample is
+    /// outside.
     pub settling_s: Option<f32>,
-    /// Target minus position, rad: mean with exponential weights of 20 ms, most recent heaviest.
+    /// Target minus position, rad: a mean with exponential weights of 20 ms, in which the latest sample weighs most.
     pub steady_state_error_rad: f32,
-    /// Time followed, s.
+    /// Time since the step, s.
     pub elapsed_s: f32,
 }
 
 impl StepMetrics {
-    /// Follows the step from `from_rad` to `target_rad`; the next sample is the one at time 0.
+    /// Starts at the step from `from_rad` to `target_rad`. The next sample is the one at time 0.
     ///
-    /// Settled means within `band_rad` of the target. Samples come every `tick_s`.
+    /// The response counts as settled within `band_rad` of the target. Samples come every `tick_s`.
     pub fn start(from_rad: f32, target_rad: f32, band_rad: f32, tick_s: f32) -> Self {
         let mut error_rad = LowPass::new(low_pass::gain(
             1.0 / (core::f32::consts::TAU * STEADY_STATE_S),
@@ -59,7 +60,7 @@ impl StepMetrics {
         }
     }
 
-    /// Takes the next sample, rad.
+    /// Processes the next sample, rad.
     #[inline]
     pub fn update(&mut self, position_rad: f32) {
         let beyond_rad = self.direction * (position_rad - self.target_rad);
@@ -77,7 +78,7 @@ impl StepMetrics {
         self.tick = self.tick.saturating_add(1);
     }
 
-    /// The figures so far.
+    /// The metrics so far.
     pub fn report(&self) -> StepReport {
         let seconds = |tick: u32| tick as f32 * self.tick_s;
         StepReport {

@@ -1,4 +1,4 @@
-//! Binary angles: a turn is 2^32, so that wrapping integer addition is exact for ever.
+//! Binary angles: one turn is 2^32, so that wrapping integer addition stays exact.
 
 use core::f32::consts::TAU;
 
@@ -10,28 +10,28 @@ const UNITS_PER_FULL_SCALE: f32 = 1.0 / 2_147_483_648.0;
 pub struct Phase(pub u32);
 
 impl Phase {
-    /// From an angle in radians; whole turns are dropped. Good to the 24 bits of `f32`.
+    /// Converts an angle in radians. Whole turns are dropped. The resolution is the 24 bits of `f32`.
     #[inline]
     pub fn from_rad(angle_rad: f32) -> Self {
         let turns = angle_rad * (1.0 / TAU);
         let part = turns - turns as i32 as f32;
-        // Half the counts, because those of a whole turn either way do not fit 32 bits.
+        // The factor is half a turn, because a whole turn in either direction does not fit into an `i32`.
         Self(((part * (0.5 * COUNTS_PER_TURN)) as i32 as u32) << 1)
     }
 
-    /// This phase moved on by `counts` (2^32 a turn).
+    /// This phase plus `counts` (2^32 per turn).
     #[inline]
     pub fn advanced(self, counts: u32) -> Self {
         Self(self.0.wrapping_add(counts))
     }
 
-    /// Sine, to 1e-5.
+    /// Sine with an error of 1e-5.
     #[inline]
     pub fn sin(self) -> f32 {
         idsp::cossin(self.0 as i32).1 as f32 * UNITS_PER_FULL_SCALE
     }
 
-    /// Cosine and sine, to 1e-5.
+    /// Cosine and sine with an error of 1e-5.
     #[inline]
     pub fn cos_sin(self) -> (f32, f32) {
         let (cos, sin) = idsp::cossin(self.0 as i32);
@@ -60,8 +60,9 @@ impl Phase {
     }
 }
 
-/// Increment per tick of `tick_s` for `frequency_hz`, as a fraction of a turn in 64 bits: a [`Phase`] and 32 more.
+/// Phase increment per tick of `tick_s` for `frequency_hz`: a [`Phase`] with 32 more fractional bits.
 ///
+/// It is exact except for the rounding of the product. Frequencies above half the tick rate are lowered to it.
 /// Exact but for the rounding of the product; frequencies above half the tick rate are lowered to it.
 pub fn increment(frequency_hz: f32, tick_s: f32) -> i64 {
     (crate::scalar::limit(frequency_hz * tick_s, 0.5) * COUNTS_PER_TURN * COUNTS_PER_TURN) as i64
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_of_either_sign_and_beyond_a_turn_have_their_sine() {
+    fn the_sine_is_right_for_negative_angles_and_beyond_a_turn() {
         for step in -1000..=1000 {
             let angle_rad = 0.01 * step as f32;
             let expected = libm::sinf(angle_rad);

@@ -1,18 +1,18 @@
-//! What `f32` of `core` lacks.
+//! Functions of `f32` that `core` lacks.
 
-/// `value` limited to `-limit ..= limit`. Unlike [`f32::clamp`] it never panics, and NaN stays NaN so that it is noticed.
+/// `value` limited to `-limit ..= limit`. Unlike [`f32::clamp`] it never panics. NaN stays NaN, so that it is detected.
 #[inline]
 pub fn limit(value: f32, limit: f32) -> f32 {
     let below = if value > limit { limit } else { value };
     if below < -limit { -limit } else { below }
 }
 
-/// A state that decays is over far below this.
+/// A decaying state below this counts as zero.
 const NEGLIGIBLE: f32 = 1e-20;
 
-/// 0 for a value that decayed to nothing: subnormal numbers are many times slower on most processors.
+/// Returns 0 for a negligible value. Subnormal numbers are many times slower on most processors.
 ///
-/// The sum rounds away what is smaller than its last bit, and a value above 1e-12 is too large to notice.
+/// The addition rounds away small values. The resulting error of values above 1e-12 is not noticeable.
 #[inline]
 pub fn flushed(value: f32) -> f32 {
     (value + NEGLIGIBLE) - NEGLIGIBLE
@@ -23,7 +23,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_decayed_is_flushed_and_the_rest_stays() {
+    fn negligible_values_are_flushed_to_zero_and_others_are_kept() {
         for decayed in [1e-40, -1e-40, 1e-30, -1e-30] {
             assert_eq!(flushed(decayed), 0.0);
         }

@@ -1,4 +1,4 @@
-//! Angles in degrees for people, in radians for the arithmetic.
+//! Conversion between degrees, for people, and radians, for calculations.
 
 use core::f32::consts::PI;
 

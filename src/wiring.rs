@@ -1,29 +1,29 @@
-//! Check of the wiring before the position loop may close: a small push by the motor must turn encoder and Hall
-//! sensor the positive way. A sign that is wrong makes the loop run away.
+//! Check of the wiring before the position loop is armed. A small torque of the motor must turn encoder and Hall sensor in
+//! the positive direction. With a wrong sign, the loop would run away.
 
 use core::fmt;
 
 use crate::units::RAD_PER_DEG;
 
-/// Torque of the push, N m at the motor: three times the dry friction of a paddle, a sixth of the clamp.
+/// Torque of the push, N m at the motor: three times the dry friction of a paddle, a sixth of the motor's torque limit.
 pub const PUSH_NM: f32 = 0.005;
-/// The push ends when a sensor has seen this much motion, rad,
+/// Motion of a sensor at which the push ends, rad.
 const ENOUGH_RAD: f32 = 2.0 * RAD_PER_DEG;
-/// or after this time, s.
+/// Longest push, s.
 const LONGEST_PUSH_S: f32 = 0.15;
-/// Less than this, rad, is noise of the Hall sensor or slack, and no motion.
+/// Motion below this is noise of the Hall sensor or slack, rad.
 const STILL_RAD: f32 = 0.5 * RAD_PER_DEG;
 
-/// Where both sensors stand, rad at the paddle.
+/// Angles of both sensors, rad at the paddle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Angles {
-    /// By the encoder.
+    /// Angle of the encoder.
     pub encoder_rad: f32,
-    /// By the Hall sensor.
+    /// Angle of the Hall sensor.
     pub hall_rad: f32,
 }
 
-/// The check under way.
+/// The running check.
 #[derive(Clone, Copy, Debug)]
 pub struct WiringCheck {
     start: Angles,
@@ -32,24 +32,24 @@ pub struct WiringCheck {
     braking: Option<Braking>,
 }
 
-/// The push turned round, for as long as it lasted, which stops the paddle again.
+/// The reversed push, which lasts as long as the push and stops the paddle.
 #[derive(Clone, Copy, Debug)]
 struct Braking {
     left_s: f32,
     verdict: Result<(), WiringError>,
 }
 
-/// What the check wants next.
+/// Next action of the check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
-    /// This torque, N m at the motor.
+    /// Apply this torque, N m at the motor.
     Push(f32),
-    /// Nothing more.
+    /// The check has ended.
     Done(Result<(), WiringError>),
 }
 
 impl WiringCheck {
-    /// A check of a paddle at rest at these angles, with a push of at most `limit_nm`, N m at the motor.
+    /// A check of a paddle at rest at these angles. `limit_nm` limits the push, N m at the motor.
     pub fn new(start: Angles, limit_nm: f32) -> Self {
         Self {
             start,
@@ -59,12 +59,12 @@ impl WiringCheck {
         }
     }
 
-    /// What it has found, once the push is over.
+    /// The result, once the push has ended.
     pub fn verdict(&self) -> Option<Result<(), WiringError>> {
         self.braking.map(|braking| braking.verdict)
     }
 
-    /// Goes on by `elapsed_s`, s.
+    /// Advances the check by `elapsed_s`, s.
     pub fn advance(&mut self, elapsed_s: f32, now: Angles) -> Progress {
         match &mut self.braking {
             None => {
@@ -83,7 +83,7 @@ impl WiringCheck {
             }
             Some(braking) => {
                 braking.left_s -= elapsed_s;
-                // A paddle that never moved needs no brake.
+                // A paddle that did not move needs no braking.
                 if braking.left_s > 0.0 && braking.verdict != Err(WiringError::NothingMoves) {
                     Progress::Push(-self.push_nm)
                 } else {
@@ -125,20 +125,20 @@ fn verdict(encoder: Turn, hall: Turn) -> Result<(), WiringError> {
     }
 }
 
-/// What is wired wrongly.
+/// A wiring error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WiringError {
-    /// Neither sensor saw the push.
+    /// Neither sensor detected the push.
     NothingMoves,
-    /// Both saw it the wrong way round.
+    /// Both sensors moved in the negative direction.
     MotorReversed,
     /// The encoder counts the wrong way.
     EncoderReversed,
-    /// The encoder does not count.
+    /// The encoder did not move.
     EncoderStill,
-    /// The Hall sensor's angle goes the wrong way.
+    /// The Hall sensor moved in the negative direction.
     HallReversed,
-    /// The Hall sensor does not see the motion.
+    /// The Hall sensor did not move.
     HallStill,
 }
 

@@ -1,5 +1,5 @@
-//! The H-bridge on TIM8: two outputs of opposite polarity, so that half duty is no voltage. Its update is the
-//! beginning of a control period.
+//! The H-bridge, driven by TIM8. Its two inputs have opposite polarity, so that 50 % duty gives zero voltage. Each update of
+//! the timer starts a control period.
 
 use haptic_paddle::controller::Duty;
 use stm32f4xx_hal::pac::{EXTI, TIM8};
@@ -8,25 +8,25 @@ use stm32f4xx_hal::rcc::{Enable, Rcc};
 use super::events;
 use super::pins;
 
-/// Clock of TIM8: twice that of its bus.
+/// Clock of TIM8, Hz: twice the clock of its bus.
 pub const TIMER_HZ: u32 = 2 * super::PCLK2_HZ;
-/// Up to here and down again makes one PWM period, of 40 kHz.
+/// Top of the up-down counter. It gives a PWM frequency of 40 kHz.
 const TOP: u16 = 2100;
-/// Every fourth turning point, that is every second PWM period, updates.
+/// Repetition counter: every fourth turning point, that is every second PWM period, is an update.
 const REPETITIONS: u8 = 3;
 /// Timer clocks of one control period.
 pub const CLOCKS_PER_PERIOD: u32 = TOP as u32 * (REPETITIONS as u32 + 1);
 
-/// For how long nFAULT must stay low to count, us. Drivers hold theirs for milliseconds.
+/// Shortest low time of nFAULT that counts as a fault, us. Bridge drivers hold nFAULT low for milliseconds.
 const GLITCH_US: u32 = 2;
 
-/// The bridge; the control loop owns it.
+/// The bridge. The control loop owns it.
 pub struct Bridge {
     timer: TIM8,
 }
 
 impl Bridge {
-    /// A bridge that is off, at no voltage, with its timer set up and standing still.
+    /// Sets up the timer, stopped and at zero voltage, with the bridge off.
     pub fn new(timer: TIM8, rcc: &mut Rcc) -> Self {
         TIM8::enable(rcc);
         timer.psc().write(|w| w.psc().set(0));
@@ -35,8 +35,8 @@ impl Bridge {
         timer.ccmr1_output().write(|w| {
             w.oc1m().pwm_mode1();
             w.oc1pe().enabled();
-            // The opposite of channel 1 by its mode and not by its polarity: an output that is broken off passes
-            // through the level that its polarity calls inactive, which is to be the low one.
+            // Channel 2 is inverted by its mode and not by its polarity. When a break turns an output off, it passes through
+            // the inactive level of its polarity. That level must be low.
             w.oc2m().pwm_mode2();
             w.oc2pe().enabled()
         });
@@ -52,9 +52,9 @@ impl Bridge {
         let bridge = Self { timer };
         bridge.release();
         bridge.timer.egr().write(|w| w.ug().set_bit());
-        // Broken off by the clock security system or held by a debugger, the outputs are low, which brakes (OSSI, with
-        // idle states that are low after a reset). No pin is the break input, which then reads low: it breaks when high.
-        // Outputs on by hand only: automatic enable would undo a stop by itself.
+        // After a break by the clock security system or a halt by a debugger, the outputs are low, which brakes the motor
+        // (OSSI, with idle states that are low after a reset). No pin is assigned to the break input. It then reads low, so
+        // its active level is high. Automatic output enable stays off, because it would undo a stop.
         bridge.timer.bdtr().write(|w| {
             w.ossi().idle_level();
             w.bke().enabled();
@@ -64,49 +64,49 @@ impl Bridge {
         bridge
     }
 
-    /// Lets the timer run: from now on there are control periods.
+    /// Starts the timer and with it the control periods.
     pub fn start(&self) {
         self.begin_period();
         self.timer.cr1().modify(|_, w| w.cen().set_bit());
     }
 
-    /// Lets every period interrupt.
+    /// Enables the interrupt at each control period.
     pub fn start_interrupt(&self) {
         self.begin_period();
         self.timer.dier().write(|w| w.uie().set_bit());
     }
 
-    /// Waits for the next period without the interrupt.
+    /// Waits for the next control period without the interrupt.
     pub fn wait_for_period(&self) {
         while !self.period_is_over() {}
         self.begin_period();
     }
 
-    /// Takes notice of the period that began.
+    /// Acknowledges the start of a control period.
     #[inline]
     pub fn begin_period(&self) {
-        // A zero clears the flag, the ones beside it change nothing.
+        // Writing zero clears the flag. Writing ones to the other flags has no effect.
         self.timer.sr().write(|w| w.uif().clear_bit());
     }
 
-    /// Whether the next period has begun.
+    /// Returns true if the next control period has begun.
     #[inline]
     pub fn period_is_over(&self) -> bool {
         self.timer.sr().read().uif().bit()
     }
 
-    /// Voltage on the motor, from the next update on.
+    /// Sets the duty. It acts from the next update.
     #[inline]
     pub fn drive(&self, duty: Duty) {
         self.set(duty);
         super::bridge_on();
-        // An interrupt may have turned the bridge off in the middle of this.
+        // An interrupt may have turned the bridge off in the meantime.
         if events::pending() != 0 {
             super::bridge_off();
         }
     }
 
-    /// Bridge off.
+    /// Turns the bridge off.
     #[inline]
     pub fn release(&self) {
         super::bridge_off();
@@ -121,34 +121,35 @@ impl Bridge {
     }
 }
 
-/// Waits for the beginning of a control period, while the control interrupt is masked, so that it then begins in time.
+/// Waits for the next control period. The control interrupt is masked meanwhile, so it then starts without delay.
 #[expect(
     unsafe_code,
     reason = "the control interrupt, which owns the timer, is masked"
 )]
 pub fn wait_for_next_period() {
-    // SAFETY: of the timer only the flag is used, which a zero clears and the ones beside it change nothing.
+    // SAFETY: only the flag of the timer is used. Writing zero clears it, and writing ones to the other flags has no effect.
     let timer = unsafe { TIM8::steal() };
     timer.sr().write(|w| w.uif().clear_bit());
     while !timer.sr().read().uif().bit() {}
 }
 
-/// The line by which the bridge reports a fault; the interrupt on its fall owns it.
+/// The fault line nFAULT of the bridge. The interrupt on its falling edge owns it.
 pub struct FaultLine {
     exti: EXTI,
     line: u8,
 }
 
 impl FaultLine {
-    /// The interrupt line of this number, already set up.
+    /// Takes over the external interrupt line with this number, which is already set up.
     pub fn new(exti: EXTI, line: u8) -> Self {
         Self { exti, line }
     }
 
-    /// Takes notice of a fall, and tells the control loop whether it was more than a glitch.
+    /// Acknowledges a falling edge and reports it to the control loop as a fault or as a glitch.
     pub fn trip(&self) {
         self.exti.pr().write(|w| w.pr(self.line).clear());
-        // The write is posted: read back, it has taken effect before the return, and the interrupt does not come again.
+        // The write is buffered. Reading it back ensures that it takes effect before the return. Otherwise the interrupt
+        // would occur again.
         let _ = self.exti.pr().read();
         super::clocks::wait_us(GLITCH_US);
         events::raise(if pins::bridge_reports_fault() {

@@ -1,4 +1,4 @@
-//! The clocks, from the crystal if it starts, and the time of the control periods by a clock of its own.
+//! The clock tree, driven by the crystal if it starts, and the clock that measures the control periods.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -6,27 +6,27 @@ use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Enable, Rcc};
 
-/// After a reset the internal oscillator drives everything.
+/// Frequency of the internal oscillator, which drives everything after a reset, Hz.
 const HSI_HZ: u32 = 16_000_000;
 const HSE_HZ: u32 = 8_000_000;
 pub const SYSCLK_HZ: u32 = 168_000_000;
 pub const PCLK1_HZ: u32 = SYSCLK_HZ / 4;
 pub const PCLK2_HZ: u32 = SYSCLK_HZ / 2;
 
-/// Longest wait for the crystal, ms; it starts within 2 ms (data sheet, typical).
+/// Longest wait for the crystal, ms. It typically starts within 2 ms (data sheet).
 const CRYSTAL_MS: u32 = 50;
 
-/// What drives the clocks.
+/// Source of the clocks.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Oscillator {
-    /// The crystal, watched: should it stop, the timer's outputs go off by hardware, and the non-maskable interrupt
-    /// takes the bridge's enables low.
+    /// The crystal, supervised by the clock security system. If it stops, hardware turns the outputs of the timer off, and
+    /// the non-maskable interrupt drives the bridge enables low.
     Crystal,
-    /// The internal one, 1 % off at most at room temperature: good enough for a console that says so.
+    /// The internal oscillator. Its error is at most 1 % at room temperature, which is sufficient for the console.
     Internal,
 }
 
-/// Starts all clocks at their full rates, by the crystal if it starts in time.
+/// Starts all clocks at their full rates, from the crystal if it starts in time.
 pub fn start(mut rcc: Rcc) -> (Rcc, Oscillator) {
     let oscillator = start_crystal(&mut rcc);
     let source = match oscillator {
@@ -58,37 +58,37 @@ fn start_crystal(rcc: &mut Rcc) -> Oscillator {
     Oscillator::Internal
 }
 
-/// Waits, by the clock of the control periods.
+/// Waits, measured by TIM2.
 #[expect(unsafe_code, reason = "interrupts above the control loop wait too")]
 pub fn wait_us(us: u32) {
-    // SAFETY: a counter is only read.
+    // SAFETY: the counter is only read.
     let timer = unsafe { TIM2::steal() };
     let from = timer.cnt().read().bits();
     while timer.cnt().read().bits().wrapping_sub(from) < 2 * PCLK1_HZ / 1_000_000 * us {}
 }
 
-/// When the control interrupt began last, by TIM2.
+/// Count of TIM2 at the start of the last control interrupt.
 static BEGAN: AtomicU32 = AtomicU32::new(0);
 
-/// Since then, s.
+/// Time since the start of the last control interrupt, s.
 #[expect(unsafe_code, reason = "tasks below the control loop ask too")]
 pub fn since_control_began_s() -> f32 {
-    // SAFETY: a counter is only read.
+    // SAFETY: the counter is only read.
     let timer = unsafe { TIM2::steal() };
     let now = timer.cnt().read().bits();
     now.wrapping_sub(BEGAN.load(Ordering::Relaxed)) as f32 * (1.0 / (2 * PCLK1_HZ) as f32)
 }
 
-/// Measures the control periods with TIM2, which no debugger's halt stops, so that a halt shows.
+/// Measures the control periods with TIM2. A debugger does not stop TIM2, so a halt of the core is detected.
 pub struct PeriodClock {
     timer: TIM2,
 }
 
 impl PeriodClock {
-    /// Clocks of TIM2 in a control period.
+    /// Clocks of TIM2 per control period.
     const PERIOD: u32 = 2 * PCLK1_HZ / super::CONTROL_HZ;
 
-    /// A clock that begins now.
+    /// Starts the measurement.
     pub fn new(timer: TIM2, rcc: &mut Rcc) -> Self {
         TIM2::enable(rcc);
         timer.arr().write(|w| w.set(u32::MAX));
@@ -96,12 +96,12 @@ impl PeriodClock {
         Self { timer }
     }
 
-    /// Takes this moment for the beginning of a period.
+    /// Sets the start of a period to this instant.
     pub fn restart(&mut self) {
         BEGAN.store(self.timer.cnt().read().bits(), Ordering::Relaxed);
     }
 
-    /// Whole periods since the last call; 1 if none was missed.
+    /// Number of whole periods since the last call. It is 1 if no period was missed.
     #[inline]
     pub fn periods(&mut self) -> u32 {
         let now = self.timer.cnt().read().bits();

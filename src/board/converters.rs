@@ -1,13 +1,14 @@
-//! Current and Hall voltage.
+//! Measurement of the motor current and of the Hall voltage.
 //!
-//! The current amplifier is noisy around 120 kHz. TIM3 starts a conversion every 2 us, 25 in a control period, and DMA
-//! keeps a ring of exactly the samples of the last period, in step with it: their mean has a zero at every multiple of
-//! the control rate, 120 kHz among them. The Hall signal is converted without pause.
+//! The current amplifier is noisy around 120 kHz. TIM3 starts a conversion every 2 us, 25 in a control period. DMA stores
+//! them in a ring that holds exactly the samples of the last period and is aligned with it. The mean of these samples has a
+//! zero at every multiple of the control rate, including 120 kHz. The Hall signal is converted continuously.
 //!
-//! Sampling times, by the data sheet's formula for the source behind which a sample is good to a quarter of a count,
-//! R = (k - 0.5) / (f C ln 2^14) - R_ADC, with f = 21 MHz, C = 7 pF and R_ADC = 6 kohm, both at most: 28 cycles for the
-//! current allow 13 kohm, 56 for the Hall signal 33 kohm. 3 cycles allow none, 15 allow 4 kohm. Behind 5 kohm the
-//! sampler comes within 1e-7 of the current's signal, behind 20 kohm within 1e-6 of the Hall signal's.
+//! The sampling times follow from the formula of the data sheet. It gives the largest source resistance at which a sample is
+//! accurate to a quarter of a count: R = (k - 0.5) / (f C ln 2^14) - R_ADC, with f = 21 MHz and at most C = 7 pF and R_ADC =
+//! 6 kohm. The 28 cycles for the current allow 13 kohm. The 56 cycles for the Hall signal allow 33 kohm. 3 cycles would
+//! allow none, and 15 would allow 4 kohm. With a source of 5 kohm the settling error of the current is 1e-7. With 20 kohm
+//! that of the Hall signal is 1e-6.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -19,23 +20,23 @@ use stm32f4xx_hal::rcc::{Enable, Rcc};
 
 use super::pins::{CURRENT_CHANNEL, HALL_CHANNEL};
 
-/// Samples of the current in one control period: 42 clocks of the converter apart, of which a conversion takes 28 for
-/// sampling and 12 for the bits.
+/// Samples of the current per control period. They are 42 converter clocks apart. A conversion takes 28 clocks for sampling
+/// and 12 for the bits.
 const SAMPLES: usize = 25;
-/// Clocks of TIM3 from one sample to the next.
+/// Clocks of TIM3 between two samples.
 const PACE: u16 = (super::PCLK2_HZ / super::CONTROL_HZ / SAMPLES as u32) as u16;
-/// TIM3 begins so near the end of its first round that the first sample begins with the period; the last one has then
-/// arrived before its end.
+/// Initial count of TIM3. It is so close to the end of the first timer period that the first sample begins with the control
+/// period. The last sample then arrives before the end of the control period.
 const HEAD_START: u16 = PACE - 2;
-/// Control periods from the timer's start until there is a current: at the end of the first the ring is full.
+/// Control periods from the start of the timer until a current is available. The ring is full at the end of the first.
 pub const PERIODS_TO_MEASURE: u32 = 2;
-/// The sample that is taken at the turning point of the PWM in the middle of the period.
+/// Index of the sample at the turning point of the PWM in the middle of the period.
 const CENTRE: usize = SAMPLES / 2;
 
-/// The samples, two of 16 bit in a word, and one of none; the DMA writes them, nobody else does.
+/// The samples, two of 16 bit per word, with one half word unused. Only the DMA writes them.
 static RING: [AtomicU32; SAMPLES.div_ceil(2)] = [const { AtomicU32::new(0) }; SAMPLES.div_ceil(2)];
 
-/// Stream of DMA2, and its request channel, that serve ADC3.
+/// Stream of DMA2 that serves ADC3.
 const STREAM: usize = 1;
 const REQUEST: u8 = 2;
 
@@ -48,7 +49,7 @@ pub struct Converters {
 }
 
 impl Converters {
-    /// Converters that are on; the current's waits for [`Self::start`].
+    /// Turns the converters on. The current conversions begin with [`Self::start`].
     pub fn new(
         hall: ADC1,
         current: ADC3,
@@ -57,7 +58,7 @@ impl Converters {
         pace: TIM3,
         rcc: &mut Rcc,
     ) -> Self {
-        /// Time that a converter needs after it is switched on (data sheet: 3 us).
+        /// Stabilisation time of a converter after it is turned on (data sheet: 3 us).
         const SETTLING_CLOCKS: u32 = super::SYSCLK_HZ / 1_000_000 * 3;
 
         ADC1::enable(rcc);
@@ -70,7 +71,7 @@ impl Converters {
         }
         cortex_m::asm::delay(SETTLING_CLOCKS);
         choose(&hall, HALL_CHANNEL, SMP10::Cycles56);
-        // Its latest sample is at most 4 us old.
+        // The latest sample is at most 4 us old.
         hall.cr2().write(|w| {
             w.adon().enabled();
             w.cont().continuous();
@@ -90,15 +91,16 @@ impl Converters {
         converters
     }
 
-    /// Starts the pace; to be called right before the timer of the control periods starts.
+    /// Starts the triggers of the current conversions. It must be called directly before the timer of the control periods is
+    /// started.
     pub fn start(&self) {
         self.pace.cr1().write(|w| w.cen().enabled());
     }
 
-    /// Stops the ring. After an overrun the converter asks DMA for nothing until the flag is cleared and both are set up
-    /// anew (RM0090, section 13.8.1).
+    /// Stops the ring. After an overrun the converter sends no DMA requests until the flag is cleared and both are set up
+    /// again (RM0090, section 13.8.1).
     pub fn stop(&self) {
-        /// A transfer that is under way ends within some clocks of the bus.
+        /// Polls of the stream, which are enough for a running transfer to end.
         const LONGEST_WAIT: u32 = 100;
         self.current.cr2().write(|w| {
             w.adon().enabled();
@@ -122,7 +124,7 @@ impl Converters {
         self.current.sr().write(|w| w.ovr().clear_bit());
     }
 
-    /// Fills a ring that stands still from its beginning, with the next sample.
+    /// Restarts a stopped ring at its beginning, with the next sample.
     pub fn go_on(&self) {
         fill_ring(&self.dma, &self.current);
         self.current.cr2().write(|w| {
@@ -134,7 +136,7 @@ impl Converters {
         });
     }
 
-    /// Current in counts: mean over the last control period, or the sample at the centre of the PWM.
+    /// Current in counts: the mean over the last control period, or the sample at the centre of the PWM.
     #[inline(always)]
     pub fn current_counts(&self) -> f32 {
         if SINGLE_SAMPLE.load(Ordering::Relaxed) {
@@ -151,26 +153,26 @@ impl Converters {
     }
 }
 
-/// Whether samples of the current were lost, and the ring stands still.
+/// Returns true if samples of the current were lost, so that the ring has stopped.
 #[expect(
     unsafe_code,
     reason = "whoever owns the converter, its flag may be read"
 )]
 pub fn overrun() -> bool {
-    // SAFETY: a flag is only read.
+    // SAFETY: the flag is only read.
     let current = unsafe { ADC3::steal() };
     current.sr().read().ovr().bit()
 }
 
-/// Whether the current is the sample at the centre of the PWM instead of the mean of the period.
+/// If true, the current is the sample at the centre of the PWM instead of the mean of the period.
 static SINGLE_SAMPLE: AtomicBool = AtomicBool::new(false);
 
-/// Takes the current from the sample at the centre of the PWM, or from the mean of the period.
+/// Selects the source of the current: the sample at the centre of the PWM if `once`, otherwise the mean of the period.
 pub fn sample_current_once(once: bool) {
     SINGLE_SAMPLE.store(once, Ordering::Relaxed);
 }
 
-/// As many samples of 12 bit as 16 bit can sum are in each half of the words.
+/// Each half word can sum up to 16 samples of 12 bit without overflow.
 const _: () = assert!(SAMPLES.div_ceil(2) <= 16);
 
 #[inline]
@@ -188,10 +190,10 @@ fn sample_at_centre() -> f32 {
     ((word >> SHIFT) & 0xFFFF) as f32
 }
 
-/// One channel, sampled for so long.
+/// Selects one channel and its sampling time.
 #[expect(unsafe_code, reason = "the register takes any number")]
 fn choose(converter: &RegisterBlock, channel: u8, sampling: SMP10) {
-    /// Channels from this one on have the other sampling register.
+    /// The first channel that uses the other sampling time register.
     const FIRST_OF_SMPR1: u8 = 10;
     match channel.checked_sub(FIRST_OF_SMPR1) {
         Some(index) => converter.smpr1().write(|w| w.smp(index).variant(sampling)),
@@ -199,19 +201,19 @@ fn choose(converter: &RegisterBlock, channel: u8, sampling: SMP10) {
             .smpr2()
             .write(|w| w.smp(channel).variant(sampling)),
     };
-    // SAFETY: any channel may be converted; one that is not there reads as noise.
+    // SAFETY: every channel number is valid. An unconnected channel reads as noise.
     converter.sqr3().write(|w| unsafe { w.sq(0).bits(channel) });
 }
 
-/// Lets DMA carry every conversion into the ring, round and round.
+/// Sets up a circular DMA transfer of every conversion into the ring.
 #[expect(unsafe_code, reason = "the DMA is given addresses")]
 fn fill_ring(dma: &DMA2, from: &ADC3) {
     let stream = dma.st(STREAM);
     stream
         .par()
-        // SAFETY: the DMA reads this converter's data register only.
+        // SAFETY: the DMA only reads the data register of this converter.
         .write(|w| unsafe { w.pa().bits(from.dr().as_ptr() as u32) });
-    // SAFETY: the DMA writes this static of atomics only, which is as long as its count says.
+    // SAFETY: the DMA only writes this static of atomics. Its length is the count of the transfer.
     stream
         .m0ar()
         .write(|w| unsafe { w.m0a().bits(RING.as_ptr() as u32) });

@@ -1,18 +1,18 @@
-//! The encoder, counted by TIM5 over its full 32 bits.
+//! The encoder, counted by TIM5 with 32 bits.
 
 use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 
-/// The counter.
+/// The counter of the encoder.
 pub struct Encoder(TIM5);
 
 impl Encoder {
-    /// A counter that starts at 0.
+    /// Sets up the counter, starting at 0.
     pub fn new(timer: TIM5, rcc: &mut Rcc) -> Self {
         TIM5::enable(rcc);
         timer.arr().write(|w| w.set(u32::MAX));
-        // A level counts after 6 equal samples at an eighth of the clock, 0.6 us. At 1500 degrees a second of the
-        // paddle the edges of one channel are 16 us apart.
+        // Input filter: a level counts after 6 equal samples at an eighth of the clock, 0.6 us. At a paddle speed of 1500
+        // degrees per second the edges of one channel are 16 us apart.
         timer.ccmr1_input().write(|w| {
             w.cc1s().ti1();
             w.ic1f().fdts_div8_n6();
@@ -24,7 +24,7 @@ impl Encoder {
         Self(timer)
     }
 
-    /// Counts, four for each period of a channel.
+    /// The count. Each period of a channel has four counts.
     #[inline]
     pub fn count(&self) -> u32 {
         self.0.cnt().read().bits()

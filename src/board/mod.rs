@@ -1,6 +1,6 @@
 //! The lab's paddle board: STM32F407VG, 8 MHz crystal, 24 V motor supply, converter reference 2.5 V.
 //!
-//! What the app needs of it, a file for each thing behind the pins.
+//! Each file provides one device behind the pins to the app.
 
 mod bridge;
 mod button;
@@ -34,13 +34,13 @@ pub use settings_flash::{SECTORS as SETTINGS_SECTORS, SettingsFlash};
 pub use supply::Supply;
 pub use supply::{fell as supply_fell, is_low as supply_is_low};
 
-/// Control periods a second.
+/// Control periods per second.
 pub const CONTROL_HZ: u32 = bridge::TIMER_HZ / bridge::CLOCKS_PER_PERIOD;
 
-/// Main RAM, as `memory.x` has it.
+/// Address range of the main RAM, as in `memory.x`.
 pub const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
 
-/// Ports that the board has its pins on.
+/// The GPIO ports with pins that the board uses.
 pub struct Ports {
     a: pac::GPIOA,
     b: pac::GPIOB,
@@ -49,7 +49,7 @@ pub struct Ports {
     e: pac::GPIOE,
 }
 
-/// A board that is set up: sensors converting, timer running, bridge off.
+/// A board that is set up: the sensors convert, the timer runs, and the bridge is off.
 pub struct Board {
     pub bridge: Bridge,
     pub sensors: Sensors,
@@ -64,12 +64,12 @@ pub struct Board {
     pub settings_flash: SettingsFlash,
 }
 
-/// Nominal time to reset during the boot, ms: longer than a crystal may take and the option bytes do, even with the
-/// fastest oscillator behind the watchdog.
+/// Nominal watchdog time during boot, ms. It is longer than the start of the crystal and the programming of the option
+/// bytes, even with the fastest watchdog oscillator.
 const BOOT_WATCHDOG_MS: u32 = 2000;
 
 impl Board {
-    /// Sets the board up: pins first, the watchdog next, and what may fail to start after them.
+    /// Sets up the board: first the pins, then the watchdog, then everything whose start can fail.
     pub fn new(chip: pac::Peripherals) -> Self {
         let mut rcc = chip.RCC.constrain();
         let mut pins = Pins::new(
@@ -132,31 +132,31 @@ impl Board {
     }
 }
 
-/// All that is measured.
+/// All sensors.
 pub struct Sensors {
     encoder: Encoder,
     converters: Converters,
 }
 
 impl Sensors {
-    /// The current alone, in counts, for the calibration of its offset; a place where a debugger can stop.
+    /// The current in counts, for the calibration of its offset. It is not inlined, so that a debugger can set a breakpoint.
     #[inline(never)]
     pub fn current_counts(&self) -> f32 {
         self.converters.current_counts()
     }
 
-    /// Stops the ring of the current's samples.
+    /// Stops the ring of current samples.
     pub fn stop(&self) {
         self.converters.stop();
     }
 
-    /// Begins it anew, in step with the control periods; to be called within 1.9 us of the beginning of one, before its
-    /// first sample has arrived.
+    /// Restarts the ring, aligned with the control periods. It must be called within 1.9 us of the start of a period, before
+    /// its first sample has arrived.
     pub fn go_on(&self) {
         self.converters.go_on();
     }
 
-    /// What the control loop gets to see of this period.
+    /// The measurement of this period for the control loop.
     #[inline]
     pub fn read(&mut self) -> Measurement {
         Measurement {
@@ -167,17 +167,17 @@ impl Sensors {
     }
 }
 
-/// Takes the bridge's enable pins low, from any context.
+/// Drives the bridge's enable pins low. It may be called from any context.
 #[expect(
     unsafe_code,
     reason = "the way that must work from a panic, whoever owns the pins"
 )]
 pub fn bridge_off() {
-    // SAFETY: a set/reset register acts on the named pins only, in one write.
+    // SAFETY: one write to a set/reset register affects only the named pins.
     unsafe { (ENABLE_BSRR as *mut u32).write_volatile(ENABLE_OFF) }
 }
 
-/// Lets the bridge drive the motor.
+/// Enables the outputs of the bridge.
 #[expect(
     unsafe_code,
     reason = "the counterpart of `bridge_off`, in the same register"
@@ -187,11 +187,12 @@ fn bridge_on() {
     unsafe { (ENABLE_BSRR as *mut u32).write_volatile(ENABLE_OFF >> RESET_SHIFT) }
 }
 
-/// In a GPIO set/reset register the upper half resets what the lower half sets.
+/// In a GPIO set/reset register, the upper half resets the pins that the lower half sets.
 const RESET_SHIFT: u32 = 16;
 
-/// A processor that a debugger halts must neither leave the motor on nor be reset, and one that sleeps must answer.
-/// With its counter held, TIM8 drives the bridge's inputs to their idle state (RM0090, sections 17.3.20 and 38.16).
+/// While a debugger halts the processor, the motor must be off and the watchdog must not reset. The debugger must also reach
+/// a sleeping processor. TIM8 stops with the core and then drives the bridge inputs to their idle state (RM0090, sections
+/// 17.3.20 and 38.16).
 fn stop_with_the_debugger(dbgmcu: &pac::DBGMCU, watchdog: &IndependentWatchdog) {
     dbgmcu.apb2_fz().modify(|_, w| w.dbg_tim8_stop().set_bit());
     dbgmcu.apb1_fz().modify(|_, w| w.dbg_tim3_stop().set_bit());

@@ -1,4 +1,4 @@
-//! Which pin does what.
+//! Assignment of the pins.
 #![expect(unsafe_code, reason = "before there is a memory to rely on")]
 
 use stm32f4xx_hal::gpio::{Input, PD5, PD6, PD15, PE2, PinState, Pull, Speed};
@@ -8,14 +8,14 @@ use stm32f4xx_hal::rcc::Rcc;
 
 use super::{Ports, RESET_SHIFT};
 
-/// Set/reset register of the port with the bridge's enable pins, GPIOC.
+/// Address of the set/reset register of the port with the bridge's enable pins, GPIOC.
 pub const ENABLE_BSRR: u32 = 0x4002_0818;
-/// What takes the enable pins, PC8 and PC9, low.
+/// Value that drives the enable pins, PC8 and PC9, low.
 pub const ENABLE_OFF: u32 = ((1 << 8) | (1 << 9)) << RESET_SHIFT;
 
-/// Input of ADC1 with the Hall sensor, PB1.
+/// Channel of ADC1 with the Hall sensor, PB1.
 pub const HALL_CHANNEL: u8 = 9;
-/// Input of ADC3 with the motor current, PA3.
+/// Channel of ADC3 with the motor current, PA3.
 pub const CURRENT_CHANNEL: u8 = 3;
 
 /// nFAULT of the bridge.
@@ -23,7 +23,7 @@ type FaultPin = PD15<Input>;
 /// The button.
 pub type ButtonPin = PE2<Input>;
 
-/// Whether the bridge pulls nFAULT, PD15, low.
+/// Returns true if the bridge pulls nFAULT, PD15, low.
 #[inline]
 pub fn bridge_reports_fault() -> bool {
     // SAFETY: the level of a pin is only read.
@@ -31,8 +31,8 @@ pub fn bridge_reports_fault() -> bool {
     port.idr().read().idr15().bit_is_clear()
 }
 
-/// The first instructions after a reset, before any memory is set up: the bridge's enables, PC8 and PC9, which float
-/// until then, are driven low, and its inputs, PC6 and PC7, pulled down.
+/// The first instructions after a reset, before any memory is initialised. They drive the bridge's enable pins, PC8 and PC9,
+/// low, which float until then. They pull its inputs, PC6 and PC7, down.
 #[unsafe(naked)]
 #[unsafe(no_mangle)]
 extern "C" fn __pre_init() {
@@ -47,7 +47,7 @@ extern "C" fn __pre_init() {
         "ldr r1, [r0]",
         "orr r1, r1, #{port}",
         "str r1, [r0]",
-        // The clock takes two cycles to arrive (erratum: delay after an RCC peripheral clock enabling).
+        // The peripheral clock is available after two cycles (erratum: delay after an RCC peripheral clock enabling).
         "ldr r1, [r0]",
         "dsb",
         "movw r0, #{gpio_low}",
@@ -67,10 +67,10 @@ extern "C" fn __pre_init() {
     )
 }
 
-/// The serial port's output and input.
+/// The pins of the serial port: output and input.
 pub type SerialPins = (PD5, PD6);
 
-/// The pins that something still has to take.
+/// The pins that other drivers still have to take.
 pub struct Pins {
     pub fault: FaultPin,
     pub button: ButtonPin,
@@ -78,7 +78,7 @@ pub struct Pins {
 }
 
 impl Pins {
-    /// Gives every pin its function; the bridge stays off.
+    /// Gives every pin its function. The bridge stays off.
     pub fn new(ports: Ports, rcc: &mut Rcc) -> Self {
         let a = ports.a.split(rcc);
         let b = ports.b.split(rcc);
@@ -86,11 +86,11 @@ impl Pins {
         let d = ports.d.split(rcc);
         let e = ports.e.split(rcc);
 
-        // Bridge: enable is low before it becomes an output; nSLEEP is high, so that faults are reported.
+        // Bridge: an enable pin is low before it becomes an output. nSLEEP is high, so that the bridge reports faults.
         c.pc8.into_push_pull_output_in_state(PinState::Low);
         c.pc9.into_push_pull_output_in_state(PinState::Low);
-        // Its inputs are low whenever the timer does not drive them.
-        // Edges of 20 ns instead of 100, a thirtieth of the bootstrap's shortest time.
+        // The bridge inputs are low whenever the timer does not drive them. Their edges take 20 ns instead of 100, a
+        // thirtieth of the shortest charging time of the bootstrap.
         let mut inputs = (c.pc6.into_alternate::<3>(), c.pc7.into_alternate::<3>());
         inputs.0.set_internal_resistor(Pull::Down);
         inputs.1.set_internal_resistor(Pull::Down);
@@ -98,7 +98,7 @@ impl Pins {
         inputs.1.set_speed(Speed::Medium);
         d.pd14.into_push_pull_output_in_state(PinState::High);
 
-        // Encoder on TIM5.
+        // Encoder inputs of TIM5.
         a.pa0.into_alternate::<2>().set_internal_resistor(Pull::Up);
         a.pa1.into_alternate::<2>().set_internal_resistor(Pull::Up);
 
@@ -108,7 +108,7 @@ impl Pins {
         Self {
             fault: d.pd15.into_pull_up_input(),
             button: e.pe2.into_pull_up_input(),
-            // An input that nothing drives must not hear the motor.
+            // The pull-up keeps an unconnected input from picking up motor noise.
             serial: (d.pd5, d.pd6.internal_resistor(Pull::Up)),
         }
     }

@@ -1,4 +1,4 @@
-//! The serial port. DMA carries its bytes both ways; nothing waits for a byte.
+//! The serial port. DMA transfers its bytes in both directions, so no code waits for a byte.
 #![expect(
     unsafe_code,
     reason = "two halves share one port's registers, and DMA is given addresses"
@@ -14,25 +14,25 @@ use stm32f4xx_hal::serial::config::{Config, DmaConfig};
 use super::clocks::PCLK1_HZ;
 use super::pins::SerialPins;
 
-/// Within 0.2 % of what the clock can divide to, and known to every terminal program.
+/// Baud rate after boot. The clock divider reaches it within 0.2 %, and every terminal program knows it.
 pub const BOOT_BAUD: u32 = 460_800;
-/// Room for what a person types, or a script sends, while an answer is on its way; a power of two.
+/// Size of the receive ring, bytes, a power of two. It holds what a person types or a script sends while an answer is sent.
 const RING_BYTES: usize = 2048;
-/// Most bytes that are sent in one go.
+/// Largest number of bytes in one DMA transfer.
 pub const CHUNK_BYTES: usize = link::MOST_BYTES;
 
-/// Streams of DMA1 and their request channel (RM0090, table 42).
+/// DMA1 streams of the receiver and the transmitter (RM0090, table 42).
 const RECEIVING: usize = 5;
 const SENDING: usize = 6;
 const REQUEST: u8 = 4;
 
-/// What was received; the DMA writes it, nobody else does.
+/// The received bytes. Only the DMA writes them.
 static RING: [AtomicU8; RING_BYTES] = [const { AtomicU8::new(0) }; RING_BYTES];
-/// Bytes that have been received since boot, as the receiver knows; wraps.
+/// Number of bytes received since boot. It wraps.
 static ARRIVED: AtomicU32 = AtomicU32::new(0);
 static BAUD: AtomicU32 = AtomicU32::new(BOOT_BAUD);
 
-/// Sets the port up.
+/// Sets up the port.
 pub fn start(port: USART2, dma: DMA1, pins: SerialPins, rcc: &mut Rcc) -> (Receiver, Transmitter) {
     DMA1::enable(rcc);
     let config = Config::default()
@@ -41,8 +41,8 @@ pub fn start(port: USART2, dma: DMA1, pins: SerialPins, rcc: &mut Rcc) -> (Recei
     if port.serial::<u8>(pins, config, rcc).is_err() {
         unreachable!("the bus clock divides to this rate");
     }
-    // SAFETY: the driver above has set the port up and is gone. Of what both halves share, each uses its own registers:
-    // the status is only read, and each half has its own stream.
+    // SAFETY: the driver above has set up the port and no longer exists. The two halves use different registers and streams.
+    // The shared status register is only read.
     let (port, other) = unsafe { (USART2::steal(), USART2::steal()) };
     let receiver = Receiver::new(port, dma);
     // SAFETY: as above.
@@ -50,26 +50,26 @@ pub fn start(port: USART2, dma: DMA1, pins: SerialPins, rcc: &mut Rcc) -> (Recei
     (receiver, Transmitter::new(other, dma))
 }
 
-/// Bits a second.
+/// Baud rate, bit/s.
 pub fn baud() -> u32 {
     BAUD.load(Ordering::Relaxed)
 }
 
 fn set_baud(port: &USART2, baud: u32) {
     let divider = (PCLK1_HZ + baud / 2) / baud;
-    // SAFETY: a divider of a rate that was checked.
+    // SAFETY: the caller has checked the rate, so the divider is valid.
     port.brr().write(|w| unsafe { w.bits(divider as u16) });
     BAUD.store(baud, Ordering::Relaxed);
 }
 
-/// What has arrived since the last look.
+/// Events since the last call of [`Receiver::look`].
 #[derive(Clone, Copy, Default)]
 pub struct Arrived {
-    /// Ctrl-C was among it.
+    /// Ctrl-C was received.
     pub stop: bool,
-    /// There was noise on the line; the receiver's majority of three samples has the byte all the same.
+    /// There was noise on the line. The byte is still correct, by the majority of three samples.
     pub noisy: bool,
-    /// A byte was lost: its frame was broken, or nobody fetched it in time.
+    /// A byte was lost, because its frame was broken or it was not read in time.
     pub lost: bool,
 }
 
@@ -77,23 +77,23 @@ pub struct Arrived {
 pub struct Receiver {
     port: USART2,
     dma: DMA1,
-    /// Where the next byte goes.
+    /// Index of the next byte in the ring.
     next: usize,
-    /// Looks in a row that found a broken byte.
+    /// Number of successive calls that found a broken byte.
     broken: u32,
 }
 
 impl Receiver {
-    /// Looks in a row that find broken bytes, after which the other end is taken to have another rate.
+    /// After this many successive calls with broken bytes, the other end is assumed to use another baud rate.
     const OTHER_RATE: u32 = 3;
 
     fn new(port: USART2, dma: DMA1) -> Self {
         let stream = dma.st(RECEIVING);
-        // SAFETY: the DMA reads this port's data register only.
+        // SAFETY: the DMA only reads the data register of this port.
         stream
             .par()
             .write(|w| unsafe { w.pa().bits(port.dr().as_ptr() as u32) });
-        // SAFETY: the DMA writes this static of atomics only, which is as long as its count says.
+        // SAFETY: the DMA only writes this static of atomics. Its length is the count of the transfer.
         stream
             .m0ar()
             .write(|w| unsafe { w.m0a().bits(RING.as_ptr() as u32) });
@@ -116,13 +116,14 @@ impl Receiver {
         }
     }
 
-    /// Looks at what has arrived; to be called every control period, in which fewer bytes come than the ring has.
+    /// Checks what has arrived. It must be called every control period. In one period fewer bytes arrive than the ring
+    /// holds.
     #[inline]
     pub fn look(&mut self) -> Arrived {
         let status = self.port.sr().read();
         let mut arrived = Arrived::default();
         if status.fe().bit() || status.nf().bit() || status.ore().bit() {
-            // Read after the status, this clears all flags (RM0090, section 30.6.1).
+            // This read after the read of the status clears all flags (RM0090, section 30.6.1).
             self.port.dr().read();
             arrived.noisy = status.nf().bit();
             arrived.lost = status.fe().bit() || status.ore().bit();
@@ -144,7 +145,7 @@ impl Receiver {
         arrived
     }
 
-    /// Takes what stands in the ring before `next`. Returns whether Ctrl-C is among it.
+    /// Counts the bytes in the ring before `next` as received. Returns true if Ctrl-C is one of them.
     fn take_up_to(&mut self, next: usize) -> bool {
         let mut stop = false;
         let mut count = 0;
@@ -163,7 +164,7 @@ fn byte(index: usize) -> u8 {
         .map_or(0, |byte| byte.load(Ordering::Relaxed))
 }
 
-/// The received bytes, one after the other.
+/// Reads the received bytes one after the other.
 #[derive(Default)]
 pub struct Received {
     taken: u32,
@@ -181,7 +182,7 @@ impl Received {
         Some(byte)
     }
 
-    /// Forgets all bytes if some were written over before they were taken. Returns whether so.
+    /// Discards all bytes if some were overwritten before they were read. Returns true in that case.
     pub fn overrun(&mut self) -> bool {
         let arrived = ARRIVED.load(Ordering::Acquire);
         let overrun = arrived.wrapping_sub(self.taken) > RING_BYTES as u32;
@@ -202,7 +203,7 @@ pub struct Transmitter {
 impl Transmitter {
     fn new(port: USART2, dma: DMA1) -> Self {
         let stream = dma.st(SENDING);
-        // SAFETY: the DMA writes this port's data register only.
+        // SAFETY: the DMA only writes the data register of this port.
         stream
             .par()
             .write(|w| unsafe { w.pa().bits(port.dr().as_ptr() as u32) });
@@ -213,13 +214,13 @@ impl Transmitter {
         }
     }
 
-    /// Where to write what is sent next; `None` while it is being sent.
+    /// The buffer for the next transfer. `None` while a transfer runs.
     pub fn chunk(&mut self) -> Option<&mut [u8; CHUNK_BYTES]> {
         let busy = self.dma.st(SENDING).cr().read().en().is_enabled();
         (!busy).then_some(&mut self.chunk)
     }
 
-    /// Sends the first `length` bytes of the chunk, and raises the interrupt when the last one has been fetched.
+    /// Sends the first `length` bytes of the buffer. The interrupt is raised when the last byte has been read by the DMA.
     pub fn send(&mut self, length: usize) {
         let length = length.min(CHUNK_BYTES);
         self.acknowledge();
@@ -227,13 +228,13 @@ impl Transmitter {
             return;
         }
         let stream = self.dma.st(SENDING);
-        // SAFETY: the DMA reads the chunk, which stands in a static of the app and which `chunk` lends to nobody until
-        // the stream is done.
+        // SAFETY: the DMA reads the buffer, which is part of a static of the app. `chunk` does not lend it until the
+        // transfer has ended.
         stream
             .m0ar()
             .write(|w| unsafe { w.m0a().bits(self.chunk.as_ptr() as u32) });
         stream.ndtr().write(|w| w.ndt().set(length as u16));
-        // What was written to the chunk is there before the DMA reads it.
+        // The barrier ensures that the buffer is written before the DMA reads it.
         cortex_m::asm::dmb();
         stream.cr().write(|w| {
             w.chsel().set(REQUEST);
@@ -247,7 +248,7 @@ impl Transmitter {
         });
     }
 
-    /// Clears the flags of the last transfer, without which no other begins (RM0090, section 10.3.17).
+    /// Clears the flags of the last transfer. Otherwise no other transfer starts (RM0090, section 10.3.17).
     fn acknowledge(&mut self) {
         self.dma.hifcr().write(|w| {
             w.cdmeif6().set_bit();
@@ -258,7 +259,7 @@ impl Transmitter {
         });
     }
 
-    /// Changes the rate, if the last bit of the last byte is out. Returns whether so.
+    /// Changes the baud rate if the last bit of the last byte has been sent. Returns true if it did.
     pub fn change_baud(&mut self, baud: u32) -> bool {
         let still = self.port.sr().read().tc().bit();
         if still {

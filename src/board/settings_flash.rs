@@ -1,8 +1,8 @@
 //! The flash sectors of the stored settings.
 //!
-//! While a sector is erased or a word programmed the flash answers to nobody, so that the core stands still; only DMA and
-//! peripherals go on. The HAL erases and programs by bytes, which takes four times as long, and knows sectors of 128 KiB
-//! only.
+//! While a sector is erased or a word is programmed, the flash cannot be read and the core stalls. DMA and peripherals
+//! continue. The HAL is not used: it erases and programs by bytes, which takes four times as long, and it only knows sectors
+//! of 128 KiB.
 
 use core::ops::Range;
 
@@ -12,26 +12,26 @@ use embedded_storage::nor_flash::{
 };
 use stm32f4xx_hal::pac::FLASH;
 
-/// Where the flash begins.
+/// First address of the flash.
 const ORIGIN: usize = 0x0800_0000;
-/// Sectors 0 to 3 have this many bytes (RM0090, section 3.3, table 5).
+/// Size of sectors 0 to 3, bytes (RM0090, section 3.3, table 5).
 const SECTOR_BYTES: usize = 16 * 1024;
-/// Sectors 1 to 3; `memory.x` leaves them out.
+/// Offsets of sectors 1 to 3. `memory.x` reserves them.
 pub const SECTORS: Range<u32> = SECTOR_BYTES as u32..4 * SECTOR_BYTES as u32;
 
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
-/// By 32 bits, for a supply of 2.7 V or more (RM0090, section 3.6.2).
+/// Programming by 32 bits, for a supply of 2.7 V or more (RM0090, section 3.6.2).
 const PARALLELISM: u8 = 2;
 
-/// The flash, with only the sectors of the settings to be changed.
+/// Access to the flash. Only the sectors of the settings can be changed.
 pub struct SettingsFlash(FLASH);
 
-/// Why the flash did not do what it was told.
+/// Why an access to the flash failed.
 #[derive(Clone, Copy, Debug)]
 pub enum FlashError {
-    /// Outside the sectors, or not at the boundary of a sector or word.
+    /// The range is outside the sectors or not aligned to a sector or word.
     Place(NorFlashErrorKind),
-    /// The status register says so.
+    /// The status register reports an error.
     Refused,
 }
 
@@ -49,11 +49,11 @@ impl SettingsFlash {
         Self(flash)
     }
 
-    /// Unlocks the control register for `work`, and makes sure afterwards that nobody reads from a cache what has changed.
+    /// Unlocks the control register for `work`. Afterwards it flushes the data cache, so that nobody reads old data.
     fn change(&mut self, work: impl FnOnce(&FLASH)) -> Result<(), FlashError> {
         let flash = &self.0;
         self.wait();
-        // Flags of an earlier failure would be taken for ours; a one clears.
+        // Clears the flags of an earlier failure. Writing one clears a flag.
         flash.sr().write(|w| {
             w.eop().clear_bit_by_one();
             w.operr().clear_bit_by_one();
@@ -85,7 +85,7 @@ impl SettingsFlash {
         while self.0.sr().read().bsy().bit_is_set() {}
     }
 
-    /// The data cache still has what was read before (RM0090, section 3.5.2); it may be reset while it is off only.
+    /// Flushes the data cache, which may hold old data (RM0090, section 3.5.2). It can be reset only while it is off.
     fn flush_data_cache(&self) {
         let control = self.0.acr();
         if control.read().dcen().bit_is_set() {
@@ -97,7 +97,7 @@ impl SettingsFlash {
     }
 }
 
-/// Whether a span is all within the sectors of the settings.
+/// Checks that a range lies within the sectors of the settings.
 fn check_sectors(from: u32, to: u32) -> Result<(), FlashError> {
     if from < SECTORS.start || to > SECTORS.end {
         return Err(FlashError::Place(NorFlashErrorKind::OutOfBounds));
@@ -121,7 +121,7 @@ impl ReadNorFlash for SettingsFlash {
         check_sectors(offset, offset + bytes.len() as u32)?;
         let from = (ORIGIN + offset as usize) as *const u32;
         for (place, word) in bytes.chunks_exact_mut(Self::READ_SIZE).enumerate() {
-            // SAFETY: aligned and within the sectors, by the checks.
+            // SAFETY: the checks ensure that the address is aligned and within the sectors.
             let value = unsafe { from.add(place).read_volatile() };
             word.copy_from_slice(&value.to_le_bytes());
         }
@@ -144,7 +144,7 @@ impl NorFlash for SettingsFlash {
         for sector in (from..to).step_by(SECTOR_BYTES) {
             let number = (sector as usize / SECTOR_BYTES) as u8;
             self.change(|flash| {
-                // SAFETY: a number of a sector of the settings, by the check.
+                // SAFETY: the check ensures that this is the number of a settings sector.
                 flash.cr().modify(|_, w| unsafe {
                     w.psize().bits(PARALLELISM);
                     w.pg().clear_bit();
@@ -173,7 +173,7 @@ impl NorFlash for SettingsFlash {
             });
             for (place, word) in bytes.chunks_exact(Self::WRITE_SIZE).enumerate() {
                 let value = u32::from_le_bytes(word.try_into().unwrap_or_default());
-                // SAFETY: aligned and within the sectors, which no code or data of the program is in.
+                // SAFETY: the address is aligned and within the sectors, which hold no code or data of the program.
                 unsafe { to.add(place).write_volatile(value) };
                 while flash.sr().read().bsy().bit_is_set() {}
             }

@@ -1,4 +1,4 @@
-//! From an answer to text.
+//! Answers of the console and their text.
 
 use core::fmt;
 
@@ -12,41 +12,41 @@ use crate::safety::{Counters, FaultLog};
 use crate::settings::{FIELDS, Field, FieldSet, SettingError, Settings, Shown, StoreError};
 use crate::units::DEG_PER_RAD;
 
-/// What the console says: one or more lines.
+/// An answer of the console: one or more lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Answer {
-    /// What there is, and how it is used.
+    /// Help on a topic.
     Help(Topic, Settings),
-    /// A setting that has changed.
+    /// A changed setting.
     Changed(Shown),
-    /// Some of these settings.
+    /// The values of some settings.
     Settings(FieldSet, Settings),
-    /// These settings as commands.
+    /// All settings as commands.
     Dump(Settings),
-    /// That the settings are stored.
+    /// The settings are stored.
     Saved,
-    /// That the stored settings are in force, of which so many were left out.
+    /// The stored settings are in force. The number counts values that were ignored.
     Loaded(usize),
-    /// That the defaults are in force.
+    /// The default settings are in force.
     Defaults,
     /// The state of the controller.
     Status(Status),
-    /// The last faults, and how often limits acted.
+    /// The last faults and the counts of limits.
     Faults(FaultLog, Counters),
-    /// That a sign of life was heard.
+    /// A heartbeat was received.
     Beat,
-    /// How long the control interrupt takes, where that is measured.
+    /// Duration of the control interrupt, where it is measured.
     Timing(Option<Timing>),
     /// Version of the firmware.
     Version,
-    /// What the telemetry does.
+    /// State of the telemetry.
     Telemetry(TelemetryAnswer),
-    /// The rate that the serial line will have.
+    /// The new baud rate of the serial line.
     Baud(u32),
 }
 
 impl Answer {
-    /// How many lines it has.
+    /// Number of lines.
     pub fn lines(&self) -> usize {
         match self {
             Self::Help(Topic::Commands, _) => COMMANDS.len(),
@@ -69,7 +69,7 @@ impl Answer {
         }
     }
 
-    /// The line of this number, from 0, without its end; of a status, that is all of it.
+    /// The line with this number, from 0, without its line end.
     pub fn line(&self, number: usize) -> impl fmt::Display {
         Line(self, number)
     }
@@ -140,14 +140,14 @@ pub const VERSION: &str = concat!(
     env!("PADDLE_COMMIT")
 );
 
-/// How long the control interrupt takes.
+/// Duration of the control interrupt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
-    /// The last one, s.
+    /// Duration of the last interrupt, s.
     pub last_s: f32,
-    /// The longest one since the last question, s.
+    /// Longest duration since the last query, s.
     pub worst_s: f32,
-    /// A control period, s.
+    /// Length of a control period, s.
     pub period_s: f32,
 }
 
@@ -163,7 +163,7 @@ impl fmt::Display for Timing {
     }
 }
 
-/// That stored settings are in force.
+/// Text: stored settings are in force.
 fn loaded(f: &mut fmt::Formatter<'_>, left_out: usize) -> fmt::Result {
     f.write_str("the settings are the stored ones")?;
     match left_out {
@@ -175,12 +175,12 @@ fn loaded(f: &mut fmt::Formatter<'_>, left_out: usize) -> fmt::Result {
     }
 }
 
-/// A setting with its value and what it may be.
+/// A setting with its value and its allowed values.
 fn setting(f: &mut fmt::Formatter<'_>, field: &'static Field, settings: &Settings) -> fmt::Result {
     write!(f, "{} ({})", field.shown(settings), field.kind)
 }
 
-/// The reset's cause, if it is known, the faults, and the counts of limits.
+/// The cause of the reset, if known, the faults, and the counts of limits.
 fn faults_line(
     f: &mut fmt::Formatter<'_>,
     faults: &FaultLog,
@@ -284,24 +284,24 @@ impl fmt::Display for StepReport {
     }
 }
 
-/// Why the console does not do what it is told.
+/// Why the console refuses a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Refusal {
-    /// The line is no command.
+    /// The line is not a valid command.
     Parse(ParseError),
-    /// The setting.
+    /// A setting was refused.
     Setting(SettingError),
-    /// Storing or recalling settings.
+    /// Storing or loading settings failed.
     Store(StoreError),
-    /// Arming.
+    /// Arming was refused.
     Arm(ArmError),
-    /// The zero.
+    /// Setting the zero was refused.
     Zero(ZeroError),
-    /// The reference.
+    /// The reference was refused.
     Reference(ReferenceError),
-    /// The excitation.
+    /// The excitation was refused.
     Excitation(ExcitationError),
-    /// Telemetry.
+    /// Telemetry was refused.
     Telemetry(TelemetryRefusal),
 }
 

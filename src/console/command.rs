@@ -1,4 +1,4 @@
-//! From a line to a command.
+//! Parses a line into a command.
 
 use core::fmt;
 
@@ -11,19 +11,19 @@ use crate::excitation::{Excitation, Shape};
 use crate::procedures::ProcedureKind;
 use crate::settings::{Field, FieldSet, SettingError};
 
-/// Longest line, bytes without its end.
+/// Largest length of a line without its end, bytes.
 pub const MAX_LINE_BYTES: usize = 80;
 
-/// How a command is written.
+/// Usage of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usage {
-    /// First word.
+    /// The first word.
     pub name: &'static str,
     /// The words after it.
     pub arguments: &'static str,
-    /// What it does.
+    /// The purpose of the command.
     pub purpose: &'static str,
-    /// A line that does it.
+    /// An example line.
     pub example: &'static str,
 }
 
@@ -221,10 +221,11 @@ const REBOOT: Usage = Usage {
     example: "reboot",
 };
 
-/// The command of this name, or the only one whose name begins like this.
+/// Finds the command with this name, or the only one whose name begins with it.
 ///
 /// # Errors
-/// [`ParseError`] if there is none, or more.
+///
+/// [`ParseError`] if no command or several commands match.
 pub fn find(text: &str) -> Result<&'static Usage, ParseError> {
     if let Some(usage) = COMMANDS.iter().find(|usage| usage.name == text) {
         return Ok(usage);
@@ -237,7 +238,7 @@ pub fn find(text: &str) -> Result<&'static Usage, ParseError> {
     }
 }
 
-/// What help is about.
+/// Topic of help.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Topic {
     /// All commands.
@@ -248,87 +249,87 @@ pub enum Topic {
     Settings(FieldSet),
 }
 
-/// How the encoder gets its zero.
+/// Source of the encoder's zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Zero {
-    /// By the Hall sensor.
+    /// The Hall sensor.
     Hall,
-    /// By hand.
+    /// A stated angle.
     At {
-        /// Where the paddle stands, degrees.
+        /// Present angle of the paddle, degrees.
         angle_deg: f32,
     },
 }
 
-/// What a line asks for. Numbers are in the unit that people see: degrees, or N m at the motor in torque mode.
+/// A parsed command. Numbers are in user units: degrees, or N m at the motor in torque mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
-    /// What there is, and how it is used.
+    /// Show help.
     Help(Topic),
-    /// Settings with their values.
+    /// Show settings with their values.
     Get(FieldSet),
-    /// All settings as commands.
+    /// Show all settings as commands.
     Dump,
     /// Store the settings.
     Save,
-    /// Go back to the stored settings.
+    /// Load the stored settings.
     Load,
-    /// Go back to the defaults.
+    /// Restore the default settings.
     Defaults,
-    /// A setting and its value, within its bounds.
+    /// Set a setting to a value, which is within its bounds.
     Set(&'static Field, f32),
-    /// Start to control.
+    /// Arm in a mode.
     Arm(Mode),
     /// Motor off.
     Disarm,
-    /// Zero of the encoder.
+    /// Set the zero of the encoder.
     Zero(Zero),
-    /// Reference.
+    /// Set the reference.
     Reference(f32),
-    /// Test signal.
+    /// Start an excitation.
     Start(Excitation),
-    /// End of the test signal.
+    /// Stop the excitation.
     Stop,
-    /// State of the controller.
+    /// Show the state of the controller.
     Status,
-    /// The last faults.
+    /// Show the last faults.
     Faults,
-    /// Let go of the fault.
+    /// Clear the latched fault.
     Clear,
-    /// A program steers, or no longer.
+    /// Start or stop the heartbeat supervision of a host program.
     Beat(bool),
-    /// A stream, or a capture.
+    /// Control a stream or a capture.
     Telemetry(TelemetryCommand),
-    /// Another rate of the serial line, bits a second.
+    /// Change the baud rate of the serial line, bit/s.
     Baud(u32),
-    /// The paddle measures itself.
+    /// Run a procedure by which the paddle measures itself.
     Procedure(ProcedureKind),
-    /// How long the control interrupt takes.
+    /// Show the duration of the control interrupt.
     Timing,
-    /// Version of the firmware.
+    /// Show the version of the firmware.
     Version,
-    /// The greeting.
+    /// Show the greeting.
     Hello,
-    /// Begin anew.
+    /// Restart the firmware.
     Reboot,
 }
 
-/// Why a line is no command.
+/// Why a line is not a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParseError {
-    /// Longer than [`MAX_LINE_BYTES`].
+    /// It is longer than [`MAX_LINE_BYTES`].
     TooLong,
-    /// Not plain text.
+    /// It is not plain text.
     NotText,
-    /// The first word is no command.
+    /// The first word is not a command.
     UnknownCommand,
-    /// The first word may become these two commands, and more.
+    /// The first word is the beginning of these two commands, and possibly of more.
     AmbiguousCommand(&'static str, &'static str),
-    /// The words after the first do not fit.
+    /// The arguments do not match the usage.
     Usage(&'static Usage),
-    /// The setting is refused.
+    /// The setting or its value is refused.
     Setting(SettingError),
-    /// No channel of telemetry has this name.
+    /// No telemetry channel has this name.
     UnknownChannel,
 }
 
@@ -366,10 +367,11 @@ impl From<SettingError> for ParseError {
     }
 }
 
-/// The command of a line, of which everything from a `#` on is a remark; `None` for a blank one. Names of commands and
-/// settings may be cut short as long as they are those of one only.
+/// Parses a line. Text after a `#` is a comment. Returns `None` for an empty line. Names of commands and settings may be
+/// shortened as long as they are unique.
 ///
 /// # Errors
+///
 /// [`ParseError`].
 pub fn parse(line: &[u8]) -> Result<Option<Command>, ParseError> {
     let line = line.trim_ascii();
@@ -457,7 +459,7 @@ pub(super) struct Arguments<'a> {
 }
 
 impl<'a> Arguments<'a> {
-    /// `meant`, if the next word is this one.
+    /// Returns `meant` if the next word is `word`.
     fn exactly<T>(&mut self, word: &str, meant: T) -> Result<T, ParseError> {
         if self.word()? == word {
             Ok(meant)

@@ -1,10 +1,10 @@
-//! What Tab makes of a word that was begun.
+//! Completion of a word by the Tab key.
 
 use super::command::{COMMANDS, find};
 use crate::excitation::Shape;
 use crate::settings::{FIELDS, FieldSet, Kind};
 
-/// What a word may become.
+/// The possible completions of a word.
 #[derive(Clone, Copy, Debug)]
 pub struct Completion<'a> {
     begun: &'a str,
@@ -24,7 +24,7 @@ static SHAPES: [&str; Shape::NAMED.len()] = {
 };
 
 impl<'a> Completion<'a> {
-    /// For the last word of this beginning of a line.
+    /// The completions of the last word in the beginning of a line.
     pub fn of(line: &'a str) -> Self {
         let (before, begun) = line.rsplit_once(' ').unwrap_or(("", line));
         let mut words = before.split_ascii_whitespace();
@@ -64,7 +64,7 @@ impl<'a> Completion<'a> {
         completion
     }
 
-    /// What the word may become.
+    /// The possible full words.
     pub fn candidates(self) -> impl Iterator<Item = &'static str> + use<'a> {
         let commands = COMMANDS.iter().map(|usage| usage.name);
         let settings = FIELDS.iter().map(|field| field.name);
@@ -75,7 +75,7 @@ impl<'a> Completion<'a> {
             .filter(move |name| name.starts_with(self.begun))
     }
 
-    /// What all of these go on with, and whether there is only one.
+    /// The common continuation of all candidates, and true if there is only one candidate.
     pub fn rest(self) -> (&'static str, bool) {
         let mut candidates = self.candidates();
         let Some(first) = candidates.next() else {

@@ -1,7 +1,7 @@
-//! Typed bytes to lines, with a cursor, a history, and the keys that terminals have.
+//! A line editor with cursor, history and the usual keys of terminals.
 //!
-//! The crate `embedded-cli` does not fit: it completes names of commands only, not of settings; it passes over Ctrl-C and
-//! Ctrl-U; and it cuts a line that is too long instead of refusing it. `noline` reads lines in a loop of its own.
+//! The crate `embedded-cli` does not fit. It completes names of commands but not of settings. It ignores Ctrl-C and
+//! Ctrl-U. It cuts a line that is too long instead of refusing it. The crate `noline` reads lines in a loop of its own.
 
 use super::MAX_LINE_BYTES;
 
@@ -9,55 +9,55 @@ const BACKSPACE: u8 = 0x08;
 const DELETE: u8 = 0x7F;
 const TAB: u8 = 0x09;
 const ESCAPE: u8 = 0x1B;
-/// Ctrl-C, which stops everything at once.
+/// Ctrl-C, which stops the paddle at once.
 pub const STOP_BYTE: u8 = 0x03;
-/// Ctrl-C and Ctrl-U, by which terminals drop a line.
+/// Ctrl-C and Ctrl-U, which discard the line.
 const DROP_LINE: [u8; 2] = [STOP_BYTE, 0x15];
 
-/// Lines that are remembered.
+/// Number of lines in the history.
 const HISTORY_LINES: usize = 8;
 
-/// What a byte did.
+/// Effect of a received byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Typed<'a> {
-    /// Joined the end of the line; to be echoed.
+    /// It was appended to the line and must be echoed.
     Added(u8),
-    /// Took the last byte of the line away.
+    /// It removed the last byte of the line.
     Erased,
-    /// Changed the line in another way, or moved the cursor.
+    /// It changed the line in another way, or moved the cursor.
     Edited(Edited<'a>),
-    /// Asks for the rest of this word, or for what it may be: the line up to the cursor.
+    /// It requests completion of the last word. The value is the line up to the cursor.
     Complete(&'a [u8]),
-    /// Ended this line.
+    /// It ended this line.
     Line(&'a [u8]),
-    /// Ended a line that was too long.
+    /// It ended a line that was too long.
     TooLong,
-    /// Dropped the line.
+    /// It discarded the line.
     Dropped,
-    /// Nothing.
+    /// It had no effect.
     Ignored,
 }
 
-/// A line, to be shown anew.
+/// A line that must be displayed again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Edited<'a> {
-    /// All of it.
+    /// The whole line.
     pub line: &'a [u8],
-    /// How far the cursor stands from its end.
+    /// Number of bytes after the cursor.
     pub behind_cursor: usize,
 }
 
-/// How much of a key's sequence was typed.
+/// How much of a key's escape sequence was received.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Sequence {
     #[default]
     None,
     Escape,
-    /// After `ESC [` or `ESC O`, with the number so far, 0 if there was none.
+    /// After `ESC [` or `ESC O`. The value is the number so far, 0 without digits.
     Introduced(u8),
 }
 
-/// The line that is being typed.
+/// The line that is being edited.
 #[derive(Clone, Debug, Default)]
 pub struct LineEditor {
     line: Line,
@@ -70,7 +70,7 @@ pub struct LineEditor {
 }
 
 impl LineEditor {
-    /// Takes a byte. A line ends with CR, LF or both.
+    /// Processes a byte. A line ends with CR, LF or both.
     pub fn push(&mut self, byte: u8) -> Typed<'_> {
         if self.ended {
             self.drop_line();
@@ -112,7 +112,7 @@ impl LineEditor {
         }
     }
 
-    /// Puts text in where the cursor is, as far as there is room.
+    /// Inserts text at the cursor, as far as it fits.
     pub fn insert(&mut self, text: &str) {
         for byte in text.bytes() {
             if self.line.insert(self.cursor, byte) {
@@ -121,7 +121,7 @@ impl LineEditor {
         }
     }
 
-    /// The line as it stands; an empty one after its end.
+    /// The present line. It is empty after the end of a line.
     pub fn shown(&self) -> Edited<'_> {
         if self.ended {
             return Edited {
@@ -135,7 +135,7 @@ impl LineEditor {
         }
     }
 
-    /// Drops what was typed of the line; the history stays.
+    /// Discards the present line. The history is kept.
     pub fn drop_line(&mut self) {
         self.line = Line::default();
         self.cursor = 0;
@@ -158,10 +158,10 @@ impl LineEditor {
         Typed::Line(self.line.bytes())
     }
 
-    /// The key that this byte is, or whose sequence it ends. Within a sequence every byte belongs to it.
+    /// The key that this byte is or completes. All bytes of an escape sequence belong to it.
     fn key(&mut self, byte: u8) -> Option<Key> {
         let (sequence, key) = match (self.sequence, byte) {
-            // A stop and the end of a line are never part of a sequence.
+            // Ctrl-C and the end of a line are never part of a sequence.
             (_, b'\r' | b'\n' | STOP_BYTE) => (Sequence::None, None),
             (Sequence::None, ESCAPE) => (Sequence::Escape, Some(Key::None)),
             (Sequence::None, _) => (Sequence::None, Key::of_control(byte)),
@@ -203,7 +203,7 @@ impl LineEditor {
     }
 }
 
-/// A key that edits.
+/// An editing key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Key {
     None,
@@ -219,7 +219,7 @@ enum Key {
 }
 
 impl Key {
-    /// By a control byte, as shells have them: Ctrl-A, B, D, E, F, K, L, N and P.
+    /// The key of a control byte, as in shells: Ctrl-A, B, D, E, F, K, L, N and P.
     fn of_control(byte: u8) -> Option<Self> {
         Some(match byte {
             0x01 => Self::Home,
@@ -235,7 +235,7 @@ impl Key {
         })
     }
 
-    /// By the number and the last byte of a sequence (ECMA-48, and the keys of the VT220).
+    /// The key of an escape sequence with this number and last byte (ECMA-48, and the keys of the VT220).
     fn of_sequence(number: u8, last: u8) -> Self {
         match (number, last) {
             (_, b'A') => Self::Up,
@@ -250,7 +250,7 @@ impl Key {
     }
 }
 
-/// Bytes of a line.
+/// The bytes of a line.
 #[derive(Clone, Copy, Debug)]
 struct Line {
     bytes: [u8; MAX_LINE_BYTES],
@@ -271,7 +271,7 @@ impl Line {
         self.bytes.get(..self.length).unwrap_or_default()
     }
 
-    /// Whether there was room.
+    /// Inserts a byte. Returns false if there is no room.
     fn insert(&mut self, at: usize, byte: u8) -> bool {
         let Some(tail) = self.bytes.get_mut(at..self.length + 1) else {
             return false;
@@ -297,7 +297,7 @@ impl Line {
 struct History {
     lines: [Line; HISTORY_LINES],
     length: usize,
-    /// Which one is shown, counted from 1; 0 = none.
+    /// Number of the displayed entry, counted from 1. 0 = none.
     recalled: usize,
 }
 
@@ -313,7 +313,7 @@ impl History {
         self.length = (self.length + 1).min(HISTORY_LINES);
     }
 
-    /// The line before or after the one that is shown; an empty one after the newest.
+    /// The older or newer entry than the displayed one. Newer than the newest is an empty line.
     fn recall(&mut self, older: bool) -> Option<Line> {
         let recalled = if older {
             self.recalled + 1

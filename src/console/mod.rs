@@ -1,8 +1,8 @@
-//! The console: a line in, an answer out. Pure, so that it runs the same on the device, in the simulator and in a
-//! test. A [`Session`] is all of it together, byte by byte.
+//! The console: it turns a line into an answer. It has no hardware access, so that it runs equally on the device, in the
+//! simulator and in tests. A [`Session`] processes bytes one by one.
 //!
-//! [`parse`] needs no access to the controller, and neither does writing an [`Answer`]: only [`execute`] does, for
-//! moments, so that a slow terminal never holds the control loop up.
+//! [`parse`] and the text of an [`Answer`] do not access the controller. Only [`execute`] does, and only briefly. A slow
+//! terminal therefore never delays the control loop.
 
 mod answer;
 mod command;
@@ -25,34 +25,35 @@ use crate::settings::{Recalled, Settings, StoreError};
 use crate::telemetry::Telemetry;
 use crate::units::RAD_PER_DEG;
 
-/// What the console reaches of the device: the controller itself, or the lock that guards it, telemetry and a memory.
+/// The device as the console accesses it: the controller or the lock that guards it, the telemetry, and the settings store.
 pub trait Device {
     /// Runs `work` with the controller.
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R;
 
-    /// Runs `work` with the telemetry, where there is one.
+    /// Runs `work` with the telemetry. Returns `None` without telemetry.
     fn telemetry<R>(&mut self, work: impl FnOnce(&mut Telemetry) -> R) -> Option<R> {
         let _ = work;
         None
     }
 
-    /// How long the control interrupt takes, where that is measured.
+    /// Duration of the control interrupt. `None` where it is not measured.
     fn timing(&mut self) -> Option<Timing> {
         None
     }
 
-    /// Begins anew, as after a reset.
+    /// Restarts the device, as a reset does.
     fn reboot(&mut self) {}
 
-    /// Stores settings so that they outlive a loss of the supply. Takes up to two seconds, in which nothing else runs.
+    /// Stores settings permanently. It takes up to two seconds, during which nothing else runs.
     ///
     /// # Errors
-    /// [`StoreError`], armed at the latest.
+    ///
+    /// [`StoreError`], for example while the paddle is armed.
     fn save(&mut self, _settings: &Settings) -> Result<(), StoreError> {
         Err(StoreError::NoStore)
     }
 
-    /// The settings that were stored last.
+    /// Loads the settings that were stored last.
     ///
     /// # Errors
     /// [`StoreError`].
@@ -67,13 +68,13 @@ impl Device for Controller {
     }
 }
 
-/// Where the console writes.
+/// The output of the console.
 pub trait Terminal: fmt::Write {
-    /// Whether [`MAX_ANSWER_BYTES`] fit now.
+    /// Returns true if [`MAX_ANSWER_BYTES`] fit into the output now.
     fn has_room(&self) -> bool;
 }
 
-/// No line of an answer is longer, bytes.
+/// Largest length of a line of an answer, bytes.
 pub const MAX_ANSWER_BYTES: usize = 512;
 
 #[cfg(not(target_os = "none"))]
@@ -83,10 +84,11 @@ impl Terminal for std::string::String {
     }
 }
 
-/// Does what a command says.
+/// Executes a command.
 ///
 /// # Errors
-/// [`Refusal`], with nothing changed.
+///
+/// [`Refusal`]. Nothing is changed in that case.
 pub fn execute(
     command: &Command,
     settings: &mut Settings,
@@ -142,9 +144,9 @@ pub fn execute(
         }
         Command::Beat(_) => return Ok(Answer::Beat),
         Command::Timing => return Ok(Answer::Timing(device.timing())),
-        // A session has procedures.
+        // A [`Session`] runs procedures.
         Command::Procedure(_) => {}
-        // The part of the greeting that needs no session.
+        // The session adds the rest of the greeting.
         Command::Version | Command::Hello => return Ok(Answer::Version),
         Command::Reboot => {
             disarmed(device)?;
@@ -156,7 +158,7 @@ pub fn execute(
     Ok(Answer::Status(device.with(|c| c.status())))
 }
 
-/// Starts a test signal whose numbers are in the unit that people type.
+/// Starts an excitation whose numbers are in user units.
 fn start(controller: &mut Controller, excitation: &Excitation) -> Result<(), ExcitationError> {
     let unit = per_shown_unit(controller.mode());
     controller.start(&Excitation {
@@ -181,7 +183,8 @@ fn replace(settings: &mut Settings, by: &Settings, rate: TickRate, device: &mut 
     device.with(|c| c.retune(tuning));
 }
 
-/// The controller's unit in one unit that people type: degrees in position mode, N m at the motor in torque mode.
+/// Value of one user unit in the controller's unit. The user unit is degrees in position mode and N m at the motor in torque
+/// mode.
 fn per_shown_unit(mode: Mode) -> f32 {
     if mode == Mode::Torque {
         1.0

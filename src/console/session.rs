@@ -1,4 +1,4 @@
-//! A console session: typed bytes in, text out, and the wiring check that goes before the position loop.
+//! A console session: it processes received bytes, writes text, and checks the wiring before the position loop is armed.
 
 use core::fmt;
 
@@ -12,13 +12,14 @@ use crate::safety::Fault;
 use crate::settings::{Settings, StoreError};
 use crate::wiring::{Angles, Progress, WiringCheck};
 
-/// For how long the bridge stands at no voltage before its current is read, and how many readings are taken.
+/// Settling time of the bridge at zero voltage before the current offset is read, s.
 const SETTLE_S: f32 = 0.02;
+/// Number of control periods over which the current offset is read.
 const IDLE_PERIODS: f32 = 1024.0;
-/// The winding's resistance may be this many times larger or smaller than motor.resistance says.
+/// Largest factor between the measured winding resistance and motor.resistance, in either direction.
 const RESISTANCE_FACTOR: f32 = 2.0;
 
-/// Somebody at a terminal, and the paddle that they tune.
+/// The session of one terminal with the settings of the paddle.
 #[derive(Debug)]
 pub struct Session {
     settings: Settings,
@@ -26,48 +27,48 @@ pub struct Session {
     ready: Result<(), ArmError>,
     recalled: Result<usize, StoreError>,
     line: LineEditor,
-    /// An answer of which not every line is said yet, and the number of the next one.
+    /// An answer that is not completely written, and the number of its next line.
     answer: Option<(Answer, usize)>,
     arming: Option<Arming>,
     running: Option<Running>,
     wired: bool,
     announced: Option<Fault>,
     bridge_ready: bool,
-    /// For how long nothing was heard of the program that steers, s; `None` while none does.
+    /// Time since the last byte from a host program that sends heartbeats, s. `None` without such a program.
     silent_s: Option<f32>,
-    /// A rate of the serial line that is to come, bits a second.
+    /// A new baud rate of the serial line that is not yet set, bit/s.
     baud: Option<u32>,
 }
 
-/// On the way to a mode.
+/// State of the arming sequence.
 #[derive(Clone, Copy, Debug)]
 struct Arming {
     mode: Mode,
     stage: Stage,
-    /// What begins then.
+    /// The procedure that starts after arming, if any.
     then: Option<ProcedureKind>,
 }
 
-/// A procedure, and for how long it has been at work, s.
+/// A running procedure and the time since its start, s.
 #[derive(Clone, Debug)]
 struct Running {
     procedure: Procedure,
     elapsed_s: f32,
 }
 
-/// How far that is.
+/// Stage of the arming sequence.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
-    /// The bridge is on at no voltage, for so long yet, s.
+    /// The bridge is on at zero voltage, for this remaining time, s.
     Settling(f32),
-    /// The current's offset is read.
+    /// The offset of the current is measured.
     Reading,
     /// The wiring is checked.
     Checking(WiringCheck),
 }
 
 impl Session {
-    /// A session with a controller of these settings and rate, on a board that is ready to be armed or not.
+    /// A session with a controller with these settings and rate. `ready` tells whether the board allows arming.
     pub fn new(settings: Settings, rate: TickRate, ready: Result<(), ArmError>) -> Self {
         Self {
             settings,
@@ -86,27 +87,27 @@ impl Session {
         }
     }
 
-    /// With what became of the stored settings: how many were left out, or why there are none.
+    /// Records the result of loading the stored settings: the number of ignored values, or why nothing was loaded.
     pub fn recalled(self, recalled: Result<usize, StoreError>) -> Self {
         Self { recalled, ..self }
     }
 
-    /// The settings as they are now.
+    /// The present settings.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Whether the bridge reports no fault, as far as the last look found.
+    /// Returns true if the bridge reported no fault at the last call of [`Self::look`].
     pub fn bridge_is_ready(&self) -> bool {
         self.bridge_ready
     }
 
-    /// A rate that the serial line is to have once all that was said is out, bits a second; told once.
+    /// Takes the new baud rate, bit/s. It must be set after all pending text has been sent.
     pub fn take_baud(&mut self) -> Option<u32> {
         self.baud.take()
     }
 
-    /// Says hello, at power-on.
+    /// Writes the greeting at power-on.
     pub fn greet(&self, out: &mut impl Terminal) {
         self.introduce(false, out);
         match self.recalled {
@@ -117,7 +118,7 @@ impl Session {
         self.prompt(out);
     }
 
-    /// Says what this is, and what keeps it from being armed.
+    /// Writes the version, and what prevents arming.
     fn introduce(&self, armed: bool, out: &mut impl Terminal) {
         say(
             out,
@@ -131,12 +132,12 @@ impl Session {
         }
     }
 
-    /// Whether [`Self::type_in`] takes more than Ctrl-C: not on the way to a mode, nor within a procedure or an answer.
+    /// Returns true if [`Self::type_in`] accepts more than Ctrl-C. It is false during arming, a procedure or an answer.
     pub fn listens(&self) -> bool {
         self.arming.is_none() && self.running.is_none() && self.answer.is_none()
     }
 
-    /// Goes on with an answer, as far as the terminal has room.
+    /// Continues writing an answer as far as the terminal has room.
     pub fn go_on_saying(&mut self, out: &mut impl Terminal) {
         while let Some((answer, number)) = &mut self.answer
             && out.has_room()
@@ -150,7 +151,7 @@ impl Session {
         }
     }
 
-    /// Asks for the next line, unless something is still to be said or done first. One that is being typed is shown anew.
+    /// Writes the prompt, unless an answer or action is still in progress. A line that is being typed is displayed again.
     fn prompt(&self, out: &mut impl fmt::Write) {
         if !self.listens() {
             return;
@@ -158,7 +159,7 @@ impl Session {
         ask(out, &self.line.shown());
     }
 
-    /// Takes a typed byte. Ctrl-C stops everything at once, in every state.
+    /// Processes a received byte. Ctrl-C stops the paddle at once in every state.
     pub fn type_in(&mut self, byte: u8, device: &mut impl Device, out: &mut impl Terminal) {
         if let Some(silent_s) = &mut self.silent_s {
             *silent_s = 0.0;
@@ -205,7 +206,7 @@ impl Session {
         self.go_on_saying(out);
     }
 
-    /// Goes on with the word that was begun, or says what it may become.
+    /// Completes the last word, or lists its possible completions.
     fn complete(&mut self, out: &mut impl Terminal) {
         let Edited {
             line,
@@ -232,16 +233,17 @@ impl Session {
         show(out, &self.line.shown());
     }
 
-    /// Says that typed bytes were lost; the line that they belong to is dropped.
+    /// Reports that received bytes were lost. The line that they belong to is discarded.
     pub fn complain(&mut self, out: &mut impl Terminal) {
         self.line.drop_line();
         say(out, format_args!("\r\ninput lost: send slower"));
         self.prompt(out);
     }
 
-    /// Looks after the controller; to be called about once a millisecond, with the time since the last call, s.
+    /// Supervises the controller. It must be called about once per millisecond. `elapsed_s` is the time since the last call,
+    /// s.
     pub fn look(&mut self, elapsed_s: f32, device: &mut impl Device, out: &mut impl Terminal) {
-        let silent = self.falls_silent(elapsed_s);
+        let silent = self.host_is_silent(elapsed_s);
         let seen = device.with(|c| {
             if silent && c.mode() != Mode::Off {
                 c.report_fault(Fault::HostSilent);
@@ -257,13 +259,13 @@ impl Session {
         if let Some(arming) = self.arming.take() {
             self.go_on(arming, elapsed_s, device, out);
         } else if let Some(running) = self.running.take() {
-            self.proceed(running, seen.off, elapsed_s, device, out);
+            self.advance_procedure(running, seen.off, elapsed_s, device, out);
         }
     }
 
-    /// Goes a look further with a procedure.
+    /// Advances a procedure.
     #[inline(never)]
-    fn proceed(
+    fn advance_procedure(
         &mut self,
         mut running: Running,
         off: bool,
@@ -303,14 +305,14 @@ impl Session {
         self.prompt(out);
     }
 
-    /// Puts the settings in force.
+    /// Puts the settings in force in the controller.
     fn retune(&self, device: &mut impl Device) {
         let tuning = Tuning::new(&self.settings, self.rate);
         device.with(|c| c.retune(tuning));
     }
 
-    /// Whether the program that steers has just been silent for too long.
-    fn falls_silent(&mut self, elapsed_s: f32) -> bool {
+    /// Returns true if a host program with heartbeats has been silent for too long.
+    fn host_is_silent(&mut self, elapsed_s: f32) -> bool {
         let Some(silent_s) = &mut self.silent_s else {
             return false;
         };
@@ -319,7 +321,7 @@ impl Session {
         longest_s > 0.0 && *silent_s > longest_s
     }
 
-    /// Says what has happened since the last look.
+    /// Writes what has happened since the last call.
     fn announce(&mut self, seen: &Seen, out: &mut impl Terminal) {
         let disturbed = self.arming.take_if(|_| seen.off);
         let mut said = false;
@@ -351,7 +353,7 @@ impl Session {
         if seen.bridge_ready != self.bridge_ready {
             self.bridge_ready = seen.bridge_ready;
             if seen.fault == Some(Fault::Bridge) && !seen.bridge_ready {
-                // Said already.
+                // This was already written.
             } else if seen.bridge_ready {
                 say(out, format_args!("\r\nthe bridge is ready"));
             } else {
@@ -364,7 +366,7 @@ impl Session {
         }
     }
 
-    /// Goes a look further on the way to a mode.
+    /// Advances the arming sequence.
     fn go_on(
         &mut self,
         arming: Arming,
@@ -422,8 +424,8 @@ impl Session {
         }
     }
 
-    /// Takes over the winding's resistance as the wiring check has shown it; a motor that moved at once leaves it as it
-    /// is.
+    /// Stores the winding resistance that the wiring check measured. It stays unchanged if the motor moved at once, because
+    /// the check then gives no value.
     fn take_resistance(&mut self, device: &mut impl Device) -> Result<(), ArmError> {
         let Some(measured_ohm) = device.with(|c| c.resistance_ohm()) else {
             return Ok(());
@@ -441,7 +443,7 @@ impl Session {
         Ok(())
     }
 
-    /// Begins a procedure on a paddle that is all but armed.
+    /// Arms the paddle and starts a procedure.
     fn begin(&mut self, kind: ProcedureKind, device: &mut impl Device, out: &mut impl Terminal) {
         let tuning = Tuning::new(&kind.settings(&self.settings), self.rate);
         let armed = device.with(|c| {
@@ -463,7 +465,7 @@ impl Session {
         }
     }
 
-    /// Turns the bridge on at no voltage, on the way to a mode and to what begins then.
+    /// Turns the bridge on at zero voltage and starts the arming sequence.
     fn prepare(
         &mut self,
         mode: Mode,
@@ -521,7 +523,7 @@ impl Session {
     }
 }
 
-/// What a look finds.
+/// State of the controller as [`Session::look`] reads it.
 struct Seen {
     fault: Option<Fault>,
     stopped: Option<StopCause>,
@@ -532,7 +534,7 @@ struct Seen {
 fn advance(check: &mut WiringCheck, elapsed_s: f32, controller: &mut Controller) -> Progress {
     let progress = check.advance(elapsed_s, angles(controller));
     match progress {
-        // Refused only when a fault has just disarmed; the next look announces that.
+        // The reference is refused only after a fault, which the next call of [`Session::look`] reports.
         Progress::Push(torque_nm) => {
             let _ = controller.set_reference(torque_nm);
         }
@@ -548,13 +550,13 @@ fn angles(controller: &Controller) -> Angles {
     }
 }
 
-/// Shows the line that is being typed anew, in place of what stood there.
+/// Displays the edited line again in place of the old one.
 fn show(out: &mut impl fmt::Write, edited: &Edited) {
     put(out, format_args!("\r\x1b[K"));
     ask(out, edited);
 }
 
-/// Asks for the rest of a line, with the cursor where it is.
+/// Writes the prompt and the edited line, with the cursor in place.
 fn ask(out: &mut impl fmt::Write, edited: &Edited) {
     let line = core::str::from_utf8(edited.line).unwrap_or("?");
     put(out, format_args!("> {line}"));
@@ -567,7 +569,7 @@ fn say(out: &mut impl fmt::Write, text: fmt::Arguments) {
     put(out, format_args!("{text}\r\n"));
 }
 
-/// Writes to a terminal that may be full or gone; there is nobody else to tell.
+/// Writes to a terminal. An error is ignored, because there is no other output to report it on.
 fn put(out: &mut impl fmt::Write, text: fmt::Arguments) {
     let _ = out.write_fmt(text);
 }

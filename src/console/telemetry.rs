@@ -1,4 +1,4 @@
-//! The commands of telemetry: `stream`, `capture` and `baud`.
+//! The console commands of the telemetry: `stream`, `capture` and `baud`.
 
 use core::fmt;
 
@@ -10,29 +10,30 @@ use crate::telemetry::{
     TriggerPlan,
 };
 
-/// Slowest and fastest rate of the serial line, bits a second. Beyond the fastest the clock divides too coarsely.
+/// Lowest and highest baud rate of the serial line, bit/s. Above the highest, the resolution of the clock divider is too
+/// coarse.
 const BAUDS: core::ops::RangeInclusive<u32> = 9_600..=2_000_000;
-/// Time before the trigger of a capture where none is given, ms.
+/// Default time before the trigger of a capture, ms.
 const BEFORE_MS: f32 = 25.0;
 
-/// What is wanted of the telemetry.
+/// A telemetry command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TelemetryCommand {
-    /// How the stream is.
+    /// Show the state of the stream.
     ShowStream,
-    /// Rows of these channels at this rate, Hz.
+    /// Stream these channels at this rate, Hz.
     Stream(Channels, f32),
-    /// No stream.
+    /// Stop the stream.
     EndStream,
-    /// How the capture is.
+    /// Show the state of the capture.
     ShowCapture,
-    /// A capture, with so much before its trigger, ms; of a fault, as much as there is room for.
+    /// Start a capture with this time before its trigger, ms. For a fault trigger the default is the whole memory.
     Capture(TriggerPlan, Option<f32>),
-    /// The complete capture.
+    /// Send the complete capture.
     SendCapture,
 }
 
-/// The words after `stream`.
+/// Parses the words after `stream`.
 pub(super) fn stream(arguments: &mut Arguments) -> Result<TelemetryCommand, ParseError> {
     Ok(match arguments.optional() {
         None => TelemetryCommand::ShowStream,
@@ -44,7 +45,7 @@ pub(super) fn stream(arguments: &mut Arguments) -> Result<TelemetryCommand, Pars
     })
 }
 
-/// The words after `capture`.
+/// Parses the words after `capture`.
 pub(super) fn capture(arguments: &mut Arguments) -> Result<TelemetryCommand, ParseError> {
     let trigger = match arguments.optional() {
         None => return Ok(TelemetryCommand::ShowCapture),
@@ -67,7 +68,7 @@ pub(super) fn capture(arguments: &mut Arguments) -> Result<TelemetryCommand, Par
     Ok(TelemetryCommand::Capture(trigger, before_ms))
 }
 
-/// The word after `baud`.
+/// Parses the word after `baud`.
 pub(super) fn baud(arguments: &mut Arguments) -> Result<u32, ParseError> {
     let baud = arguments.number()? as u32;
     if BAUDS.contains(&baud) {
@@ -77,7 +78,7 @@ pub(super) fn baud(arguments: &mut Arguments) -> Result<u32, ParseError> {
     }
 }
 
-/// Does what is wanted.
+/// Executes a telemetry command.
 pub(super) fn execute(
     wanted: TelemetryCommand,
     lender: &mut impl Device,
@@ -127,12 +128,12 @@ pub(super) fn execute(
         .unwrap_or(Err(TelemetryRefusal::None))
 }
 
-/// What the telemetry does.
+/// State of the telemetry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TelemetryAnswer {
-    /// It streams these channels at this rate, Hz, or nothing; and how many rows found no room.
+    /// The streamed channels and their rate in Hz, or `None`, and the number of dropped rows.
     Stream(Option<(Channels, f32)>, u32),
-    /// How far the capture is.
+    /// State of the capture.
     Capture(CaptureState),
 }
 
@@ -181,14 +182,14 @@ fn name(trigger: Trigger) -> &'static str {
     }
 }
 
-/// Why the telemetry does not do what it is told.
+/// Why a telemetry command is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TelemetryRefusal {
-    /// There is none.
+    /// The device has no telemetry.
     None,
-    /// The stream.
+    /// The stream is refused.
     Stream(StreamError),
-    /// The capture.
+    /// The capture is refused.
     Capture(CaptureError),
 }
 

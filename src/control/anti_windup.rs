@@ -1,11 +1,11 @@
-//! Integral action that does not wind up.
+//! Integral action with anti-windup.
 
 use crate::scalar::limit;
 
-/// Adds this tick's `step` to the integral, and gives the output: `held`, which is everything else with the integral so
-/// far, plus the step, within `-bound ..= bound`.
+/// Adds the `step` of this tick to the integral. Returns `held + step`, limited to `-bound ..= bound`. `held` is the sum of
+/// all other terms and the previous integral.
 ///
-/// While the output is at its bound, the integral only takes what leads back from it.
+/// While the output is at its bound, the integral accepts only steps that lead back from it.
 #[inline]
 pub fn integrate(integral: &mut f32, held: f32, step: f32, bound: f32) -> f32 {
     let output = held + step;

@@ -1,11 +1,11 @@
-//! Torques that cancel what the paddle itself opposes: dry friction, viscous friction, gravity.
+//! Compensation torques for dry friction, viscous friction and gravity.
 
 use crate::phase::Phase;
 use crate::scalar::limit;
 use crate::settings::{CompensationSettings, VelocitySource};
 use crate::units::RAD_PER_DEG;
 
-/// The compensations for one mechanism; what is switched off has the level 0. Torques at the motor.
+/// The compensations of one mechanism, as torques at the motor. A compensation that is switched off has the level 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Compensation {
     any: bool,
@@ -19,7 +19,7 @@ pub struct Compensation {
 }
 
 impl Compensation {
-    /// `ratio` is the motor's turns per turn of the paddle.
+    /// Prepares the compensations. `ratio` is the number of motor turns per paddle turn.
     pub fn new(settings: &CompensationSettings, ratio: f32) -> Self {
         let when = |on: bool, level: f32| if on { level } else { 0.0 };
         Self {
@@ -34,10 +34,10 @@ impl Compensation {
         }
     }
 
-    /// Torque at the motor, N m.
+    /// Compensation torque at the motor, N m.
     ///
-    /// Dry friction has a level for each direction and is smoothed linearly over the low-velocity band, since a
-    /// sign function would chatter at rest. Gravity is m g l sin, hanging at its zero.
+    /// Dry friction has a level for each direction. It changes linearly within the low-velocity band, because a sign
+    /// function would chatter at rest. Gravity is m g l sin(angle - zero), where zero is the hanging position.
     #[inline]
     pub fn torque_nm(
         &self,

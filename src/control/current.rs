@@ -1,4 +1,4 @@
-//! Current regulator of the motor: PI with feed-forward.
+//! Current regulator of the motor: PI control with feed-forward.
 
 use core::f32::consts::TAU;
 
@@ -6,14 +6,14 @@ use super::anti_windup::integrate;
 use crate::scalar::flushed;
 use crate::settings::MotorSettings;
 
-/// Largest duty: above it the bridge's bootstrap capacitors are not recharged. Each input is then low for
-/// (1 - 0.95) / 2 of a PWM period, 625 ns at 40 kHz; the lab's 0.98 leave 333 ns at its 30 kHz.
+/// Largest duty. Above it the bootstrap capacitors of the bridge are not recharged. Each bridge input is low for (1 - 0.95)
+/// / 2 of a PWM period, which is 625 ns at 40 kHz. The lab's limit of 0.98 gives 333 ns at its 30 kHz.
 pub const MAX_DUTY: f32 = 0.95;
 
-/// Largest share of the error that a tick may correct: with one tick of delay 1/4 is critically damped.
+/// Largest loop gain per tick. With one tick of delay, 1/4 is critically damped.
 const MAX_CORRECTION_PER_TICK: f32 = 0.25;
 
-/// Gains per tick, from amperes to duty.
+/// Gains per tick, from A to duty.
 #[derive(Clone, Copy, Debug)]
 pub struct CurrentGains {
     pole: f32,
@@ -25,10 +25,10 @@ pub struct CurrentGains {
 }
 
 impl CurrentGains {
-    /// PI that cancels the pole of the winding, sampled with a hold: with a = exp(-R T / L) the winding is
-    /// (1 - a) / R / (z - a), and the regulator K (z - a) / (z - 1) leaves a pure integrator of gain g = 2 pi f T.
+    /// PI gains that cancel the pole of the winding with zero-order hold. With a = exp(-R T / L) the winding is (1 - a) / R
+    /// / (z - a). The regulator K (z - a) / (z - 1) leaves a pure integrator with the gain g = 2 pi f T.
     ///
-    /// `ratio` is the motor's turns per turn of the paddle.
+    /// `ratio` is the number of motor turns per paddle turn.
     pub fn new(settings: &MotorSettings, ratio: f32, tick_s: f32) -> Self {
         let pole = libm::expf(-settings.resistance_ohm * tick_s / settings.inductance_h);
         let correction =
@@ -46,11 +46,11 @@ impl CurrentGains {
     }
 }
 
-/// The regulator with two degrees of freedom: the feed-forward makes the current, the PI corrects what differs from
-/// the current that the feed-forward should have made by now.
+/// A regulator with two degrees of freedom. The feed-forward produces the current. The PI part corrects the difference
+/// between the measured current and the current that the feed-forward should have produced so far.
 ///
-/// Were the PI to see the plain error, it would integrate while the winding still follows the feed-forward, and
-/// overshoot.
+/// If the PI part used the plain error, it would integrate while the winding still follows the feed-forward, and the current
+/// would overshoot.
 #[derive(Clone, Copy, Debug)]
 pub struct CurrentLoop {
     gains: CurrentGains,
@@ -72,25 +72,25 @@ impl CurrentLoop {
         }
     }
 
-    /// Takes over gains; the integral, a duty, stays.
+    /// Changes the gains. The integral, which is a duty, is kept.
     pub fn retune(&mut self, gains: CurrentGains) {
         self.gains = gains;
     }
 
-    /// Forgets the past; the winding carries no current.
+    /// Resets the state to zero current.
     #[inline]
     pub fn reset(&mut self) {
         *self = Self::new(self.gains);
     }
 
-    /// One tick: duty within [`MAX_DUTY`], from the torque wanted at the motor (N m), the measured current (A, mean
-    /// over the last period) and the velocity of the paddle (rad/s).
+    /// Computes one tick. Returns the duty within [`MAX_DUTY`]. Inputs are the commanded torque at the motor (N m), the
+    /// measured current (A, mean over the last period) and the velocity of the paddle (rad/s).
     ///
-    /// The feed-forward is the resistance's voltage and the back-EMF.
+    /// The feed-forward is the voltage across the resistance plus the back-EMF.
     #[inline]
     pub fn update(&mut self, torque_nm: f32, current_a: f32, velocity_rad_s: f32) -> f32 {
         let wanted_a = torque_nm * self.gains.amperes_per_nm;
-        // A duty acts for the whole period after the next update: its mean is measured two ticks from now.
+        // A duty acts during the whole period after the next update, so its mean current is measured two ticks from now.
         let before_a = self.expected_a;
         self.expected_a = flushed(self.acting_a + (before_a - self.acting_a) * self.gains.pole);
         self.acting_a = self.pending_a;

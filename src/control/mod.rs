@@ -1,4 +1,4 @@
-//! From the estimate and the setpoint to a torque, and from the torque to a duty.
+//! Control: from the estimate and the setpoint to a torque, and from the torque to a duty.
 
 pub mod anti_windup;
 pub mod compensation;

@@ -5,12 +5,12 @@ use crate::estimate::low_pass::{self, LowPass};
 use crate::settings::PidSettings;
 use crate::units::DEG_PER_RAD;
 
-/// Time constant with which a jump absorbed by a change of gains decays where no integral action holds it.
+/// Without integral action, a torque offset absorbed at a change of gains decays with this time constant.
 const BUMP_DECAY_S: f32 = 0.1;
-/// Below this torque, N m, an absorbed jump is over.
+/// Absorbed torque offsets below this are set to zero, N m.
 const BUMP_NEGLIGIBLE_NM: f32 = 1e-9;
 
-/// Gains per tick and per radian, torque at the motor.
+/// PID gains per tick and per radian, as torque at the motor.
 #[derive(Clone, Copy, Debug)]
 pub struct PidGains {
     proportional: f32,
@@ -20,14 +20,14 @@ pub struct PidGains {
     rate_filter: f32,
     bump_kept: f32,
     limit_nm: f32,
-    /// A tick, s, if the derivative is the observer's.
+    /// Period of a tick, s, if the derivative uses the velocity of the observer.
     observed_tick_s: Option<f32>,
 }
 
 impl PidGains {
-    /// From gains in N m per degree at the paddle to gains in N m per radian at the motor.
+    /// Converts gains in N m per degree at the paddle to gains in N m per radian at the motor.
     ///
-    /// `ratio` is the motor's turns per turn of the paddle, `limit_nm` the largest torque at the motor.
+    /// `ratio` is the number of motor turns per paddle turn. `limit_nm` is the largest torque at the motor.
     pub fn new(settings: &PidSettings, ratio: f32, limit_nm: f32, tick_s: f32) -> Self {
         let per_rad_at_motor = DEG_PER_RAD / ratio;
         Self {
@@ -42,7 +42,7 @@ impl PidGains {
         }
     }
 
-    /// The same, with the derivative taken from the observer's velocity, at ticks of `tick_s`.
+    /// The same gains with the derivative from the velocity of the observer, for ticks of `tick_s`.
     pub fn observed(self, tick_s: f32) -> Self {
         Self {
             observed_tick_s: Some(tick_s),
@@ -51,10 +51,10 @@ impl PidGains {
     }
 }
 
-/// PID with setpoint weight, derivative on the measurement, and conditional integration.
+/// PID regulator with setpoint weight, derivative on the measurement, and conditional integration.
 ///
-/// `u = kp (b r - y) + I - kd d/dt LP(y)`, with I summed each tick before it is used, see [`integrate`]. With b = 1 and
-/// no derivative filter this is the lab's law, except that a setpoint step gives no derivative kick.
+/// `u = kp (b r - y) + I - kd d/dt LP(y)`. I is updated in each tick before it is used, see [`integrate`]. With b = 1 and no
+/// derivative filter this is the control law of the lab, except that a setpoint step gives no derivative kick.
 #[derive(Clone, Copy, Debug)]
 pub struct Pid {
     gains: PidGains,
@@ -78,7 +78,7 @@ impl Pid {
         }
     }
 
-    /// Forgets the past; the paddle stands at `position_rad` and is meant to.
+    /// Resets the state. The paddle stands at `position_rad`, which is also its setpoint.
     pub fn reset(&mut self, position_rad: f32) {
         self.rate.reset(0.0);
         self.weighted_error_rad = (self.gains.setpoint_weight - 1.0) * position_rad;
@@ -87,10 +87,10 @@ impl Pid {
         self.bump_nm = 0.0;
     }
 
-    /// Takes over gains without a jump of the torque.
+    /// Changes the gains without a jump of the torque.
     ///
-    /// The jump that the new gains would make is put into the integral term. Without integral action (ki = 0) it
-    /// would stay there for ever, so then it, and what the integral held, decays with a time constant of 0.1 s.
+    /// The jump that the new gains would cause is added to the integral. Without integral action (ki = 0) it would stay
+    /// there permanently. In that case it decays, together with the old integral, with a time constant of 0.1 s.
     pub fn retune(&mut self, gains: PidGains) {
         let before_nm = self.proportional_derivative();
         self.gains = gains;
@@ -98,8 +98,8 @@ impl Pid {
         self.absorb(before_nm);
     }
 
-    /// The measured position jumps to `position_rad` although the paddle did not move, as when the sensor changes:
-    /// neither does the torque jump.
+    /// Sets the measured position to `position_rad` without a jump of the torque. It is used when the measurement jumps
+    /// although the paddle did not move, for example at a change of the sensor.
     pub fn rebase(&mut self, position_rad: f32) {
         let before_nm = self.proportional_derivative();
         self.weighted_error_rad += self.previous_rad - position_rad;
@@ -107,7 +107,7 @@ impl Pid {
         self.absorb(before_nm);
     }
 
-    /// Makes up for a jump of the proportional and derivative terms from `before_nm`.
+    /// Compensates the change of the proportional and derivative terms since they were `before_nm`.
     fn absorb(&mut self, before_nm: f32) {
         let held_nm =
             self.integral_nm + self.bump_nm + (before_nm - self.proportional_derivative());
@@ -124,9 +124,10 @@ impl Pid {
             - self.gains.derivative_ticks * self.rate.output()
     }
 
-    /// One tick: torque at the motor, N m, within the limit.
+    /// Computes one tick. Returns the torque at the motor, N m, within the limit.
     ///
-    /// `velocity_rad_s` is the observer's. `feed_forward_nm` is added before the limit, so that the integral knows when the sum saturates.
+    /// `velocity_rad_s` is that of the observer. `feed_forward_nm` is added before the limit, so that the integral takes the
+    /// saturation of the sum into account.
     #[inline]
     pub fn update(
         &mut self,

@@ -1,4 +1,4 @@
-//! The whole way of the data in one `step`: measurement in, duty out.
+//! The controller. One call of `step` turns a measurement into a duty.
 
 mod refusal;
 mod tuning;
@@ -21,57 +21,57 @@ use crate::sensing::hall::{self, HallCurve};
 use crate::settings::{Sensor, Settings};
 use crate::telemetry::Sample;
 
-/// What the board reads in one control period.
+/// Measurements of one control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// Counter of the encoder; it wraps.
+    /// Count of the encoder. It wraps.
     pub encoder_count: u32,
-    /// Hall converter, 12 bit.
+    /// Result of the Hall converter, 12 bit.
     pub hall_adc: u16,
-    /// Current converter, counts, mean over the period.
+    /// Result of the current converter in counts, mean over the period.
     pub current_adc: f32,
 }
 
-/// Share of the supply on the motor, -0.95 to 0.95; positive turns the paddle the positive way.
+/// Duty of the bridge, -0.95 to 0.95 of the supply. A positive duty turns the paddle in the positive direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Duty(pub f32);
 
 impl Duty {
-    /// No voltage.
+    /// Zero voltage.
     pub const ZERO: Self = Self(0.0);
 
-    /// Compare value that makes this duty with a timer that counts from 0 to `top` and back, where half of it is no
+    /// Compare value that produces this duty, for a timer that counts from 0 to `top` and back. Half of `top` is zero
     /// voltage.
     #[inline]
     pub fn compare(self, top: u16) -> u16 {
         const ROUND: f32 = 0.5;
         let half = 0.5 * f32::from(top);
-        // By way of 32 bits, which is what an FPU converts to.
+        // The conversion goes through `u32`, which the FPU supports directly.
         (half + half * self.0 + ROUND) as u32 as u16
     }
 
-    /// The duty that [`Self::compare`] makes of it.
+    /// The duty that results from the rounding of [`Self::compare`].
     pub fn stepped(self, top: u16) -> Self {
         let half = 0.5 * f32::from(top);
         Self((f32::from(self.compare(top)) - half) / half)
     }
 }
 
-/// What the controller does.
+/// Operating mode of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Nothing: duty 0.
+    /// Off: the duty is 0.
     #[default]
     Off,
-    /// Bridge on at no voltage, which brakes: the current's offset is read.
+    /// The bridge is on at zero voltage, which brakes. The offset of the current is measured.
     Idle,
-    /// Open loop: the reference is a torque, N m at the motor.
+    /// Open loop. The reference is a torque, N m at the motor.
     Torque,
-    /// Position loop: the reference is an angle, rad at the paddle.
+    /// Position control. The reference is an angle, rad at the paddle.
     Position,
 }
 
-/// Who stopped an armed paddle at once.
+/// Source of an immediate stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopCause {
     /// Ctrl-C on the serial port.
@@ -80,30 +80,30 @@ pub enum StopCause {
     Button,
 }
 
-/// The state of the controller at one moment.
+/// State of the controller at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status {
-    /// What it does.
+    /// Operating mode.
     pub mode: Mode,
     /// The latched fault.
     pub fault: Option<Fault>,
-    /// Whether the encoder has a zero.
+    /// Whether the zero of the encoder is set.
     pub zeroed: bool,
-    /// Position that the regulator sees, filtered, rad.
+    /// Filtered position that the regulator uses, rad.
     pub position_rad: f32,
-    /// Position by the Hall sensor, unfiltered, rad.
+    /// Unfiltered position of the Hall sensor, rad.
     pub hall_rad: f32,
     /// Velocity of the paddle, rad/s.
     pub velocity_rad_s: f32,
     /// Setpoint in position mode, rad.
     pub setpoint_rad: f32,
-    /// Torque wanted, N m at the motor.
+    /// Commanded torque, N m at the motor.
     pub torque_nm: f32,
     /// Motor current, A.
     pub current_a: f32,
-    /// Figures of the last step.
+    /// Metrics of the last step response.
     pub metrics: Option<StepReport>,
-    /// Value of the last ramp at breakaway, in the unit of its mode.
+    /// Value of the last ramp at which the paddle started to move, in the unit of the mode.
     pub breakaway: Option<f32>,
 }
 
@@ -130,7 +130,7 @@ pub struct Controller {
     band_rad: f32,
 
     mode: Mode,
-    /// Position ticks since boot.
+    /// Number of position ticks since boot.
     ticks: u32,
     fault: Option<Fault>,
     faults: FaultLog,
@@ -147,9 +147,9 @@ pub struct Controller {
 
     reference: f32,
     generator: Option<Generator>,
-    /// Share of the generator in the setpoint at the next position tick.
+    /// Contribution of the excitation to the setpoint at the next position tick.
     excitation: f32,
-    /// Whether [`Self::look_ahead`] has yet to follow the last position tick.
+    /// True if [`Self::look_ahead`] has not been called since the last position tick.
     behind: bool,
     metrics: Option<StepMetrics>,
     breakaway: Option<f32>,
@@ -163,7 +163,7 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// A disarmed controller with these settings at this rate.
+    /// A disarmed controller with these settings and this rate.
     pub fn new(settings: &Settings, rate: TickRate) -> Self {
         let tuning = Tuning::new(settings, rate);
         Self {
@@ -213,10 +213,12 @@ impl Controller {
         }
     }
 
-    /// One control period: all that the control interrupt calls.
+    /// Computes one control period. The control interrupt calls only this function.
     #[inline]
     pub fn step(&mut self, measurement: &Measurement) -> Duty {
-        if !current::plausible(measurement.current_adc) && !self.bears(measurement.current_adc) {
+        if !current::plausible(measurement.current_adc)
+            && !self.accepts_current_reading(measurement.current_adc)
+        {
             return Duty::ZERO;
         }
         self.current_a = self.current_sensor.amperes(measurement.current_adc);
@@ -256,10 +258,11 @@ impl Controller {
         Duty(duty)
     }
 
-    /// Whether control goes on with a current's reading at an end of its range: disarmed it does, unless it is no number.
+    /// Returns true if control continues although the current reading is at an end of its range. It continues only if
+    /// disarmed and if the reading is a finite number.
     #[cold]
     #[inline(never)]
-    fn bears(&mut self, mean_counts: f32) -> bool {
+    fn accepts_current_reading(&mut self, mean_counts: f32) -> bool {
         if !mean_counts.is_finite() {
             self.report_fault(Fault::NonFinite);
             return false;
@@ -270,7 +273,7 @@ impl Controller {
         self.mode == Mode::Off
     }
 
-    /// What shows over a millisecond.
+    /// Passes the duty and the current to the monitor, whose windows are one millisecond long.
     #[inline]
     fn watch(&mut self, measurement: &Measurement) {
         if self.mode == Mode::Off {
@@ -290,7 +293,7 @@ impl Controller {
         }
     }
 
-    /// Sensing, estimate and torque: once every divider ticks.
+    /// Sensing, estimation and torque. It runs once per position tick.
     #[inline]
     fn position_step(&mut self, measurement: &Measurement) {
         self.ticks = self.ticks.wrapping_add(1);
@@ -345,7 +348,7 @@ impl Controller {
         self.torque_nm = torque_nm;
     }
 
-    /// Angle by the sensor that feeds the regulator, rad.
+    /// Angle of the sensor that feeds the regulator, rad.
     #[inline]
     fn measured_rad(&self) -> f32 {
         match self.sensor {
@@ -354,8 +357,8 @@ impl Controller {
         }
     }
 
-    /// What no torque waits for: metrics of the last position tick, and the excitation of the next. Done in the tick
-    /// before that one, so that no tick has everything to do.
+    /// Updates what the torque does not depend on: the metrics of the last position tick and the excitation of the next one.
+    /// It runs in the tick before the position tick, so that the load is distributed.
     #[inline(never)]
     fn look_ahead(&mut self) {
         if !core::mem::take(&mut self.behind) {
@@ -369,7 +372,7 @@ impl Controller {
         self.excite();
     }
 
-    /// Takes the next value of the excitation, and ends it after the last.
+    /// Takes the next value of the excitation, and stops the excitation after the last value.
     #[inline]
     fn excite(&mut self) {
         let Some(generator) = &mut self.generator else {
@@ -391,7 +394,7 @@ impl Controller {
         measured_rad: f32,
         velocity_rad_s: f32,
     ) -> Option<Fault> {
-        // A measurement that is no finite number leaves none of the velocity.
+        // A non-finite measurement makes the velocity non-finite.
         if !velocity_rad_s.is_finite() {
             self.primed = false;
             return Some(Fault::NonFinite);
@@ -399,7 +402,7 @@ impl Controller {
         if !hall::plausible(measurement.hall_adc) && (self.sensor == Sensor::Hall || !self.zeroed) {
             return Some(Fault::HallSignal);
         }
-        // An encoder without zero says nothing about where the paddle is.
+        // Without a zero, the encoder does not give the absolute position.
         let (position_rad, disagreement_rad) = if self.zeroed {
             (measured_rad, self.encoder_rad - self.hall_rad)
         } else {
@@ -413,7 +416,8 @@ impl Controller {
         )
     }
 
-    /// Puts the estimators at rest at the measured angle, as at the start, after a zero or a change of sensor.
+    /// Resets the estimators to rest at the measured angle. It is used at the start, after a zero, and at a change of the
+    /// sensor.
     #[cold]
     #[inline(never)]
     fn prime(&mut self) {
@@ -425,11 +429,12 @@ impl Controller {
         self.pid.rebase(measured_rad);
     }
 
-    /// Starts to control. In position mode the reference is where the paddle stands, in torque mode 0.
+    /// Starts control. In position mode the reference is the present position, in torque mode it is 0.
     ///
     /// # Errors
-    /// [`ArmError`] if a fault is latched, the bridge reports one, nothing was measured yet, it is armed already, or,
-    /// for position mode, the encoder has no zero.
+    ///
+    /// [`ArmError`] if a fault is latched, the bridge reports a fault, nothing was measured yet, the controller is armed
+    /// already, or the encoder has no zero in position mode.
     pub fn arm(&mut self, mode: Mode) -> Result<(), ArmError> {
         if let Some(fault) = self.fault {
             return Err(ArmError::Faulted(fault));
@@ -467,10 +472,11 @@ impl Controller {
         Ok(())
     }
 
-    /// Turns the bridge on at no voltage, on the way to `mode`.
+    /// Turns the bridge on at zero voltage before `mode` is armed.
     ///
     /// # Errors
-    /// As [`Self::arm`] into that mode.
+    ///
+    /// The same as for [`Self::arm`] with that mode.
     pub fn prepare(&mut self, mode: Mode) -> Result<(), ArmError> {
         if mode == Mode::Position && !self.zeroed && self.fault.is_none() {
             return Err(ArmError::NotZeroed);
@@ -481,32 +487,34 @@ impl Controller {
     /// Arms torque mode for the wiring check.
     ///
     /// # Errors
-    /// As [`Self::arm`].
+    ///
+    /// The same as for [`Self::arm`].
     pub fn arm_for_check(&mut self) -> Result<(), ArmError> {
         self.arm(Mode::Torque)?;
         self.monitor.ignore_encoder();
         Ok(())
     }
 
-    /// Begins a new reading of the current at no voltage.
+    /// Restarts the measurement of the current offset.
     pub fn restart_idle(&mut self) {
         self.idle = IdleReading::default();
     }
 
-    /// The reading of the current at no voltage so far.
+    /// The present measurement of the current offset.
     pub fn idle(&self) -> &IdleReading {
         &self.idle
     }
 
-    /// Takes the reading at no voltage as the current's offset.
+    /// Takes the measured mean as the offset of the current.
     ///
     /// # Errors
-    /// [`OffsetError`] if that cannot be an idle bridge.
+    ///
+    /// [`OffsetError`] if the measurement cannot be that of an idle bridge.
     pub fn take_offset(&mut self) -> Result<(), OffsetError> {
         self.current_sensor.calibrate(&self.idle)
     }
 
-    /// Stops at once because somebody asks for it: as [`Self::disarm`], and remembered until it has been said.
+    /// Stops at once on request, like [`Self::disarm`], and stores the source of the request.
     #[cold]
     #[inline(never)]
     pub fn stop_at_once(&mut self, cause: StopCause) {
@@ -516,12 +524,13 @@ impl Controller {
         self.disarm();
     }
 
-    /// Who stopped it, once.
+    /// Takes the source of the last immediate stop.
     pub fn take_stopped(&mut self) -> Option<StopCause> {
         self.stopped.take()
     }
 
-    /// Whether the bridge reports no fault. Disarmed that is a state, as without its supply; armed it is a fault.
+    /// Sets whether the bridge reports no fault. A fault of the bridge is latched only while armed. While disarmed it is a
+    /// state, for example without the motor supply.
     #[inline]
     pub fn set_bridge_ready(&mut self, ready: bool) {
         self.bridge_ready = ready;
@@ -530,7 +539,7 @@ impl Controller {
         }
     }
 
-    /// Whether the bridge reports no fault.
+    /// Returns true if the bridge reports no fault.
     pub fn bridge_ready(&self) -> bool {
         self.bridge_ready
     }
@@ -540,7 +549,7 @@ impl Controller {
         self.counters.count(acted);
     }
 
-    /// How often limits acted.
+    /// Number of times that each limit acted.
     pub fn counters(&self) -> Counters {
         let (torque, duty) = self.monitor.limited();
         self.counters
@@ -548,23 +557,23 @@ impl Controller {
             .with(Acted::DutyLimit, duty)
     }
 
-    /// Goes on from the faults of before the reset.
+    /// Restores the faults from before the reset.
     pub fn recall(&mut self, faults: FaultLog) {
         self.faults = faults;
         self.faults.clear();
     }
 
-    /// The last faults, first cause first.
+    /// The last faults, oldest first.
     pub fn faults(&self) -> &FaultLog {
         &self.faults
     }
 
-    /// Resistance of the winding by what it did since it was armed, ohm.
+    /// Winding resistance, ohm, estimated from voltage and current since arming.
     pub fn resistance_ohm(&self) -> Option<f32> {
         self.monitor.resistance_ohm()
     }
 
-    /// Stops: duty 0 from the next step on.
+    /// Disarms. The duty is 0 from the next step.
     pub fn disarm(&mut self) {
         self.mode = Mode::Off;
         self.stop();
@@ -573,7 +582,7 @@ impl Controller {
         self.duty = 0.0;
     }
 
-    /// Stops because of a fault, which stays until [`Self::clear_fault`]; the first fault is the one kept.
+    /// Stops because of a fault. The fault stays latched until [`Self::clear_fault`]. The first fault is kept.
     #[cold]
     #[inline(never)]
     pub fn report_fault(&mut self, fault: Fault) {
@@ -592,16 +601,17 @@ impl Controller {
         self.disarm();
     }
 
-    /// Forgets the fault. A latched fault always means disarmed, and this does not arm.
+    /// Clears the latched fault. The controller stays disarmed.
     pub fn clear_fault(&mut self) {
         self.fault = None;
         self.faults.clear();
     }
 
-    /// Declares that the paddle stands at `angle_rad`: the zero of the encoder.
+    /// Sets the zero of the encoder: the paddle now stands at `angle_rad`.
     ///
     /// # Errors
-    /// [`ZeroError`] while armed, before anything was measured, or for an angle that is no number within the travel.
+    ///
+    /// [`ZeroError`] while armed, before anything was measured, or if the angle is not a number within the travel.
     pub fn zero_at(&mut self, angle_rad: f32) -> Result<(), ZeroError> {
         if self.mode != Mode::Off {
             return Err(ZeroError::Armed);
@@ -622,10 +632,11 @@ impl Controller {
         Ok(())
     }
 
-    /// Zero of the encoder by the Hall sensor's calibration.
+    /// Sets the zero of the encoder from the calibrated Hall sensor.
     ///
     /// # Errors
-    /// As [`Self::zero_at`], and for a Hall signal at the end of its range.
+    ///
+    /// The same as for [`Self::zero_at`], and if the Hall signal is at an end of its range.
     pub fn zero_from_hall(&mut self) -> Result<(), ZeroError> {
         match self.seen {
             Some(seen) if !hall::plausible(seen.hall_adc) => Err(ZeroError::HallSignal),
@@ -636,7 +647,8 @@ impl Controller {
     /// Sets the reference: rad in position mode, N m at the motor in torque mode. A running excitation ends.
     ///
     /// # Errors
-    /// [`ReferenceError`] while disarmed, or for a value that is not finite or beyond the limit of the mode.
+    ///
+    /// [`ReferenceError`] while disarmed, or for a value that is not finite or exceeds the limit of the mode.
     pub fn set_reference(&mut self, reference: f32) -> Result<(), ReferenceError> {
         let bound = self.reference_bound().ok_or(ReferenceError::Disarmed)?;
         if reference.is_nan() || reference.abs() > bound {
@@ -647,7 +659,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Largest reference of the mode, in its unit; `None` while disarmed.
+    /// Largest reference of the mode, in its unit. `None` while disarmed.
     fn reference_bound(&self) -> Option<f32> {
         match self.mode {
             Mode::Off | Mode::Idle => None,
@@ -656,10 +668,12 @@ impl Controller {
         }
     }
 
-    /// Starts an excitation on top of the reference, at the next position tick. A step in position mode also starts
-    /// the step metrics.
+    /// Starts an excitation at the next position tick. It is added to the reference. A step in position mode also starts the
+    /// step metrics.
     ///
     /// # Errors
+    ///
+    /// [`ExcitationError`] while disarmed, for invalid parameters, or if the signal exceeds the limit of the mode.
     /// [`ExcitationError`] while disarmed, for numbers that make no signal, or for one beyond the limit of the mode.
     pub fn start(&mut self, excitation: &Excitation) -> Result<(), ExcitationError> {
         let bound = self.reference_bound().ok_or(ExcitationError::Disarmed)?;
@@ -683,18 +697,18 @@ impl Controller {
         Ok(())
     }
 
-    /// Ends a running excitation; the setpoint returns to the reference.
+    /// Stops a running excitation. The setpoint returns to the reference.
     pub fn stop(&mut self) {
         self.generator = None;
         self.excitation = 0.0;
     }
 
-    /// Takes over settings without a jump of the torque; see [`Pid::retune`].
+    /// Changes the settings without a jump of the torque, see [`Pid::retune`].
     pub fn apply(&mut self, settings: &Settings) {
         self.retune(Tuning::new(settings, self.rate));
     }
 
-    /// As [`Self::apply`], with the arithmetic already done.
+    /// The same as [`Self::apply`] with a precomputed tuning.
     pub fn retune(&mut self, tuning: Tuning) {
         if tuning.sensor != self.sensor {
             self.sensor = tuning.sensor;
@@ -721,12 +735,13 @@ impl Controller {
     /// Takes readings of the current converter with the bridge off as its offset.
     ///
     /// # Errors
-    /// [`OffsetError`] if that cannot be an idle bridge.
+    ///
+    /// [`OffsetError`] if the readings cannot be those of an idle bridge.
     pub fn calibrate_current_offset(&mut self, idle: &IdleReading) -> Result<(), OffsetError> {
         self.current_sensor.calibrate(idle)
     }
 
-    /// Everything below at once, for display and logging.
+    /// A snapshot of the state, for display and logging.
     pub fn status(&self) -> Status {
         Status {
             mode: self.mode,
@@ -743,7 +758,7 @@ impl Controller {
         }
     }
 
-    /// What telemetry sees of this control period.
+    /// The telemetry sample of this control period.
     #[inline]
     pub fn sample(&self) -> Sample {
         Sample {
@@ -759,7 +774,7 @@ impl Controller {
         }
     }
 
-    /// What the controller does.
+    /// Operating mode.
     pub fn mode(&self) -> Mode {
         self.mode
     }
@@ -769,27 +784,27 @@ impl Controller {
         self.fault
     }
 
-    /// Whether the encoder has a zero.
+    /// Returns true if the zero of the encoder is set.
     pub fn zeroed(&self) -> bool {
         self.zeroed
     }
 
-    /// Whether an excitation runs.
+    /// Returns true if an excitation runs.
     pub fn excited(&self) -> bool {
         self.generator.is_some()
     }
 
-    /// Position that the regulator sees, filtered, rad.
+    /// Filtered position that the regulator uses, rad.
     pub fn position_rad(&self) -> f32 {
         self.position_rad
     }
 
-    /// Position by the encoder, unfiltered, rad.
+    /// Unfiltered position of the encoder, rad.
     pub fn encoder_rad(&self) -> f32 {
         self.encoder_rad
     }
 
-    /// Position by the Hall sensor, unfiltered, rad.
+    /// Unfiltered position of the Hall sensor, rad.
     pub fn hall_rad(&self) -> f32 {
         self.hall_rad
     }
@@ -799,27 +814,27 @@ impl Controller {
         self.velocity.velocity_rad_s()
     }
 
-    /// What the Hall sensor's converter read last; 0 before anything was measured.
+    /// Last result of the Hall converter. 0 before the first measurement.
     pub fn hall_adc(&self) -> u16 {
         self.seen.map_or(0, |seen| seen.hall_adc)
     }
 
-    /// Reading of the current's amplifier at no current, A, against half scale.
+    /// Offset of the current amplifier, A, relative to half scale.
     pub fn current_offset_a(&self) -> f32 {
         self.current_sensor.offset_a()
     }
 
-    /// A control period, s.
+    /// Length of a control period, s.
     pub fn tick_s(&self) -> f32 {
         self.rate.tick_s()
     }
 
-    /// Motor current, A, positive where the torque is.
+    /// Motor current, A. A positive current gives a positive torque.
     pub fn current_a(&self) -> f32 {
         self.current_a
     }
 
-    /// Setpoint in position mode, rad; 0 in the other modes.
+    /// Setpoint in position mode, rad. 0 in other modes.
     pub fn setpoint_rad(&self) -> f32 {
         if self.mode == Mode::Position {
             self.setpoint
@@ -828,17 +843,17 @@ impl Controller {
         }
     }
 
-    /// Torque that the current loop is to make, N m at the motor, after the limit.
+    /// Torque command of the current loop after the limit, N m at the motor.
     pub fn torque_command_nm(&self) -> f32 {
         self.torque_nm
     }
 
-    /// Figures of the last step, if there was one.
+    /// Metrics of the last step response, if there was one.
     pub fn metrics(&self) -> Option<StepReport> {
         self.metrics.as_ref().map(StepMetrics::report)
     }
 
-    /// Value of the last ramp at which the paddle broke away, in the unit of the mode.
+    /// Value of the last ramp at which the paddle started to move, in the unit of the mode.
     pub fn breakaway(&self) -> Option<f32> {
         self.breakaway
     }

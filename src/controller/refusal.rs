@@ -1,4 +1,4 @@
-//! Why the controller refuses what it is asked for.
+//! Why the controller refuses a request.
 
 use core::fmt;
 
@@ -14,24 +14,24 @@ pub enum ArmError {
     NoCrystal,
     /// The current amplifier cannot be calibrated.
     Offset(OffsetError),
-    /// This fault is latched.
+    /// This fault is still latched.
     Faulted(Fault),
-    /// The wiring is not sound.
+    /// The wiring check failed.
     Wiring(WiringError),
-    /// The winding's resistance is not what the settings say.
+    /// The measured winding resistance does not match the settings.
     Resistance {
-        /// As measured, ohm.
+        /// Measured resistance, ohm.
         measured_ohm: f32,
-        /// By the settings, ohm.
+        /// Resistance in the settings, ohm.
         expected_ohm: f32,
     },
     /// The bridge reports a fault.
     BridgeNotReady,
-    /// Armed already.
+    /// The controller is armed already.
     AlreadyArmed,
-    /// No measurement has arrived.
+    /// No measurement has been made yet.
     NothingMeasured,
-    /// The encoder has no zero.
+    /// The zero of the encoder is not set.
     NotZeroed,
 }
 
@@ -68,12 +68,12 @@ impl fmt::Display for ArmError {
 
 impl core::error::Error for ArmError {}
 
-/// Why a zero is refused.
+/// Why setting the zero is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ZeroError {
     /// The controller is armed.
     Armed,
-    /// No measurement has arrived.
+    /// No measurement has been made yet.
     NothingMeasured,
     /// The angle is not within the travel.
     OutsideTravel,
@@ -101,7 +101,7 @@ impl core::error::Error for ZeroError {}
 pub enum ReferenceError {
     /// The controller is off.
     Disarmed,
-    /// Beyond the travel or the torque limit, or not a number.
+    /// The value exceeds the travel or the torque limit, or is not a number.
     OutOfRange,
 }
 

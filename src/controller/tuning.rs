@@ -1,4 +1,4 @@
-//! Settings made ready for one rate.
+//! Settings converted for one rate.
 
 use idsp::iir::Biquad;
 
@@ -13,7 +13,7 @@ use crate::sensing::hall::HallCurve;
 use crate::settings::{Sensor, Settings};
 use crate::units::RAD_PER_DEG;
 
-/// How often [`Controller::step`](super::Controller::step) is called, and how often of these the position loop runs.
+/// Rate of calls of [`Controller::step`](super::Controller::step), and number of calls per position tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TickRate {
     tick_hz: f32,
@@ -21,7 +21,7 @@ pub struct TickRate {
 }
 
 impl TickRate {
-    /// `tick_hz` calls of `step` a second, the position loop at every `divider`-th (0 counts as 1).
+    /// `tick_hz` calls of `step` per second. The position loop runs at every `divider`-th call (0 counts as 1).
     pub const fn new(tick_hz: f32, divider: u16) -> Self {
         Self {
             tick_hz,
@@ -40,7 +40,7 @@ impl TickRate {
     }
 }
 
-/// Settings made ready for one rate: all divisions and exponentials are done here, outside the control interrupt.
+/// Settings converted for one rate. All divisions and exponentials are computed here, outside the control interrupt.
 #[derive(Clone, Debug)]
 pub struct Tuning {
     pub(super) rad_per_count: f32,
@@ -59,7 +59,7 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// The tuning of these settings at this rate.
+    /// Converts these settings for this rate.
     pub fn new(settings: &Settings, rate: TickRate) -> Self {
         let tick_s = rate.position_tick_s();
         let ratio = settings.mechanism.ratio;

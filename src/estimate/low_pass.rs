@@ -4,14 +4,14 @@ use core::f32::consts::TAU;
 
 use crate::scalar::flushed;
 
-/// `y += a (x - y)`, the filter of the lab report (forward Euler of a first-order lag).
+/// `y += a (x - y)`, the filter of the lab report (forward Euler discretisation of a first-order lag).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LowPass {
     gain: f32,
     output: f32,
 }
 
-/// `a = min(1, 2 pi f T)`; 1, which passes everything, for a cutoff of 0.
+/// `a = min(1, 2 pi f T)`. A cutoff of 0 gives 1, which is no filtering.
 pub fn gain(cutoff_hz: f32, tick_s: f32) -> f32 {
     if cutoff_hz > 0.0 {
         (TAU * cutoff_hz * tick_s).min(1.0)
@@ -26,17 +26,17 @@ impl LowPass {
         Self { gain, output: 0.0 }
     }
 
-    /// Takes over a gain; the output stays where it is.
+    /// Changes the gain. The output is kept.
     pub fn retune(&mut self, gain: f32) {
         self.gain = gain;
     }
 
-    /// Puts the filter at rest at `value`.
+    /// Sets the filter to rest at `value`.
     pub fn reset(&mut self, value: f32) {
         self.output = value;
     }
 
-    /// Takes one sample and gives the filtered one.
+    /// Filters one sample.
     #[inline]
     pub fn update(&mut self, input: f32) -> f32 {
         self.output = flushed(self.output + self.gain * (input - self.output));

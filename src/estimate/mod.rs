@@ -1,4 +1,4 @@
-//! From sampled positions to a filtered position and a velocity.
+//! Estimation: from sampled positions to a filtered position and a velocity.
 
 pub mod biquad;
 pub mod low_pass;

@@ -1,5 +1,5 @@
-//! What the console reaches of the device: controller and telemetry behind their locks, the stored settings, and the
-//! watchdog that all must keep in mind.
+//! The device as the console accesses it: controller and telemetry behind their locks, the stored settings, and the
+//! watchdog.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -16,29 +16,30 @@ use stm32f4xx_hal::watchdog::IndependentWatchdog;
 use super::ticks;
 use crate::board::{self, SettingsFlash, events};
 
-/// Nominal time to reset without a sign of life, ms. The oscillator behind it may have 17 to 47 kHz instead of
-/// 32 (data sheet), so that the true time is 14 to 38 ms.
+/// Nominal watchdog time, ms. The watchdog oscillator has 17 to 47 kHz instead of the nominal 32 (data sheet), so the true
+/// time is 14 to 38 ms.
 pub const WATCHDOG_MS: u32 = 20;
-/// The same while the flash is written: two sectors are erased at most, in 0.5 s each at most (data sheet, 16 KiB by 32
-/// bits), and the true time is 2.7 s at least.
+/// Nominal watchdog time while the flash is written, ms. At most two sectors are erased, each in at most 0.5 s (data sheet,
+/// 16 KiB by 32 bits). The true time is at least 2.7 s.
 const STORE_WATCHDOG_MS: u32 = 4000;
 
-/// What the control interrupt took last, and at worst since somebody asked, as bits of seconds.
+/// Duration of the last control interrupt, s, as bits of an `f32`.
 static LAST_S: AtomicU32 = AtomicU32::new(0);
+/// Longest duration since the last query, s, as bits of an `f32`.
 static WORST_S: AtomicU32 = AtomicU32::new(0);
 
-/// Takes notice of what the control interrupt has just taken.
+/// Records the duration of the control interrupt that has just ended.
 pub fn note_timing() {
     let bits = board::since_control_began_s().to_bits();
     LAST_S.store(bits, Ordering::Relaxed);
-    // Numbers that are not negative compare as their bits do.
+    // The bits of non-negative floats have the same order as the numbers.
     WORST_S.fetch_max(bits, Ordering::Relaxed);
 }
 
-/// The settings' place in flash.
+/// The store of the settings in flash.
 pub type SettingsStore = Store<SettingsFlash>;
 
-/// The device, as the lowest priority sees it.
+/// The device, as code of the lowest priority accesses it.
 pub struct Device<'a, C, T> {
     pub controller: C,
     pub telemetry: T,
@@ -47,11 +48,11 @@ pub struct Device<'a, C, T> {
 }
 
 impl<C: Mutex<T = Controller>, T: Mutex<T = Telemetry>> console::Device for Device<'_, C, T> {
-    /// Lends the controller out right after a control period, so that the work is over long before the next one and the
-    /// lock, which masks the control interrupt, never delays it.
+    /// Runs `work` directly after a control period. It then ends long before the next one. The lock masks the control
+    /// interrupt, and this way it never delays it.
     fn with<R>(&mut self, work: impl FnOnce(&mut Controller) -> R) -> R {
         let now = ticks();
-        // Should the period end just before the sleep, the next one is taken.
+        // If the period ends just before the sleep, the loop waits for the next one.
         while ticks() == now {
             cortex_m::asm::wfi();
         }
@@ -63,7 +64,7 @@ impl<C: Mutex<T = Controller>, T: Mutex<T = Telemetry>> console::Device for Devi
             telemetry.baud = board::serial::baud();
             work(telemetry)
         });
-        // There may be something to send now.
+        // There may be new data to send.
         rtic::pend(Interrupt::DMA1_STREAM6);
         Some(answer)
     }
@@ -84,7 +85,7 @@ impl<C: Mutex<T = Controller>, T: Mutex<T = Telemetry>> console::Device for Devi
         SCB::sys_reset();
     }
 
-    /// With the controller's lock taken, so that nobody can arm.
+    /// Holds the lock of the controller, so that nothing can arm meanwhile.
     fn save(&mut self, settings: &Settings) -> Result<(), StoreError> {
         let store = &mut *self.store;
         self.watchdog.start(STORE_WATCHDOG_MS.millis());

@@ -1,6 +1,7 @@
-//! What the firmware had to say before a reset: bridge off first, then a record that outlives the reset.
+//! Reports of faults and panics across a reset. The bridge is turned off first. A record is then written to memory that
+//! survives the reset.
 //!
-//! After it the processor stands still until the watchdog resets it, or a debugger looks at it.
+//! Afterwards the processor waits until the watchdog resets it or a debugger inspects it.
 #![expect(
     unsafe_code,
     reason = "exception entry without a stack, and memory that outlives a reset"
@@ -17,7 +18,7 @@ use stm32f4xx_hal::pac::RCC;
 
 use crate::board;
 
-/// Marks a record that was written, against what RAM holds at power-on.
+/// Marks a valid record, to tell it from random RAM content at power-on.
 const WRITTEN: u32 = 0x1A57_D0ED;
 const TEXT_BYTES: usize = 160;
 
@@ -27,16 +28,16 @@ struct Record {
     text: [u8; TEXT_BYTES],
 }
 
-/// The record, in memory that the start-up code leaves alone.
+/// The record, in memory that the start-up code does not initialise.
 struct Keep(UnsafeCell<MaybeUninit<Record>>);
 
-// SAFETY: written only by code that never returns and that nothing but its like preempts; read only at boot.
+// SAFETY: it is written only by code that never returns and that only similar code can preempt. It is read only at boot.
 unsafe impl Sync for Keep {}
 
 #[unsafe(link_section = ".uninit.last_words")]
 static KEEP: Keep = Keep(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// The faults, as words that are checked before they are believed.
+/// The stored faults, with a checksum.
 struct Faults {
     mark: u32,
     length: u32,
@@ -45,7 +46,7 @@ struct Faults {
 }
 
 impl Faults {
-    /// Differs if any word does.
+    /// Checksum of the words.
     fn sum(&self) -> u32 {
         let words = self.records.iter().flatten();
         words.fold(self.length, |sum, word| {
@@ -54,19 +55,19 @@ impl Faults {
     }
 }
 
-/// The faults, in memory that the start-up code leaves alone.
+/// The stored faults, in memory that the start-up code does not initialise.
 struct KeepFaults(UnsafeCell<MaybeUninit<Faults>>);
 
-// SAFETY: read at boot, before tasks begin; written by the control interrupt only.
+// SAFETY: it is read at boot before tasks begin, and written by the control interrupt only.
 unsafe impl Sync for KeepFaults {}
 
 #[unsafe(link_section = ".uninit.faults")]
 static KEEP_FAULTS: KeepFaults = KeepFaults(UnsafeCell::new(MaybeUninit::uninit()));
 
-/// Keeps the faults over a reset; called by the control interrupt only.
+/// Stores the faults so that they survive a reset. Only the control interrupt calls it.
 #[cold]
 pub fn keep_faults(log: &FaultLog) {
-    // SAFETY: see `KeepFaults`; any bit pattern is a `Faults`.
+    // SAFETY: see `KeepFaults`. Any bit pattern is a valid `Faults`.
     let kept = unsafe { (*KEEP_FAULTS.0.get()).assume_init_mut() };
     kept.mark = 0;
     kept.records = Default::default();
@@ -78,9 +79,9 @@ pub fn keep_faults(log: &FaultLog) {
     kept.mark = WRITTEN;
 }
 
-/// The faults from before the reset, with its cause; called at boot only.
+/// The faults from before the reset, with the cause of the reset. It is called at boot only.
 pub fn recall_faults() -> FaultLog {
-    // SAFETY: the start-up code is over, tasks have not begun, and any bit pattern is a `Faults`.
+    // SAFETY: the start-up code has ended, tasks have not begun, and any bit pattern is a valid `Faults`.
     let kept = unsafe { (*KEEP_FAULTS.0.get()).assume_init_ref() };
     let mut log = FaultLog::default();
     log.reset = Some(reset_cause());
@@ -91,7 +92,7 @@ pub fn recall_faults() -> FaultLog {
                     before_reset: true,
                     ..record
                 });
-                // Each is a cause of its own by now.
+                // Each stored fault is a first cause of its own.
                 log.clear();
             }
         }
@@ -99,13 +100,13 @@ pub fn recall_faults() -> FaultLog {
     log
 }
 
-/// What made the last reset; forgets it.
+/// Reads the cause of the last reset and clears the flags.
 fn reset_cause() -> ResetCause {
-    // SAFETY: nobody else uses this register.
+    // SAFETY: no other code uses this register.
     let rcc = unsafe { RCC::steal() };
     let flags = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
-    // Every reset pulls the pin too, and one of the supply sets the flag of the brown-out.
+    // Every reset also sets the pin flag, and a power-on also sets the brown-out flag.
     if flags.wdgrstf().bit() || flags.wwdgrstf().bit() {
         ResetCause::Watchdog
     } else if flags.sftrstf().bit() {
@@ -130,9 +131,9 @@ impl Write for Record {
     }
 }
 
-/// Says on the console and in the log why the last run ended; forgets it.
+/// Writes to the console and the log why the last run ended, and invalidates the record.
 pub fn report(reset: Option<ResetCause>, console: &mut impl Write) {
-    // SAFETY: the start-up code is over, tasks have not begun, and any bit pattern is a `Record`.
+    // SAFETY: the start-up code has ended, tasks have not begun, and any bit pattern is a valid `Record`.
     let record = unsafe { (*KEEP.0.get()).assume_init_mut() };
     if record.mark == WRITTEN {
         let text = record.text.get(..record.length).unwrap_or_default();
@@ -149,13 +150,13 @@ pub fn report(reset: Option<ResetCause>, console: &mut impl Write) {
     record.mark = 0;
 }
 
-/// Keeps the message, and stops.
+/// Stores the message and stops the processor.
 fn stop(message: fmt::Arguments) -> ! {
     cortex_m::interrupt::disable();
     // SAFETY: see `Keep`.
     let record = unsafe { (*KEEP.0.get()).assume_init_mut() };
     record.length = 0;
-    // A message that is too long is cut; its beginning says where it was.
+    // A long message is cut. Its beginning names the place.
     let _ = record.write_fmt(message);
     record.mark = WRITTEN;
     loop {
@@ -169,8 +170,8 @@ fn panic(info: &PanicInfo) -> ! {
     stop(format_args!("{info}"))
 }
 
-/// Every exception and interrupt that nobody serves. The stack may be what is broken, so the bridge goes off without
-/// it, and the rest gets a new one.
+/// Handler of every exception and interrupt without a handler of its own. The stack may be corrupt. The code therefore turns
+/// the bridge off without using the stack, and then sets up a new one.
 #[unsafe(naked)]
 #[unsafe(no_mangle)]
 extern "C" fn DefaultHandler() {
@@ -190,22 +191,22 @@ extern "C" fn DefaultHandler() {
     )
 }
 
-/// A fault that the processor raised: as every other exception.
+/// A fault of the processor. It is handled like every other unserved exception.
 #[unsafe(naked)]
 #[unsafe(no_mangle)]
 extern "C" fn HardFault() {
     core::arch::naked_asm!("b {handler}", handler = sym DefaultHandler)
 }
 
-/// `frame` is where the stack pointer was, at what the processor had stacked if that worked.
+/// Reports the exception. `frame` is the former stack pointer, at the registers that the processor has stacked.
 extern "C" fn unserved(frame: *const u32) -> ! {
-    /// Places in the stacked r0 to r3, r12, lr, pc, xpsr.
+    /// Index of pc in the stacked r0 to r3, r12, lr, pc, xpsr.
     const PROGRAM_COUNTER: usize = 6;
     // SAFETY: these registers are only read.
     let scb = unsafe { &*SCB::PTR };
     let exception = scb.icsr.read() & 0x1FF;
     let at = if board::RAM.contains(&(frame as usize)) && frame.is_aligned() {
-        // SAFETY: aligned and inside RAM, by the condition.
+        // SAFETY: the condition ensures that the address is aligned and inside RAM.
         unsafe { frame.add(PROGRAM_COUNTER).read_volatile() }
     } else {
         0

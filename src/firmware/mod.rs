@@ -1,4 +1,4 @@
-//! The RTIC app, and what it needs beside the board and the control core.
+//! The RTIC app: tasks, shared resources and start-up.
 
 mod device;
 mod last_words;
@@ -10,14 +10,14 @@ use core::sync::atomic::{AtomicU32, Ordering};
 // The logger registers itself.
 use defmt_rtt as _;
 
-/// Control periods since boot; wraps.
+/// Number of control periods since boot. It wraps.
 static TICKS: AtomicU32 = AtomicU32::new(0);
 
 fn ticks() -> u32 {
     TICKS.load(Ordering::Relaxed)
 }
 
-/// Bits a second that the serial line is to have once all that was said is out; 0 for no change.
+/// New baud rate of the serial line, bit/s, set after all pending text has been sent. 0 for no change.
 static BAUD_WANTED: AtomicU32 = AtomicU32::new(0);
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
@@ -44,16 +44,16 @@ mod app {
         self, Board, Bridge, Button, FaultLine, Oscillator, PeriodClock, Sensors, Supply, events,
     };
 
-    /// Control periods between two runs of the position loop.
+    /// Control periods per run of the position loop.
     const POSITION_DIVIDER: u16 = 2;
     /// Control periods over which the offset of the current amplifier is averaged at boot.
     const OFFSET_PERIODS: u32 = 1024;
-    /// Control periods before that, 200 ms, in which the amplifier and its reference settle.
+    /// Control periods before the calibration of the offset, 200 ms, in which the amplifier and its reference settle.
     const WARM_UP_PERIODS: u32 = board::CONTROL_HZ / 5;
-    /// Control periods between two looks of the console at the state of the controller.
+    /// Control periods between two calls of the console's supervision of the controller.
     const CONSOLE_PERIODS: u32 = board::CONTROL_HZ / CONSOLE_HZ;
     const CONSOLE_HZ: u32 = 1_000;
-    /// Samples of a capture: 153.6 ms of 48 KiB.
+    /// Number of samples of a capture: 153.6 ms in 48 KiB.
     const CAPTURE_SAMPLES: usize = 3072;
 
     #[shared]
@@ -209,7 +209,7 @@ mod app {
         rtic::pend(Interrupt::TIM8_CC);
     }
 
-    /// Right after the control interrupt: takes a sample of what it left, and looks at what the serial port received.
+    /// Runs directly after the control interrupt. It takes a telemetry sample and checks the received bytes.
     #[task(binds = TIM8_CC, priority = 2, local = [receiver, rows], shared = [controller, telemetry])]
     fn sample(mut cx: sample::Context) {
         note_timing();
@@ -229,7 +229,7 @@ mod app {
         });
     }
 
-    /// What arrived wants more than to be typed in.
+    /// Handles received bytes that need more than the console: Ctrl-C, noise and losses.
     #[cold]
     #[inline(never)]
     fn take_notice(arrived: Arrived) {
@@ -245,7 +245,7 @@ mod app {
         }
     }
 
-    /// Passes on what others had to tell, and periods that were missed.
+    /// Handles the events from other interrupts, and missed control periods.
     #[cold]
     #[inline(never)]
     fn attend(
@@ -294,7 +294,7 @@ mod app {
         }
     }
 
-    /// The serial line is free, or there is something to send.
+    /// Sends the next chunk if the serial line is free.
     #[task(binds = DMA1_STREAM6, priority = 1, local = [sender], shared = [telemetry])]
     fn send(mut cx: send::Context) {
         cx.local.sender.serve(&mut cx.shared.telemetry);
@@ -324,7 +324,7 @@ mod app {
                 cortex_m::asm::wfi();
                 continue;
             }
-            // Only a processor that still gets through both the control interrupt and this loop is alive.
+            // Feeds the watchdog here. A processor is alive only if both the control interrupt and this loop run.
             device.watchdog.feed();
             fed = now;
             if now.wrapping_sub(looked) >= CONSOLE_PERIODS {

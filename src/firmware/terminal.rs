@@ -1,4 +1,4 @@
-//! Text between the serial port and the console, neither of which waits for the other.
+//! Text queues between the serial port and the console. Neither waits for the other.
 
 use core::fmt;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -10,38 +10,39 @@ use stm32f4xx_hal::pac::Interrupt;
 use crate::board;
 use crate::board::serial::Received;
 
-/// Room for what is answered to pasted settings while they arrive: twice as much as they are.
+/// Size of the output queue, bytes. It holds the answers to pasted settings while they arrive, which are twice as long as
+/// the input.
 pub const OUTPUT_BYTES: usize = 4096;
 
 /// Set when received bytes were lost.
 static CUT: AtomicBool = AtomicBool::new(false);
 
-/// Received bytes were lost.
+/// Reports that received bytes were lost.
 pub fn cut() {
     CUT.store(true, Ordering::Relaxed);
 }
 
-/// Control periods without a byte after which what was sent in one go is over, 10 ms.
+/// Control periods without a byte after which a transmission counts as ended, 10 ms.
 const QUIET_PERIODS: u32 = board::CONTROL_HZ / 100;
 
-/// The console's side of what was received.
+/// The received bytes as the console reads them.
 #[derive(Default)]
 pub struct Input {
     received: Received,
-    /// When the last byte was dropped, in control periods, while the rest of what lost some is.
+    /// Control period of the last discarded byte. It is set while the rest of an incomplete transmission is discarded.
     dropping: Option<u32>,
 }
 
-/// What the console hears.
+/// Input event of the console.
 pub enum Heard {
     Nothing,
     Byte(u8),
-    /// Bytes were lost, and the rest of what was sent with them is dropped.
+    /// Bytes were lost. The rest of the same transmission was discarded.
     Loss,
 }
 
 impl Input {
-    /// What there is to hear, `now` control periods after boot.
+    /// The next input event. `now` is the number of control periods since boot.
     pub fn next(&mut self, now: u32) -> Heard {
         if self.received.overrun() || CUT.load(Ordering::Relaxed) {
             CUT.store(false, Ordering::Relaxed);
@@ -64,7 +65,7 @@ impl Input {
     }
 }
 
-/// The console's side of what is to be sent.
+/// The output queue of the console.
 pub struct Output {
     to_send: Producer<'static, u8>,
     written: bool,
@@ -78,7 +79,7 @@ impl Output {
         }
     }
 
-    /// Sees to it that the port sends what was written; it then goes on by itself until the queue is empty.
+    /// Starts the transmission of the queue. It continues by itself until the queue is empty.
     pub fn flush(&mut self) {
         if self.written {
             self.written = false;

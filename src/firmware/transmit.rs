@@ -1,4 +1,4 @@
-//! What goes out on the serial line next: rows of the stream, then the console's text, then a capture.
+//! Order of transmission on the serial line: first rows of the stream, then text of the console, then a capture.
 
 use haptic_paddle::telemetry::{Part, Row, ShortSample, Telemetry};
 use heapless::spsc::Consumer;
@@ -9,12 +9,12 @@ use super::BAUD_WANTED;
 use crate::board::serial::{CHUNK_BYTES, Transmitter};
 use core::sync::atomic::Ordering;
 
-/// Rows that may wait, 6 ms of 5 kHz: longer than the longest chunk takes.
+/// Size of the row queue: 6 ms at 5 kHz, longer than the transmission of the longest chunk.
 pub const ROWS: usize = 32;
-/// Most bytes of text between two rows.
+/// Largest number of text bytes between two rows.
 const TEXT_BYTES: usize = 64;
 
-/// Chooses and encodes what is sent.
+/// Selects and encodes what is sent next.
 pub struct Sender {
     line: Transmitter,
     rows: Consumer<'static, Row>,
@@ -36,7 +36,7 @@ impl Sender {
         }
     }
 
-    /// Sends the next chunk, if the line is free and there is one.
+    /// Sends the next chunk if the line is free and there is data.
     pub fn serve(&mut self, telemetry: &mut impl Mutex<T = Telemetry>) {
         let Some(chunk) = self.line.chunk() else {
             return;
@@ -60,7 +60,7 @@ impl Sender {
     }
 }
 
-/// Writes chunks, and numbers the frames.
+/// Writes chunks and numbers the frames.
 struct Frames<'a> {
     chunk: &'a mut [u8; CHUNK_BYTES],
     sequence: &'a mut u16,
@@ -70,7 +70,7 @@ impl Frames<'_> {
     fn frame(&mut self, body: Body) -> usize {
         let frame = Frame::new(*self.sequence, body);
         *self.sequence = self.sequence.wrapping_add(1);
-        // One that does not fit is missing in the sequence; there is none.
+        // A frame that does not fit would be missing in the sequence. All frames fit.
         link::encode(&frame, self.chunk).map_or(0, <[u8]>::len)
     }
 

@@ -1,12 +1,12 @@
 //! Small least-squares problems.
 
-/// The coefficients of these columns whose sum is nearest to `values`, by the modified method of Gram and Schmidt (Golub and
-/// Van Loan, Matrix Computations, section 5.2.8); `None` if the columns are not independent.
+/// Least-squares coefficients of `columns` for `values`, by the modified Gram-Schmidt method (Golub and Van Loan, Matrix
+/// Computations, section 5.2.8). Returns `None` if the columns are linearly dependent.
 pub fn least_squares<const ROWS: usize, const COLUMNS: usize>(
     mut columns: [[f32; ROWS]; COLUMNS],
     mut values: [f32; ROWS],
 ) -> Option<[f32; COLUMNS]> {
-    /// Share of a column that must be its own.
+    /// Least share of a column's squared norm that must be orthogonal to the previous columns.
     const OWN_SHARE: f32 = 1e-8;
     let mut upper = [[0.0; COLUMNS]; COLUMNS];
     let mut solution = [0.0; COLUMNS];
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cubic_is_found_again() {
+    fn the_coefficients_of_a_cubic_are_found() {
         let at: [f32; 20] = core::array::from_fn(|row| row as f32 * 0.1 - 1.0);
         let truth = [0.3, -2.0, 0.5, 4.0];
         let values = at.map(|x| truth[0] + x * (truth[1] + x * (truth[2] + x * truth[3])));
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_that_are_the_same_have_no_solution() {
+    fn linearly_dependent_columns_have_no_solution() {
         assert_eq!(least_squares([[1.0, 2.0], [2.0, 4.0]], [1.0, 1.0]), None);
         assert_eq!(least_squares([[0.0, 0.0]], [1.0, 1.0]), None);
     }

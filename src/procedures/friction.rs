@@ -1,10 +1,12 @@
-//! The report's experiment (section 3.1.1): the torque grows until the paddle moves. Both ways, at several angles, repeated.
+//! The friction experiment of the report (section 3.1.1): the torque grows until the paddle moves. It is repeated in both
+//! directions and at several angles.
 //!
-//! The torque is that of a soft position loop whose setpoint walks away from a paddle that sticks: it grows as the setpoint
-//! goes, and once the paddle moves it follows the setpoint by some tenths of a degree and no farther.
+//! A soft position loop makes the torque. Its setpoint moves away from the sticking paddle, so that the torque grows with
+//! it. Once the paddle moves, it follows the setpoint by some tenths of a degree and no farther.
 //!
-//! Gravity and whatever else pulls the paddle towards a place show as a slope over the angle, which both directions have in
-//! common, and do not count as friction. A constant pull is friction that is larger one way.
+//! Gravity and springs pull the paddle towards one angle. They appear as a slope over the angle that is equal in both
+//! directions, and are not counted as friction. A constant torque cannot be told from friction that is larger in one
+//! direction.
 
 use core::fmt;
 
@@ -15,31 +17,32 @@ use crate::scalar::limit;
 use crate::settings::{DerivativeSource, Settings};
 use crate::units::{DEG_PER_RAD, RAD_PER_DEG};
 
-/// Gains of the soft loop, in the settings' units: some 40 rad/s with half the critical damping.
+/// Proportional gain of the soft loop. It gives a natural frequency of some 40 rad/s, with half the critical damping.
 const STIFFNESS_NM_PER_DEG: f32 = 0.02;
 const DAMPING_NM_S_PER_DEG: f32 = 0.0004;
-/// Where it is measured, rad.
+/// Angles at which the friction is measured, rad.
 const ANGLES_RAD: [f32; 3] = [0.0, 10.0 * RAD_PER_DEG, -10.0 * RAD_PER_DEG];
-/// How often at each, each way.
+/// Number of measurements per angle and direction.
 const REPEATS: usize = 2;
 const VALUES: usize = ANGLES_RAD.len() * REPEATS;
-/// The paddle moves once the encoder has gone so far, rad: eight counts, more than slack and presliding.
+/// Motion that counts as a start, rad: eight encoder counts, more than slack and presliding.
 const MOVED_RAD: f32 = 0.1 * RAD_PER_DEG;
-/// Torque that no paddle's friction reaches, N m at the motor: a third of the clamp.
+/// Torque limit of the measurement, N m at the motor: a third of the motor's torque limit, above any friction of a paddle.
 const MOST_NM: f32 = 0.010;
-/// How fast the torque grows at first, N m/s at the motor.
+/// Rate of the torque in the first measurement, N m/s at the motor.
 const FIRST_RATE_NM_PER_S: f32 = 1.0e-3;
-/// It then begins at this share of what is known of the friction, and grows by this share a second: the inertia of the
-/// paddle that follows adds a hundredth.
+/// Later measurements start at this share of the known friction. The torque then grows by this share per second. The inertia
+/// of the moving paddle adds about 1 %.
 const KNOWN_SHARE: f32 = 0.6;
 const SHARE_PER_S: f32 = 0.3;
-/// How fast the torque goes to that beginning, N m/s.
+/// Rate of the torque up to that start, N m/s at the motor.
 const APPROACH_NM_PER_S: f32 = 4.0e-3;
-/// How fast the setpoint goes from angle to angle, rad/s, and how long the paddle rests there and after each motion, s.
+/// Speed of the setpoint between angles, rad/s.
 const TRAVEL_RAD_S: f32 = 20.0 * RAD_PER_DEG;
+/// Rest before each measurement and after each motion, s.
 const REST_S: f32 = 0.3;
 
-/// Settings for the soft loop.
+/// Changes the settings for the soft loop.
 pub fn adapt(settings: &mut Settings) {
     let pid = &mut settings.pid;
     pid.kp_nm_per_deg = STIFFNESS_NM_PER_DEG;
@@ -52,7 +55,7 @@ pub fn adapt(settings: &mut Settings) {
     settings.limit.speed_deg_s = settings.limit.speed_deg_s.min(300.0);
 }
 
-/// Which way.
+/// Direction of motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     Forward,
@@ -75,12 +78,12 @@ impl Way {
     }
 }
 
-/// Friction of one direction.
+/// Friction in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     /// Mean, N m at the motor.
     pub mean_nm: f32,
-    /// Deviation of a single value, N m at the motor.
+    /// Standard deviation of a single measurement, N m at the motor.
     pub deviation_nm: f32,
 }
 
@@ -95,14 +98,14 @@ impl fmt::Display for Level {
     }
 }
 
-/// What was found.
+/// The result of the procedure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionFinding {
-    /// Level in the positive direction.
+    /// Friction in the positive direction.
     pub forward: Level,
-    /// Level in the negative direction.
+    /// Friction in the negative direction.
     pub backward: Level,
-    /// Torque that holds the paddle against gravity and springs, for each angle, N m/rad at the paddle.
+    /// Stiffness of gravity and springs, N m/rad at the paddle.
     pub pull_nm_per_rad: f32,
 }
 
@@ -124,15 +127,15 @@ impl fmt::Display for FrictionFinding {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// The setpoint goes to the angle.
+    /// The setpoint moves to the angle.
     Going,
-    /// The paddle comes to rest, for so long yet, s.
+    /// The paddle comes to rest, for this remaining time, s.
     Resting(f32),
-    /// The torque grows; it began where the encoder stood at this angle, rad, and was at most so large, N m.
+    /// The torque grows. It started with the encoder at `from_rad`, rad, and has reached at most `most_nm`, N m.
     Pushing { from_rad: f32, most_nm: f32 },
 }
 
-/// At work.
+/// The running procedure.
 #[derive(Clone, Debug)]
 pub struct Friction {
     rad_per_nm: f32,
@@ -142,12 +145,13 @@ pub struct Friction {
     repeat: usize,
     way: Way,
     stage: Stage,
-    /// What is known of both directions, N m at the motor; the first values only tell where to begin.
+    /// Friction known so far in both directions, N m at the motor. The first measurements only set the start of the later
+    /// ones.
     known_nm: [Option<f32>; 2],
     values: [[Value; VALUES]; 2],
 }
 
-/// Torque, N m at the motor, that moved the paddle at an angle, rad.
+/// One measurement: the torque that started the motion, N m at the motor, and the angle, rad.
 #[derive(Clone, Copy, Debug, Default)]
 struct Value {
     angle_rad: f32,
@@ -155,7 +159,7 @@ struct Value {
 }
 
 impl Friction {
-    /// With these settings of the user.
+    /// Starts the procedure with the user's settings.
     pub fn new(users: &Settings) -> Self {
         let nm_per_rad = STIFFNESS_NM_PER_DEG * DEG_PER_RAD / users.mechanism.ratio;
         Self {
@@ -209,7 +213,7 @@ impl Friction {
                     return Some(Err(ProcedureError::DoesNotMove { torque_nm: push_nm }));
                 } else {
                     self.stage = Stage::Pushing {
-                        // A paddle that still swings back is not pushed yet.
+                        // If the paddle still swings back, the start angle follows it.
                         from_rad: if sign * (position_rad - from_rad) < 0.0 {
                             position_rad
                         } else {
@@ -223,12 +227,12 @@ impl Friction {
             }
         }
         self.setpoint_rad = Some(setpoint_rad);
-        // Refused only when a fault has just disarmed, which the console then says.
+        // The reference is refused only after a fault, which the console reports.
         let _ = device.with(|c| c.set_reference(setpoint_rad));
         None
     }
 
-    /// How fast the torque is to grow, N m/s, from where it is.
+    /// Present rate of the torque, N m/s.
     fn rate_nm_per_s(&self, push_nm: f32) -> f32 {
         match self.known_nm.get(self.way as usize).copied().flatten() {
             None if push_nm < 0.0 => APPROACH_NM_PER_S,
@@ -238,7 +242,7 @@ impl Friction {
         }
     }
 
-    /// Takes a value, and goes on to the next one; the end if there is none.
+    /// Stores a measurement and goes on to the next one. Returns the outcome after the last.
     fn take(&mut self, value: Value) -> Option<Outcome> {
         let known = self.known_nm.get_mut(self.way as usize)?;
         let first = known.replace(self.way.sign() * value.torque_nm).is_none();
@@ -299,7 +303,7 @@ impl Friction {
         FrictionFinding {
             forward,
             backward,
-            // The motor's torque at the paddle is that many times larger.
+            // The torque at the paddle is larger than at the motor by this ratio.
             pull_nm_per_rad: slope * STIFFNESS_NM_PER_DEG * DEG_PER_RAD * self.rad_per_nm,
         }
     }

@@ -1,5 +1,5 @@
-//! The Hall sensor's curve against the encoder: the paddle is led slowly from end to end and back, and a cubic is fitted to
-//! what the sensor says at each angle.
+//! Calibration of the Hall sensor against the encoder. The paddle moves slowly from end to end and back. A cubic is fitted
+//! to the sensor's voltage at each angle.
 
 use core::fmt;
 
@@ -12,22 +12,24 @@ use crate::sensing::hall;
 use crate::settings::{DerivativeSource, HallSettings, Settings};
 use crate::units::{DEG_PER_RAD, RAD_PER_DEG};
 
-/// How far the paddle is led either side, rad, less if limit.travel is less: its travel is 35 degrees.
+/// Largest angle on either side, rad. It is less if limit.travel is less. The mechanical travel is 35 degrees.
 const REACH_RAD: f32 = 33.0 * RAD_PER_DEG;
+/// Margin to limit.travel, rad.
 const BEFORE_LIMIT_RAD: f32 = 5.0 * RAD_PER_DEG;
-/// How fast, rad/s.
+/// Speed of the setpoint, rad/s.
 const SPEED_RAD_S: f32 = 8.0 * RAD_PER_DEG;
-/// A paddle that is so far behind, rad, for so long, s, has met something.
+/// Lag behind the setpoint that counts as an obstacle, rad.
 const BEHIND_RAD: f32 = 3.0 * RAD_PER_DEG;
+/// Duration of this lag that counts as an obstacle, s.
 const BEHIND_S: f32 = 0.2;
-/// What it must reach either side at least, rad.
+/// Least angle that must be reached on each side, rad.
 const LEAST_REACH_RAD: f32 = 15.0 * RAD_PER_DEG;
-/// The means are taken over this many equal parts of the way.
+/// Number of equal parts of the way over which means are taken.
 const PARTS: usize = 48;
-/// A curve that the sensor's voltage spans less than this, V, is noise.
+/// Least span of the sensor's voltage, V. A smaller span is noise.
 const LEAST_SPAN_V: f32 = 0.1;
 
-/// Settings for the loop that leads: the report's row "encoder 4", whatever the Hall sensor says.
+/// Changes the settings for the position loop: the report's gains of row "encoder 4", independent of the Hall sensor.
 pub fn adapt(settings: &mut Settings) {
     let pid = &mut settings.pid;
     pid.kp_nm_per_deg = 0.05;
@@ -36,18 +38,18 @@ pub fn adapt(settings: &mut Settings) {
     pid.setpoint_weight = 1.0;
     pid.derivative = DerivativeSource::Position;
     settings.limit.speed_deg_s = settings.limit.speed_deg_s.min(300.0);
-    // Beyond what a setting may be: an uncalibrated sensor disagrees as much as it will.
+    // This is above the allowed range of the setting, because an uncalibrated sensor can disagree by any amount.
     settings.limit.disagreement_deg = 1_000.0;
 }
 
-/// What was found.
+/// The result of the procedure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HallFinding {
-    /// The curve.
+    /// The calibration curve.
     pub curve: HallSettings,
-    /// Angles between which it was measured, rad.
+    /// Lowest measured angle, rad.
     pub from_rad: f32,
-    /// See `from_rad`.
+    /// Highest measured angle, rad.
     pub to_rad: f32,
     /// Largest difference between curve and encoder, rad.
     pub worst_rad: f32,
@@ -68,19 +70,19 @@ impl fmt::Display for HallFinding {
     }
 }
 
-/// At work.
+/// The running procedure.
 #[derive(Clone, Debug)]
 pub struct HallCalibration {
     reach_rad: f32,
     setpoint_rad: Option<f32>,
     leg: usize,
     behind_s: f32,
-    /// Ends that were reached, rad.
+    /// Angles that were reached at the two ends, rad.
     ends_rad: [f32; 2],
     parts: [Part; PARTS],
 }
 
-/// Sums over a part of the way.
+/// Sums over one part of the way.
 #[derive(Clone, Copy, Debug, Default)]
 struct Part {
     count: f32,
@@ -89,7 +91,7 @@ struct Part {
 }
 
 impl HallCalibration {
-    /// With these settings of the user.
+    /// Starts the procedure with the user's settings.
     pub fn new(users: &Settings) -> Self {
         let limit_rad = users.limit.travel_deg * RAD_PER_DEG - BEFORE_LIMIT_RAD;
         Self {
@@ -107,7 +109,7 @@ impl HallCalibration {
     pub fn advance(&mut self, elapsed_s: f32, device: &mut impl Device) -> Option<Outcome> {
         let (position_rad, adc) = device.with(|c| (c.encoder_rad(), c.hall_adc()));
         let setpoint_rad = *self.setpoint_rad.get_or_insert(position_rad);
-        // Up, down, and up again to the middle: each angle from both sides.
+        // The paddle moves up, down, and up to the middle again, so that each angle is passed in both directions.
         let target_rad = match self.leg {
             0 => self.reach_rad,
             1 => -self.reach_rad,
@@ -142,7 +144,7 @@ impl HallCalibration {
             self.behind_s = 0.0;
         }
         self.setpoint_rad = Some(next_rad);
-        // Refused only when a fault has just disarmed, which the console then says.
+        // The reference is refused only after a fault, which the console reports.
         let _ = device.with(|c| c.set_reference(next_rad));
         None
     }
@@ -171,7 +173,7 @@ impl HallCalibration {
         if half_v.is_nan() || 2.0 * half_v < LEAST_SPAN_V {
             return Err(ProcedureError::NoHallSignal);
         }
-        // A part without a visit has no weight.
+        // A part without measurements has no weight.
         let weight = self
             .parts
             .map(|part| if part.count > 0.0 { 1.0 } else { 0.0 });
@@ -220,7 +222,7 @@ impl HallCalibration {
     }
 }
 
-/// Angle, degrees, over the voltage as a share of its span, -1 to 1: coefficients from the constant one up.
+/// Angle in degrees as a cubic of the voltage scaled to -1 to 1. Coefficients start with the constant one.
 struct Cubic([f32; 4]);
 
 impl Cubic {
@@ -234,7 +236,7 @@ impl Cubic {
         linear + x * (2.0 * quadratic + x * 3.0 * cubic)
     }
 
-    /// Whether the slope keeps its sign over the span and a little beyond.
+    /// Returns true if the slope keeps its sign over the span and a little beyond.
     fn is_monotonic(&self) -> bool {
         const BEYOND: f32 = 1.05;
         const LOOKS: i32 = 64;
@@ -245,7 +247,8 @@ impl Cubic {
         })
     }
 
-    /// Where the angle is 0, by halving: the curve is monotonic, and the span goes over 0.
+    /// Scaled voltage at which the angle is 0, by bisection. The curve is monotonic, and the angle changes sign within the
+    /// span.
     fn zero(&self) -> f32 {
         const HALVINGS: u32 = 24;
         let (mut low, mut high) = (-1.0, 1.0);
@@ -260,7 +263,7 @@ impl Cubic {
         0.5 * (low + high)
     }
 
-    /// Coefficients about this place, from the linear one up.
+    /// Coefficients of the cubic around `x`, starting with the linear one.
     fn about(&self, x: f32) -> [f32; 3] {
         let [_, _, quadratic, cubic] = self.0;
         [self.slope(x), quadratic + 3.0 * cubic * x, cubic]

@@ -1,4 +1,4 @@
-//! Procedures: the paddle measures itself, armed, within limits of its own, and off at their end whatever happens.
+//! Procedures by which the paddle measures itself. They run armed, within their own limits, and end with the motor off.
 //!
 //! ```text
 //! friction           torque that just moves the paddle, both ways, at several angles
@@ -7,7 +7,7 @@
 //! relay              ultimate gain and period, and the gains of Ziegler and Nichols
 //! ```
 //!
-//! Each is advanced about once a millisecond, below the control loop.
+//! The console advances a procedure about once per millisecond, at a lower priority than the control loop.
 
 mod fit;
 mod friction;
@@ -30,7 +30,7 @@ use crate::decimal::Fixed;
 use crate::settings::{Sensor, Settings};
 use crate::units::DEG_PER_RAD;
 
-/// Which procedure.
+/// Identifies a procedure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProcedureKind {
     /// [`Friction`].
@@ -44,7 +44,7 @@ pub enum ProcedureKind {
 }
 
 impl ProcedureKind {
-    /// What it is called.
+    /// Name of the procedure.
     pub fn name(self) -> &'static str {
         match self {
             Self::Friction => "friction",
@@ -54,10 +54,10 @@ impl ProcedureKind {
         }
     }
 
-    /// Longest time that it takes, s.
+    /// Time limit of a procedure, s.
     pub const LONGEST_S: f32 = 60.0;
 
-    /// Mode in which it works.
+    /// Controller mode in which the procedure runs.
     pub fn mode(self) -> Mode {
         match self {
             Self::Motor => Mode::Torque,
@@ -65,7 +65,7 @@ impl ProcedureKind {
         }
     }
 
-    /// The settings under which it works, from those of the user.
+    /// Settings during the procedure, derived from the user's settings.
     pub fn settings(self, users: &Settings) -> Settings {
         let mut settings = *users;
         settings.estimate.sensor = Sensor::Encoder;
@@ -81,7 +81,7 @@ impl ProcedureKind {
         settings
     }
 
-    /// It, ready to begin, on a paddle with these settings of the user.
+    /// Creates the procedure with the user's settings.
     pub fn begin(self, users: &Settings) -> Procedure {
         match self {
             Self::Friction => Procedure::Friction(Friction::new(users)),
@@ -92,7 +92,7 @@ impl ProcedureKind {
     }
 }
 
-/// A procedure at work.
+/// A running procedure.
 #[derive(Clone, Debug)]
 #[expect(
     clippy::large_enum_variant,
@@ -109,11 +109,11 @@ pub enum Procedure {
     ZieglerNichols(RelayTest),
 }
 
-/// How it ended.
+/// Result of a procedure.
 pub type Outcome = Result<Finding, ProcedureError>;
 
 impl Procedure {
-    /// Which it is.
+    /// Which procedure it is.
     pub fn kind(&self) -> ProcedureKind {
         match self {
             Self::Friction(_) => ProcedureKind::Friction,
@@ -123,7 +123,7 @@ impl Procedure {
         }
     }
 
-    /// Goes on by `elapsed_s`, s, with a device that is armed; `None` until it has ended.
+    /// Advances the procedure by `elapsed_s`, s, with an armed device. Returns `None` until it has ended.
     pub fn advance(&mut self, elapsed_s: f32, device: &mut impl Device) -> Option<Outcome> {
         match self {
             Self::Friction(friction) => friction.advance(elapsed_s, device),
@@ -134,21 +134,21 @@ impl Procedure {
     }
 }
 
-/// What a procedure has found; its `Display` is a few lines.
+/// The finding of a procedure. Its `Display` is a few lines of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Finding {
-    /// By [`Friction`].
+    /// Result of [`Friction`].
     Friction(FrictionFinding),
-    /// By [`HallCalibration`].
+    /// Result of [`HallCalibration`].
     Hall(HallFinding),
-    /// By [`MotorId`].
+    /// Result of [`MotorId`].
     Motor(MotorFinding),
-    /// By [`RelayTest`].
+    /// Result of [`RelayTest`].
     ZieglerNichols(RelayFinding),
 }
 
 impl Finding {
-    /// Puts what was calibrated into the settings. Gains and compensations are proposed only.
+    /// Writes calibrated values into the settings. Gains and compensations are proposed only.
     pub fn take_over(&self, settings: &mut Settings) {
         match self {
             Self::Hall(finding) => settings.hall = finding.curve,
@@ -172,30 +172,30 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Why a procedure has found nothing.
+/// Why a procedure has no finding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProcedureError {
     /// The paddle did not move.
     DoesNotMove {
-        /// Under this torque, N m at the motor.
+        /// The applied torque, N m at the motor.
         torque_nm: f32,
     },
-    /// Something is in the way.
+    /// An obstacle blocks the paddle.
     Blocked {
-        /// At this angle, rad.
+        /// The angle of the obstacle, rad.
         angle_rad: f32,
     },
-    /// The Hall sensor's curve turns back within the travel.
+    /// The curve of the Hall sensor is not monotonic within the travel.
     NotMonotonic,
-    /// The Hall sensor's voltage hardly changes.
+    /// The voltage of the Hall sensor hardly changes.
     NoHallSignal,
-    /// What was measured does not fit a winding.
+    /// The measured currents do not fit the model of a winding.
     NoWinding,
-    /// No oscillation that lasts.
+    /// There is no steady oscillation.
     NoOscillation,
-    /// The swing came too near to the ends.
+    /// The oscillation came too close to the ends of the travel.
     TooWide,
-    /// It took too long.
+    /// The procedure exceeded its time limit.
     TooLong,
 }
 

@@ -1,14 +1,14 @@
-//! Resistance and inductance of the winding, while the motor hums.
+//! Identification of the winding's resistance and inductance. The motor hums meanwhile.
 //!
-//! A square wave of torque at a sixteenth of the control rate, which the paddle does not follow, makes current and voltage
-//! go up and down. In a control period of length T with a constant voltage u the winding's mean current m follows
+//! The excitation is a square wave of the torque at a sixteenth of the control rate, which the paddle does not follow. In a
+//! control period of length T with a constant voltage u, the mean current m of the winding follows
 //!
 //! ```text
 //! m[k] = a m[k-1] + b0 u[k-2] + b1 u[k-3] + e s[k],   a = exp(-R T / L),   b0 + b1 = (1 - a) / R
 //! ```
 //!
-//! since a duty acts for the whole period after the next update and its mean is measured one period later still. s is the
-//! sum of the currents so far, as the speed of a rotor that follows would be.
+//! A duty acts during the whole period after the next update, and its mean current is measured one period later. s is the
+//! sum of the currents so far. It is proportional to the speed of a freely turning rotor.
 
 use core::fmt;
 
@@ -20,25 +20,25 @@ use crate::decimal::Fixed;
 use crate::excitation::{Excitation, Shape};
 use crate::settings::Settings;
 
-/// Torque of the square wave, N m at the motor: 0.19 A, a third of what the motor bears for ever.
+/// Torque of the square wave, N m at the motor. It needs 0.19 A, a third of the motor's continuous current.
 const HUM_NM: f32 = 0.010;
-/// It runs so long before it counts, s.
+/// Settling time before the measurement, s.
 const SETTLE_S: f32 = 0.1;
-/// Periods of the square wave over which the means are taken: 0.8 s.
+/// Number of periods of the square wave over which means are taken: 0.8 s.
 const PERIODS: u32 = 1000;
-/// Longest wait for these, s.
+/// Time limit of the measurement, s.
 const PATIENCE_S: f32 = 3.0;
 
-/// What was found.
+/// The result of the procedure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorFinding {
     /// Resistance of the winding, ohm.
     pub resistance_ohm: f32,
     /// Inductance of the winding, H.
     pub inductance_h: f32,
-    /// Reading of the current amplifier at no current, A, against half scale.
+    /// Offset of the current amplifier, A, relative to half scale.
     pub offset_a: f32,
-    /// Largest difference between measured and modelled current, as a share of the largest current.
+    /// Largest difference between measured and modelled current, relative to the largest current.
     pub misfit: f32,
 }
 
@@ -56,7 +56,7 @@ impl fmt::Display for MotorFinding {
     }
 }
 
-/// At work.
+/// The running procedure.
 #[derive(Clone, Debug)]
 pub struct MotorId {
     supply_v: f32,
@@ -73,7 +73,7 @@ enum Stage {
 }
 
 impl MotorId {
-    /// With these settings of the user.
+    /// Starts the procedure with the user's settings.
     pub fn new(users: &Settings) -> Self {
         Self {
             supply_v: users.motor.supply_v,
@@ -128,14 +128,14 @@ impl MotorId {
     }
 }
 
-/// The winding behind a period of voltages, V, and mean currents, A; `None` if there is none that makes sense.
+/// Fits the winding to one period of voltages, V, and mean currents, A. Returns `None` if the result is not plausible.
 fn identify(
     voltage_v: &[f32; PHASES],
     current_a: &[f32; PHASES],
     tick_s: f32,
     offset_a: f32,
 ) -> Option<MotorFinding> {
-    /// A model that is off by more than this share of the largest current is none.
+    /// Largest accepted model error, relative to the largest current.
     const LARGEST_MISFIT: f32 = 0.05;
     let mean_a = current_a.iter().sum::<f32>() / PHASES as f32;
     let mean_v = voltage_v.iter().sum::<f32>() / PHASES as f32;
@@ -146,7 +146,7 @@ fn identify(
         values.rotate_right(periods);
         values
     };
-    // The speed that a free rotor would have, but for a factor and its mean.
+    // The speed of a freely turning rotor, up to a factor and an offset.
     let mut sum = 0.0;
     let speed = current.map(|current| {
         sum += current;

@@ -1,8 +1,8 @@
-//! The relay of Åström and Hägglund (Automatica 20, 1984, p. 645): a torque of one size that always points to the reference
-//! lets the paddle swing with the ultimate period, and the swing's size gives the ultimate gain.
+//! The relay experiment of Åström and Hägglund (Automatica 20, 1984, p. 645). A torque of constant magnitude that always
+//! points to the reference makes the paddle oscillate with the ultimate period. The amplitude gives the ultimate gain.
 //!
-//! The relay is the position loop itself, with the largest proportional gain and a small limit of the torque, so that its
-//! filter and its delays count as they will.
+//! The relay is the position loop itself, with the largest proportional gain and a small torque limit. The result therefore
+//! includes the loop's filter and delays.
 
 use core::f32::consts::PI;
 use core::fmt;
@@ -13,25 +13,28 @@ use crate::decimal::{Decimal, Fixed};
 use crate::settings::{DerivativeSource, Settings};
 use crate::units::{DEG_PER_RAD, RAD_PER_DEG};
 
-/// Size of the relay, N m at the motor: several times the dry friction of a paddle, a sixth of the clamp.
+/// Torque of the relay, N m at the motor: several times the dry friction of a paddle, a sixth of the motor's torque limit.
 const RELAY_NM: f32 = 0.005;
-/// Gain that makes a relay of the loop, N m/deg at the paddle.
+/// Proportional gain that makes the loop act as a relay, N m/deg at the paddle.
 const RELAY_GAIN: f32 = 2.0;
-/// The paddle is never let beyond this, degrees either side; the swing itself ends earlier.
+/// Travel limit of the experiment, degrees on either side. An oscillation that is too wide ends earlier.
+/// Widest allowed oscillation, rad on either side.
 const LIMIT_DEG: f32 = 25.0;
 const WIDEST_RAD: f32 = 15.0 * RAD_PER_DEG;
-/// It begins with a push from here to 0.
+/// Initial step of the reference from here to 0, rad.
+/// Duration of the initial step, s.
 const PUSH_RAD: f32 = 2.0 * RAD_PER_DEG;
 const PUSH_S: f32 = 0.05;
-/// Half periods that are passed over, and that count.
+/// Number of half periods that are skipped at the beginning.
+/// Number of half periods that are evaluated.
 const PASSED: u32 = 10;
 const COUNTED: u32 = 40;
-/// Half periods that differ by more than this share of their mean are no oscillation that lasts.
+/// Largest relative spread of the half periods of a steady oscillation.
 const LARGEST_SPREAD: f32 = 0.25;
-/// Longest time for these, s.
+/// Time limit of the experiment, s.
 const PATIENCE_S: f32 = 20.0;
 
-/// Settings for the relay.
+/// Changes the settings for the relay.
 pub fn adapt(settings: &mut Settings) {
     let pid = &mut settings.pid;
     pid.kp_nm_per_deg = RELAY_GAIN;
@@ -44,19 +47,19 @@ pub fn adapt(settings: &mut Settings) {
     settings.limit.stall_s = 0.5;
 }
 
-/// What was found.
+/// The result of the procedure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelayFinding {
-    /// N m/deg at the paddle.
+    /// Ultimate gain, N m/deg at the paddle.
     pub ultimate_gain: f32,
-    /// s.
+    /// Ultimate period, s.
     pub ultimate_period_s: f32,
-    /// Half of the swing from end to end, rad.
+    /// Amplitude of the oscillation, rad: half the peak-to-peak value.
     pub amplitude_rad: f32,
 }
 
 impl RelayFinding {
-    /// Gains of Ziegler and Nichols in the settings' units: proportional, integral, derivative.
+    /// Gains of the Ziegler-Nichols rules, in the units of the settings: proportional, integral, derivative.
     pub fn gains(&self) -> [f32; 3] {
         let proportional = 0.6 * self.ultimate_gain;
         [
@@ -86,7 +89,7 @@ impl fmt::Display for RelayFinding {
     }
 }
 
-/// At work.
+/// The running procedure.
 #[derive(Clone, Debug)]
 pub struct RelayTest {
     torque_nm: f32,
@@ -102,7 +105,7 @@ pub struct RelayTest {
 }
 
 impl RelayTest {
-    /// With these settings of the user.
+    /// Starts the procedure with the user's settings.
     pub fn new(users: &Settings) -> Self {
         Self {
             torque_nm: RELAY_NM.min(users.motor.torque_limit_nm),
@@ -131,7 +134,7 @@ impl RelayTest {
             !self.pushed || (self.elapsed_s >= PUSH_S && self.elapsed_s - elapsed_s < PUSH_S);
         let position_rad = device.with(|c| {
             if begins {
-                // Refused only when a fault has just disarmed, which the console then says.
+                // The reference is refused only after a fault, which the console reports.
                 let _ = c.set_reference(reference_rad);
             }
             c.position_rad()
@@ -181,7 +184,7 @@ impl RelayTest {
     }
 }
 
-/// Mean and deviation of what is added.
+/// Mean and standard deviation of the added values.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mean {
     count: f32,

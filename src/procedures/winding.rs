@@ -1,12 +1,11 @@
-//! What the winding does in each control period of a periodic excitation: the means over many of its periods, in which noise
-//! averages out.
+//! Duty and current of the winding in each control period of a periodic excitation, averaged over many of its periods.
 
 use crate::telemetry::Sample;
 
-/// Control periods in a period of the excitation.
+/// Control periods per period of the excitation.
 pub const PHASES: usize = 16;
 
-/// The sums.
+/// Sums of duty and current per phase.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Winding {
     watching: bool,
@@ -17,7 +16,7 @@ pub struct Winding {
 }
 
 impl Winding {
-    /// Begins anew.
+    /// Starts the measurement.
     pub fn watch(&mut self) {
         *self = Self {
             watching: true,
@@ -25,7 +24,8 @@ impl Winding {
         };
     }
 
-    /// Ends, with the mean duty and current, A, of each control period; `None` if there are not so many periods yet.
+    /// Ends the measurement. Returns the mean duty and the mean current, A, of each phase. `None` if fewer than `periods`
+    /// periods were measured.
     pub fn means(&mut self, periods: u32) -> Option<[[f32; PHASES]; 2]> {
         if self.periods < periods {
             return None;
@@ -35,7 +35,7 @@ impl Winding {
         Some([self.duty, self.current_a].map(|sums| sums.map(|sum| sum * share)))
     }
 
-    /// Takes a control period's sample.
+    /// Adds the sample of a control period.
     #[inline]
     pub fn add(&mut self, sample: &Sample) {
         if !self.watching {

@@ -1,34 +1,34 @@
-//! Why the bridge is off.
+//! Faults, which turn the bridge off.
 
 use core::fmt;
 
-/// Why the bridge has no duty until somebody clears it.
+/// A fault. The bridge stays off until it is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Fault {
-    /// Encoder and Hall sensor disagree for too long.
+    /// Encoder and Hall sensor disagreed for too long.
     SensorDisagreement,
-    /// The Hall sensor's converter is at an end of its range.
+    /// The result of the Hall sensor's converter is at an end of its range.
     HallSignal,
-    /// The Hall sensor sees motion and the encoder none.
+    /// The Hall sensor shows motion and the encoder does not.
     EncoderStill,
-    /// The paddle turns too fast.
+    /// The paddle exceeded its speed limit.
     Overspeed,
     /// The paddle is outside its travel.
     Travel,
-    /// The motor pushes with all its torque, and the paddle does not move.
+    /// The motor has its full torque and the paddle does not move.
     Stall,
     /// The motor current is too high.
     Overcurrent,
-    /// The current's reading is at an end of its range.
+    /// The current reading is at an end of its range.
     CurrentSignal,
-    /// The current is not what the motor makes of the voltage.
+    /// The current does not match the voltage and the model of the motor.
     CurrentMismatch,
     /// Results of the current's converter were lost.
     Converter,
-    /// The motor's winding is too hot, by the current that it carried.
+    /// The estimated winding temperature is too high.
     MotorHeat,
-    /// The bridge is too hot, by the current that it carried.
+    /// The estimated bridge temperature is too high.
     BridgeHeat,
     /// A measurement or a result is not a finite number.
     NonFinite,
@@ -36,14 +36,14 @@ pub enum Fault {
     Bridge,
     /// A control tick was missed or came too late.
     Deadline,
-    /// The chip's own supply fell.
+    /// The supply of the chip fell too low.
     Supply,
-    /// The program that has the paddle armed has gone silent.
+    /// A host program with heartbeats fell silent while the paddle was armed.
     HostSilent,
 }
 
 impl Fault {
-    /// All of them, in the order of their numbers.
+    /// All faults in the order of their numbers.
     pub const ALL: [Self; 17] = [
         Self::SensorDisagreement,
         Self::HallSignal,

@@ -1,10 +1,10 @@
-//! Bounds of motion and current.
+//! Limits of motion and current.
 
 use super::Fault;
 use crate::settings::LimitSettings;
 use crate::units::RAD_PER_DEG;
 
-/// Bounds that an armed paddle must keep, in the units of the arithmetic.
+/// Limits for an armed paddle, in the units of the calculation.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     speed_rad_s: f32,
@@ -14,11 +14,11 @@ pub struct Limits {
     disagreement_ticks: u32,
 }
 
-/// How long the sensors may disagree; the noise of one sample is no fault.
+/// Longest time for which the sensors may disagree, s. The noise of one sample causes no fault.
 const DISAGREEMENT_S: f32 = 0.01;
 
 impl Limits {
-    /// The bounds of these settings, at position ticks of `tick_s`.
+    /// The limits of these settings, for position ticks of `tick_s`.
     pub fn new(settings: &LimitSettings, tick_s: f32) -> Self {
         Self {
             speed_rad_s: settings.speed_deg_s * RAD_PER_DEG,
@@ -40,8 +40,8 @@ impl Limits {
         self.travel_rad
     }
 
-    /// The first bound of motion that is not kept. `disagreement_rad` is encoder minus Hall, `disagreed_ticks` the
-    /// count of ticks in a row over which that was too large, kept by the caller.
+    /// The first violated limit of motion. `disagreement_rad` is encoder minus Hall angle. `disagreed_ticks` counts
+    /// successive ticks with a too large disagreement. The caller keeps this count.
     #[inline]
     pub fn motion_fault(
         &self,

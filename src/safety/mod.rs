@@ -1,4 +1,4 @@
-//! What ends with the bridge off, why, and a memory of it.
+//! Supervision: it turns the bridge off, names the fault, and keeps a record of faults.
 //!
 //! ```text
 //! limits    at every position tick: travel, speed, current, encoder against Hall sensor

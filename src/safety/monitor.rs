@@ -1,45 +1,49 @@
-//! What shows over a millisecond and not in a single sample: a current that does not follow the voltage, heat, a stall,
-//! and an encoder that stands still while the paddle moves.
+//! Supervision over windows of a millisecond: a current that does not match the voltage, heat, a stall, and an encoder that
+//! does not count while the paddle moves.
 
 use super::Fault;
 use crate::control::current::MAX_DUTY;
 use crate::settings::Settings;
 use crate::units::RAD_PER_DEG;
 
-/// Length of a window, s: over it the winding's inductance hardly shows, and a count of the encoder is 0.2 V of the
-/// motor's own voltage.
+/// Length of a window, s. Over this time the inductance of the winding hardly matters, and one encoder count corresponds to
+/// 0.2 V of back-EMF.
 const WINDOW_S: f32 = 1e-3;
 
-/// Windows in a row in which voltage and current differ by more than they may.
+/// Number of successive windows with a voltage mismatch that is a fault.
 const MISMATCHED_WINDOWS: u32 = 2;
 
-/// Current that the motor bears for ever, A: its rated torque of 32.3 mN m over 53.8 mN m/A.
+/// Continuous current of the motor, A: its rated torque of 32.3 mN m over 53.8 mN m/A.
 const MOTOR_RATED_A: f32 = 0.6;
-/// Time constant of its winding, s; motors of this size have 10 s or more.
+/// Thermal time constant of the winding, s. Motors of this size have 10 s or more.
 const MOTOR_THERMAL_S: f32 = 10.0;
-/// Current that the bridge bears for ever, A, and its time constant, s: below what any driver for this motor bears.
+/// Continuous current of the bridge, A. It is below that of any driver for this motor.
 const BRIDGE_RATED_A: f32 = 1.0;
+/// Thermal time constant of the bridge, s.
 const BRIDGE_THERMAL_S: f32 = 0.2;
-/// Heat, as a share of that at the rated current, that is too much.
+/// Heat that is a fault, relative to that at the continuous current.
 const TOO_HOT: f32 = 1.1;
 
-/// Share of the torque limit that counts as all of it, and the motion, rad, that is none.
+/// Share of the torque limit that counts as full torque.
 const STALL_SHARE: f32 = 0.9;
+/// Motion below this counts as no motion, rad.
 const STALLED_RAD: f32 = 0.5 * RAD_PER_DEG;
 
-/// An encoder that counts has moved by more than this, rad, long before
+/// Motion of the encoder, rad, that proves that it counts.
 const ENCODER_STILL_RAD: f32 = 0.25 * RAD_PER_DEG;
-/// the Hall sensor, at its worst calibration and noise, has by this, rad,
+/// Motion of the Hall sensor, rad, at which the encoder must have moved. It is larger than the sensor's worst calibration
+/// error and noise.
 const HALL_MOVED_RAD: f32 = 2.5 * RAD_PER_DEG;
-/// (by this, rad, it moves, beyond its noise)
+/// Motion of the Hall sensor above its noise, rad.
 const HALL_MOVING_RAD: f32 = RAD_PER_DEG;
-/// for so many windows in a row. From rest at full torque that takes 13 ms and 4 degrees.
+/// Number of successive windows in which the encoder must be still. From rest at full torque, a fault is found after 13 ms
+/// and 4 degrees.
 const STILL_WINDOWS: u32 = 3;
 
-/// Ticks after the end of a window that share the work on it.
+/// Number of ticks after the end of a window over which its evaluation is distributed.
 const STAGES: u32 = 5;
 
-/// What the monitor goes by, for one rate.
+/// Parameters of the monitor for one rate.
 #[derive(Clone, Copy, Debug)]
 pub struct MonitorGains {
     ticks: u32,
@@ -47,19 +51,19 @@ pub struct MonitorGains {
     supply_v: f32,
     mismatch_v: f32,
     resistance_ohm: f32,
-    /// The motor's own voltage, V, for each rad of the paddle in a window.
+    /// Back-EMF of a window per rad of paddle motion, V.
     emf_v_per_rad: f32,
     motor_share: f32,
     bridge_share: f32,
     torque_limit_nm: f32,
     full_torque_nm: f32,
-    /// Sum of a window's duties at their limit.
+    /// Sum of the duties of a window at their limit.
     full_duty: f32,
     stall_windows: u32,
 }
 
 impl MonitorGains {
-    /// For samples every `tick_s`, s.
+    /// The parameters for samples every `tick_s`, s.
     pub fn new(settings: &Settings, tick_s: f32) -> Self {
         let ticks = ((WINDOW_S / tick_s) as u32).max(STAGES + 1);
         let window_s = ticks as f32 * tick_s;
@@ -85,14 +89,15 @@ impl MonitorGains {
     }
 }
 
-/// The monitor.
+/// Supervises motor, bridge and encoder.
 #[derive(Clone, Copy, Debug)]
 pub struct Monitor {
     gains: MonitorGains,
     ticks: u32,
     duty: f32,
     current_a: f32,
-    /// Mean current of the last window, A, and the mean voltage that drove it, V.
+    /// Mean current of the last window, A.
+    /// Mean voltage that drove this current, V: the duty times the supply, minus the back-EMF.
     mean_a: f32,
     driving_v: f32,
     started_rad: f32,
@@ -103,20 +108,22 @@ pub struct Monitor {
     stalled_at_rad: f32,
     encoder_mark_rad: f32,
     hall_mark_rad: f32,
-    /// By how much the Hall sensor has moved while the encoder has not, rad.
+    /// Motion of the Hall sensor since the encoder last moved, rad.
     apart_rad: f32,
     still: u32,
     encoder_ignored: bool,
-    /// Milliseconds at the limits of torque and of duty.
+    /// Number of windows in which the torque was limited.
     torque_limited: u32,
+    /// Number of windows in which the duty was limited all the time.
     duty_limited: u32,
-    /// Sums of voltage times current and of current squared, V A and A^2.
+    /// Sum of voltage times current, V A.
     volt_amperes: f32,
+    /// Sum of current squared, A^2.
     amperes2: f32,
 }
 
 impl Monitor {
-    /// A monitor of a cold motor.
+    /// A monitor for a cold motor.
     pub fn new(gains: MonitorGains) -> Self {
         Self {
             gains,
@@ -143,12 +150,12 @@ impl Monitor {
         }
     }
 
-    /// Takes over gains.
+    /// Changes the parameters.
     pub fn retune(&mut self, gains: MonitorGains) {
         self.gains = gains;
     }
 
-    /// Begins anew where the paddle stands; the heat stays.
+    /// Restarts the monitor at the present position. The heat is kept.
     pub fn restart(&mut self, encoder_rad: f32, hall_rad: f32) {
         *self = Self {
             motor_heat: self.motor_heat,
@@ -163,12 +170,12 @@ impl Monitor {
         };
     }
 
-    /// Lets an encoder stand still until the next restart: the wiring check finds that out by itself, and brakes.
+    /// Ignores a still encoder until the next restart. The wiring check detects it by itself and brakes the paddle.
     pub fn ignore_encoder(&mut self) {
         self.encoder_ignored = true;
     }
 
-    /// Takes a tick's duty, -1 to 1, and current, A. The ticks of a window share its work, which is [`Self::judge`]'s.
+    /// Adds the duty, -1 to 1, and the current, A, of one tick. Returns true if [`Self::judge`] must be called in this tick.
     #[inline]
     pub fn add(&mut self, duty: f32, current_a: f32) -> bool {
         self.duty += duty;
@@ -177,7 +184,7 @@ impl Monitor {
         self.ticks <= STAGES || self.ticks == self.gains.ticks
     }
 
-    /// Lets motor and bridge cool while they carry no current, by a tick.
+    /// Models the cooling of motor and bridge without current, by one tick.
     #[inline]
     pub fn cool(&mut self) {
         self.ticks += 1;
@@ -189,8 +196,8 @@ impl Monitor {
         }
     }
 
-    /// What is wrong, at a tick for which [`Self::add`] asks: with the torque wanted, N m at the motor, the positions by
-    /// encoder and Hall sensor, rad, and whether the latter's signal says anything.
+    /// Evaluates the window, in a tick for which [`Self::add`] returned true. Inputs are the commanded torque, N m at the
+    /// motor, the positions of encoder and Hall sensor, rad, and whether the Hall signal is plausible. Returns a fault.
     #[inline]
     pub fn judge(
         &mut self,
@@ -232,7 +239,7 @@ impl Monitor {
         self.started_rad = encoder_rad;
     }
 
-    /// Whether the current of the last window is what the motor makes of the voltage.
+    /// Compares the mean current of the last window with the driving voltage and the winding resistance.
     #[inline]
     fn mismatches(&mut self) -> Option<Fault> {
         self.volt_amperes += self.driving_v * self.mean_a;
@@ -243,7 +250,7 @@ impl Monitor {
         } else {
             0
         };
-        // With an encoder that stands still the motor's own voltage is missing from the model: then that is the cause.
+        // With a still encoder, the back-EMF is missing in the model. The encoder is then the cause of the mismatch.
         (self.mismatched >= MISMATCHED_WINDOWS).then_some(if self.apart_rad > HALL_MOVING_RAD {
             Fault::EncoderStill
         } else {
@@ -251,7 +258,7 @@ impl Monitor {
         })
     }
 
-    /// Heats the motor by the mean current of the last window, and lets it cool. Whether it is too hot.
+    /// Updates the heat of the motor with the mean current of the last window. Returns true if it is too hot.
     #[inline]
     fn heats_motor(&mut self) -> bool {
         const PER_RATED2: f32 = 1.0 / (MOTOR_RATED_A * MOTOR_RATED_A);
@@ -260,7 +267,7 @@ impl Monitor {
         self.motor_heat > TOO_HOT
     }
 
-    /// The same of the bridge.
+    /// Updates the heat of the bridge. Returns true if it is too hot.
     #[inline]
     fn heats_bridge(&mut self) -> bool {
         const PER_RATED2: f32 = 1.0 / (BRIDGE_RATED_A * BRIDGE_RATED_A);
@@ -300,15 +307,15 @@ impl Monitor {
         self.still >= STILL_WINDOWS
     }
 
-    /// Milliseconds so far at whose end the torque was limited, and in which the duty was all the time.
+    /// Number of windows in which the torque was limited at the end, and number in which the duty was limited all the time.
     pub fn limited(&self) -> (u32, u32) {
         (self.torque_limited, self.duty_limited)
     }
 
-    /// Resistance of the winding, ohm, by least squares over all windows since the last restart: voltage less the
-    /// motor's own, over current. `None` if there was too little current to tell.
+    /// Winding resistance, ohm, by least squares over all windows since the last restart: voltage minus back-EMF, over
+    /// current. `None` if the current was too small.
     pub fn resistance_ohm(&self) -> Option<f32> {
-        /// Sum over a fiftieth of a second of half the wiring check's current, A^2.
+        /// Sum over a fiftieth of a second with half the current of the wiring check, A^2.
         const ENOUGH_A2: f32 = 20.0 * 0.045 * 0.045;
         (self.amperes2 > ENOUGH_A2).then(|| self.volt_amperes / self.amperes2)
     }

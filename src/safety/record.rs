@@ -1,4 +1,4 @@
-//! A memory of faults, first cause first, and counts of limits that merely act.
+//! A record of the last faults with the first cause, and counts of limits that acted without a fault.
 
 use core::fmt;
 
@@ -6,14 +6,14 @@ use super::{Fault, ResetCause};
 use crate::decimal::Fixed;
 use crate::units::DEG_PER_RAD;
 
-/// A fault, and what was there at its moment.
+/// A fault and the state at its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultRecord {
-    /// Which.
+    /// The fault.
     pub fault: Fault,
-    /// Whether it was before the last reset.
+    /// Whether it occurred before the last reset.
     pub before_reset: bool,
-    /// When, s since boot.
+    /// Time since boot, s.
     pub time_s: f32,
     /// Position by the encoder, rad.
     pub encoder_rad: f32,
@@ -21,22 +21,22 @@ pub struct FaultRecord {
     pub hall_rad: f32,
     /// Velocity, rad/s.
     pub velocity_rad_s: f32,
-    /// Torque wanted, N m at the motor.
+    /// Commanded torque, N m at the motor.
     pub torque_nm: f32,
     /// Motor current, A.
     pub current_a: f32,
-    /// Share of the supply on the motor, -1 to 1.
+    /// Duty of the bridge, -1 to 1.
     pub duty: f32,
 }
 
-/// Bit beside the fault's number.
+/// Number of a flag bit beside the fault number.
 const BEFORE_RESET: u32 = 8;
 
-/// Words that a record takes in a memory that outlives a reset.
+/// Number of words of a record in memory that survives a reset.
 pub const WORDS_PER_RECORD: usize = 8;
 
 impl FaultRecord {
-    /// As words.
+    /// Converts the record to words.
     pub fn to_words(&self) -> [u32; WORDS_PER_RECORD] {
         [
             self.fault as u32 | u32::from(self.before_reset) << BEFORE_RESET,
@@ -50,7 +50,7 @@ impl FaultRecord {
         ]
     }
 
-    /// From words; `None` for those that [`Self::to_words`] does not make.
+    /// Converts words to a record. Returns `None` for words that [`Self::to_words`] cannot produce.
     pub fn from_words(words: [u32; WORDS_PER_RECORD]) -> Option<Self> {
         let [
             fault,
@@ -99,24 +99,24 @@ impl fmt::Display for FaultRecord {
     }
 }
 
-/// The last faults, oldest first. Between two clears the first one, which is the cause, always stays; one that is
+/// The last faults, oldest first. The first fault since the last clear is the cause and is always kept. A fault that is
 /// reported again counts once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FaultLog {
     records: [Option<FaultRecord>; Self::CAPACITY],
     length: usize,
-    /// Place of the first fault since the last clear.
+    /// Index of the first fault since the last clear.
     first: usize,
     revision: u32,
-    /// Why the board began anew, where that is known.
+    /// Cause of the last reset, if known.
     pub reset: Option<ResetCause>,
 }
 
 impl FaultLog {
-    /// Most faults that are kept.
+    /// Largest number of faults that are kept.
     pub const CAPACITY: usize = 8;
 
-    /// Keeps `record`.
+    /// Adds `record`.
     pub fn push(&mut self, record: FaultRecord) {
         let since_clear = self
             .records
@@ -144,46 +144,46 @@ impl FaultLog {
         }
     }
 
-    /// The faults so far are dealt with; the next one is a cause of its own.
+    /// Marks the faults so far as cleared. The next fault is a first cause again.
     pub fn clear(&mut self) {
         self.first = self.length;
     }
 
-    /// Oldest first.
+    /// The faults, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = &FaultRecord> {
         self.records.iter().take(self.length).flatten()
     }
 
-    /// Changes with every fault.
+    /// A number that changes with every fault.
     pub fn revision(&self) -> u32 {
         self.revision
     }
 
-    /// How many there are.
+    /// Number of faults.
     pub fn len(&self) -> usize {
         self.length
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no faults.
     pub fn is_empty(&self) -> bool {
         self.length == 0
     }
 }
 
-/// A limit that acted, or a disturbance that was overcome, without a fault.
+/// A limit that acted, or a tolerated disturbance, without a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Acted {
-    /// A millisecond at whose end the torque was limited.
+    /// A window of one millisecond at whose end the torque was limited.
     TorqueLimit,
-    /// A millisecond in which the duty was limited all the time.
+    /// A window of one millisecond in which the duty was limited all the time.
     DutyLimit,
-    /// A control period with a glitch of nFAULT that was too short to count.
+    /// A control period with a low pulse of nFAULT that was too short to count.
     BridgeGlitch,
-    /// A control period in which the serial port heard noise on a byte that it understood.
+    /// A control period in which the serial port detected noise but still received the byte.
     SerialNoise,
 }
 
-/// How often each limit acted; wraps.
+/// Number of times that each limit acted. The counts wrap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters([u32; 4]);
 
@@ -196,7 +196,7 @@ impl Counters {
         (Acted::SerialNoise, "serial noise"),
     ];
 
-    /// Counts once more.
+    /// Increments a count.
     #[inline]
     pub fn count(&mut self, acted: Acted) {
         if let Some(count) = self.0.get_mut(acted as usize) {
@@ -204,7 +204,7 @@ impl Counters {
         }
     }
 
-    /// With this count instead.
+    /// The counts with this one replaced.
     pub fn with(mut self, acted: Acted, count: u32) -> Self {
         if let Some(place) = self.0.get_mut(acted as usize) {
             *place = count;
@@ -212,7 +212,7 @@ impl Counters {
         self
     }
 
-    /// How often.
+    /// The count of `acted`.
     pub fn of(&self, acted: Acted) -> u32 {
         self.0.get(acted as usize).copied().unwrap_or_default()
     }
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_cause_stays_however_many_follow() {
+    fn the_first_cause_is_kept_however_many_faults_follow() {
         let mut log = FaultLog::default();
         for fault in Fault::ALL {
             log.push(record(fault));
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_outlives_its_words_and_no_other_words_make_one() {
+    fn a_record_survives_conversion_to_words_and_invalid_words_are_refused() {
         for fault in Fault::ALL {
             let words = record(fault).to_words();
             assert_eq!(FaultRecord::from_words(words), Some(record(fault)));

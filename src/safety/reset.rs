@@ -1,19 +1,19 @@
-//! Why the board began anew.
+//! Causes of a reset.
 
 use core::fmt;
 
 /// Cause of the last reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetCause {
-    /// The supply came.
+    /// Power-on.
     Power,
     /// The supply fell below the brown-out level.
     BrownOut,
-    /// The reset pin, or a debug probe by it.
+    /// The reset pin was pulled low, for example by a debug probe.
     Pin,
-    /// The program asked for it.
+    /// The program requested it.
     Software,
-    /// The program was stuck, or stopped after a failure.
+    /// The watchdog expired: the program was stuck or had stopped after a failure.
     Watchdog,
 }
 

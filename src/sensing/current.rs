@@ -1,4 +1,4 @@
-//! Motor current from a shunt amplifier that rests at half scale.
+//! Motor current from a shunt amplifier whose output at zero current is half scale.
 
 use core::fmt;
 
@@ -11,39 +11,39 @@ const AMPERES_PER_COUNT: f32 = ADC_VOLTS_PER_COUNT / (SHUNT_OHM * AMPLIFIER_GAIN
 
 /// Offset of an ideal amplifier, counts of the converter.
 const NOMINAL_OFFSET_COUNTS: f32 = 2048.0;
-/// What the parts' tolerances allow either side of it, counts, 52 mA: 20 for a middle made by two resistors of 1 %, 25
-/// for 0.5 mV of offset at the amplifier's input, 3 for the converter's own, and a quarter more.
+/// Largest accepted deviation of the offset, counts (52 mA). It is the sum of 20 for a divider of two 1 % resistors, 25 for
+/// 0.5 mV of input offset of the amplifier, and 3 for the converter, plus a quarter.
 const OFFSET_TOLERANCE_COUNTS: f32 = 64.0;
-/// Deviation of the means of control periods, counts rms, above which the bridge is not at rest. The amplifier's noise
-/// leaves one.
+/// Standard deviation of the means of control periods above which the bridge is not at rest, counts. The noise of the
+/// amplifier gives 1.
 const RESTLESS_COUNTS: f32 = 8.0;
-/// An amplifier comes no nearer than this to the ends of the converter's range, counts (29 mV); what is nearer is not
-/// measured.
+/// Margin from the ends of the converter's range within which a reading is not valid, counts (29 mV). The output of the
+/// amplifier does not come closer to its rails.
 const RAIL_COUNTS: f32 = 48.0;
-/// Highest reading of the converter.
+/// Highest result of the converter.
 const FULL_SCALE_COUNTS: f32 = 4095.0;
 
-/// Largest current, A, of either sign that is measured whatever offset was accepted.
+/// Largest current of either sign that can be measured with any accepted offset, A.
 pub const MEASURABLE_A: f32 = 1.55;
 
-/// Whether a mean reading is between the ends of its range; a number that is not finite is not.
+/// Returns true if a mean reading is within the valid range. A non-finite number is not.
 #[inline]
 pub fn plausible(mean_counts: f32) -> bool {
     const MIDDLE: f32 = 0.5 * FULL_SCALE_COUNTS;
     (mean_counts - MIDDLE).abs() < MIDDLE - RAIL_COUNTS
 }
 
-/// Readings of a bridge at no voltage, one a control period.
+/// Statistics of the current readings at zero voltage, with one reading per control period.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IdleReading {
     periods: f32,
-    /// Sums of the deviation from the nominal offset, counts, and of its square.
+    /// Sum of the deviations from the nominal offset, counts.
     sum: f32,
     squares: f32,
 }
 
 impl IdleReading {
-    /// Takes the mean reading of a control period, counts.
+    /// Adds the mean reading of a control period, counts.
     #[inline]
     pub fn add(&mut self, mean_counts: f32) {
         let deviation = mean_counts - NOMINAL_OFFSET_COUNTS;
@@ -52,13 +52,13 @@ impl IdleReading {
         self.squares += deviation * deviation;
     }
 
-    /// Control periods so far.
+    /// Number of control periods so far.
     pub fn periods(&self) -> f32 {
         self.periods
     }
 }
 
-/// The amplifier's reading as a current, positive where the torque is positive.
+/// Converts readings of the amplifier to the motor current. A positive current gives a positive torque.
 #[derive(Clone, Copy, Debug)]
 pub struct CurrentSensor {
     offset_counts: f32,
@@ -73,10 +73,11 @@ impl Default for CurrentSensor {
 }
 
 impl CurrentSensor {
-    /// Takes the mean of the readings at rest as the new offset.
+    /// Takes the mean of the readings as the new offset.
     ///
     /// # Errors
-    /// [`OffsetError`], and the old offset stays, if the readings cannot be those of an idle bridge.
+    ///
+    /// [`OffsetError`] if the readings cannot be those of an idle bridge. The old offset is kept.
     pub fn calibrate(&mut self, idle: &IdleReading) -> Result<(), OffsetError> {
         let mean = idle.sum / idle.periods;
         let variance = idle.squares / idle.periods - mean * mean;
@@ -92,29 +93,29 @@ impl CurrentSensor {
         }
     }
 
-    /// The offset as a current, A, against half scale, with the sign of the measured current.
+    /// The offset as a current, A, relative to half scale, with the sign of the measured current.
     pub fn offset_a(&self) -> f32 {
         (NOMINAL_OFFSET_COUNTS - self.offset_counts) * AMPERES_PER_COUNT
     }
 
     /// Current, A, from the mean reading of a period in counts.
     ///
-    /// On the board torque = -Kt i_measured. The sign is turned here, so that everywhere else torque = +Kt i.
+    /// On the board, torque = -Kt i_measured. The sign is changed here, so that torque = +Kt i everywhere else.
     #[inline]
     pub fn amperes(&self, mean_counts: f32) -> f32 {
         (self.offset_counts - mean_counts) * AMPERES_PER_COUNT
     }
 }
 
-/// Why the current amplifier's offset is not taken.
+/// Why the offset of the current amplifier is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OffsetError {
-    /// It is farther from half scale than its parts' tolerances allow.
+    /// It differs from half scale by more than the tolerances of the parts.
     Far {
-        /// The reading at rest, counts.
+        /// The mean reading, counts.
         counts: f32,
     },
-    /// The reading does not rest.
+    /// The readings vary too much.
     Restless,
 }
 
@@ -153,7 +154,7 @@ mod tests {
         let mut sensor = CurrentSensor::default();
         sensor.calibrate(&idle(2100.0)).unwrap();
         assert_eq!(sensor.amperes(2100.0), 0.0);
-        // 0.75 V/A on 0.61 mV a count.
+        // 0.75 V/A, with 0.61 mV per count.
         assert!((sensor.amperes(2100.0 - 1228.8) - 1.0).abs() < 1e-5);
     }
 
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn readings_that_do_not_rest_are_refused() {
+    fn readings_that_vary_too_much_are_refused() {
         let mut reading = IdleReading::default();
         for period in 0..100 {
             reading.add(2048.0 + if period % 2 == 0 { 10.0 } else { -10.0 });
@@ -181,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_measurable_is_so_at_the_farthest_offset_accepted() {
+    fn the_measurable_current_is_valid_at_the_largest_accepted_offset() {
         for offset in [-OFFSET_TOLERANCE_COUNTS, OFFSET_TOLERANCE_COUNTS] {
             let mut sensor = CurrentSensor::default();
             sensor

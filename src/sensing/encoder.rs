@@ -2,7 +2,7 @@
 
 use core::f32::consts::TAU;
 
-/// Angle of the paddle from the encoder's counter.
+/// Converts the count of the encoder to the angle of the paddle.
 #[derive(Clone, Copy, Debug)]
 pub struct Encoder {
     rad_per_count: f32,
@@ -11,9 +11,9 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// An encoder whose origin is where its counter is 0.
+    /// An encoder whose zero is at count 0.
     ///
-    /// `counts_per_turn` is per turn of the motor, `ratio` the motor's turns per turn of the paddle.
+    /// `counts_per_turn` is per turn of the motor. `ratio` is the number of motor turns per paddle turn.
     pub fn new(counts_per_turn: f32, ratio: f32) -> Self {
         Self {
             rad_per_count: rad_per_count(counts_per_turn, ratio),
@@ -22,18 +22,18 @@ impl Encoder {
         }
     }
 
-    /// Takes over a resolution; the origin stays.
+    /// Changes the resolution. The zero is kept.
     pub fn retune(&mut self, rad_per_count: f32) {
         self.rad_per_count = rad_per_count;
     }
 
-    /// Declares that the paddle stands at `angle_rad` where the counter reads `count`.
+    /// Sets the zero: the paddle stands at `angle_rad` at the count `count`.
     pub fn zero(&mut self, count: u32, angle_rad: f32) {
         self.origin_count = count;
         self.origin_rad = angle_rad;
     }
 
-    /// Angle of the paddle, rad. Right across a wrap of the counter, up to 2^31 counts from the origin.
+    /// Angle of the paddle, rad. It is correct across a wrap of the counter, up to 2^31 counts from the zero.
     #[inline]
     pub fn position_rad(&self, count: u32) -> f32 {
         let from_origin = count.wrapping_sub(self.origin_count) as i32;
@@ -41,7 +41,7 @@ impl Encoder {
     }
 }
 
-/// Paddle angle in one count, rad.
+/// Paddle angle per count, rad.
 pub fn rad_per_count(counts_per_turn: f32, ratio: f32) -> f32 {
     TAU / (counts_per_turn * ratio)
 }
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn the_counter_may_wrap_on_the_way() {
+    fn the_angle_is_continuous_when_the_counter_wraps() {
         let mut encoder = Encoder::new(2000.0, 15.0);
         encoder.zero(u32::MAX - 10, 0.1);
         let before = encoder.position_rad(u32::MAX);

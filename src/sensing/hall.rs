@@ -1,23 +1,24 @@
-//! Hall sensor opposite a magnet on the paddle: absolute, but curved, noisy and different on every paddle.
+//! Hall sensor opposite a magnet on the paddle. It measures absolute angles, but is nonlinear, noisy and different on every
+//! paddle.
 
 use super::ADC_VOLTS_PER_COUNT;
 use crate::settings::HallSettings;
 use crate::units::RAD_PER_DEG;
 
-/// Highest reading of the converter.
+/// Highest result of the converter.
 pub const ADC_FULL_SCALE: u16 = 4095;
 
-// The board's input stage: Hall volts = (2 V_adc - 2.5) / 1.1 + 2.5.
+// Input stage of the board: Hall volts = (2 V_adc - 2.5) / 1.1 + 2.5.
 const HALL_VOLTS_PER_COUNT: f32 = 2.0 * ADC_VOLTS_PER_COUNT / 1.1;
 const HALL_VOLTS_AT_COUNT_0: f32 = 2.5 - 2.5 / 1.1;
 
-/// Output of the Hall sensor in volts from the converter's count.
+/// Output voltage of the Hall sensor, V, from the converter's count.
 #[inline]
 pub fn volts(adc: u16) -> f32 {
     HALL_VOLTS_AT_COUNT_0 + f32::from(adc) * HALL_VOLTS_PER_COUNT
 }
 
-/// Calibration curve: a cubic about its centre, in counts.
+/// Calibration curve: a cubic around its centre, in counts.
 #[derive(Clone, Copy, Debug)]
 pub struct HallCurve {
     centre_counts: f32,
@@ -46,7 +47,8 @@ impl HallCurve {
     }
 }
 
-/// Whether the converter is within its range, which a broken wire or a shorted sensor is not.
+/// Returns true if the reading is not at an end of the converter's range. A broken wire or a shorted sensor gives such a
+/// reading.
 #[inline]
 pub fn plausible(adc: u16) -> bool {
     adc > 0 && adc < ADC_FULL_SCALE

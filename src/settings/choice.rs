@@ -1,13 +1,13 @@
-//! What a user can choose by name.
+//! Settings whose values are names.
 
-/// A setting that is one of some names.
+/// A setting with a fixed set of named values.
 pub trait Choice: Copy + Default + PartialEq + 'static {
     /// The names, in the order of [`Self::ALL`].
     const NAMES: &'static [&'static str];
     /// All values.
     const ALL: &'static [Self];
 
-    /// Place of this value among [`Self::ALL`].
+    /// Index of this value in [`Self::ALL`].
     fn index(self) -> usize {
         let is_this = |value: &Self| *value == self;
         Self::ALL.iter().position(is_this).unwrap_or_default()
@@ -40,33 +40,35 @@ pub enum Sensor {
     Hall,
 }
 
-/// Velocity that drives the compensation of dry friction.
+/// Velocity used by the compensation of dry friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VelocitySource {
-    /// The observer's. Near rest this takes damping away: 0.585 mN m at the motor over 10 degrees a second are
-    /// -0.050 N m s/rad at the paddle, as much as the default gains give. It needs a wide band, or gains that damp more.
+    /// The velocity of the observer. Near rest, this removes damping: 0.585 mN m at the motor over 10 degrees per second are
+    /// -0.050 N m s/rad at the paddle, which cancels the damping of the default gains. It needs a wide band or gains with
+    /// more damping.
     Measured,
-    /// That of the setpoint: helps a motion that is wanted, and cannot make one. Torque mode, which has no such motion,
-    /// is then not compensated.
+    /// The velocity of the setpoint. It assists a commanded motion and cannot cause one. Torque mode has no setpoint
+    /// velocity and is not compensated.
     #[default]
     Setpoint,
 }
 
-/// What the derivative of the position regulator is taken from.
+/// Source of the derivative in the position regulator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DerivativeSource {
-    /// The observer with the Hall sensor, whose noise it cuts to an eighth (1.0 to 0.12 mN m rms at the default gains),
-    /// and differences with the encoder, which has none: a step of 5 degrees then settles in 63 ms instead of 78.
+    /// The observer with the Hall sensor, and position differences with the encoder. With the Hall sensor, the observer
+    /// reduces the torque noise to an eighth (from 1.0 to 0.12 mN m rms at the default gains). The encoder has no such
+    /// noise, and differences are faster: a step of 5 degrees settles in 63 ms instead of 78.
     #[default]
     Auto,
-    /// Differences of the filtered position, the lab's.
+    /// Differences of the filtered position, as in the lab.
     Position,
-    /// The observer, which knows the torque.
+    /// The velocity of the observer, which uses the known torque.
     Observer,
 }
 
 impl DerivativeSource {
-    /// Whether it is the observer with this sensor.
+    /// Returns true if the derivative uses the observer with this sensor.
     pub fn is_observer(self, sensor: Sensor) -> bool {
         match self {
             Self::Auto => sensor == Sensor::Hall,
@@ -76,20 +78,20 @@ impl DerivativeSource {
     }
 }
 
-/// What the current loop takes for the current of a control period.
+/// The current that the current loop uses in a control period.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurrentSampling {
-    /// The mean over the period: rejects the amplifier's noise.
+    /// The mean over the period. It rejects the noise of the amplifier.
     #[default]
     Mean,
     /// One sample at the centre of the PWM.
     Centre,
 }
 
-/// Order of the low-pass on the position.
+/// Order of the low-pass filter of the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FilterOrder {
-    /// First order, the lab's.
+    /// First order, as in the lab.
     #[default]
     First,
     /// Second order, Butterworth.

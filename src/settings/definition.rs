@@ -1,4 +1,4 @@
-//! The language in which [`tree`](super::tree) defines settings: each once, with all that anybody needs to know of it.
+//! The macro with which [`tree`](super::tree) defines each setting once, with all its properties.
 //!
 //! ```text
 //! /// What the group is about.
@@ -9,7 +9,7 @@
 //! }
 //! ```
 
-/// Makes the types of the groups, [`Settings`](super::Settings) of them all, and the tables of groups and fields.
+/// Generates the types of the groups, the type [`Settings`](super::Settings), and the tables of groups and fields.
 macro_rules! settings_tree {
     ($(
         $(#[doc = $group_about:literal])+

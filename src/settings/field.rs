@@ -1,30 +1,30 @@
-//! A setting: how it is found, read, written and shown. Console, store, command line and files all go through it.
+//! One setting: lookup, read, write and display. Console, store, command line and files use it.
 
 use core::fmt;
 
 use super::tree::{FIELDS, Settings};
 use crate::decimal::{self, Decimal};
 
-/// What a setting may be.
+/// Allowed values of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// A number from `min` to `max`.
     Number {
-        /// Least value.
+        /// Smallest value.
         min: f32,
-        /// Greatest value.
+        /// Largest value.
         max: f32,
     },
-    /// One of these names; the value is its index.
+    /// One of these names. The numeric value is its index.
     Choice(&'static [&'static str]),
 }
 
-/// Settings that belong together.
+/// A group of settings.
 #[derive(Debug)]
 pub struct Group {
     /// First part of their names.
     pub name: &'static str,
-    /// What they are about.
+    /// Description of the group.
     pub about: &'static str,
 }
 
@@ -33,22 +33,23 @@ pub struct Group {
 pub struct Field {
     /// Full name, with dots.
     pub name: &'static str,
-    /// Short name, where there is one.
+    /// Short name, if any.
     pub short: Option<&'static str>,
-    /// Unit of the value; empty for none.
+    /// Unit of the value. Empty if there is none.
     pub unit: &'static str,
-    /// What it does.
+    /// Description of the setting.
     pub about: &'static str,
-    /// What it may be.
+    /// Allowed values.
     pub kind: Kind,
     pub(super) read: fn(&Settings) -> f32,
     pub(super) write: fn(&mut Settings, f32),
 }
 
 impl Field {
-    /// The field of this full or short name.
+    /// Finds the setting with this full or short name.
     ///
     /// # Errors
+    ///
     /// [`SettingError::Unknown`].
     pub fn find(name: &str) -> Result<&'static Self, SettingError> {
         FIELDS
@@ -57,12 +58,12 @@ impl Field {
             .ok_or(SettingError::Unknown)
     }
 
-    /// The value, in [`Self::unit`]; of a choice, its index.
+    /// The value in [`Self::unit`]. For a choice it is the index.
     pub fn read(&self, settings: &Settings) -> f32 {
         (self.read)(settings)
     }
 
-    /// The value by default.
+    /// The default value.
     pub fn default_value(&self) -> f32 {
         self.read(&Settings::default())
     }
@@ -70,17 +71,19 @@ impl Field {
     /// Sets the value.
     ///
     /// # Errors
-    /// [`SettingError`], and nothing changes, for a value outside the bounds, NaN included.
+    ///
+    /// [`SettingError`] for a value outside the bounds or NaN. Nothing is changed in that case.
     pub fn write(&'static self, settings: &mut Settings, value: f32) -> Result<(), SettingError> {
         self.check(value)?;
         (self.write)(settings, value);
         Ok(())
     }
 
-    /// The value that a text stands for: a number, or the name of a choice.
+    /// Parses a value: a number, or the name of a choice.
     ///
     /// # Errors
-    /// [`SettingError`] for a text that is neither, or a value outside the bounds.
+    ///
+    /// [`SettingError`] for a text that is neither, or for a value outside the bounds.
     pub fn parse(&'static self, text: &str) -> Result<f32, SettingError> {
         let named = match self.kind {
             Kind::Choice(names) => names
@@ -112,7 +115,7 @@ impl Field {
         }
     }
 
-    /// With its value in `settings`, as one shows it to people.
+    /// The setting with its value in `settings`, for display.
     pub fn shown(&'static self, settings: &Settings) -> Shown {
         Shown {
             field: self,
@@ -120,7 +123,7 @@ impl Field {
         }
     }
 
-    /// With its default, as one shows it to people.
+    /// The setting with its default value, for display.
     pub fn default_shown(&'static self) -> Shown {
         Shown {
             field: self,
@@ -129,7 +132,7 @@ impl Field {
     }
 }
 
-/// Some of the settings.
+/// A set of settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldSet(u64);
 
@@ -139,11 +142,12 @@ impl FieldSet {
     /// All settings.
     pub const ALL: Self = Self((1 << FIELDS.len()) - 1);
 
-    /// The setting of this full or short name; or else all whose names begin like this, part by part: `e.s` begins
-    /// `estimate.sensor`.
+    /// Finds the setting with this full or short name. Otherwise finds all settings whose name begins with `text` part by
+    /// part: `e.s` matches `estimate.sensor`.
     ///
     /// # Errors
-    /// [`SettingError::Unknown`] if there is none.
+    ///
+    /// [`SettingError::Unknown`] if none matches.
     pub fn named(text: &str) -> Result<Self, SettingError> {
         let places_where = |is: &dyn Fn(&Field) -> bool| {
             let places = FIELDS.iter().enumerate();
@@ -165,10 +169,11 @@ impl FieldSet {
         Ok(found)
     }
 
-    /// The only one.
+    /// The only setting of the set.
     ///
     /// # Errors
-    /// [`SettingError::Ambiguous`] if there are more.
+    ///
+    /// [`SettingError::Ambiguous`] if there are several.
     pub fn only(self) -> Result<&'static Field, SettingError> {
         let mut fields = self.iter();
         match (fields.next(), fields.next()) {
@@ -177,7 +182,7 @@ impl FieldSet {
         }
     }
 
-    /// In the order in which they are shown.
+    /// The settings in the order of display.
     pub fn iter(self) -> impl Iterator<Item = &'static Field> {
         let places = FIELDS.iter().enumerate();
         places
@@ -185,7 +190,7 @@ impl FieldSet {
             .map(|(_, field)| field)
     }
 
-    /// How many.
+    /// Number of settings.
     pub fn count(self) -> usize {
         self.0.count_ones() as usize
     }
@@ -209,7 +214,7 @@ impl PartialEq for Field {
     }
 }
 
-/// A setting with its value; its `Display` is `pid.kp = 0.05 N m/deg at the paddle`.
+/// A setting with its value. Its `Display` is, for example, `pid.kp = 0.05 N m/deg at the paddle`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     field: &'static Field,
@@ -217,12 +222,12 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// The value alone, as it can be set again.
+    /// The value alone, in the form in which it can be set.
     pub fn value(&self) -> impl fmt::Display {
         Value(*self)
     }
 
-    /// The command that sets it again, with its unit as a remark.
+    /// The command that sets this value, with the unit as a comment.
     pub fn as_command(&self) -> impl fmt::Display {
         AsCommand(*self)
     }
@@ -256,7 +261,7 @@ impl fmt::Display for AsCommand {
     }
 }
 
-/// A unit behind `separator`, if there is one.
+/// Writes `separator` and the unit, if there is one.
 fn with_unit(f: &mut fmt::Formatter<'_>, separator: &str, unit: &str) -> fmt::Result {
     if unit.is_empty() {
         return Ok(());
@@ -265,7 +270,7 @@ fn with_unit(f: &mut fmt::Formatter<'_>, separator: &str, unit: &str) -> fmt::Re
     f.write_str(unit)
 }
 
-/// Its `Display` is what a setting may be, as `0 to 2` or `encoder, hall`.
+/// Displays the allowed values, for example `0 to 2` or `encoder, hall`.
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -278,12 +283,12 @@ impl fmt::Display for Kind {
     }
 }
 
-/// Why a setting is refused.
+/// Why a setting or its value is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SettingError {
     /// No setting has this name.
     Unknown,
-    /// These all begin like this.
+    /// All these settings match.
     Ambiguous(FieldSet),
     /// The value is not a number within the bounds.
     OutOfRange(&'static Field),
@@ -313,9 +318,10 @@ impl fmt::Display for SettingError {
 impl core::error::Error for SettingError {}
 
 impl Settings {
-    /// Whether every value is within its bounds.
+    /// Checks that every value is within its bounds.
     ///
     /// # Errors
+    ///
     /// The first [`SettingError`].
     pub fn check(&self) -> Result<(), SettingError> {
         FIELDS
@@ -323,10 +329,11 @@ impl Settings {
             .try_for_each(|field| field.check(field.read(self)))
     }
 
-    /// Sets by full or short name.
+    /// Sets a setting by its full or short name.
     ///
     /// # Errors
-    /// [`SettingError`], and nothing changes.
+    ///
+    /// [`SettingError`]. Nothing is changed in that case.
     pub fn set(&mut self, name: &str, text: &str) -> Result<&'static Field, SettingError> {
         let field = Field::find(name)?;
         field.write(self, field.parse(text)?)?;

@@ -1,4 +1,4 @@
-//! What a user can set.
+//! User settings.
 //!
 //! ```text
 //! tree         every setting, defined once: name, unit, range, default, what it does

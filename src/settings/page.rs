@@ -1,11 +1,11 @@
-//! The list of all settings as a page for people, in Markdown.
+//! The list of all settings as a Markdown page.
 
 use core::fmt;
 
 use super::tree::{FIELDS, GROUPS};
 use super::{Field, Group};
 
-/// Its `Display` is the page.
+/// Its `Display` writes the page.
 #[derive(Clone, Copy, Debug)]
 pub struct Page;
 

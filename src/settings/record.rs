@@ -1,29 +1,29 @@
-//! Settings as bytes that a later version still understands: of each its name, as a hash, and its value.
+//! Settings as bytes that later versions can still read: each setting has the hash of its name and its value.
 
 use super::{FIELDS, Field, Settings};
 
 /// Version of the format.
 const VERSION: u8 = 1;
 
-/// Bytes of a hash and of a value.
+/// Number of bytes of a hash and of a value.
 const WORD: usize = size_of::<u32>();
 
-/// Bytes in front of the settings: the version, and how many settings follow.
+/// Number of bytes before the settings: the version and the number of settings.
 const HEAD_BYTES: usize = 2;
 
 /// Length of a record, bytes.
 pub const RECORD_BYTES: usize = HEAD_BYTES + FIELDS.len() * 2 * WORD;
 
-/// What a record holds.
+/// The content of a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recalled {
-    /// The settings; one that the record does not have is as by default.
+    /// The settings. A setting that is not in the record has its default value.
     pub settings: Settings,
-    /// How many values were left out: settings that there are no more, or values that they may not have any more.
+    /// Number of ignored values: of settings that no longer exist, or outside the present bounds.
     pub left_out: usize,
 }
 
-/// The record of these settings.
+/// Encodes these settings as a record.
 pub fn record(settings: &Settings) -> [u8; RECORD_BYTES] {
     let mut bytes = [0; RECORD_BYTES];
     let (head, pairs) = bytes.split_at_mut(HEAD_BYTES);
@@ -36,7 +36,7 @@ pub fn record(settings: &Settings) -> [u8; RECORD_BYTES] {
     bytes
 }
 
-/// The settings of a record, whatever follows it; `None` if it is of a version that is not known.
+/// Decodes a record. Bytes after it are ignored. Returns `None` for an unknown version.
 pub fn recall(bytes: &[u8]) -> Option<Recalled> {
     let [VERSION, count, pairs @ ..] = bytes else {
         return None;
@@ -58,7 +58,7 @@ fn word(bytes: &[u8]) -> u32 {
     u32::from_le_bytes(bytes.try_into().unwrap_or_default())
 }
 
-/// FNV-1a of a setting's name, which the record goes by.
+/// FNV-1a hash of a setting's name, which identifies it in a record.
 fn hash(field: &Field) -> u32 {
     field.name.bytes().fold(0x811C_9DC5, |hash: u32, byte| {
         (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193)
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_recorded_is_recalled() {
+    fn recorded_settings_are_recalled() {
         let mut settings = Settings::default();
         settings.set("kp", "0.0123").unwrap();
         settings.set("estimate.sensor", "hall").unwrap();
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn names_have_hashes_of_their_own() {
+    fn all_names_have_different_hashes() {
         for (place, field) in FIELDS.iter().enumerate() {
             assert!(
                 FIELDS[..place]
@@ -98,9 +98,9 @@ mod tests {
     }
 
     #[test]
-    fn what_another_version_stored_is_taken_as_far_as_it_goes() {
+    fn a_record_of_another_version_is_recalled_as_far_as_it_matches() {
         let mut bytes = record(&Settings::default());
-        // The first setting has another name, the second a value that it may not have.
+        // The first setting has an unknown name. The second has a value out of range.
         bytes[1] = 3;
         bytes[2] ^= 1;
         bytes[14..18].copy_from_slice(&(-1.0_f32).to_bits().to_le_bytes());

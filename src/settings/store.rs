@@ -1,12 +1,12 @@
-//! Settings in flash that outlive a loss of the supply: at any instant the old ones or the new ones, whole.
+//! Settings in flash that survive a loss of the supply. At any time either the old or the new settings are complete.
 //!
-//! Sectors are divided into slots of one record each, which carries a number that counts up and a checksum. The record
-//! of the highest number whose checksum is right counts. The next one goes into a slot that is blank; where there is none,
-//! the sector after that of the record that counts is erased first. So that record is never touched, and whatever a store
-//! that was cut short leaves in its own slot, or in the sector that it erased, has no right checksum.
+//! Sectors are divided into slots of one record each. A record has a sequence number and a checksum. The valid record with
+//! the highest number is the current one. The next record is written to a blank slot. If there is none, the sector after
+//! that of the current record is erased first. The current record is therefore never touched. An interrupted write or erase
+//! leaves only slots without a valid checksum.
 //!
-//! The crate `sequential-storage` was tried for this. It goes by marks at both ends of a sector: where an erase is cut short
-//! and leaves one mark and not the other, it refuses every later store (see `docs/stored-settings.md`).
+//! The crate `sequential-storage` does not fit. It marks both ends of a sector. If an interrupted erase leaves one mark
+//! only, it refuses every later store (see `docs/stored-settings.md`).
 
 use core::fmt;
 use core::ops::Range;
@@ -17,18 +17,18 @@ use embedded_storage::nor_flash::NorFlash;
 use super::Settings;
 use super::record::{RECORD_BYTES, Recalled, recall, record};
 
-/// Why settings were not stored or not recalled.
+/// Why settings were not stored or loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StoreError {
-    /// There is nowhere to store them.
+    /// The device has no store.
     NoStore,
-    /// Somebody armed the paddle.
+    /// The paddle is armed.
     Armed,
     /// The supply is too low to write.
     Supply,
-    /// Nothing is stored.
+    /// No settings are stored.
     Empty,
-    /// What is stored is of a version that is not known.
+    /// The stored settings have an unknown version.
     Version,
     /// The flash cannot be read, written or erased.
     Flash,
@@ -49,8 +49,8 @@ impl fmt::Display for StoreError {
 
 impl core::error::Error for StoreError {}
 
-/// Bytes of a slot: its number, the record, room for more settings, and the checksum of it all. A firmware whose slots are
-/// larger does not find what this one stored.
+/// Size of a slot, bytes: number, record, reserve for more settings, and checksum. A firmware with another slot size does
+/// not find the settings that this one stored.
 const SLOT_BYTES: usize = 1024;
 const NUMBER_BYTES: usize = size_of::<u32>();
 const CHECK_BYTES: usize = size_of::<u32>();
@@ -58,17 +58,17 @@ const _: () = assert!(NUMBER_BYTES + RECORD_BYTES + CHECK_BYTES <= SLOT_BYTES);
 
 const CHECK: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// What an erased flash reads.
+/// Content of erased flash.
 const BLANK: u8 = 0xFF;
 
-/// Settings in sectors of a flash.
+/// Stores settings in the sectors of a flash.
 #[derive(Debug)]
 pub struct Store<F> {
     flash: F,
     sectors: Range<u32>,
 }
 
-/// A record that counts.
+/// The current record.
 struct Latest {
     number: u32,
     at: u32,
@@ -77,19 +77,20 @@ struct Latest {
 type Slot = [u8; SLOT_BYTES];
 
 impl<F: NorFlash> Store<F> {
-    /// In these sectors, at least two, of `flash`, by offsets of bytes.
+    /// A store in `sectors` of `flash`, which are at least two. The range is in bytes.
     pub const fn new(flash: F, sectors: Range<u32>) -> Self {
         Self { flash, sectors }
     }
 
-    /// The flash behind it.
+    /// The flash.
     pub fn flash(&mut self) -> &mut F {
         &mut self.flash
     }
 
-    /// The settings that were stored last.
+    /// Loads the settings that were stored last.
     ///
     /// # Errors
+    ///
     /// [`StoreError`].
     pub fn load(&mut self) -> Result<Recalled, StoreError> {
         let latest = self.latest()?.ok_or(StoreError::Empty)?;
@@ -100,7 +101,8 @@ impl<F: NorFlash> Store<F> {
     /// Stores these settings.
     ///
     /// # Errors
-    /// [`StoreError`]; the settings from before are then still there.
+    ///
+    /// [`StoreError`]. The previous settings are kept in that case.
     pub fn save(&mut self, settings: &Settings) -> Result<(), StoreError> {
         let (number, own) = match self.latest()? {
             Some(latest) => (latest.number.wrapping_add(1), Some(self.sector(latest.at))),
@@ -128,7 +130,7 @@ impl<F: NorFlash> Store<F> {
         Err(StoreError::Flash)
     }
 
-    /// Writes into a blank slot of a sector, another one if that does not keep it; whether there was one that does.
+    /// Writes into a blank slot of a sector. If the slot does not keep the data, it tries the next. Returns true on success.
     fn write_into(&mut self, sector: u32, slot: &Slot) -> Result<bool, StoreError> {
         for at in slots::<F>(sector) {
             if self.read(at)?.iter().all(|byte| *byte == BLANK) {
@@ -155,7 +157,7 @@ impl<F: NorFlash> Store<F> {
         Ok(latest)
     }
 
-    /// All sectors, round from this one.
+    /// All sectors in a cycle, starting with this one.
     fn sectors_from(&self, first: u32) -> impl Iterator<Item = u32> + use<F> {
         let Range { start, end } = self.sectors;
         let bytes = end - start;
@@ -164,7 +166,7 @@ impl<F: NorFlash> Store<F> {
             .map(move |offset| start + (first - start + offset) % bytes)
     }
 
-    /// The sector of this place.
+    /// The sector that contains this offset.
     fn sector(&self, at: u32) -> u32 {
         at - (at - self.sectors.start) % F::ERASE_SIZE as u32
     }
@@ -178,7 +180,7 @@ impl<F: NorFlash> Store<F> {
     }
 }
 
-/// Where a sector's slots begin.
+/// Offsets of the slots of a sector.
 fn slots<F: NorFlash>(sector: u32) -> impl Iterator<Item = u32> {
     (0..F::ERASE_SIZE / SLOT_BYTES).map(move |place| sector + (place * SLOT_BYTES) as u32)
 }
@@ -201,10 +203,10 @@ fn payload(slot: &Slot) -> &[u8] {
         .unwrap_or_default()
 }
 
-/// The number of a slot whose checksum is right.
+/// The number of a slot. `None` if its checksum is wrong.
 fn number(slot: &Slot) -> Option<u32> {
     let (checked, check) = slot.split_last_chunk()?;
     let number = u32::from_le_bytes(*slot.first_chunk()?);
-    // A blank slot needs no arithmetic.
+    // The checksum of a blank slot is not computed.
     (number != u32::MAX && CHECK.checksum(checked) == u32::from_le_bytes(*check)).then_some(number)
 }

@@ -1,4 +1,4 @@
-//! An oscilloscope: every control period in memory, around a trigger.
+//! An oscilloscope: it stores every control period around a trigger.
 
 use core::fmt;
 
@@ -6,22 +6,22 @@ use link::{Channel, Sample, ShortSample, Trigger};
 
 use crate::controller::Mode;
 
-/// What a capture waits for.
+/// Trigger condition of a capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum TriggerPlan {
-    /// A fault that is latched.
+    /// A fault is latched.
     #[default]
     Fault,
-    /// A jump of the reference.
+    /// The reference jumps.
     Step,
-    /// A channel that passes a value, in its unit, in either direction.
+    /// A channel crosses a value, in its unit, in either direction.
     Level(Channel, f32),
-    /// Nothing.
+    /// The capture starts at once.
     Now,
 }
 
 impl TriggerPlan {
-    /// Its kind.
+    /// Kind of the trigger.
     pub fn kind(&self) -> Trigger {
         match self {
             Self::Fault => Trigger::Fault,
@@ -32,47 +32,47 @@ impl TriggerPlan {
     }
 }
 
-/// What is to be captured.
+/// Settings of a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CapturePlan {
-    /// When.
+    /// Trigger condition.
     pub trigger: TriggerPlan,
-    /// Samples before the trigger.
+    /// Number of samples before the trigger.
     pub before: usize,
 }
 
-/// How far a capture is.
+/// State of a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CaptureState {
-    /// Waits for its trigger.
+    /// It waits for its trigger.
     Waits(TriggerPlan),
-    /// Takes what follows its trigger.
+    /// It stores the samples after its trigger.
     Fills(Trigger),
-    /// Is complete, and kept until the next one is asked for.
+    /// It is complete and is kept until the next one is started.
     Holds(Held),
 }
 
-/// A complete capture.
+/// Properties of a complete capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Held {
-    /// What triggered it.
+    /// The trigger that occurred.
     pub trigger: Trigger,
-    /// How many samples it has.
+    /// Number of samples.
     pub samples: usize,
-    /// Index of the sample at which the trigger came.
+    /// Index of the sample at the trigger.
     pub triggered_at: usize,
     /// Control period of the first sample.
     pub period: u32,
 }
 
-/// Why there is nothing to read.
+/// Why a capture cannot be started or sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaptureError {
     /// The capture is not complete.
     NotComplete,
-    /// Fewer samples before the trigger than the memory has.
+    /// More samples before the trigger were requested than fit into the memory.
     TooLong {
-        /// How many it has.
+        /// Largest possible number.
         most: usize,
     },
 }
@@ -94,37 +94,40 @@ impl fmt::Display for CaptureError {
 
 impl core::error::Error for CaptureError {}
 
-/// A jump of the reference: more than this from one sample to the next, rad (0.1°), or N m at the motor.
+/// Change from one sample to the next that counts as a jump of the reference, rad (0.1°).
 const JUMP_RAD: f32 = 1.745e-3;
+/// The same for a reference torque, N m at the motor.
 const JUMP_NM: f32 = 1e-4;
 
-/// Samples that a fault's capture takes after the fault, ten milliseconds at 20 kHz: what led to it matters more.
+/// Samples after the trigger of a fault's capture: ten milliseconds at 20 kHz. Most of the memory holds the time before the
+/// fault.
 const AFTER_FAULT: usize = 200;
 
-/// A ring of samples, and when to stop filling it. It always waits for something; by itself, for a fault.
+/// A ring of samples with a trigger. By default it waits for a fault.
 #[derive(Debug)]
 pub struct Capture {
     ring: &'static mut [ShortSample],
-    /// Where the next sample goes, and how many there are.
+    /// Index of the next sample.
+    /// Number of stored samples.
     head: usize,
     filled: usize,
     before: usize,
     state: State,
     last: Sample,
-    /// What is to be sent next of a complete capture.
+    /// Progress of sending a complete capture.
     sending: Sending,
 }
 
-/// A part of a complete capture, as it is sent.
+/// A part of a complete capture for sending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// What it is.
+    /// The properties of the capture.
     Head(Held),
     /// Some samples.
     Samples {
-        /// Index of the first one.
+        /// Index of the first sample.
         first: usize,
-        /// How many.
+        /// Number of samples.
         count: usize,
     },
 }
@@ -144,7 +147,7 @@ enum State {
 }
 
 impl Capture {
-    /// Waits for a fault.
+    /// A capture that waits for a fault.
     pub fn new(ring: &'static mut [ShortSample]) -> Self {
         let before = ring.len().saturating_sub(AFTER_FAULT);
         Self {
@@ -158,12 +161,12 @@ impl Capture {
         }
     }
 
-    /// Most samples of a capture.
+    /// Largest number of samples of a capture.
     pub fn capacity(&self) -> usize {
         self.ring.len()
     }
 
-    /// The plan by which a fault is captured.
+    /// Settings for the capture of a fault.
     pub fn for_faults(&self) -> CapturePlan {
         CapturePlan {
             trigger: TriggerPlan::Fault,
@@ -171,11 +174,12 @@ impl Capture {
         }
     }
 
-    /// Begins a capture; what was held is forgotten. A trigger counts from now on, though less may be there before it than
-    /// was asked for.
+    /// Starts a capture and discards the old one. A trigger can occur at once. Fewer samples than requested may then be
+    /// stored before it.
     ///
     /// # Errors
-    /// [`CaptureError::TooLong`] for more samples before the trigger than there is room for.
+    ///
+    /// [`CaptureError::TooLong`] if the samples before the trigger do not fit into the memory.
     pub fn start(&mut self, plan: CapturePlan) -> Result<(), CaptureError> {
         if plan.before >= self.ring.len() {
             return Err(CaptureError::TooLong {
@@ -191,7 +195,7 @@ impl Capture {
         Ok(())
     }
 
-    /// How far it is.
+    /// State of the capture.
     pub fn state(&self) -> CaptureState {
         match self.state {
             State::Waits(trigger) => CaptureState::Waits(trigger),
@@ -200,7 +204,7 @@ impl Capture {
         }
     }
 
-    /// Takes the sample of control period `period`.
+    /// Adds the sample of control period `period`.
     #[inline]
     pub fn add(&mut self, period: u32, sample: &Sample) {
         if matches!(self.state, State::Holds(_)) {
@@ -216,7 +220,7 @@ impl Capture {
         if self.filled < self.ring.len() {
             self.filled += 1;
         }
-        // The first one has none before it to be compared with.
+        // The first sample has no predecessor for comparison.
         if self.filled > 1 {
             self.decide(period, sample);
         }
@@ -227,7 +231,7 @@ impl Capture {
     fn decide(&mut self, period: u32, sample: &Sample) {
         match &mut self.state {
             State::Waits(plan) => {
-                // A fault ends whatever was waited for: nothing else will come.
+                // A fault always triggers, because no other trigger can follow.
                 let (trigger, before) = if sample.fault != 0 && self.last.fault == 0 {
                     (Trigger::Fault, self.ring.len().saturating_sub(AFTER_FAULT))
                 } else if plan.is_met(&self.last, sample) {
@@ -259,9 +263,10 @@ impl Capture {
         }
     }
 
-    /// Begins to send a complete capture.
+    /// Starts sending a complete capture.
     ///
     /// # Errors
+    ///
     /// [`CaptureError::NotComplete`].
     pub fn send(&mut self) -> Result<Held, CaptureError> {
         match self.state {
@@ -273,7 +278,7 @@ impl Capture {
         }
     }
 
-    /// The next part to be sent; samples are written to `chunk`.
+    /// The next part to send. Samples are written to `chunk`.
     pub fn next_part(&mut self, chunk: &mut [ShortSample]) -> Option<Part> {
         let State::Holds(held) = self.state else {
             return None;

@@ -1,11 +1,11 @@
-//! What the board tells a computer beside the console's text: a stream of rows, and captures.
+//! Telemetry: data that the board sends to a computer beside the console text, as a stream of rows and as captures.
 //!
 //! ```text
 //! control interrupt -> Sample -> stream  -> rows, some control periods long -> serial port
 //!                             -> capture -> memory, every control period    -> serial port, on request
 //! ```
 //!
-//! Both take a [`Sample`] every control period, right after the control interrupt and at a lower priority.
+//! Both process a [`Sample`] every control period, directly after the control interrupt and at a lower priority.
 
 mod capture;
 mod stream;
@@ -16,28 +16,28 @@ pub use stream::{Row, Stream, StreamError, StreamPlan};
 
 use crate::procedures::Winding;
 
-/// Share of the serial line that a stream may take; the rest is the console's.
+/// Largest share of the serial line for a stream. The rest is for the console.
 pub const MOST_OF_THE_LINE: f32 = 0.85;
-/// Bits of a byte on the serial line.
+/// Bits per byte on the serial line.
 pub const BITS_PER_BYTE: f32 = 10.0;
 
-/// All telemetry of a board.
+/// The telemetry of a board.
 #[derive(Debug)]
 pub struct Telemetry {
-    /// Rows that are sent as they come.
+    /// The stream of rows.
     pub stream: Stream,
-    /// An oscilloscope.
+    /// The capture.
     pub capture: Capture,
-    /// What the winding does under a periodic excitation, for its procedure.
+    /// Winding measurement of a procedure.
     pub winding: Winding,
-    /// Bits a second on the serial line, as they are now.
+    /// Present baud rate of the serial line, bit/s.
     pub baud: u32,
-    /// Control periods a second.
+    /// Control periods per second.
     tick_hz: f32,
 }
 
 impl Telemetry {
-    /// Nothing is sent; faults are captured into `memory`, one sample a control period.
+    /// Telemetry without a stream. Faults are captured into `memory`, one sample per control period.
     pub fn new(memory: &'static mut [ShortSample], tick_hz: f32, baud: u32) -> Self {
         Self {
             stream: Stream::default(),
@@ -48,12 +48,12 @@ impl Telemetry {
         }
     }
 
-    /// Control periods a second.
+    /// Control periods per second.
     pub fn tick_hz(&self) -> f32 {
         self.tick_hz
     }
 
-    /// Takes the sample of control period `period`; a row that is complete is given back.
+    /// Adds the sample of control period `period`. Returns a row if one is complete.
     #[inline]
     pub fn add(&mut self, period: u32, sample: &Sample) -> Option<Row> {
         self.winding.add(sample);

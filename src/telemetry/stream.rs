@@ -1,4 +1,4 @@
-//! Rows of chosen channels at a steady rate.
+//! A stream: rows of selected channels at a constant rate.
 
 use core::fmt;
 
@@ -6,7 +6,7 @@ use link::{Channel, Channels, Sample};
 
 use super::{BITS_PER_BYTE, MOST_OF_THE_LINE};
 
-/// What is to be streamed.
+/// Settings of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamPlan {
     channels: Channels,
@@ -14,10 +14,12 @@ pub struct StreamPlan {
 }
 
 impl StreamPlan {
-    /// Rows of `channels`, `rate_hz` a second, from a loop of `tick_hz` over a serial line of `baud` bits a second.
+    /// Rows of `channels` at `rate_hz`, from a loop of `tick_hz` over a serial line of `baud` bit/s.
     ///
     /// # Errors
-    /// [`StreamError`] for no channel, a rate that does not divide that of the loop, or more than the line carries.
+    ///
+    /// [`StreamError`] without channels, for a rate that does not divide that of the loop, or for more data than the line
+    /// can carry.
     pub fn new(
         channels: Channels,
         rate_hz: f32,
@@ -28,7 +30,7 @@ impl StreamPlan {
             return Err(StreamError::NoChannel);
         }
         let periods = tick_hz / rate_hz;
-        // Written so that NaN fails.
+        // This form is false for NaN.
         if !(periods >= 1.0 && periods <= tick_hz) {
             return Err(StreamError::Rate);
         }
@@ -49,27 +51,27 @@ impl StreamPlan {
         })
     }
 
-    /// Which.
+    /// The streamed channels.
     pub fn channels(&self) -> Channels {
         self.channels
     }
 
-    /// Control periods from one row to the next.
+    /// Number of control periods per row.
     pub fn periods_per_row(&self) -> u32 {
         self.periods_per_row
     }
 }
 
-/// Why there is no such stream.
+/// Why a stream is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StreamError {
-    /// No channel was asked for.
+    /// No channel is selected.
     NoChannel,
-    /// The loop's rate is no multiple of it.
+    /// The rate of the loop is not a multiple of the requested rate.
     Rate,
-    /// The serial line does not carry as much.
+    /// The serial line is too slow.
     Line {
-        /// What it carries of these channels, rows a second.
+        /// Largest possible rate for these channels, rows per second.
         most_hz: u32,
     },
 }
@@ -92,23 +94,23 @@ impl fmt::Display for StreamError {
 
 impl core::error::Error for StreamError {}
 
-/// A row: the sample at its beginning, with the means of what was asked for until the next.
+/// A row: the sample at its beginning, with means over the row for the channels that need them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Control period at which it begins.
+    /// Control period of its beginning.
     pub period: u32,
-    /// Rows before it that found no room.
+    /// Number of dropped rows before it.
     pub dropped: u32,
-    /// Which values are wanted.
+    /// The selected channels.
     pub channels: Channels,
     sample: Sample,
 }
 
 impl Row {
-    /// Most bytes of its values.
+    /// Largest number of bytes of the values.
     pub const MOST_BYTES: usize = 4 * Channel::ALL.len();
 
-    /// Its values as they are sent.
+    /// The values as they are sent.
     pub fn write<'b>(&self, bytes: &'b mut [u8; Self::MOST_BYTES]) -> &'b [u8] {
         let (places, _) = bytes.as_chunks_mut();
         for (place, channel) in places.iter_mut().zip(self.channels.iter()) {
@@ -118,11 +120,11 @@ impl Row {
     }
 }
 
-/// Makes rows of samples.
+/// Builds rows from samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stream {
     plan: Option<StreamPlan>,
-    /// Sums of the row that is being made.
+    /// The row that is being built.
     begun: Option<Begun>,
     dropped: u32,
 }
@@ -137,7 +139,7 @@ struct Begun {
 }
 
 impl Stream {
-    /// Begins to make rows, or ends it.
+    /// Starts or stops the stream.
     pub fn set(&mut self, plan: Option<StreamPlan>) {
         *self = Self {
             plan,
@@ -146,23 +148,23 @@ impl Stream {
         };
     }
 
-    /// What it makes, if it does.
+    /// Settings of the running stream, if any.
     pub fn plan(&self) -> Option<StreamPlan> {
         self.plan
     }
 
-    /// A row found no room.
+    /// Counts a row that was dropped.
     pub fn drop_row(&mut self) {
         self.dropped = self.dropped.wrapping_add(1);
     }
 
-    /// Rows of this stream that found no room.
+    /// Number of dropped rows of this stream.
     pub fn dropped(&self) -> u32 {
         self.dropped
     }
 
-    /// Takes the sample of control period `period`. Rows begin at multiples of their length; the row before is given
-    /// back with the first sample that is no longer in it. Where samples are missing, a mean is that of those there are.
+    /// Adds the sample of control period `period`. Rows begin at multiples of their length. The first sample after a row
+    /// returns that row. If samples are missing, a mean uses the available ones.
     #[inline]
     pub fn add(&mut self, period: u32, sample: &Sample) -> Option<Row> {
         let plan = self.plan?;

@@ -1,6 +1,6 @@
-//! A 10° step of 2 s with stick, slip and a quantised encoder.
+//! Speed of the simulation of a 10° step of 2 s with stick, slip and a quantised encoder.
 //!
-//! An element is a simulated second, so that elements per second are the multiple of real time.
+//! One element is one simulated second, so elements per second are multiples of real time.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use haptic_paddle::controller::Mode;

@@ -1,4 +1,4 @@
-//! The real control core around a simulated paddle, tick by tick.
+//! The control core in closed loop with a simulated paddle, tick by tick.
 
 use crate::device::Device;
 use crate::motor::Motor;
@@ -11,28 +11,28 @@ use haptic_paddle::settings::Settings;
 pub struct Rates {
     /// Period of the core's `step` by the board's clock, s.
     pub tick_s: f64,
-    /// Ticks in a period of the position loop.
+    /// Ticks per period of the position loop.
     pub divider: u16,
-    /// True time in a second of the board's clock, s.
+    /// True duration of one second of the board's clock, s.
     pub true_s_per_s: f64,
 }
 
 impl Rates {
-    /// The firmware's: current loop at 20 kHz, position loop at 10 kHz.
+    /// Rates of the firmware: current loop at 20 kHz, position loop at 10 kHz.
     pub const FIRMWARE: Self = Self {
         tick_s: 50e-6,
         divider: 2,
         true_s_per_s: 1.0,
     };
 
-    /// The lab's position loop: 350 µs.
+    /// Rate of the lab's position loop: 350 µs.
     pub const LAB: Self = Self {
         tick_s: 350e-6,
         divider: 1,
         true_s_per_s: 1.0,
     };
 
-    /// The lab's board: what it counts as 350 µs takes 351.
+    /// Rate of the lab's board. A nominal period of 350 µs takes 351 µs.
     pub const LAB_BOARD: Self = Self {
         true_s_per_s: 351.0 / 350.0,
         ..Self::LAB
@@ -44,19 +44,19 @@ impl Rates {
     }
 }
 
-/// Everything that a closed loop is made from.
+/// Settings of a closed loop.
 #[derive(Clone, Debug)]
 pub struct LoopSetup {
     /// Settings of the control core.
     pub settings: Settings,
     /// Rates of the control core.
     pub rates: Rates,
-    /// What the core is connected to.
+    /// The paddle that the core controls.
     pub paddle: PaddleSetup,
 }
 
 impl LoopSetup {
-    /// `device` driven by exactly the torque that the core asks for, at once, at the lab's rate.
+    /// `device` with an ideal actuator: the commanded torque acts exactly and at once. The rate is that of the lab.
     pub fn ideal(device: Device, settings: Settings) -> Self {
         Self {
             paddle: PaddleSetup::new(device, &settings),
@@ -65,7 +65,7 @@ impl LoopSetup {
         }
     }
 
-    /// `device` behind bridge and winding, at the firmware's rates.
+    /// `device` driven through bridge and winding, at the rates of the firmware.
     pub fn firmware(device: Device, settings: Settings, motor: Motor) -> Self {
         let mut setup = Self::ideal(device, settings);
         setup.rates = Rates::FIRMWARE;
@@ -75,7 +75,8 @@ impl LoopSetup {
     }
 }
 
-/// Parts of a 50 µs tick over which the shaft's speed runs straight enough for 1e-7° of the paddle.
+/// Number of parts into which a tick of 50 µs is divided. Within a part the speed of the shaft changes linearly, to within
+/// 1e-7° of the paddle.
 const BRIDGE_PARTS_PER_TICK: u32 = 2;
 
 /// State at the start of a tick, and the command during it.
@@ -89,11 +90,11 @@ pub struct Tick {
     pub acting: Command,
 }
 
-/// A controller around a paddle.
+/// A controller in closed loop with a paddle.
 ///
-/// The duty that the core computes from the sample at one tick acts on the bridge from the next tick on, as on the board,
-/// where the converter, the core and the preloaded compare register take up the tick between. Ideal torque acts at once.
-/// A controller that is off lets the bridge go at once, and the paddle coasts.
+/// A duty that the core computes from the sample at one tick acts on the bridge from the next tick, as on the board. There,
+/// conversion, computation and the preloaded compare register take the tick between. An ideal torque acts at once. A
+/// controller that turns off disables the bridge at once, and the paddle coasts.
 #[derive(Clone, Debug)]
 pub struct ClosedLoop {
     controller: Controller,
@@ -101,23 +102,24 @@ pub struct ClosedLoop {
     rates: Rates,
     start_s: f64,
     ticks: u64,
-    /// Whether what was computed last has yet to act.
+    /// True if the computed command acts one tick later.
     delayed: bool,
     computed: Command,
 }
 
 impl ClosedLoop {
-    /// A disarmed controller on a paddle at rest, zeroed where the paddle truly stands.
+    /// A disarmed controller and a paddle at rest. The zero of the encoder is set at the true position.
     ///
     /// # Errors
-    /// [`ZeroError`] if it stands outside the controller's travel.
+    ///
+    /// [`ZeroError`] if the paddle is outside the controller's travel.
     pub fn new(setup: &LoopSetup) -> Result<Self, ZeroError> {
         let rates = setup.rates;
         let rate = TickRate::new((1.0 / rates.tick_s) as f32, rates.divider);
         let mut controller = Controller::new(&setup.settings, rate);
         let true_tick_s = rates.tick_s * rates.true_s_per_s;
         let mut paddle = Paddle::new(&setup.paddle, &setup.settings, true_tick_s);
-        // One period of the position loop, so that the next tick begins one.
+        // Runs one period of the position loop, so that the next tick starts a new one.
         for _ in 0..rates.divider.max(1) {
             controller.step(&paddle.measure());
         }
@@ -133,9 +135,10 @@ impl ClosedLoop {
         })
     }
 
-    /// As [`Self::new`], and armed.
+    /// The same as [`Self::new`], with the controller armed in `mode`.
     ///
     /// # Errors
+    ///
     /// [`LoopError`] if the controller refuses.
     pub fn armed(setup: &LoopSetup, mode: Mode) -> Result<Self, LoopError> {
         let mut closed_loop = Self::new(setup)?;
@@ -143,7 +146,7 @@ impl ClosedLoop {
         Ok(closed_loop)
     }
 
-    /// One tick: measures, runs the core, and carries the paddle to the next tick.
+    /// Simulates one tick: reads the sensors, runs the core, and advances the paddle to the next tick.
     #[inline]
     pub fn tick(&mut self) -> Tick {
         let measurement = self.paddle.measure();
@@ -177,12 +180,12 @@ impl ClosedLoop {
         self.start_s + self.ticks as f64 * self.rates.tick_s
     }
 
-    /// The core.
+    /// The control core.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
 
-    /// The core, to command it.
+    /// The control core, for commands.
     pub fn controller_mut(&mut self) -> &mut Controller {
         &mut self.controller
     }
@@ -192,16 +195,16 @@ impl ClosedLoop {
         &self.paddle
     }
 
-    /// Rates at which the core runs.
+    /// Rates of the control core.
     pub fn rates(&self) -> Rates {
         self.rates
     }
 }
 
-/// Why a loop cannot start.
+/// Why a closed loop cannot start.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LoopError {
-    /// The encoder cannot be zeroed.
+    /// The zero of the encoder cannot be set.
     #[error("start angle: {0}")]
     Zero(#[from] ZeroError),
     /// The controller refuses.

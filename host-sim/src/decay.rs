@@ -1,6 +1,7 @@
-//! Exponential decay over times that recur.
+//! Exponential decay over times that are often repeated.
 
-/// What is left after a time of what decays at a rate, remembered for two times: about the same takes no exponential.
+/// Computes exp(rate · time) and caches the results of two times. A time close to a cached one needs no exponential
+/// function.
 #[derive(Clone, Copy, Debug)]
 pub struct Decay {
     rate_per_s: f64,
@@ -13,8 +14,9 @@ struct Known {
     left: f64,
 }
 
-/// Exponent up to which its series errs by less than 1e-13, and the factors of that, the highest order first.
+/// Largest exponent of the series. Its error is then below 1e-13.
 const SMALL: f64 = 0.02;
+/// Coefficients of the series, highest order first.
 const SERIES: [f64; 6] = [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0];
 
 impl Default for Decay {
@@ -31,7 +33,7 @@ impl Default for Decay {
 }
 
 impl Decay {
-    /// Share that is left after `time_s`, where `rate_per_s`, which is negative, is always the same.
+    /// exp(`rate_per_s` · `time_s`). The negative `rate_per_s` must be the same in all calls.
     #[inline]
     pub fn over(&mut self, time_s: f64, rate_per_s: impl FnOnce() -> f64) -> f64 {
         for known in &self.known {
@@ -47,7 +49,7 @@ impl Decay {
     #[cold]
     fn anew(&mut self, time_s: f64, rate_per_s: f64) -> f64 {
         let left = (time_s * rate_per_s).exp();
-        // What decays at once leaves nothing to expand from.
+        // An infinite rate is not cached, because the series would not be defined.
         if rate_per_s.is_finite() {
             self.rate_per_s = rate_per_s;
             self.known = [Known { time_s, left }, self.known[0]];
@@ -61,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_that_nearly_recur_decay_as_all_do() {
+    fn the_series_for_nearly_repeated_times_is_accurate() {
         let mut decay = Decay::default();
         for i in 0..1000 {
             let time_s = 1e-3 * (1.0 + 0.03 * f64::from(i % 7)) * f64::from(1 + i % 3);

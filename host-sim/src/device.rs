@@ -1,4 +1,4 @@
-//! A whole device: drive, mechanics and position sensing, each with what is known of it.
+//! A complete device: drive, mechanics and position sensing.
 
 use crate::drive::Drive;
 use crate::plant::{Barrier, Friction, Mechanics};
@@ -7,14 +7,14 @@ use recording::Model;
 
 const LOWER_STOP: usize = 0;
 const UPPER_STOP: usize = 1;
-/// Places among the barriers of what is outside the device and pushes back, and of what pushes.
+/// Index of the first barrier that is an external contact. The stops come before it.
 pub(crate) const CONTACT: usize = 2;
 pub(crate) const PUSH: usize = 6;
 
-/// Share of a stated inertia that a device has at least.
+/// Least inertia of a device, as a share of the stated one.
 const LEAST_INERTIA: f64 = 0.01;
 
-/// A simulated device: what turns an input into a position reading, without noise and quantisation.
+/// A simulated device. It turns an input into a position reading without noise and quantisation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Device {
     /// Turns the input into torque.
@@ -23,13 +23,12 @@ pub struct Device {
     pub mechanics: Mechanics,
     /// Turns the position into a reading.
     pub sensing: Sensing,
-    /// Side of the transmission on which the position sensor sits, should the transmission not be
-    /// rigid.
+    /// True if the position sensor is on the load side of a compliant transmission.
     pub sensor_on_load: bool,
 }
 
 impl Device {
-    /// The device that a recording's nominal model describes.
+    /// The device that the nominal model of a recording describes.
     pub fn nominal(model: &Model) -> Self {
         let mut device = Self {
             drive: Drive {
@@ -59,8 +58,8 @@ impl Device {
         device
     }
 
-    /// The same device in a run with the load of `own`, where a recording's model is `stated`: each of its numbers, as they are here, changes
-    /// by as much as the stated one does; the ratio changes by as large a factor.
+    /// The device with another load. `stated` is the nominal model of the recording, and `own` that of a run with the load.
+    /// Each number of the device changes by the difference of the two models. The ratio changes by their quotient.
     pub fn with_load(&self, stated: &Model, own: &Model) -> Self {
         let mut device = self.clone();
         let drive = &mut device.drive;
@@ -98,7 +97,7 @@ impl Device {
         device
     }
 
-    /// Puts hard stops at the ends of `travel`, in place of any before but one that is there already.
+    /// Sets hard stops at the ends of `travel`. An existing stop at the same position is kept, others are replaced.
     pub fn set_stops(&mut self, travel: [f64; 2], stiffness: f64, damping: f64) {
         for (place, at, side) in [(LOWER_STOP, travel[0], -1.0), (UPPER_STOP, travel[1], 1.0)] {
             if self.mechanics.barriers[place].is_some_and(|stop| stop.at == at) {
@@ -129,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_load_on_the_nominal_device_is_the_nominal_device_of_that_load() {
+    fn the_nominal_device_with_a_load_equals_the_nominal_device_of_the_loaded_model() {
         let loaded = Model {
             inertia: 5e-4,
             gravity: 0.1,
@@ -144,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_device_has_beyond_its_model_stays_with_any_load() {
+    fn effects_beyond_the_model_are_kept_with_any_load() {
         let mut device = Device::nominal(&paddle());
         device.mechanics.inertia = 3e-4;
         device.mechanics.viscous = 1e-3;

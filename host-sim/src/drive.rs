@@ -1,4 +1,4 @@
-//! From the commanded input of the actuator to the torque at the joint.
+//! The drive: from the commanded input to the torque at the joint.
 
 use crate::plant::{Plant, State, Torque};
 use std::collections::VecDeque;
@@ -6,12 +6,13 @@ use std::collections::VecDeque;
 /// Saturation of the input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saturation {
-    /// Largest |input| that acts, in units of input.
+    /// Largest magnitude of the input that acts, in units of input.
     pub limit: f64,
-    /// Share of the limit, from 0 to 1, on either side of it over which a parabola leads from all of the input to the limit.
+    /// Width of the rounded transition to the limit on either side, as a share of the limit from 0 to 1. The transition is a
+    /// parabola.
     pub knee: f64,
-    /// Velocity the way of the input at which nothing acts any more, as the motor's own voltage takes up all of the supply's:
-    /// the limit falls to there in proportion; infinite if it is the same at any velocity.
+    /// Velocity in the direction of the input at which the limit falls to zero, because the back-EMF equals the supply
+    /// voltage. The limit falls linearly with the velocity. Infinite if the limit is constant.
     pub no_load_velocity: f64,
 }
 
@@ -23,7 +24,7 @@ impl Saturation {
         no_load_velocity: f64::INFINITY,
     };
 
-    /// The saturation at a velocity in the direction of the input, which lowers the limit.
+    /// The saturation at a velocity in the direction of the input.
     #[inline]
     fn moving(self, velocity: f64) -> Self {
         if self.no_load_velocity.is_infinite() {
@@ -36,18 +37,18 @@ impl Saturation {
         }
     }
 
-    /// Magnitude up to which all of it acts.
+    /// Largest magnitude that is passed unchanged.
     #[inline]
     fn proportional(self) -> f64 {
         (1.0 - self.knee) * self.limit
     }
 
-    /// What acts of a magnitude.
+    /// Acting magnitude for an input magnitude.
     #[inline]
     fn of(self, magnitude: f64) -> f64 {
         let bent = magnitude - self.proportional();
         let reach = 2.0 * self.knee * self.limit;
-        // Without a limit nothing is bent, and the reach of its knee is no number.
+        // An infinite limit has no transition, and its width would be undefined.
         if bent <= 0.0 || self.limit.is_infinite() {
             magnitude
         } else if bent >= reach {
@@ -58,21 +59,21 @@ impl Saturation {
     }
 }
 
-/// Static curve of the input: a dead zone, and a power of what is beyond it.
+/// Static nonlinearity of the input: a dead zone followed by a power law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputCurve {
     /// Effective over actual input at the reference input.
     pub gain: f64,
-    /// Power of the input beyond the dead zone.
+    /// Exponent of the input beyond the dead zone.
     pub power: f64,
-    /// |input| up to which the effective input is zero, in units of input.
+    /// Magnitude of the input up to which the effective input is zero, in units of input.
     pub dead_zone: f64,
-    /// Reference |input|, for which the gain holds, in units of input.
+    /// Magnitude of the reference input, in units of input.
     pub reference: f64,
 }
 
 impl InputCurve {
-    /// What acts of an input.
+    /// Effective input for an input.
     #[inline]
     fn of(self, input: f64) -> f64 {
         let span = (self.reference - self.dead_zone).max(1e-3 * self.reference);
@@ -81,39 +82,39 @@ impl InputCurve {
     }
 }
 
-/// Limit, saturation, dead band, curve, rate limit, delay, first-order lags and gain, in this order; or the dead band before the
-/// limit.
+/// A drive: limit, saturation, dead band, static nonlinearity, rate limit, delay, first-order lags and gain, in this order.
+/// Optionally the dead band comes before the limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// Joint torque per unit of input.
     pub ratio: f64,
-    /// |input| is clipped to this, in units of input; infinite for no limit.
+    /// Largest magnitude of the input, in units of input. Infinite for no limit.
     pub limit: f64,
-    /// Saturation behind the limit.
+    /// Saturation that follows the limit.
     pub saturation: Saturation,
-    /// |input| up to which there is no torque, in units of input.
+    /// Half width of the dead band, in units of input. Inputs within it give no torque.
     pub deadband: f64,
-    /// Share of the dead band by which the input jumps at its edge: from 0, the torque starts from zero,
-    /// to 1, beyond the dead band nothing is missing.
+    /// Jump of the input at the edge of the dead band, as a share of its half width. With 0, the torque starts at zero. With
+    /// 1, the full input acts beyond the edge.
     pub deadband_jump: f64,
-    /// Share of the dead band, from −1 to 1, by which its middle lies off zero.
+    /// Offset of the middle of the dead band, as a share of its half width, from −1 to 1.
     pub deadband_skew: f64,
     /// True if the dead band comes before limit and saturation.
     pub deadband_first: bool,
-    /// Static curve behind the dead band; none if the torque is proportional to the input.
+    /// Static nonlinearity after the dead band. `None` if the torque is proportional to the input.
     pub curve: Option<InputCurve>,
-    /// Fastest change of the effective input, in units of input per second; infinite for no limit.
+    /// Largest rate of the effective input, in units of input per second. Infinite for no limit.
     pub rate_limit: f64,
-    /// Pure delay, s.
+    /// Dead time, s.
     pub delay_s: f64,
     /// Time constant of the lag, s.
     pub lag_s: f64,
-    /// Time constant of a second lag behind it, s.
+    /// Time constant of a second lag in series, s.
     pub further_lag_s: f64,
 }
 
 impl Drive {
-    /// A drive that is a gain and nothing else, in N m per unit of input.
+    /// A drive that is a pure gain, in N m per unit of input.
     pub fn ideal(ratio: f64) -> Self {
         Self {
             ratio,
@@ -131,7 +132,7 @@ impl Drive {
         }
     }
 
-    /// True if the torque is proportional to inputs up to this magnitude.
+    /// True if the torque is proportional to inputs up to the magnitude `largest`.
     #[inline]
     pub fn is_linear(&self, largest: f64) -> bool {
         let acts = if self.saturation.no_load_velocity.is_infinite() {
@@ -142,7 +143,7 @@ impl Drive {
         self.deadband == 0.0 && self.curve.is_none() && largest <= acts
     }
 
-    /// Time after which an input that another has followed makes less than 1e-8 of a difference, s; infinite with a rate limit.
+    /// Time after which a past input contributes less than 1e-8, s. Infinite with a rate limit.
     pub fn memory_s(&self) -> f64 {
         const LAGS: f64 = 20.0;
         if self.rate_limit.is_finite() {
@@ -151,19 +152,19 @@ impl Drive {
         self.delay_s + LAGS * (self.lag_s + self.further_lag_s)
     }
 
-    /// Fastest change of the torque, N m/s; infinite for none.
+    /// Largest rate of the torque, N m/s. Infinite for no limit.
     #[inline]
     pub fn rate_limit_nm_s(&self) -> f64 {
         self.rate_limit * self.ratio.abs()
     }
 
-    /// Magnitude of the effective input at rest, in units of input.
+    /// Magnitude of the input at rest after limit and saturation, in units of input.
     #[inline]
     pub fn taken(&self, input: f64) -> f64 {
         self.taken_at(input, 0.0)
     }
 
-    /// Magnitude of the effective input at a velocity, in units of input.
+    /// Magnitude of the input at a velocity after limit and saturation, in units of input.
     #[inline]
     fn taken_at(&self, input: f64, velocity: f64) -> f64 {
         let pushed = (self.ratio * input).signum();
@@ -171,13 +172,13 @@ impl Drive {
         saturation.of(input.abs().min(self.limit))
     }
 
-    /// Static torque at the joint for an input at rest, N m: without delay and lag.
+    /// Steady-state torque at the joint for an input at rest, N m.
     #[inline]
     pub fn settled(&self, input: f64) -> f64 {
         self.settled_at(input, 0.0)
     }
 
-    /// Static torque at the joint for an input at a velocity, N m.
+    /// Steady-state torque at the joint for an input at a velocity, N m.
     #[inline]
     pub fn settled_at(&self, input: f64, velocity: f64) -> f64 {
         if self.is_linear(input.abs()) {
@@ -192,7 +193,7 @@ impl Drive {
         self.ratio * self.curve.map_or(left, |curve| curve.of(left))
     }
 
-    /// What the dead band leaves of an input.
+    /// The input after the dead band.
     #[inline]
     fn beyond_deadband(&self, input: f64) -> f64 {
         let off = input - self.deadband_skew * self.deadband;
@@ -203,7 +204,7 @@ impl Drive {
         input - (1.0 - self.deadband_jump) * edge
     }
 
-    /// Static torque at the joint per unit of `input`, at a velocity, N m.
+    /// Steady-state torque at the joint per unit of `input`, at a velocity, N m per unit of input.
     #[inline]
     pub fn gain(&self, input: f64, velocity: f64) -> f64 {
         if self.is_linear(input.abs()) {
@@ -216,11 +217,12 @@ impl Drive {
     }
 }
 
-/// Share of its time constant for which what a lag lets through is taken as straight by the next: with the same mean, so that
-/// it differs by a thirtieth of what is left of a step, and half of the time the other way.
+/// Longest piece of a torque behind two lags, as a share of the first lag's time constant. Within a piece, the output of the
+/// first lag is replaced by a straight line with the same mean. The error is then a thirtieth of the remaining step
+/// response.
 const STRAIGHT: f64 = 0.5;
 
-/// State of a drive: inputs that the delay still holds, and the states of the lags.
+/// State of a drive: the torques within the delay, and the states of the lags.
 #[derive(Clone, Debug)]
 pub struct DriveLine {
     slew: Option<Slew>,
@@ -229,14 +231,14 @@ pub struct DriveLine {
     further_lag_s: f64,
     under_way: VecDeque<(f64, Torque)>,
     torque: Torque,
-    /// For how long that has been acting, s.
+    /// Time for which `torque` has been acting, s.
     age_s: f64,
-    /// Behind the further lag, N m.
+    /// Torque after the second lag, N m.
     acting_nm: f64,
 }
 
 impl DriveLine {
-    /// At rest, with zero input for ever before.
+    /// The state at rest after a long time with zero input.
     pub fn at_rest(drive: &Drive) -> Self {
         Self {
             slew: Slew::at_rest(drive),
@@ -250,18 +252,17 @@ impl DriveLine {
         }
     }
 
-    /// Commands `input` from `now_s` on, while the drive turns at `velocity`. Times must not decrease from call to
-    /// call.
+    /// Commands `input` from `now_s` while the drive moves at `velocity`. Times must not decrease from call to call.
     #[inline]
     pub fn command(&mut self, drive: &Drive, now_s: f64, input: f64, velocity: f64) {
         let settled_nm = drive.settled_at(input, velocity);
         self.receive(now_s, Torque::held(settled_nm));
     }
 
-    /// As [`Self::command`], with a motor that makes the torque `made` of the commanded `input`.
+    /// The same as [`Self::command`] for a motor that produces the torque `made` from the commanded `input`.
     ///
-    /// Limit and dead band act on the commanded input, as they do without a motor. A lag behind the motor's own is
-    /// taken as one of the two time constants together.
+    /// Limit and dead band act on the commanded input, as without a motor. If the drive has a lag too, it is combined with
+    /// the lag of the motor into one lag with the sum of both time constants.
     #[inline]
     pub fn command_through(
         &mut self,
@@ -282,12 +283,12 @@ impl DriveLine {
         }
     }
 
-    /// Passes on a ramp towards a torque.
+    /// Starts a ramp towards a torque.
     #[inline(never)]
     fn slew_towards(&mut self, mut slew: Slew, now_s: f64, settled: Torque) {
         let (ramp, until_s) = slew.towards(settled.target_nm, now_s);
         self.slew = Some(slew);
-        // What was to end the ramp before is overtaken.
+        // The end of a previous ramp is cancelled.
         let comes_s = now_s + self.delay_s;
         while self.under_way.back().is_some_and(|(at, _)| *at >= comes_s) {
             self.under_way.pop_back();
@@ -299,7 +300,7 @@ impl DriveLine {
         }
     }
 
-    /// Lets a torque through the delay.
+    /// Passes a torque through the delay.
     #[inline]
     fn pass(&mut self, now_s: f64, torque: Torque) {
         if self.delay_s > 0.0 {
@@ -323,13 +324,13 @@ impl DriveLine {
         self.age_s = 0.0;
     }
 
-    /// Torque from `now_s` on, and for how long of the next `dt_s` it is one smooth piece; call until
-    /// all of `dt_s` is used.
-    // Its result, passed in memory, would stall every step.
+    /// The torque from `now_s` on, and the part of the next `dt_s` for which it is smooth. It must be called until `dt_s` is
+    /// used up.
+    // Inlined, because returning the result in memory slows every step.
     #[inline(always)]
     pub fn piece(&mut self, now_s: f64, dt_s: f64) -> (Torque, f64) {
         while let Some(&(at, target)) = self.under_way.front() {
-            // Arrivals within rounding of now are now: pieces must not become empty.
+            // An arrival within the rounding error of now counts as now. Otherwise a piece could be empty.
             if at - now_s > f64::EPSILON * now_s.abs().max(dt_s) {
                 break;
             }
@@ -350,7 +351,7 @@ impl DriveLine {
         (self.torque, piece_s)
     }
 
-    /// Carries a plant over `dt_s` under the torque of the commands, whose times are on the clock of its `state`.
+    /// Advances a plant by `dt_s` under the torque of the commands. Their times use the clock of `state`.
     #[inline]
     pub fn carry(&mut self, plant: &Plant, state: &mut State, dt_s: f64) {
         let mut left_s = dt_s;
@@ -361,7 +362,7 @@ impl DriveLine {
         }
     }
 
-    /// What comes of the next `piece_s` of the torque behind the further lag, and for how long that is one piece.
+    /// The torque after the second lag for the next `piece_s`, and the time for which it is one smooth piece.
     fn piece_behind(&mut self, piece_s: f64) -> (Torque, f64) {
         let (piece_s, decay) = if self.torque.is_held() {
             (piece_s, 0.0)
@@ -378,18 +379,18 @@ impl DriveLine {
     }
 }
 
-/// A torque that changes at a limited rate.
+/// A torque with a limited rate.
 #[derive(Clone, Copy, Debug)]
 pub struct Slew {
     rate_nm_s: f64,
-    /// From when on it has gone to its target, s, and from where, N m.
+    /// Time at which the present ramp started, s.
     since_s: f64,
     from_nm: f64,
     target_nm: f64,
 }
 
 impl Slew {
-    /// At zero torque; `None` if the drive has no rate limit.
+    /// A ramp at rest with zero torque. `None` if the drive has no rate limit.
     pub fn at_rest(drive: &Drive) -> Option<Self> {
         let rate_nm_s = drive.rate_limit_nm_s();
         rate_nm_s.is_finite().then_some(Self {
@@ -405,13 +406,13 @@ impl Slew {
         (self.from_nm, self.target_nm) = (torque_nm, torque_nm);
     }
 
-    /// Where it stands at a later time, N m.
+    /// Torque at a later time, N m.
     fn at(&self, time_s: f64) -> f64 {
         let most_nm = self.rate_nm_s * (time_s - self.since_s).max(0.0);
         self.from_nm + (self.target_nm - self.from_nm).clamp(-most_nm, most_nm)
     }
 
-    /// Sends it to another target: the ramp to there, and when it is there, s.
+    /// Starts a ramp to another target. Returns the ramp and the time of its end, s.
     fn towards(&mut self, target_nm: f64, now_s: f64) -> (Torque, f64) {
         self.from_nm = self.at(now_s);
         self.since_s = now_s;
@@ -427,7 +428,7 @@ impl Slew {
         (ramp, now_s + way_nm.abs() / self.rate_nm_s)
     }
 
-    /// Its mean over the time from `now_s` to `end_s` on its way to another target, N m.
+    /// Starts a ramp to another target. Returns the mean torque from `now_s` to `end_s`, N m.
     pub fn mean_towards(&mut self, target_nm: f64, now_s: f64, end_s: f64) -> f64 {
         let (ramp, there_s) = self.towards(target_nm, now_s);
         let lasts_s = end_s - now_s;
@@ -445,7 +446,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_limited_rate_ramps_to_each_input_and_turns_on_the_way() {
+    fn a_rate_limit_ramps_to_each_input_and_a_new_input_ends_the_ramp() {
         let drive = Drive {
             rate_limit: 10.0,
             ..Drive::ideal(2.0)
@@ -521,7 +522,7 @@ mod tests {
     }
 
     #[test]
-    fn limit_comes_before_dead_band_and_gain_or_behind_it() {
+    fn the_limit_acts_before_or_after_the_dead_band() {
         let drive = Drive {
             limit: 0.5,
             deadband: 0.1,
@@ -557,7 +558,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_pulls_the_other_way_weakens_with_the_motion_that_it_makes() {
+    fn a_drive_with_negative_ratio_weakens_with_the_motion_that_it_causes() {
         let drive = |ratio| Drive {
             saturation: Saturation {
                 limit: 1.0,
@@ -575,7 +576,7 @@ mod tests {
     }
 
     #[test]
-    fn a_knee_leads_smoothly_from_all_of_the_input_to_the_limit() {
+    fn a_knee_rounds_the_transition_to_the_limit() {
         let soft = Saturation {
             limit: 2.0,
             knee: 0.5,
@@ -602,7 +603,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_of_voltage_falls_with_the_velocity_the_way_of_the_input() {
+    fn a_voltage_limit_falls_with_the_velocity_in_the_direction_of_the_input() {
         let drive = Drive {
             saturation: Saturation {
                 limit: 2.0,
@@ -624,7 +625,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delay_of_one_and_a_half_ticks_cuts_a_tick_in_two() {
+    fn a_delay_of_one_and_a_half_ticks_divides_a_tick_into_two_pieces() {
         let drive = Drive {
             delay_s: 1.5e-3,
             ..Drive::ideal(1.0)
@@ -636,7 +637,7 @@ mod tests {
     }
 
     #[test]
-    fn two_lags_in_a_row_answer_a_step_as_their_equation_says() {
+    fn the_step_response_of_two_lags_matches_their_equation() {
         // y = 1 − (τ₁ e^(−t/τ₁) − τ₂ e^(−t/τ₂)) / (τ₁ − τ₂)
         let [first, further] = [3e-3, 1e-3];
         let drive = Drive {
@@ -656,12 +657,12 @@ mod tests {
             impulse += mean * piece_s;
             now += piece_s;
         }
-        // All that a step loses in the end is the sum of the lags.
+        // The integral of the remaining step response is the sum of the lags.
         assert!((now - impulse - first - further).abs() < 2e-5);
     }
 
     #[test]
-    fn the_lag_relaxes_through_pieces_as_through_one() {
+    fn a_lag_in_several_pieces_equals_a_lag_in_one_piece() {
         let drive = Drive {
             lag_s: 2e-3,
             ..Drive::ideal(1.0)

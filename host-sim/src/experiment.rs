@@ -1,4 +1,4 @@
-//! Experiments on a closed loop, and what they log.
+//! Experiments on a closed loop and their logs.
 
 use crate::closed_loop::{ClosedLoop, LoopSetup, Tick};
 use crate::sensors::Hall;
@@ -10,23 +10,23 @@ use haptic_paddle::settings::{FilterOrder, Sensor, Settings};
 use haptic_paddle::units::DEG_PER_RAD;
 use recording::{Drive, Model, Pid, Recording, Run};
 
-/// One experiment: what to do, for how long, and how often to log.
+/// One experiment: its excitation, its duration and its log rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Experiment {
-    /// Torque (open loop) or position.
+    /// Mode of the controller: torque (open loop) or position.
     pub mode: Mode,
-    /// Held from the start: N m at the motor, or rad; `None` = where the paddle stands, or no torque.
+    /// Reference from the start: N m at the motor, or rad. `None` = the present position, or zero torque.
     pub reference: Option<f32>,
-    /// On top of the reference.
+    /// Excitation in addition to the reference.
     pub excitation: Option<Excitation>,
-    /// How long, s.
+    /// Duration, s.
     pub duration_s: f64,
-    /// Rows a second; the nearest whole division of the position loop's rate is taken.
+    /// Rows per second. The nearest integer divisor of the position loop's rate is used.
     pub log_hz: f64,
 }
 
 impl Experiment {
-    /// An excitation of the position loop, logged at every tick of it.
+    /// An excitation of the setpoint, logged at every tick of the position loop.
     pub fn position(excitation: Excitation, duration_s: f64) -> Self {
         Self {
             mode: Mode::Position,
@@ -37,7 +37,7 @@ impl Experiment {
         }
     }
 
-    /// An excitation by torque, logged at every tick of the position loop.
+    /// An excitation of the torque, logged at every tick of the position loop.
     pub fn torque(excitation: Excitation, duration_s: f64) -> Self {
         Self {
             mode: Mode::Torque,
@@ -45,11 +45,12 @@ impl Experiment {
         }
     }
 
-    /// Carries it out on `closed_loop`, whose paddle and session go on from where they are; the controller is left
-    /// disarmed.
+    /// Runs the experiment on `closed_loop`. Its paddle and session continue from their present state. The controller is
+    /// disarmed at the end.
     ///
     /// # Errors
-    /// [`ExperimentError`] if the duration or the rate is no positive number, or the controller refuses.
+    ///
+    /// [`ExperimentError`] if the duration or the rate is not a positive number, or if the controller refuses.
     pub fn run(&self, closed_loop: &mut ClosedLoop) -> Result<Trace, ExperimentError> {
         let rates = closed_loop.rates();
         let divider = usize::from(rates.divider.max(1));
@@ -87,7 +88,7 @@ impl Experiment {
         Ok(trace)
     }
 
-    /// Time between two rows: a whole number of periods of the position loop.
+    /// Time between two rows, s: an integer number of periods of the position loop.
     fn row_s(&self, position_tick_s: f64) -> Result<f64, ExperimentError> {
         if !(self.duration_s > 0.0 && self.duration_s <= LONGEST_S) {
             return Err(ExperimentError::Duration(self.duration_s));
@@ -105,19 +106,19 @@ impl Experiment {
     }
 }
 
-/// Longest experiment, s: at the firmware's rate its trace is some gigabytes.
+/// Longest experiment, s. At the firmware's rate its trace takes some gigabytes.
 const LONGEST_S: f64 = 3600.0;
 
-/// Logged times are whole nanoseconds, so that they have as few digits as they deserve.
+/// Logged times are rounded to nanoseconds, so that they have few digits.
 const TIMES_PER_S: f64 = 1e9;
 
-/// Why an experiment cannot be carried out.
+/// Why an experiment cannot be run.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ExperimentError {
-    /// Not a positive, finite time.
+    /// The duration is not positive or is too long.
     #[error("a duration of {0} s: give more than 0 and at most {LONGEST_S} s")]
     Duration(f64),
-    /// Not a positive rate, or less than one row in the whole experiment.
+    /// The rate is not positive, or gives less than one row in the whole experiment.
     #[error("a log rate of {0} Hz: give more than 0, and enough for a row within the duration")]
     LogRate(f64),
     /// The controller refuses to arm.
@@ -131,33 +132,33 @@ pub enum ExperimentError {
     Excitation(#[from] ExcitationError),
 }
 
-/// What an experiment logged; all columns have one length.
+/// The log of an experiment. All columns have the same length.
 ///
-/// Positions are what each sensor read at the row's instant, unfiltered. The input is the mean of the commanded torque
-/// from this row until the next.
+/// Positions are unfiltered sensor readings at the time of the row. The input is the mean of the commanded torque from this
+/// row until the next.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// Torque or position.
+    /// Mode of the controller.
     pub mode: Mode,
-    /// Since the start of the session by the board's clock, s.
+    /// Time since the start of the session by the board's clock, s.
     pub time_s: Vec<f64>,
     /// Commanded torque, N m at the motor.
     pub input_nm: Vec<f64>,
     /// True position, rad.
     pub position_rad: Vec<f64>,
-    /// By the encoder, rad.
+    /// Reading of the encoder, rad.
     pub encoder_rad: Vec<f64>,
-    /// By the Hall sensor, rad.
+    /// Reading of the Hall sensor, rad.
     pub hall_rad: Vec<f64>,
-    /// As the regulator sees it, filtered, rad.
+    /// Filtered position that the regulator uses, rad.
     pub regulated_rad: Vec<f64>,
-    /// In position mode, rad.
+    /// Setpoint in position mode, rad.
     pub setpoint_rad: Vec<f64>,
-    /// Measured, A.
+    /// Measured current, A.
     pub current_a: Vec<f32>,
-    /// What acts from this row's instant on, share of the supply.
+    /// Duty from the time of this row, as a share of the supply.
     pub duty: Vec<f32>,
-    /// When the controller stopped by itself, s, and why; from then on the paddle was not driven.
+    /// Time, s, and cause of a stop by the controller. The paddle was not driven after it.
     pub fault: Option<(f64, Fault)>,
 }
 
@@ -198,13 +199,13 @@ impl Trace {
         self.time_s.len()
     }
 
-    /// Whether there is no row.
+    /// True if there are no rows.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
     }
 
-    /// The trace as a run: `position` is the sensor that fed the regulator, the other one is `position_hall` or
-    /// `position_encoder`.
+    /// Converts the trace to a run of a recording. `position` is the sensor that fed the regulator. The other one is
+    /// `position_hall` or `position_encoder`.
     pub fn to_run(&self, file: impl Into<String>, setup: &LoopSetup) -> Run {
         let closed = self.mode == Mode::Position;
         let settings = &setup.settings;
@@ -235,7 +236,7 @@ impl Trace {
     }
 }
 
-/// An empty recording of what `setup` runs: horizon in s, the nominal `model`, and its sensors.
+/// An empty recording for `setup`, with the horizon in s, the nominal `model`, and the sensors.
 pub fn recording(
     title: impl Into<String>,
     horizon: f64,
@@ -257,7 +258,7 @@ pub fn recording(
     recording
 }
 
-/// The column of the sensor that does not feed the regulator.
+/// Column name of the sensor that does not feed the regulator.
 pub fn other_column(sensor: Sensor) -> &'static str {
     match sensor {
         Sensor::Encoder => "position_hall",
@@ -265,7 +266,7 @@ pub fn other_column(sensor: Sensor) -> &'static str {
     }
 }
 
-/// The encoder, as a recording states it.
+/// The encoder as described in a recording.
 pub fn encoder_sensor(settings: &Settings) -> recording::Sensor {
     let mechanism = &settings.mechanism;
     recording::Sensor {
@@ -285,7 +286,8 @@ fn hall_sensor(hall: &Hall) -> recording::Sensor {
     }
 }
 
-/// The regulator in the recording's terms, of a position loop of `period`, s; `None` if those cannot state it.
+/// The regulator as described in a recording, for a position loop with this `period`, s. `None` if the format cannot
+/// describe it.
 pub fn pid(settings: &Settings, period: f64) -> Option<Pid> {
     let (gains, estimate, on) = (&settings.pid, &settings.estimate, &settings.compensation);
     let stated = gains.setpoint_weight == 1.0

@@ -1,39 +1,40 @@
-//! A reading that stays behind where the motion turns.
+//! Hysteresis: a reading that stays behind when the motion reverses.
 
-/// How far a reading stays behind, and over which way it comes to that.
+/// Width and shape of a hysteresis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hysteresis {
-    /// Farthest that it is behind to either side, in units of position.
+    /// Largest deviation of the reading to either side, in units of position.
     pub half_width: f64,
-    /// Way after a turn over which it comes to that, to 1/e, as a friction does after Dahl (A solid friction model, 1968), in
-    /// units of position; 0 for play, in which the reading does not move at all.
+    /// Way after a reversal over which the deviation approaches its largest value, to 1/e, in units of position. The shape
+    /// is that of Dahl's friction model (A solid friction model, 1968). With 0 it is play: the reading does not move until
+    /// the play is crossed.
     pub reach: f64,
 }
 
 impl Hysteresis {
-    /// Never behind.
+    /// No hysteresis.
     pub const NONE: Self = Self {
         half_width: 0.0,
         reach: 0.0,
     };
 
-    /// True if it is never behind.
+    /// True if there is no hysteresis.
     pub fn is_none(&self) -> bool {
         self.half_width == 0.0
     }
 
-    /// How far it is behind after a `step` one way, having been so far `behind`.
+    /// The deviation after a motion by `step`, which started with the deviation `behind`.
     #[inline]
     pub fn after(&self, behind: f64, step: f64) -> f64 {
         if self.reach == 0.0 {
-            // Not `clamp`: a position that has run away may be no number.
+            // `clamp` is not used, because it panics if the position has become NaN.
             return (behind + step).max(-self.half_width).min(self.half_width);
         }
         let last = self.half_width.copysign(step);
         last + (behind - last) * (-step.abs() / self.reach).exp()
     }
 
-    /// Share of a motion in the `direction` of a number that shows where it is so far `behind`.
+    /// Fraction of a motion in `direction` (its sign counts) that the reading shows at the deviation `behind`.
     pub fn shown(&self, behind: f64, direction: f64) -> f64 {
         let to_go = self.half_width - behind * direction.signum();
         if self.reach > 0.0 {
@@ -69,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn softly_it_comes_to_stay_behind_whatever_the_steps_and_shows_what_is_left() {
+    fn a_soft_hysteresis_does_not_depend_on_the_step_size_and_shows_the_rest_of_the_motion() {
         let at_once = SOFT.after(0.01, -0.02);
         let in_steps = (0..20).fold(0.01, |behind, _| SOFT.after(behind, -0.001));
         assert!((at_once - in_steps).abs() < 1e-15);

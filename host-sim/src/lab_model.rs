@@ -1,4 +1,4 @@
-//! The lab's own Simulink model of the paddle (report, figures 1, 2 and 5), with the two slips of its friction.
+//! The lab's own Simulink model of the paddle (report, figures 1, 2 and 5), including the two errors in its friction.
 //!
 //! ```text
 //! J x'' = R s (T − F) − B x' − G sin x
@@ -6,10 +6,10 @@
 //! s     = 1 in a step if, in the step before, |T| > T₀ and s = 0; else 0
 //! ```
 //!
-//! 1. `s` was meant to remember that the paddle has moved. It is fed back through a NOT, so that it falls as soon as it
-//!    has risen: while |T| > T₀ the torque passes in every second step, and below T₀ it does not pass at all.
-//! 2. The threshold of speed below which friction is off, meant to calm its sign at rest, is 20 rad/s (1146°/s). The
-//!    torques of the report stay far below: dry friction never acts.
+//! 1. `s` was meant to store that the paddle has moved. It is fed back through a NOT, so that it falls one step after it
+//!    rises. While |T| > T₀ the torque passes in every second step. Below T₀ it does not pass at all.
+//! 2. Friction is off below a speed, which was meant to suppress the sign function at rest. This speed is 20 rad/s
+//!    (1146°/s). The motions of the report stay far below it, so dry friction never acts.
 
 use recording::Model;
 use std::f64::consts::TAU;
@@ -20,69 +20,70 @@ pub const STEP_S: f64 = 0.01;
 /// Speed above which its dry friction acts, rad/s.
 pub const FRICTION_FROM_RAD_S: f64 = 20.0;
 
-/// What drives it.
+/// Excitation of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LabDrive {
-    /// A sine of torque.
+    /// A sine torque.
     Sine {
-        /// N m at the motor.
+        /// Amplitude, N m at the motor.
         amplitude_nm: f64,
-        /// Hz.
+        /// Frequency, Hz.
         frequency_hz: f64,
     },
-    /// A step of the setpoint at time 0 from a paddle that hangs at 0.
+    /// A step of the setpoint at time 0. The paddle hangs at 0 before.
     Step {
-        /// Where to, rad.
+        /// New setpoint, rad.
         target_rad: f64,
         /// The regulator.
         pid: LabPid,
     },
 }
 
-/// Simulink's continuous parallel PID of the error in degrees, torque at the motor: `P + I/s + D N s / (s + N)`.
+/// Simulink's continuous parallel PID controller of the error in degrees, with the torque at the motor as output: `P + I/s +
+/// D N s / (s + N)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabPid {
-    /// N m per degree.
+    /// P, N m per degree.
     pub p: f64,
-    /// N m per degree and second.
+    /// I, N m per degree and second.
     pub i: f64,
-    /// N m s per degree.
+    /// D, N m s per degree.
     pub d: f64,
 }
 
-/// N of the derivative's filter, 1/s; Simulink's default.
+/// N of the derivative filter, 1/s. It is Simulink's default.
 const DERIVATIVE_FILTER_PER_S: f64 = 100.0;
 
 /// One step of the solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabSample {
-    /// Start of the step, s.
+    /// Time at the start of the step, s.
     pub time_s: f64,
-    /// There, rad.
+    /// Position at the start of the step, rad.
     pub position_rad: f64,
-    /// There, rad/s.
+    /// Velocity at the start of the step, rad/s.
     pub velocity_rad_s: f64,
-    /// Torque that was asked for, mean over the step, N m at the motor.
+    /// Mean commanded torque over the step, N m at the motor.
     pub command_nm: f64,
-    /// Torque that the model let through, friction taken off, mean over the step, N m at the motor.
+    /// Mean torque that the model lets through, minus friction, over the step, N m at the motor.
     pub motor_nm: f64,
 }
 
-/// Position, velocity, integral of the error in degrees, state of the derivative's filter.
+/// Position, velocity, integral of the error in degrees, and state of the derivative filter.
 type State = [f64; 4];
 
-/// The model at work.
+/// The model with its state.
 #[derive(Clone, Copy, Debug)]
 pub struct LabModel {
     model: Model,
     drive: LabDrive,
     state: State,
     steps: u64,
-    /// Whether torque passes in this step.
+    /// True if the torque passes in this step.
     passing: bool,
 }
 
-/// What acts at an instant.
+/// Torques at one instant.
 struct Instant {
     command_nm: f64,
     motor_nm: f64,
@@ -90,7 +91,7 @@ struct Instant {
 }
 
 impl LabModel {
-    /// At rest at 0, with inertia, viscous friction, gravity, ratio and level of dry friction of `model`.
+    /// The model at rest at 0. It uses inertia, viscous friction, gravity, ratio and dry friction of `model`.
     pub fn at_rest(model: Model, drive: LabDrive) -> Self {
         Self {
             model,
@@ -101,14 +102,14 @@ impl LabModel {
         }
     }
 
-    /// Its samples over `seconds`.
+    /// Simulates `seconds` and returns all samples.
     pub fn run(mut self, seconds: f64) -> Vec<LabSample> {
         (0..(seconds / STEP_S).round() as u64)
             .map(|_| self.step())
             .collect()
     }
 
-    /// One step of the solver.
+    /// Simulates one step.
     pub fn step(&mut self) -> LabSample {
         let time_s = self.steps as f64 * STEP_S;
         let at = |after_s: f64, from: &State, rate: &State| {

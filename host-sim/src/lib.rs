@@ -1,4 +1,4 @@
-//! Simulated haptic paddle: plant, effects, sensors and the closed loop around the control core.
+//! A simulated haptic paddle: plant, effects, sensors, and the closed loop with the control core.
 
 pub mod closed_loop;
 pub mod decay;

@@ -2,7 +2,7 @@
 
 use crate::plant::Torque;
 
-/// A DC motor on the supply that its bridge chops.
+/// A DC motor behind a chopping bridge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor {
     /// Resistance of the winding, ohm.
@@ -22,11 +22,11 @@ impl Motor {
     }
 }
 
-/// The winding at work: `L i' = duty · supply − R i − K_t ω`.
+/// State of the winding: `L i' = duty · supply − R i − K_t ω`.
 ///
-/// The duty is held over a tick, over which the shaft's speed ω runs straight but for its jerk: the current then relaxes
-/// exponentially to a target that moves at a constant rate. How much speed the tick will gain is forecast from the last
-/// one and the change of torque; once it is known, the current is put right.
+/// The duty is constant over a tick. The speed ω of the shaft is assumed to change linearly within a tick. The current then
+/// relaxes exponentially to a target with a constant rate. The change of the speed in the next tick is predicted from the
+/// last tick and the change of torque. When the true change is known, the current is corrected.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Winding {
     motor: Motor,
@@ -35,10 +35,11 @@ pub(crate) struct Winding {
     /// Torque at standstill per volt, N m/V.
     nm_per_volt: f64,
     lag_s: f64,
-    /// Length of a tick, s, and what it leaves of a current without a voltage.
+    /// Length of a tick, s.
+    /// Decay of the current over a tick without voltage.
     tick_s: f64,
     decay: f64,
-    /// Now, N m.
+    /// Present torque, N m.
     torque_nm: f64,
     /// Mean torque and acceleration of the last tick, N m and rad/s².
     last: (f64, f64),
@@ -59,13 +60,13 @@ impl Winding {
         }
     }
 
-    /// No way is left for the current: it is gone.
+    /// Opens the circuit. The current falls to zero at once.
     pub(crate) fn open(&mut self) {
         self.torque_nm = 0.0;
         self.last = (0.0, 0.0);
     }
 
-    /// Torque on the shaft while the bridge holds `duty` over the next tick, from the shaft's speed on.
+    /// Torque on the shaft during the next tick with a constant `duty`, starting at the shaft's speed.
     #[inline]
     pub(crate) fn torque(&self, duty: f64, shaft_rad_s: f64) -> Torque {
         let (last_mean_nm, last_acceleration) = self.last;
@@ -86,7 +87,8 @@ impl Winding {
         }
     }
 
-    /// Carries the current over the tick during which the shaft went from the first to the second speed; its mean, A.
+    /// Advances the current by one tick, in which the speed of the shaft changed from the first to the second value. Returns
+    /// the mean current, A.
     #[inline]
     pub(crate) fn advance(&mut self, duty: f64, shaft_rad_s: [f64; 2]) -> f64 {
         let acceleration = (shaft_rad_s[1] - shaft_rad_s[0]) / self.tick_s;

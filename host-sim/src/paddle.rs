@@ -1,4 +1,4 @@
-//! The hardware around the control core: what the board drives and what its converters read.
+//! The hardware around the control core: actuator, mechanics and sensors with their converters.
 
 use crate::device::Device;
 use crate::drive::{Drive, DriveLine};
@@ -9,12 +9,12 @@ use crate::sensors::{CurrentAmplifier, Encoder, Hall, HallReader, Noise};
 use haptic_paddle::controller::{Duty, Measurement};
 use haptic_paddle::settings::{Sensor, Settings};
 
-/// How the controller's command becomes torque at the motor.
+/// How the command of the controller becomes torque at the motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Actuator {
-    /// The torque that the position loop asks for, exactly; the duty is ignored.
+    /// Exactly the commanded torque. The duty is ignored.
     Ideal,
-    /// The duty, through bridge and winding.
+    /// The duty acts through bridge and winding.
     Bridge(Motor),
 }
 
@@ -23,37 +23,37 @@ pub enum Actuator {
 pub struct Command {
     /// Duty of the bridge, −1 to 1: mean voltage over supply.
     pub duty: Duty,
-    /// Torque that the duty is to make, N m at the motor.
+    /// Commanded torque, N m at the motor.
     pub torque_nm: f32,
 }
 
-/// Everything that a simulated paddle is made from.
+/// Settings of a simulated paddle.
 #[derive(Clone, Debug)]
 pub struct PaddleSetup {
-    /// Drive, mechanics, and what lies between the position and the regulating sensor.
+    /// Drive, mechanics, and the sensing effects before the sensor that feeds the regulator.
     pub device: Device,
-    /// How the torque is made.
+    /// The actuator.
     pub actuator: Actuator,
-    /// Counts of the bridge's timer in a period, which quantise the duty; `None` for a continuous duty.
+    /// Top of the bridge's timer, which quantises the duty. `None` for a continuous duty.
     pub bridge_top: Option<u16>,
     /// Sensor of the motor current.
     pub amplifier: CurrentAmplifier,
-    /// Errors of the Hall sensor alone.
+    /// Errors of the Hall sensor.
     pub hall: Hall,
-    /// Encoder counter at the start, counts.
+    /// Initial count of the encoder.
     pub encoder_count: u32,
-    /// Where it stands at rest at the start, rad.
+    /// Initial position, at rest, rad.
     pub start_rad: f64,
-    /// Time of the session at the start, s.
+    /// Initial time of the session, s.
     pub start_s: f64,
     /// Seed of all noise.
     pub seed: u64,
-    /// Number of equal parts in which a tick is simulated, 1 or more: for studies of convergence.
+    /// Number of equal parts into which a tick is divided, 1 or more. For convergence studies.
     pub parts_per_tick: u32,
 }
 
 impl PaddleSetup {
-    /// `device` at rest at 0 rad, driven by exactly the commanded torque, with the sensors that `settings` expect.
+    /// `device` at rest at 0 rad with an ideal actuator, and the sensors that `settings` describe.
     pub fn new(device: Device, settings: &Settings) -> Self {
         Self {
             device,
@@ -72,14 +72,14 @@ impl PaddleSetup {
 
 /// A simulated paddle with its motor and sensors.
 ///
-/// The device's sensing effects act on the sensor that feeds the regulator; the other one reads the true position.
+/// The sensing effects of the device act on the sensor that feeds the regulator. The other sensor reads the true position.
 #[derive(Clone, Debug)]
 pub struct Paddle {
     plant: Plant,
     state: State,
     drive: Drive,
     line: DriveLine,
-    /// `None` makes exactly the commanded torque.
+    /// Winding of the motor. `None` for an ideal actuator.
     winding: Option<Winding>,
     bridge_top: Option<u16>,
     amperes_per_nm: f64,
@@ -98,7 +98,7 @@ pub struct Paddle {
 }
 
 impl Paddle {
-    /// The paddle of `setup`, measured and driven every `tick_s`.
+    /// The paddle of `setup`, with ticks of `tick_s`.
     pub fn new(setup: &PaddleSetup, settings: &Settings, tick_s: f64) -> Self {
         let device = &setup.device;
         let plant = Plant::new(device.mechanics.clone());
@@ -107,7 +107,7 @@ impl Paddle {
         let share_of_part = 1.0 / f64::from(parts_per_tick);
         let part_s = tick_s * share_of_part;
         let reading = Reading::at_rest(&device.sensing, setup.start_rad);
-        // The sensors start at rest on what they read, effects of sensing included.
+        // The sensors start at rest at their readings, including sensing effects.
         let affected = device.sensing.curve(setup.start_rad) + device.sensing.jumped(setup.start_s);
         let [encoder_rad, hall_rad] =
             before_sensors(settings.estimate.sensor, setup.start_rad, affected);
@@ -140,7 +140,7 @@ impl Paddle {
         }
     }
 
-    /// Reads all sensors as the board does; call it once per tick.
+    /// Reads all sensors. It must be called once per tick.
     #[inline]
     pub fn measure(&mut self) -> Measurement {
         let position_rad = self.position_rad();
@@ -168,8 +168,8 @@ impl Paddle {
         }
     }
 
-    /// Carries it over one tick with the bridge's outputs off: no current, so neither drive nor brake. What the winding
-    /// carried is taken to be gone at once; it takes 30 µs at the motor's rated current.
+    /// Simulates one tick with the bridge off: no current, so neither drive nor brake. The current of the winding is set to
+    /// zero at once. In reality it takes 30 µs at the rated current.
     pub fn coast(&mut self) {
         self.current_a = 0.0;
         if let Some(winding) = &mut self.winding {
@@ -180,7 +180,7 @@ impl Paddle {
         self.carry(self.tick_s);
     }
 
-    /// The mean current over the part, A.
+    /// Simulates one part of a tick. Returns the mean current over it, A.
     #[inline]
     fn advance_part(&mut self, command: Command) -> f64 {
         let now_s = self.state.time_s;
@@ -214,13 +214,13 @@ impl Paddle {
         self.state.time_s
     }
 
-    /// True position where the position sensor sits, rad.
+    /// True position at the position sensor, rad.
     #[inline]
     pub fn position_rad(&self) -> f64 {
         self.plant.seen(&self.state).0
     }
 
-    /// True velocity where the position sensor sits, rad/s.
+    /// True velocity at the position sensor, rad/s.
     pub fn velocity_rad_s(&self) -> f64 {
         self.plant.seen(&self.state).1
     }
@@ -232,7 +232,7 @@ impl Paddle {
     }
 }
 
-/// Positions before the encoder and before the Hall sensor: the effects are on the one that regulates.
+/// Positions at the encoder and at the Hall sensor. Sensing effects apply to the sensor that feeds the regulator.
 #[inline]
 fn before_sensors(regulating: Sensor, position_rad: f64, affected_rad: f64) -> [f64; 2] {
     match regulating {

@@ -1,4 +1,4 @@
-//! The lab's paddle: its nominal model, and the one that was refitted to its logs.
+//! The lab's paddle: its nominal model, and a model fitted to its logs.
 
 use crate::closed_loop::{LoopSetup, Rates};
 use crate::device::Device;
@@ -24,7 +24,7 @@ pub fn nominal() -> Model {
     }
 }
 
-/// The paddle as refitted to the lab's encoder step logs (0.027° rms at the joint): asymmetric dry friction with a
+/// The paddle as fitted to the lab's logs of encoder steps (0.027° rms at the joint). It has asymmetric dry friction with a
 /// slightly higher static level, and more viscous friction than the nominal model.
 pub fn refit() -> Device {
     let model = Model {
@@ -45,15 +45,15 @@ pub fn refit() -> Device {
     device
 }
 
-/// What the lab's Hall sensor makes of the angle under its calibration: 12 % too much, and late; refitted to its logs.
+/// Gain of the lab's Hall sensor relative to its calibration, fitted to its logs.
 const HALL_GAIN: f64 = 1.12;
+/// Lag of the lab's Hall sensor, fitted to its logs, s.
 const HALL_LAG_S: f64 = 0.25e-3;
 
-/// The refitted paddle on the lab's board, which makes exactly the torque that the core asks for, with the lab's
-/// derivative.
+/// The fitted paddle with the lab's board: an ideal actuator, the lab's rates, and the lab's derivative.
 ///
-/// Its Hall sensor has no noise, as in the refit: noise dithers dry friction, and moves what hangs on a few hundredths
-/// of a degree at rest.
+/// Its Hall sensor has no noise, as in the fit. Noise would dither the dry friction and change results that depend on a few
+/// hundredths of a degree at rest.
 pub fn lab(mut settings: Settings) -> LoopSetup {
     settings.pid.derivative = DerivativeSource::Position;
     let mut setup = LoopSetup::ideal(refit(), settings);
@@ -67,7 +67,7 @@ pub fn lab(mut settings: Settings) -> LoopSetup {
     setup
 }
 
-/// The lab's maxon 339156 on 24 V.
+/// The lab's motor, maxon 339156, at 24 V.
 pub fn motor() -> Motor {
     Motor {
         resistance_ohm: 10.6,

@@ -1,13 +1,13 @@
-//! What comes and goes with the turns of something that is not round.
+//! A periodic ripple over the position, as of an eccentric pulley.
 
-/// `r sin(n x) + s (cos(n x) − 1)`: nothing at position zero.
+/// `r sin(n x) + s (cos(n x) − 1)`. It is zero at position zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ripple {
-    /// r.
+    /// Amplitude r.
     pub sine: f64,
-    /// s, in units of r.
+    /// s, relative to r.
     pub cosine: f64,
-    /// n, 1/position.
+    /// Wave number n, 1/position.
     pub wave_number: f64,
 }
 
@@ -32,7 +32,7 @@ impl Ripple {
         self.sine * sin + self.cosine * (cos - 1.0)
     }
 
-    /// Its slope there.
+    /// Its slope at a position.
     #[inline]
     pub fn slope(&self, x: f64) -> f64 {
         let (sin, cos) = (self.wave_number * x).sin_cos();

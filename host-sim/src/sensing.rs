@@ -1,9 +1,9 @@
-//! From the position to its reading, before noise and quantising.
+//! From the position to its reading, before noise and quantisation.
 
 use crate::hysteresis::Hysteresis;
 use crate::ripple::Ripple;
 
-/// A jump of the reading that stays.
+/// A permanent jump of the reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jump {
     /// Time of the jump in the session, s.
@@ -12,12 +12,12 @@ pub struct Jump {
     pub height: f64,
 }
 
-/// Counting that cannot follow: `y' = x' − q (x' − v sgn x')` where `|x'| > v`.
+/// A counter that loses counts above a speed: `y' = x' − q (x' − v sgn x')` where `|x'| > v`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Overspeed {
     /// Share q of the excess rate that is lost, 0 to 1.
     pub share: f64,
-    /// Rate v up to which all is counted, in units of position per second.
+    /// Largest rate v without loss, in units of position per second.
     pub speed: f64,
 }
 
@@ -33,13 +33,13 @@ impl Overspeed {
         self.share == 0.0
     }
 
-    /// What is lost a second where it turns at `rate`.
+    /// Lost rate at the true rate `rate`.
     #[inline]
     pub fn lost(&self, rate: f64) -> f64 {
         self.share * (rate - rate.clamp(-self.speed, self.speed))
     }
 
-    /// The rate that shows as `shown`; where all that is too fast is lost, the slowest that is.
+    /// True rate for the shown rate. If the whole excess is lost (q = 1), the lowest possible rate.
     #[inline]
     pub fn undone(&self, shown: f64) -> f64 {
         let too_fast = shown - shown.clamp(-self.speed, self.speed);
@@ -54,30 +54,30 @@ impl Overspeed {
 /// `y = jumps(t) − lost(x) + lag(hysteresis(g x + a x² + b x³ + r sin(n x) + s (cos(n x) − 1) + o))`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sensing {
-    /// Gain g, shown over true.
+    /// Gain g: shown over true motion.
     pub gain: f64,
     /// Second-order coefficient a, 1/position.
     pub quadratic: f64,
     /// Third-order coefficient b, 1/position².
     pub cubic: f64,
-    /// Amplitudes r and s, in units of position, and wave number n, 1/position, of the ripple.
+    /// Ripple with the amplitudes r and s, in units of position, and the wave number n, 1/position.
     pub ripple: Ripple,
     /// Offset o, in units of position.
     pub offset: f64,
-    /// Hysteresis of the reading behind the curve.
+    /// Hysteresis after the nonlinearity.
     pub hysteresis: Hysteresis,
     /// Time constant of the lag, s.
     pub lag_s: f64,
-    /// Time constant of a second lag behind it, s.
+    /// Time constant of a second lag in series, s.
     pub further_lag_s: f64,
-    /// Jumps, in the order of time.
+    /// Jumps in the order of time.
     pub jumps: Vec<Jump>,
-    /// Counts that are lost, before the lag.
+    /// Loss of counts above a speed. It acts before the lag.
     pub overspeed: Overspeed,
 }
 
 impl Sensing {
-    /// A sensor that reads the true position.
+    /// An ideal sensor, which reads the true position.
     pub fn ideal() -> Self {
         Self {
             gain: 1.0,
@@ -93,12 +93,12 @@ impl Sensing {
         }
     }
 
-    /// True if it reads the true position.
+    /// True if the sensor is ideal.
     pub fn is_ideal(&self) -> bool {
         *self == Self::ideal()
     }
 
-    /// Reading of a resting position, without jumps.
+    /// Reading at rest at a position, without jumps.
     #[inline]
     pub fn curve(&self, x: f64) -> f64 {
         let smooth = self.offset + x * (self.gain + x * (self.quadratic + x * self.cubic));
@@ -108,7 +108,7 @@ impl Sensing {
         smooth + self.ripple.at(x)
     }
 
-    /// Slope of the curve at a position.
+    /// Slope of the nonlinearity at a position.
     #[inline]
     pub fn slope(&self, x: f64) -> f64 {
         let smooth = self.gain + x * (2.0 * self.quadratic + x * 3.0 * self.cubic);
@@ -118,8 +118,8 @@ impl Sensing {
         smooth + self.ripple.slope(x)
     }
 
-    /// The position whose curve reads `y`: Newton's method from the linear part, which suffices as
-    /// long as the curve is monotone between the two.
+    /// The position with the reading `y`, by Newton's method from the linear part. It converges if the nonlinearity is
+    /// monotonic between the two.
     pub fn inverse(&self, y: f64) -> f64 {
         let mut x = (y - self.offset) / self.gain;
         if self.quadratic == 0.0 && self.cubic == 0.0 && self.ripple.is_none() {
@@ -138,12 +138,12 @@ impl Sensing {
         x
     }
 
-    /// True if the curve is so flat that a reading does not determine the position.
+    /// True if the slope is too small to determine the position from a reading.
     pub fn is_flat(&self, x: f64) -> bool {
         self.slope(x).abs() < self.flattest()
     }
 
-    /// Slope below which the curve is taken as flat.
+    /// Slope below which the characteristic counts as flat.
     fn flattest(&self) -> f64 {
         FLATTEST * self.gain.abs()
     }
@@ -158,7 +158,7 @@ impl Sensing {
             .sum()
     }
 
-    /// Mean of that sum over `span_s` around `time_s`.
+    /// Mean of the jumps over `span_s` around `time_s`.
     #[inline]
     pub fn jumped_mean(&self, time_s: f64, span_s: f64) -> f64 {
         if span_s == 0.0 {
@@ -170,26 +170,26 @@ impl Sensing {
 }
 
 const INVERSE_ITERATIONS: usize = 6;
-/// Share of the gain below which a slope is taken as flat.
+/// Slope that counts as flat, as a share of the gain.
 const FLATTEST: f64 = 0.1;
 
-/// State of a sensor: of its hysteresis and lags, and the counts that were lost.
+/// State of a sensor: hysteresis, lags and lost counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Behind the hysteresis.
+    /// Position after nonlinearity and hysteresis.
     pub followed: f64,
-    /// How far the hysteresis is behind the curve.
+    /// Deviation of the hysteresis.
     pub behind: f64,
-    /// Behind the first lag.
+    /// Reading after the first lag.
     pub between: f64,
-    /// Behind both.
+    /// Reading after both lags.
     pub lagged: f64,
-    /// By turning too fast.
+    /// Counts lost above the speed limit, in units of position.
     pub lost: f64,
 }
 
 impl Reading {
-    /// At rest at the position `x`.
+    /// The state at rest at the position `x`.
     pub fn at_rest(sensing: &Sensing, x: f64) -> Self {
         let y = sensing.curve(x);
         Self {
@@ -201,7 +201,7 @@ impl Reading {
         }
     }
 
-    /// Follows the position to `x`, `dt_s` after the last call; the reading, jumps apart.
+    /// Moves to the position `x`, `dt_s` after the last call. Returns the reading without jumps.
     #[inline]
     pub fn follow(&mut self, sensing: &Sensing, x: f64, dt_s: f64) -> f64 {
         let curve = sensing.curve(x);
@@ -223,7 +223,7 @@ impl Reading {
     }
 }
 
-/// What a lag that stands at `lagged` makes of what goes straight from one value to another.
+/// Output of a lag with the initial value `lagged`, for an input that changes linearly.
 #[inline]
 fn lagging(lagged: f64, [before, after]: [f64; 2], dt_s: f64, lag_s: f64) -> f64 {
     if lag_s == 0.0 {
@@ -242,7 +242,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_inverse_undoes_the_curve() {
+    fn the_inverse_gives_the_position_back() {
         let sensing = Sensing {
             gain: 1.1,
             quadratic: 0.2,
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lag_of_a_ramp_is_its_time_constant() {
+    fn a_lagged_ramp_is_late_by_the_time_constant() {
         let sensing = Sensing {
             lag_s: 5e-3,
             ..Sensing::ideal()
@@ -269,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn two_lags_answer_a_step_as_their_equation_says() {
+    fn the_step_response_of_two_lags_matches_their_equation() {
         // y = 1 − (1 + t/τ) e^(−t/τ)
         let lag_s = 5e-3;
         let sensing = Sensing {
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn what_turns_too_fast_is_lost_and_stays_so() {
+    fn counts_lost_above_the_speed_limit_stay_lost() {
         let overspeed = Overspeed {
             share: 0.25,
             speed: 2.0,
@@ -298,7 +298,7 @@ mod tests {
             ..Sensing::ideal()
         };
         let mut reading = Reading::at_rest(&sensing, 0.0);
-        // 1 rad at 10 rad/s, and slowly back.
+        // A motion by 1 rad at 10 rad/s, and slowly back.
         let there = reading.follow(&sensing, 1.0, 0.1);
         assert!((there - (1.0 - 0.25 * 8.0 * 0.1)).abs() < 1e-12);
         assert!((reading.follow(&sensing, 0.0, 1.0) + 0.2).abs() < 1e-12);
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn the_play_holds_on_reversal() {
+    fn with_play_the_reading_stays_constant_after_a_reversal() {
         let sensing = Sensing {
             hysteresis: Hysteresis {
                 half_width: 0.01,

@@ -1,4 +1,4 @@
-//! How far the simulation is from the same core on a plant that is stepped 64 times finer.
+//! Compares the simulation with the same control core on a plant with 64 times finer steps.
 
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::Excitation;
@@ -12,7 +12,7 @@ const FINER: u32 = 64;
 const DURATION_S: f64 = 2.0;
 const BAR_DEG: f64 = 1e-6;
 
-/// Position, rad, and torque told, N m at the motor, at each tick of a 10° step.
+/// Position, rad, and commanded torque, N m at the motor, at each tick of a 10° step.
 fn step(setup: &LoopSetup) -> (Vec<f64>, Vec<f64>) {
     let mut closed_loop = ClosedLoop::armed(setup, Mode::Position).unwrap();
     let step = Excitation::step(10f32.to_radians());
@@ -46,7 +46,7 @@ fn firmware() -> LoopSetup {
 }
 
 #[test]
-fn a_replayed_torque_leads_to_the_same_place() {
+fn replaying_the_torque_gives_the_same_positions() {
     let setup = ideal();
     let told = step(&setup).1;
     let drive = Drive::ideal(15.0);
@@ -69,14 +69,14 @@ fn a_replayed_torque_leads_to_the_same_place() {
 }
 
 #[test]
-fn the_closed_loop_at_350_us_is_as_exact() {
+fn the_closed_loop_at_350_us_matches_the_finer_simulation() {
     let error = error_deg(ideal());
     println!("ideal {error:e}");
     assert!(error < BAR_DEG, "{error:e}°");
 }
 
 #[test]
-fn the_closed_loop_with_the_current_loop_is_as_exact() {
+fn the_closed_loop_with_current_loop_matches_the_finer_simulation() {
     let error = error_deg(firmware());
     println!("bridge {error:e}");
     assert!(error < BAR_DEG, "{error:e}°");

@@ -1,4 +1,4 @@
-//! The real core around the simulated paddle: what it must do whatever the gains.
+//! Properties of the closed loop that hold for any gains.
 
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::Excitation;
@@ -50,7 +50,7 @@ fn a_duty_acts_one_tick_after_the_sample_that_it_was_computed_from() {
         closed_loop.controller_mut().start(&step).unwrap();
         [(); 3].map(|()| closed_loop.tick())
     };
-    // The step is asked for at the first sample.
+    // The step is requested at the first sample.
     let [first, second, third] = ticks(&firmware());
     assert_eq!(first.acting, Command::default());
     assert_eq!(second.position_rad, 0.0);
@@ -61,8 +61,8 @@ fn a_duty_acts_one_tick_after_the_sample_that_it_was_computed_from() {
 }
 
 #[test]
-fn a_rows_input_is_what_moves_the_paddle_until_the_next_row() {
-    // A free inertia: the velocity gained over the rows is the impulse told in them.
+fn the_logged_input_is_the_mean_torque_until_the_next_row() {
+    // A free inertia: the change of its velocity over the rows is the integral of the logged torque.
     let mut setup = ideal();
     let inertia = presets::nominal().inertia;
     setup.paddle.device.mechanics = Mechanics::inertia(inertia);
@@ -81,7 +81,7 @@ fn a_rows_input_is_what_moves_the_paddle_until_the_next_row() {
 }
 
 #[test]
-fn without_damping_the_loop_swings_with_the_period_of_the_log() {
+fn without_damping_the_loop_oscillates_with_the_period_of_the_log() {
     let mut settings = Settings::default();
     settings.pid.kd_nm_s_per_deg = 0.0;
     let mut setup = LoopSetup::ideal(presets::refit(), settings);
@@ -95,13 +95,13 @@ fn without_damping_the_loop_swings_with_the_period_of_the_log() {
         .filter(|&i| trace.position_rad[i - 1] < middle && trace.position_rad[i] >= middle)
         .map(|i| trace.time_s[i])
         .collect();
-    // Friction brings it to rest after 18 swings; the log's mean over its first 20 is 86.85 ms.
+    // Friction stops it after 18 periods. The mean of the first 20 periods in the log is 86.85 ms.
     let period_ms = 1e3 * (upward[10] - upward[0]) / 10.0;
     assert!((period_ms / 86.8 - 1.0).abs() < 0.01, "{period_ms} ms");
 }
 
 #[test]
-fn both_sensors_regulate() {
+fn the_loop_works_with_either_sensor() {
     for sensor in [Sensor::Encoder, Sensor::Hall] {
         for mut setup in [ideal(), firmware()] {
             setup.settings.estimate.sensor = sensor;
@@ -115,8 +115,8 @@ fn both_sensors_regulate() {
 }
 
 #[test]
-fn the_bridge_makes_the_torque_that_is_asked_for() {
-    // The same rates, so that only the winding and its current loop differ.
+fn the_bridge_produces_the_commanded_torque() {
+    // Both simulations use the same rates, so only winding and current loop differ.
     let bridge = step_for(&firmware(), 0.5);
     let mut setup = ideal();
     setup.rates = Rates::FIRMWARE;
@@ -132,9 +132,9 @@ fn the_bridge_makes_the_torque_that_is_asked_for() {
 }
 
 #[test]
-fn a_motor_wired_the_wrong_way_round_is_stopped() {
+fn a_reversed_motor_is_stopped() {
     let mut setup = firmware();
-    // Its torque and its current's sign turned, as seen by the core.
+    // Reverses torque and current as seen by the core.
     setup.paddle.actuator = Actuator::Bridge(Motor {
         supply_v: -24.0,
         ..presets::motor()
@@ -148,7 +148,7 @@ fn a_motor_wired_the_wrong_way_round_is_stopped() {
 }
 
 #[test]
-fn it_starts_without_a_jump_wherever_it_stands() {
+fn the_loop_starts_without_a_jump_at_any_position() {
     for (start_rad, encoder_count) in [(0.3, u32::MAX - 5), (-0.2, 1 << 31)] {
         let mut setup = firmware();
         setup.paddle.device.mechanics.gravity = 0.0;
@@ -166,7 +166,7 @@ fn it_starts_without_a_jump_wherever_it_stands() {
 }
 
 #[test]
-fn effects_of_sensing_sit_on_the_sensor_that_regulates() {
+fn sensing_effects_act_on_the_sensor_that_feeds_the_regulator() {
     for sensor in [Sensor::Encoder, Sensor::Hall] {
         let mut setup = ideal();
         setup.settings.estimate.sensor = sensor;
@@ -183,7 +183,7 @@ fn effects_of_sensing_sit_on_the_sensor_that_regulates() {
 }
 
 #[test]
-fn the_session_goes_on_from_one_experiment_to_the_next() {
+fn successive_experiments_continue_the_same_session() {
     let mut setup = ideal();
     setup.paddle.start_s = 3.0;
     let mut closed_loop = ClosedLoop::new(&setup).unwrap();
@@ -254,7 +254,7 @@ fn a_recording_reads_back_with_its_sensors_and_its_controller() {
     assert_eq!(read.runs, made.runs);
     assert_eq!(read.sensors, made.sensors);
 
-    // The statement of the controller is its law: kp times the first error is the first torque.
+    // The stated controller is the control law in use: kp times the first error equals the first torque.
     let pid = read.runs[0].controller.unwrap();
     assert!((pid.kp - 0.191).abs() < 1e-3 && (pid.kd - 0.00306).abs() < 1e-5);
     let quantum = std::f64::consts::TAU / 30_000.0;

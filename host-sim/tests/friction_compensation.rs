@@ -1,4 +1,4 @@
-//! The compensation of dry friction over a spread of friction, and what the observer does for the derivative.
+//! Tests the compensation of dry friction for different frictions, and the effect of the observer on the derivative.
 
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::Excitation;
@@ -9,10 +9,11 @@ use host_sim::presets;
 
 const STEP_RAD: f32 = 0.087_266;
 const TICKS_PER_S: usize = 20_000;
-/// A count of the encoder.
+/// One encoder count, rad.
 const COUNT_RAD: f64 = 2.094e-4;
 
-/// The refitted paddle with this share of its friction, at rest and moving, and of its viscous friction.
+/// The fitted paddle with its dry friction scaled by `level`, this static ratio, and its viscous friction scaled by
+/// `viscous`.
 fn device(level: f64, static_ratio: f64, viscous: f64) -> Device {
     let mut device = presets::refit();
     device.mechanics.friction.level_nm[0] *= level;
@@ -22,7 +23,7 @@ fn device(level: f64, static_ratio: f64, viscous: f64) -> Device {
     device
 }
 
-/// How far the paddle still swings from peak to peak, rad, in the last of three seconds after a step.
+/// Peak-to-peak oscillation in the last of three seconds after a step, rad.
 fn swing_rad(device: Device, settings: Settings) -> f64 {
     let setup = LoopSetup::firmware(device, settings, presets::motor());
     let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position).unwrap();
@@ -49,7 +50,7 @@ fn compensated(source: VelocitySource) -> Settings {
 }
 
 #[test]
-fn the_default_compensation_makes_no_limit_cycle_over_the_spread_of_friction() {
+fn the_default_compensation_causes_no_limit_cycle_for_different_frictions() {
     let default = Settings::default().compensation.dry_source;
     let mut cycles_by_measured = 0;
     for level in [0.0, 0.3, 0.6, 1.0, 1.5, 2.5] {
@@ -73,7 +74,7 @@ fn the_default_compensation_makes_no_limit_cycle_over_the_spread_of_friction() {
     );
 }
 
-/// Torque noise at rest, N m rms at the motor, and overshoot and settling into 0.2 degrees of a step, rad and s.
+/// Torque noise at rest, N m rms at the motor, overshoot of a step, rad, and settling time to 0.2 degrees, s.
 fn figures(sensor: Sensor, derivative: DerivativeSource, inertia: f64) -> (f64, f64, f64) {
     let mut settings = Settings::default();
     settings.estimate.sensor = sensor;
@@ -104,7 +105,7 @@ fn figures(sensor: Sensor, derivative: DerivativeSource, inertia: f64) -> (f64, 
 }
 
 #[test]
-fn the_observers_derivative_has_a_fraction_of_the_noise_and_the_same_step() {
+fn the_observers_derivative_reduces_the_noise_and_keeps_the_step_response() {
     for sensor in [Sensor::Encoder, Sensor::Hall] {
         for inertia in [0.7, 1.0, 1.3] {
             let [by_position, by_observer] =

@@ -1,4 +1,4 @@
-//! The lab's Simulink model does what the report's figures 3 and 4 show.
+//! Compares the lab's Simulink model with figures 3 and 4 of the report.
 
 use host_sim::lab_model::{FRICTION_FROM_RAD_S, LabDrive, LabModel, LabSample};
 use host_sim::presets;
@@ -20,7 +20,7 @@ fn range_deg(samples: &[LabSample]) -> [f64; 2] {
 }
 
 #[test]
-fn the_sines_swing_as_in_the_figures() {
+fn the_sines_have_the_ranges_of_the_figures() {
     let [low, high] = range_deg(&sine(0.0011));
     assert!((low + 51.8).abs() < 0.1 && (high - 49.5).abs() < 0.1);
     let [low, high] = range_deg(&sine(0.00101)[1800..]);

@@ -1,5 +1,5 @@
-//! What the plant must do whatever its numbers: hold without creep, stop where mechanics says,
-//! converge at fourth order through its events, and never create energy.
+//! Properties of the plant for any parameters. It sticks without creep, stops at the positions of analytical mechanics,
+//! converges at fourth order through its events, and never creates energy.
 
 use host_sim::plant::{
     Barrier, Course, Drift, Follower, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque,
@@ -26,7 +26,7 @@ fn run(
     run_behind(0.0, plant, start, tick_s, seconds, torque)
 }
 
-/// The same with a drive that lags by `lag_s`.
+/// The same with a drive that has a lag of `lag_s`.
 fn run_behind(
     lag_s: f64,
     plant: &Plant,
@@ -45,7 +45,7 @@ fn run_behind(
     positions.collect()
 }
 
-/// What acts in each of some ticks behind a lag of a drive that is told anew at every tick.
+/// The pieces of torque behind a lag, for a drive that gets a new command at every tick.
 fn pieces_behind(lag_s: f64, ticks_s: &[f64], torque: impl Fn(f64) -> f64) -> Vec<(Torque, f64)> {
     let (mut t, mut acting) = (0.0, Torque::held(0.0));
     let mut before_s = 0.0;
@@ -59,7 +59,7 @@ fn pieces_behind(lag_s: f64, ticks_s: &[f64], torque: impl Fn(f64) -> f64) -> Ve
 }
 
 #[test]
-fn a_hand_that_holds_swings_about_its_place_and_lets_go() {
+fn a_holding_contact_oscillates_about_its_position_and_is_released() {
     let (stiffness, inertia, displaced) = (0.5_f64, 5e-4, 0.1);
     let period_s = TAU * (inertia / stiffness).sqrt();
     let held_s = 1.25 * period_s;
@@ -120,12 +120,13 @@ fn the_static_level_is_settable_apart_from_the_sliding_one() {
     assert_eq!(state.phase, Phase::Stick);
     plant.advance(&mut state, Torque::held(0.0211), 0.05);
     let sliding = state.velocity / 0.05;
-    // Once it slides, the level has fallen, so that the jump in acceleration is more than 0.0001 N m.
+    // The level falls once it slides. The mean acceleration is therefore more than that of the 0.0001 N m above the static
+    // level.
     assert!(sliding > 0.0001 / 5.755e-4, "{sliding}");
 }
 
 #[test]
-fn what_is_carried_beside_the_drive_adds_to_what_holds() {
+fn the_transmitted_torque_of_a_spring_increases_the_holding_friction() {
     let breaks_away_at = |load_passive: f64, position: f64| {
         let plant = Plant::new(Mechanics {
             stiffness: 0.1,
@@ -140,13 +141,13 @@ fn what_is_carried_beside_the_drive_adds_to_what_holds() {
         plant.advance(&mut state, Torque::held(0.0), 1e-4);
         state.phase != Phase::Stick
     };
-    // 0.015 N m hold by themselves, and half of what the spring pulls.
+    // The level is 0.015 N m, plus half of the transmitted torque of the spring.
     assert!(breaks_away_at(0.0, 0.151) && !breaks_away_at(0.0, 0.149));
     assert!(breaks_away_at(1.0, 0.301) && !breaks_away_at(1.0, 0.299));
 }
 
 #[test]
-fn coasts_to_rest_where_mechanics_says() {
+fn coasts_to_rest_at_the_analytical_position() {
     let mechanics = Mechanics {
         friction: Friction::coulomb(0.015),
         ..Mechanics::inertia(5.755e-4)
@@ -174,7 +175,7 @@ fn a_lagged_drive_breaks_away_within_a_step_at_the_instant_of_equality() {
         }
         state.position
     };
-    // Breakaway at lag ln 2; from there J x'' = 0.015 - 0.03 exp(-t/lag).
+    // Breakaway is at lag · ln 2. From there J x'' = 0.015 - 0.03 exp(-t/lag).
     let (t, lag) = (0.02 - 0.01 * 2f64.ln(), 0.01);
     let exact =
         (0.015 * t * t / 2.0 - 0.015 * lag * (t - lag * (1.0 - (-t / lag).exp()))) / 5.755e-4;
@@ -285,7 +286,7 @@ proptest! {
 }
 
 #[test]
-fn bristles_bent_to_their_limit_let_go_of_a_restart_at_rest() {
+fn bristles_at_their_limit_allow_a_restart_at_rest() {
     let bristles = Presliding {
         distance: 1e-3,
         damping: 0.01,
@@ -309,7 +310,7 @@ fn bristles_bent_to_their_limit_let_go_of_a_restart_at_rest() {
 }
 
 #[test]
-fn a_stiff_link_makes_one_device_of_two_wherever_the_friction_is() {
+fn a_stiff_link_behaves_like_a_rigid_one_for_any_friction_share() {
     let drive = |t: f64| 0.03 * (9.0 * t).sin();
     let rigid = run(&Plant::new(paddle()), [0.0, 0.0], 1e-3, 2.0, drive);
     for load_friction in [0.0, 0.4, 1.0] {
@@ -332,7 +333,7 @@ fn a_stiff_link_makes_one_device_of_two_wherever_the_friction_is() {
 }
 
 #[test]
-fn each_side_of_a_play_is_slowed_by_its_share_of_the_viscous_friction() {
+fn within_the_play_each_side_has_its_share_of_the_viscous_friction() {
     let (load_share, load_friction) = (0.4, 0.3);
     let plant = Plant::new(Mechanics {
         viscous: 2e-3,
@@ -376,18 +377,18 @@ fn friction_on_the_load_side_holds_the_load_while_the_motor_turns() {
     assert!((state.position - 0.006 / 0.5).abs() < 1e-3, "{state:?}");
 }
 
-/// A drive that turns the paddle both ways, N m at a time in s.
+/// A drive that moves the paddle in both directions, N m at a time in s.
 fn to_and_fro(t: f64) -> f64 {
     0.05 * (40.0 * t).sin()
 }
 
-/// Largest difference of quick steps from exact ones, as a share of the way that is gone.
+/// Largest difference between quick and exact steps, relative to the travelled distance.
 fn error_of_quick(mechanics: &Mechanics) -> f64 {
     error_of_quick_behind(mechanics, 0.0)
 }
 
-/// The same with a drive that lags by `lag_s`: in ticks of one length, and where a course of ticks that come unevenly, two to a
-/// step, is followed.
+/// The same with a drive that has a lag of `lag_s`. It compares steps of one length, and a follower over uneven ticks, two
+/// per step.
 fn error_of_quick_behind(mechanics: &Mechanics, lag_s: f64) -> f64 {
     let [exact, quick] = [Plant::new, Plant::quick].map(|plant| plant(mechanics.clone()));
     let even =
@@ -401,7 +402,7 @@ fn error_of_quick_behind(mechanics: &Mechanics, lag_s: f64) -> f64 {
     ]))
 }
 
-/// Position after every other piece.
+/// Position after every second piece, by stepping.
 fn stepped(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
     let mut state = plant.state(0.0, 0.0, 0.0);
     let positions = pieces.chunks(2).map(|step| {
@@ -413,7 +414,7 @@ fn stepped(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
     positions.collect()
 }
 
-/// The same by following them.
+/// Position after every second piece, by a follower.
 fn followed(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
     let mut course = Course::default();
     for step in pieces.chunks(2) {
@@ -427,10 +428,10 @@ fn followed(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
     seen
 }
 
-/// Largest difference of two ways, as a share of the first.
+/// Largest difference between two motions, relative to the range of the first.
 fn farthest([exact, quick]: &[Vec<f64>; 2]) -> f64 {
     let differences = exact.iter().zip(quick).map(|(a, b)| (a - b).abs());
-    // What is held all the time goes no way at all.
+    // A joint that is held all the time does not move at all.
     let way = exact
         .iter()
         .fold(f64::MIN_POSITIVE, |way, x| way.max(x.abs()));
@@ -438,7 +439,7 @@ fn farthest([exact, quick]: &[Vec<f64>; 2]) -> f64 {
 }
 
 #[test]
-fn a_spring_that_hardens_keeps_its_energy_and_is_followed_by_long_steps() {
+fn a_hardening_spring_conserves_energy_and_long_steps_are_accurate() {
     let [stiffness, zero, hardening] = [0.4, 0.05, 8.0];
     let mechanics = Mechanics {
         stiffness,
@@ -469,7 +470,7 @@ fn a_spring_that_hardens_keeps_its_energy_and_is_followed_by_long_steps() {
 }
 
 #[test]
-fn bristles_that_bend_suddenly_are_followed_by_long_steps() {
+fn long_steps_are_accurate_with_bristles_that_bend_suddenly() {
     for distance in [2e-4, 1e-3, 5e-3] {
         for elastic in [0.0, 0.5, 0.8, 0.9] {
             let error = error_of_quick(&Mechanics {
@@ -490,7 +491,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn quick_steps_go_where_exact_ones_go(
+    fn quick_steps_match_exact_ones(
         load_share in 0.2..0.8f64,
         rate in 50.0..1500.0f64,
         damping_ratio in 0.3..1.0f64,
@@ -515,14 +516,14 @@ proptest! {
             linked.friction.stribeck.ratio = 1.5;
             linked.friction.stribeck.velocity = 0.2;
         }
-        // An impact makes ten times as much of what came before it.
+        // An impact amplifies an earlier error by ten.
         let most = if play > 0.0 { 2e-2 } else { 1e-3 };
         let error = error_of_quick_behind(&linked, lag_s);
         prop_assert!(error < most, "{error}");
     }
 
     #[test]
-    fn quick_steps_follow_a_light_load_that_is_heavy(
+    fn quick_steps_are_accurate_for_a_load_of_little_inertia_and_large_weight(
         load_share in 0.02..0.2f64,
         gravity in 0.1..1.5f64,
         rate in 50.0..1500.0f64,
@@ -549,7 +550,7 @@ proptest! {
     }
 
     #[test]
-    fn quick_steps_follow_two_masses_of_which_one_is_on_bristles(
+    fn quick_steps_are_accurate_for_two_masses_with_one_on_bristles(
         load_share in 0.2..0.8f64,
         rate in 50.0..1500.0f64,
         damping_ratio in 0.3..1.0f64,
@@ -575,13 +576,13 @@ proptest! {
             ..paddle
         };
         let error = error_of_quick_behind(&linked, lag_s);
-        // Impacts as above; bristles that bend suddenly as beside one mass.
+        // Impacts as above. Bristles that bend suddenly have the error that they have with one mass.
         let most = if play > 0.0 { 2e-2 } else { 5e-3 };
         prop_assert!(error < most, "{error}");
     }
 
     #[test]
-    fn quick_steps_follow_frictions_and_a_lag(
+    fn quick_steps_are_accurate_with_frictions_and_a_lag(
         lag_s in prop_oneof![Just(0.0), 3e-5..2e-4f64, 2e-4..2e-2f64],
         static_ratio in prop_oneof![Just(1.0), 1.2..2.0f64],
         exponent in prop_oneof![Just(1.0), Just(2.0), 1.2..3.0f64],
@@ -615,7 +616,7 @@ proptest! {
     }
 
     #[test]
-    fn quick_steps_follow_what_pushes(
+    fn quick_steps_are_accurate_with_contacts(
         away in 0.005..0.05f64,
         side in prop_oneof![Just(1.0), Just(-1.0), Just(0.0)],
         stiffness in 0.2..60.0f64,

@@ -1,4 +1,4 @@
-//! The step responses of the report's table 1 on the refitted paddle, at the lab's real period of 351 µs.
+//! The step responses of the report's table 1 on the fitted paddle, with the lab's true period of 351 µs.
 
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::Excitation;
@@ -24,8 +24,8 @@ fn step(kp: f32, ki: f32, kd: f32, seconds: f64) -> ClosedLoop {
 }
 
 #[test]
-fn the_gain_rows_come_out_as_on_the_refitted_paddle() {
-    // Overshoot, rise and settling of an independent simulation of the same paddle, in degrees and ms.
+fn the_step_responses_match_an_independent_simulation() {
+    // Overshoot, rise time and settling time of an independent simulation of the same paddle, in degrees and ms.
     let rows = [
         ((0.05, 0.0, 0.0003), (4.71, 26.3, None)),
         ((0.05, 0.0, 0.0008), (0.61, 38.9, Some(76.0))),
@@ -45,7 +45,7 @@ fn the_gain_rows_come_out_as_on_the_refitted_paddle() {
 }
 
 #[test]
-fn a_weak_loop_never_arrives() {
+fn a_weak_loop_never_reaches_the_target() {
     let report = step(0.01, 0.0, 0.0003, 1.0).controller().metrics().unwrap();
     assert_eq!((report.overshoot_rad, report.rise_s), (0.0, None));
 }

@@ -1,23 +1,23 @@
-//! A plant whose springs and dampers are fast against the step goes where a much finer solution goes, however uneven the steps are.
+//! A plant whose springs and dampers are fast relative to the step matches a much finer solution, for even and uneven steps.
 
 use host_sim::plant::{Barrier, Course, Follower, Friction, Link, Mechanics, Plant, Torque};
 use proptest::prelude::*;
 
-/// Product of the fastest rate and a step of the finer solution, which errs by 1e-6 of what changes in it.
+/// Product of the fastest rate and a step of the finer solution. Its error is 1e-6 of the change within a step.
 const FINE_RATE_STEP: f64 = 0.1;
 const ROWS: usize = 80;
 
-/// Rows of a log: how long each lasts, s, and what acts in it in turn, N m for s.
+/// Rows of a log. Each row is a list of pieces: a torque, N m, and its duration, s.
 struct Log {
     rows: Vec<Vec<(Torque, f64)>>,
     usual_s: f64,
 }
 
 impl Log {
-    /// Rows of about `usual_s` that are uneven by a share; a torque of up to `largest_nm` comes late by a share of a row, through a
-    /// lag.
+    /// Rows of about `usual_s` whose lengths vary by the share `uneven`. The torque is at most `largest_nm`. It comes late
+    /// by the share `late` of a row and has a lag.
     fn new(usual_s: f64, uneven: f64, largest_nm: f64, late: f64, lag_s: f64) -> Self {
-        let told = |i: usize| {
+        let commanded = |i: usize| {
             let turn = i as f64;
             largest_nm * (0.6 * (0.21 * turn).sin() + 0.4 * (1.7 * turn).sin().signum())
         };
@@ -33,9 +33,9 @@ impl Log {
             let late_s = late * lasts_s;
             let mut pieces = Vec::new();
             if late_s > 0.0 {
-                pieces.push(act(told(i.saturating_sub(1)), late_s));
+                pieces.push(act(commanded(i.saturating_sub(1)), late_s));
             }
-            pieces.push(act(told(i), lasts_s - late_s));
+            pieces.push(act(commanded(i), lasts_s - late_s));
             pieces
         });
         Self {
@@ -44,7 +44,7 @@ impl Log {
         }
     }
 
-    /// Position at the end of each row, each piece of it taken in steps of `longest_s` at most.
+    /// Position at the end of each row, with steps of at most `longest_s`.
     fn stepped(&self, plant: &Plant, longest_s: f64) -> Vec<f64> {
         let mut state = plant.state(0.0, 0.0, 0.0);
         let rows = self.rows.iter().map(|pieces| {
@@ -60,7 +60,7 @@ impl Log {
         rows.collect()
     }
 
-    /// The same by following it.
+    /// Position at the end of each row, by a follower.
     fn followed(&self, plant: &Plant) -> Vec<f64> {
         let mut course = Course::default();
         for pieces in &self.rows {
@@ -75,7 +75,8 @@ impl Log {
         seen
     }
 
-    /// Largest distance from the finer solution, as a share of the way that it goes without dry friction: of exact steps, of quick ones, and of a follower.
+    /// Largest errors of exact steps, of quick steps and of a follower, relative to the range of the finer solution without
+    /// dry friction.
     fn errors(&self, mechanics: &Mechanics, rate: f64) -> [f64; 3] {
         let [exact, quick] = [Plant::new, Plant::quick].map(|plant| plant(mechanics.clone()));
         let finer = self.stepped(&exact, FINE_RATE_STEP / rate);
@@ -89,7 +90,7 @@ impl Log {
             .fold(f64::MIN_POSITIVE, |way, x| way.max(x.abs()));
         let off = |positions: Vec<f64>| {
             let pairs = positions.iter().zip(&finer);
-            // A number that is none is as far off as can be.
+            // NaN counts as the largest possible error.
             pairs.fold(0.0, |farthest: f64, (x, fine)| {
                 let off = (x - fine).abs() / way;
                 if off.is_nan() {
@@ -107,8 +108,8 @@ impl Log {
     }
 }
 
-/// An inertia on a spring that turns through `angle` rad and is damped by `damped` time constants in `step_s`, with a dry friction of
-/// a share of the largest torque; and its fastest rate, 1/s.
+/// An inertia on a spring with dry friction, and its fastest rate, 1/s. In `step_s` it turns by `angle` rad and is damped by
+/// `damped` time constants. The friction is a share of the largest torque.
 fn on_a_spring(
     inertia: f64,
     [angle, damped]: [f64; 2],
@@ -125,7 +126,7 @@ fn on_a_spring(
 }
 
 #[test]
-fn a_heavily_damped_axis_with_uneven_rows_is_followed() {
+fn a_heavily_damped_axis_with_uneven_rows_is_accurate() {
     let log = Log::new(0.033, 0.45, 0.6, 0.0, 0.0);
     let mechanics = Mechanics {
         viscous: 2.0,
@@ -136,7 +137,7 @@ fn a_heavily_damped_axis_with_uneven_rows_is_followed() {
 }
 
 #[test]
-fn a_servo_as_spring_and_damper_with_any_friction_is_followed() {
+fn a_servo_as_spring_and_damper_with_any_friction_is_accurate() {
     for friction_nm in [0.0, 0.001, 1.0, 20.0] {
         let log = Log::new(0.02, 0.0, 30.0, 0.0, 0.0);
         let mechanics = Mechanics {
@@ -153,7 +154,7 @@ fn a_servo_as_spring_and_damper_with_any_friction_is_followed() {
     }
 }
 
-/// A link between halves of an inertia that turns and is damped at `rate`, 1/s.
+/// A link between the halves of an inertia. Its natural rate and its damping rate are `rate`, 1/s.
 fn stiff_link(inertia: f64, rate: f64) -> Link {
     Link {
         load_share: 0.5,
@@ -166,7 +167,7 @@ fn stiff_link(inertia: f64, rate: f64) -> Link {
 }
 
 #[test]
-fn masses_that_turn_on_their_link_within_a_row_are_followed_through_dry_friction() {
+fn masses_that_oscillate_on_their_link_within_a_row_are_accurate_with_dry_friction() {
     const STEP_S: f64 = 0.02;
     let (mut mechanics, spring_rate) = on_a_spring(1e-3, [1.31, 1.0], STEP_S, 0.434);
     let link_rate = 5.47 / STEP_S;
@@ -180,7 +181,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
-    fn one_mass_goes_where_a_finer_solution_goes(
+    fn one_mass_matches_a_finer_solution(
         inertia in prop_oneof![1e-5..1e-3f64, 1e-3..1.0f64],
         step_s in prop_oneof![Just(0.001), Just(0.02), 0.001..0.05f64],
         uneven in prop_oneof![Just(0.0), 0.01..0.8f64],
@@ -195,13 +196,13 @@ proptest! {
         let rate = rate.max(10.0 / step_s).max(if lag > 0.0 { 1.0 / (lag * step_s) } else { 0.0 });
         let errors = log.errors(&mechanics, rate);
         prop_assert!(errors[0] < 1e-3, "{errors:?}");
-        // A follower takes a torque that changes within a row as one with the same effect at the row's end.
+        // A follower replaces a torque that changes within a row by one with the same effect at the end of the row.
         let most = if late > 0.0 || lag > 0.0 { 1e-2 } else { 3e-3 };
         prop_assert!(errors[1] < 3e-3 && errors[2] < most, "{errors:?}");
     }
 
     #[test]
-    fn what_is_stiff_beside_something_else_goes_where_a_finer_solution_goes(
+    fn a_stiff_part_beside_other_effects_matches_a_finer_solution(
         step_s in prop_oneof![Just(0.02), 0.005..0.05f64],
         uneven in prop_oneof![Just(0.0), 0.05..0.6f64],
         angle in 0.1..3.0f64,
@@ -213,7 +214,7 @@ proptest! {
         let inertia = 1e-3;
         let (mut mechanics, mut rate) = on_a_spring(inertia, [angle, damped], step_s, friction);
         match other {
-            // Torque of up to 1 takes it about so far.
+            // The distance that a torque of up to 1 moves it.
             0 => mechanics.barriers[0] = Some(Barrier {
                 at: 0.3 * much / (mechanics.stiffness + mechanics.viscous / step_s),
                 side: 1.0,

@@ -1,4 +1,4 @@
-//! Dry friction that depends on the direction.
+//! Dry friction with different levels in the two directions.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 

@@ -1,11 +1,11 @@
-//! Play between motor and load.
+//! Backlash between motor and load.
 
 use super::{
     Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, PLAIN, Parameter, Quantity,
 };
 use crate::plant::Link;
 
-/// `T = 0 within the play, K d beyond`.
+/// `T = 0` within the play, `K d` beyond it.
 pub const KIND: Kind = Kind {
     name: "backlash",
     channel: Channel::Mechanics,

@@ -1,12 +1,12 @@
-//! The torque ripples with position.
+//! A torque ripple that depends on the position.
 
 use super::{ANY, Channel, Events, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 use crate::plant::{Cogging, FURTHER, Wave};
 use core::ops::Range;
 
-/// Places of what is said of each wave: its amplitude, wave number and phase.
+/// Indices of the values of one wave: amplitude, wave number and phase.
 const WAVES: Range<usize> = 0..3;
-/// Number of values of one with a single wave.
+/// Number of values of an effect with a single wave.
 const SINGLE: usize = 5;
 
 fn wave(values: &[f64]) -> Wave {
@@ -21,7 +21,7 @@ fn wave(values: &[f64]) -> Wave {
 pub const KIND: Kind = Kind {
     name: "cogging",
     channel: Channel::Actuation,
-    about: "The torque ripples with position",
+    about: "The torque has a ripple over the position",
     equation: "T = A sin θ + a sin 2θ + b cos 2θ + A2 sin(n2 x + φ2) + …, θ = n x + φ",
     sizes_from: "The waves seen on a recording of the lab's paddle have up to 3 mN m; the range beyond is an assumption. A wave number of 360 is a motor with 24 waves a turn behind the gear of 15.",
     parameters: &[

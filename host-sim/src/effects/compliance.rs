@@ -1,4 +1,4 @@
-//! A transmission that twists between motor and load.
+//! A compliant transmission between motor and load.
 
 use super::{
     Channel, INERTIA_SHARE, Kind, LOAD_FRICTION, NOT_NEGATIVE, PLAIN, Parameter, Quantity,

@@ -1,22 +1,22 @@
-//! Something outside pushes back for a while, or holds.
+//! An external object that touches or holds the joint for a time.
 
 use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, instant};
 use crate::device::{CONTACT, PUSH};
 use crate::plant::Barrier;
 use core::ops::Range;
 
-/// Places of what is said of each time that it comes: from which side, where, from when and until when.
-const STAY: Range<usize> = 2..6;
+/// Indices of the values of one contact: side, position, start and end.
+const CONTACT_VALUES: Range<usize> = 2..6;
 
-fn stays(values: &[f64]) -> impl Iterator<Item = &[f64]> {
-    values[STAY.start..].chunks_exact(STAY.len())
+fn contacts(values: &[f64]) -> impl Iterator<Item = &[f64]> {
+    values[CONTACT_VALUES.start..].chunks_exact(CONTACT_VALUES.len())
 }
 
-/// `T = −max(0, K d + D d') while it is there`.
+/// `T = −max(0, K d + D d')` during the contact.
 pub const KIND: Kind = Kind {
     name: "contact",
     channel: Channel::Surroundings,
-    about: "Something outside pushes back for a while, or holds",
+    about: "An external object touches the joint, or holds it, for a time",
     equation: "T = −max(0, K d + D d') while it is there; −K d − D d' if it holds",
     sizes_from: "The sizes are assumptions: from the light touch of a finger to a hard edge, anywhere within the travel of the paddle, ±0.61 rad.",
     parameters: &[
@@ -56,7 +56,7 @@ pub const KIND: Kind = Kind {
         instant("to", 0.8),
     ],
     events: Some(Events {
-        places: STAY,
+        places: CONTACT_VALUES,
         most: PUSH - CONTACT,
         alone: |_| true,
         instants: Some([2, 3]),
@@ -64,18 +64,18 @@ pub const KIND: Kind = Kind {
     install: |device, p| {
         let [stiffness, damping] = [p[0], p[1]];
         let barriers = device.mechanics.barriers[CONTACT..PUSH].iter_mut();
-        for (barrier, stay) in barriers.zip(stays(p)) {
+        for (barrier, contact) in barriers.zip(contacts(p)) {
             *barrier = Some(Barrier {
-                at: stay[1],
-                side: if stay[0] == 0.0 {
+                at: contact[1],
+                side: if contact[0] == 0.0 {
                     0.0
                 } else {
-                    stay[0].signum()
+                    contact[0].signum()
                 },
                 stiffness,
                 damping,
                 torque_nm: 0.0,
-                during_s: Some([stay[2], stay[3]]),
+                during_s: Some([contact[2], contact[3]]),
             });
         }
     },

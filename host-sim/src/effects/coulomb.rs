@@ -1,4 +1,4 @@
-//! Dry friction at another level.
+//! Dry friction whose level differs from the model's.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 
@@ -6,7 +6,7 @@ use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 pub const KIND: Kind = Kind {
     name: "coulomb",
     channel: Channel::Friction,
-    about: "Dry friction at another level",
+    about: "Dry friction that differs from the model's",
     equation: "F = F_c sign(v)",
     sizes_from: "Paddles of the lab have 1.1 to 1.65 mN m at the motor, which is 17 to 25 mN m at the paddle. The range goes to twice that.",
     parameters: &[Parameter {

@@ -1,8 +1,8 @@
-//! Small inputs do nothing.
+//! A dead band: small inputs give no torque.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 
-/// `T = ratio · (u − (1 − j) (s ± 1) w)` beyond the edges `(s ± 1) w`, between them 0.
+/// `T = ratio · (u − (1 − j) (s ± 1) w)` beyond the edges `(s ± 1) w`, and 0 between them.
 pub const KIND: Kind = Kind {
     name: "deadband",
     channel: Channel::Actuation,
@@ -24,7 +24,7 @@ pub const KIND: Kind = Kind {
         ),
         share(
             "first",
-            "1 if the input's limit is of what is left, 0 if the dead band is behind it",
+            "1 if the dead band comes before the limit of the input, 0 if it comes after",
         ),
         Parameter {
             name: "skew",

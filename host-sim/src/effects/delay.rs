@@ -1,4 +1,4 @@
-//! The torque follows the input later, or sooner, than the model knows.
+//! A dead time that differs from the model's.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 

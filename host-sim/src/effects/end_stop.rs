@@ -2,7 +2,7 @@
 
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 
-/// `T = −max(0, K d + D d') beyond the stop`.
+/// `T = −max(0, K d + D d')` beyond the stop.
 pub const KIND: Kind = Kind {
     name: "end_stop",
     channel: Channel::Mechanics,
@@ -32,7 +32,7 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 20.0,
             typical: [1.0, 100.0],
-            about: "stiffness of both stops; a stop at the same place as one of the model keeps the model's",
+            about: "stiffness of both stops; a stop at the position of a stop of the model keeps the model's stiffness",
         },
         Parameter {
             name: "damping",

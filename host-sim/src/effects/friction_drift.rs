@@ -3,7 +3,8 @@
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 use crate::plant::Drift;
 
-/// `F = F_c (1 + d t) sign(v)`, or with τ (1 − e^(−t/τ)), or −τ e^(−t/τ), in the place of t; a step adds to that from its instant on.
+/// `F = F_c (1 + d t) sign(v)`. With a time constant τ, t is replaced by τ (1 − e^(−t/τ)), or by −τ e^(−t/τ) if the level is
+/// the settled one. A step adds to this from its instant on.
 pub const KIND: Kind = Kind {
     name: "friction_drift",
     channel: Channel::Friction,
@@ -25,15 +26,15 @@ pub const KIND: Kind = Kind {
             range: NOT_NEGATIVE,
             default: 0.0,
             typical: [0.0, 20.0],
-            about: "time constant with which it settles; 0 if it does not",
+            about: "time constant with which it settles; 0 if it does not settle",
         },
         share(
             "anew",
-            "1 if it starts anew with a run's clock, 0 if it goes on through the session",
+            "1 if it restarts with the clock of each run, 0 if it continues through the session",
         ),
         share(
             "settled",
-            "1 if the model's level is where it settles, 0 if it is where it starts",
+            "1 if the model's level is the settled one, 0 if it is the one at the start",
         ),
         Parameter {
             name: "step",

@@ -1,4 +1,4 @@
-//! Another weight, or another angle at which it hangs.
+//! Gravity that differs from the model's in size or in the hanging position.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, zero};
 
@@ -6,7 +6,7 @@ use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, zero};
 pub const KIND: Kind = Kind {
     name: "gravity",
     channel: Channel::Mechanics,
-    about: "Another weight, or another angle at which it hangs",
+    about: "A weight, or a hanging position, that differs from the model's",
     equation: "T = −G sin(x − x_G)",
     sizes_from: "The range is an assumption: up to seven times the weight times lever of the paddle's model, 14.6 mN m.",
     parameters: &[
@@ -18,7 +18,7 @@ pub const KIND: Kind = Kind {
             typical: [0.0, 0.1],
             about: "weight times lever",
         },
-        zero("where it hangs at rest"),
+        zero("position at which it hangs at rest"),
     ],
     install: |device, p| {
         device.mechanics.gravity = p[0];

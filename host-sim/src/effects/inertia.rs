@@ -1,4 +1,4 @@
-//! Another inertia.
+//! An inertia that differs from the model's.
 
 use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 
@@ -6,7 +6,7 @@ use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 pub const KIND: Kind = Kind {
     name: "inertia",
     channel: Channel::Mechanics,
-    about: "Another inertia",
+    about: "An inertia that differs from the model's",
     equation: "J x'' = T",
     sizes_from: "The range is an assumption: half to twice the inertia of the paddle's model, 5.755e-4 kg m².",
     parameters: &[Parameter {

@@ -1,14 +1,15 @@
-//! The torque is no straight line of the input.
+//! A torque that is not proportional to the input.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, POSITIVE, Parameter, Quantity};
 use crate::drive::InputCurve;
 
-/// `T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p`: a dead zone, then a power of what is beyond it. At the input `U` the
-/// torque is `g` times what it would be. A power below 1 is a gain that falls with the input, one of 2 a square law.
+/// `T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p`: a dead zone followed by a power law. At the input `U` the
+/// torque is `g` times that of the model. With p below 1 the gain falls with the input. With p = 2 the torque grows with the
+/// square.
 pub const KIND: Kind = Kind {
     name: "input_nonlinearity",
     channel: Channel::Actuation,
-    about: "The torque is a curve of the input",
+    about: "The torque is a nonlinear function of the input",
     equation: "T = ratio · g · U · sgn u · (max(|u| − w, 0) / (U − w))^p",
     sizes_from: "The sizes are assumptions: powers from a cube root to a cube (the thrust of a propeller is a square), and reference inputs of 3 to 30 % of the paddle's torque limit, 32.3 mN m at the motor.",
     parameters: &[

@@ -1,4 +1,4 @@
-//! A kind of effect: its name, its numbers and how it is put into a device.
+//! A kind of effect: its name, its parameters, and how it changes a device.
 
 use super::EffectError;
 use super::quantity::Parameter;
@@ -7,18 +7,18 @@ use crate::plant::{Law, TorqueLaw};
 use core::ops::Range;
 use std::sync::Arc;
 
-/// Part of a device that an effect sits in.
+/// The part of a device that an effect changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Channel {
-    /// From the input to the torque.
+    /// The path from the input to the torque.
     Actuation,
-    /// What resists motion.
+    /// Friction.
     Friction,
     /// Inertia, elasticity, stops.
     Mechanics,
-    /// From the position to its reading.
+    /// The path from the position to its reading.
     Sensing,
-    /// Outside the device.
+    /// Objects outside the device.
     Surroundings,
 }
 
@@ -40,26 +40,26 @@ impl Channel {
 pub struct Kind {
     /// The name in the recording contract.
     pub name: &'static str,
-    /// Where it sits.
+    /// The part of the device that it changes.
     pub channel: Channel,
-    /// In one sentence.
+    /// Description in one sentence.
     pub about: &'static str,
     /// Its equation.
     pub equation: &'static str,
-    /// Where the typical sizes of its numbers come from.
+    /// Source of the typical parameter values.
     pub sizes_from: &'static str,
-    /// Its numbers, in the order in which `install` takes them. Further values repeat those of [`Events`], once for
-    /// each further event.
+    /// Its parameters, in the order in which `install` takes their values. Further values repeat the parameters of
+    /// [`Events`], once per additional event.
     pub parameters: &'static [Parameter],
-    /// Puts it into a device, with numbers in their ranges.
+    /// Applies the effect to a device. The values must be in their ranges.
     pub(super) install: fn(&mut Device, &[f64]),
-    /// The parameters that may be repeated; `None` if there are none.
+    /// The parameters that may be repeated. `None` if there are none.
     pub(super) events: Option<Events>,
     /// Its torque, if it is given as a law.
     pub(super) law: Option<&'static dyn TorqueLaw>,
 }
 
-/// A kind without parameters that changes nothing: the rest of a definition that does not need all fields.
+/// A kind without parameters and without effect. It completes definitions that do not set all fields.
 pub(super) const PLAIN: Kind = Kind {
     name: "",
     channel: Channel::Mechanics,
@@ -72,21 +72,21 @@ pub(super) const PLAIN: Kind = Kind {
     law: None,
 };
 
-/// Parameters of an effect that may be repeated: those of an event at a moment of the session, or of one wave of a ripple.
+/// Parameters that may be repeated: those of an event, or of one wave of a ripple.
 #[derive(Debug)]
 pub(super) struct Events {
-    /// Places of what is said of each time.
+    /// Indices of the parameters of one event.
     pub places: Range<usize>,
-    /// How often it may happen.
+    /// Largest number of events.
     pub most: usize,
-    /// True if with these values it acts at these moments alone.
+    /// True if the effect with these values acts only during its events.
     pub alone: fn(&[f64]) -> bool,
-    /// Places of the instants from when to when it acts, s of the session, among what is said of each time; none if it stays for ever.
+    /// Indices of start and end time, s of the session, within the parameters of one event. `None` if an event does not end.
     pub instants: Option<[usize; 2]>,
 }
 
 impl Kind {
-    /// Puts it into a device. Numbers beyond their range are taken at its end.
+    /// Applies the effect to a device. Values outside their range are set to its nearer end.
     pub fn install(&self, device: &mut Device, values: &[f64]) {
         let values = self.held(values);
         (self.install)(device, &values);
@@ -96,7 +96,7 @@ impl Kind {
         }
     }
 
-    /// The numbers, those beyond their range at its end.
+    /// The values, with those outside their range set to its nearer end.
     pub fn held(&self, values: &[f64]) -> Vec<f64> {
         let values = values.iter().enumerate();
         let held = values.map(|(place, value)| {
@@ -106,10 +106,11 @@ impl Kind {
         held.collect()
     }
 
-    /// A number written as `name` for the value at `place`.
+    /// Checks a value for the parameter at index `place`. `name` is the parameter's name as the user wrote it.
     ///
     /// # Errors
-    /// [`EffectError::Range`] if it has no meaning there.
+    ///
+    /// [`EffectError::Range`] if the value is outside the range.
     pub fn checked(&self, place: usize, name: &str, value: f64) -> Result<f64, EffectError> {
         let [low, high] = self.parameter(place).range;
         if value.is_finite() && (low..=high).contains(&value) {
@@ -129,7 +130,7 @@ impl Kind {
         })
     }
 
-    /// The parameter of the value at `place`; there are more values than parameters where something happens more than once.
+    /// The parameter of the value at index `place`. Repeated events have more values than parameters.
     pub fn parameter(&self, place: usize) -> &'static Parameter {
         let Range { start, end } = self.repeated();
         let again = |beyond: usize| start + beyond % (end - start).max(1);
@@ -137,8 +138,7 @@ impl Kind {
         &self.parameters[beyond.map_or(place, again)]
     }
 
-    /// Name of the value at `place` of an effect of this kind that has `count` of them; what happens more than once is
-    /// numbered from 1.
+    /// Name of the value at index `place` of an effect with `count` values. Names of repeated events are numbered from 1.
     pub fn value_name(&self, place: usize, count: usize) -> String {
         let once = self.parameters.len();
         let name = self.parameter(place).name;
@@ -149,33 +149,33 @@ impl Kind {
         }
     }
 
-    /// Places of what is said of each time that it happens; none if it always does.
+    /// Indices of the parameters of one event. Empty if they cannot be repeated.
     fn repeated(&self) -> Range<usize> {
         self.events.as_ref().map_or(0..0, |e| e.places.clone())
     }
 
-    /// How often something may happen.
+    /// Largest number of events.
     pub fn most_events(&self) -> usize {
         self.events.as_ref().map_or(1, |e| e.most)
     }
 
-    /// Names of the values of an effect that happens as often as the numbers of those that are `wanted` say, which may be others.
+    /// Names of all values of an effect. The number of events is the highest number at the end of the names in `wanted`.
     pub fn value_names(&self, wanted: &[&str]) -> Vec<String> {
         let number = |name: &&str| name.rsplit_once('_')?.1.parse().ok();
-        let told = wanted.iter().filter_map(number).max().unwrap_or(1);
-        // Each event needs a number of its own, so that there are no more events than numbers.
+        let named = wanted.iter().filter_map(number).max().unwrap_or(1);
+        // Each event needs a numbered name of its own, so there cannot be more events than names.
         let most = self.most_events().min(wanted.len()).max(1);
-        let count = self.event_place(told.clamp(1, most));
+        let count = self.event_place(named.clamp(1, most));
         let places = 0..count;
         places.map(|place| self.value_name(place, count)).collect()
     }
 
-    /// True if with these values it acts at moments of one session alone.
+    /// True if the effect with these values acts only during events of one session.
     pub fn is_event(&self, values: &[f64]) -> bool {
         self.events.as_ref().is_some_and(|e| (e.alone)(values))
     }
 
-    /// When it acts with these values, s of the session; none if at all times.
+    /// Times during which the effect with these values acts, s of the session. `None` if it acts at all times.
     pub fn meanwhile(&self, values: &[f64]) -> Option<Vec<[f64; 2]>> {
         let instants = self.instants()?;
         let places = (0..self.event_count(values)).map(|event| self.event_place(event));
@@ -186,19 +186,19 @@ impl Kind {
         )
     }
 
-    /// Places of the instants from when to when it acts among what is said of each time; none if it acts at all times or stays for
-    /// ever.
+    /// Indices of start and end time within the parameters of one event. `None` if the effect acts at all times or its
+    /// events do not end.
     pub fn instants(&self) -> Option<[usize; 2]> {
         self.events.as_ref()?.instants
     }
 
-    /// How often it happens with these values.
+    /// Number of events with these values.
     pub fn event_count(&self, values: &[f64]) -> usize {
         let counted = (0..).take_while(|event| self.event_place(*event) < values.len());
         counted.count()
     }
 
-    /// Place of the first value of the event `index`.
+    /// Index of the first value of event number `index`.
     pub fn event_place(&self, index: usize) -> usize {
         match index.checked_sub(1) {
             Some(before) => self.parameters.len() + self.repeated().len() * before,
@@ -206,7 +206,7 @@ impl Kind {
         }
     }
 
-    /// The values of an effect that does nothing but happen so, each time with these values.
+    /// Values of an effect with these events. All other parameters have their defaults.
     pub fn events<const N: usize>(&self, events: &[[f64; N]]) -> Vec<f64> {
         let count = self.event_place(events.len().max(1));
         let mut values: Vec<f64> = (0..count).map(|i| self.parameter(i).default).collect();

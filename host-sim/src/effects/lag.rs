@@ -1,8 +1,8 @@
-//! The torque follows the input through a first-order lag, or two.
+//! A first-order lag, or two, between input and torque.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, share};
 
-/// `τ T' + T = ratio · u`, or this of what comes of it.
+/// `τ T' + T = ratio · u`. A second lag in series has this torque as its input.
 pub const KIND: Kind = Kind {
     name: "lag",
     channel: Channel::Actuation,
@@ -20,7 +20,7 @@ pub const KIND: Kind = Kind {
         },
         share(
             "apart",
-            "1 if it is another lag behind the model's, 0 if that one is longer",
+            "1 if it is a second lag in series with the model's, 0 if it adds to the model's time constant",
         ),
         share("twice", "1 if it is both"),
     ],

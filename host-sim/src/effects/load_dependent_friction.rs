@@ -1,9 +1,9 @@
-//! Dry friction that grows with the torque that is transmitted.
+//! Dry friction that grows with the transmitted torque.
 
 use super::{ANY, Channel, Kind, NOT_NEGATIVE, PLAIN, POSITIVE, Parameter, Quantity};
 
-/// `F = (F_c + µ |T + p P(x)|) sign(v)`, where P pulls whatever the drive does; `b µ` in place of µ where the transmitted torque acts
-/// against the motion: the friction of a gear differs when the load drives it.
+/// `F = (F_c + µ |T + p P(x)|) sign(v)`, where P is the torque of gravity and springs. Where the transmitted torque acts
+/// against the motion, µ is replaced by `b µ`: the friction of a gear differs when the load drives it.
 pub const KIND: Kind = Kind {
     name: "load_dependent_friction",
     channel: Channel::Friction,
@@ -25,7 +25,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-1.0, 1.0],
-            about: "part of the torque of gravity and springs that counts as transmitted beside the drive",
+            about: "share of the torque of gravity and springs that counts as transmitted in addition to the drive's",
         },
         Parameter {
             name: "backdriven",

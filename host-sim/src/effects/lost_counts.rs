@@ -1,20 +1,20 @@
-//! The sensor loses counts: all at once, or more the faster it turns.
+//! Lost counts of the sensor, at one instant or continuously above a speed.
 
 use super::{ANY, Channel, Events, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, SHARE};
 use crate::sensing::{Jump, Overspeed};
 use core::ops::Range;
 
-/// Places of what is said of each jump: when, and how high.
+/// Indices of the values of one jump: time and height.
 const JUMP: Range<usize> = 0..2;
-/// Places of the share that is lost at speed, and of the speed.
+/// Indices of the share that is lost above a speed, and of that speed.
 const SHARE_LOST: usize = 2;
 const FROM_SPEED: usize = 3;
 
-/// `y = x + Δ from t on`, and `y' = x' − q (x' − v sgn x')` beyond `|x'| = v`.
+/// `y = x + Δ` from the instant t, and `y' = x' − q (x' − v sgn x')` where `|x'| > v`.
 pub const KIND: Kind = Kind {
     name: "lost_counts",
     channel: Channel::Sensing,
-    about: "The sensor jumps and stays off, or falls behind at speed",
+    about: "The sensor loses counts, at one instant or at high speed",
     equation: "y = x + Δ from t on, y' = x' − q (x' − v sgn x') where |x'| > v",
     sizes_from: "The sizes are assumptions: jumps of up to half of the way from the middle of the paddle's travel to its end, 0.61 rad.",
     parameters: &[

@@ -1,5 +1,4 @@
-//! The effects that can be switched into a simulated device, one file each: equation, parameters,
-//! typical range.
+//! The effects that can be added to a simulated device, one file each, with equation, parameters and typical ranges.
 
 pub mod asymmetric_coulomb;
 pub mod backlash;
@@ -47,12 +46,12 @@ const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 const NOT_NEGATIVE: [f64; 2] = [0.0, f64::INFINITY];
 const POSITIVE: [f64; 2] = [f64::MIN_POSITIVE, f64::INFINITY];
 const SHARE: [f64; 2] = [0.0, 1.0];
-/// Range of the share of the inertia on either side of a transmission.
+/// Range of the share of the inertia on the load side of a transmission.
 const INERTIA_SHARE: [f64; 2] = [0.01, 0.99];
-/// Range of the level of a dry friction that varies, relative to the model's.
+/// Range of a level of dry friction, relative to the model's.
 const LEVEL: [f64; 2] = [0.01, f64::INFINITY];
 
-/// A share of something, or a choice between none and all of it, that is none by default.
+/// A parameter that is a share or a switch, with the default 0.
 const fn share(name: &'static str, about: &'static str) -> Parameter {
     Parameter {
         name,
@@ -64,7 +63,7 @@ const fn share(name: &'static str, about: &'static str) -> Parameter {
     }
 }
 
-/// The place at which an effect does nothing.
+/// A parameter for a position, with the default 0.
 const fn zero(about: &'static str) -> Parameter {
     Parameter {
         name: "zero",
@@ -76,7 +75,7 @@ const fn zero(about: &'static str) -> Parameter {
     }
 }
 
-/// The instant at which an event begins or ends.
+/// A parameter for the start or the end of an event.
 const fn instant(name: &'static str, default: f64) -> Parameter {
     Parameter {
         name,
@@ -100,7 +99,7 @@ const WAVE_NUMBER: Parameter = Parameter {
     about: "2π over the period of the ripple",
 };
 
-/// All kinds, in the order of the contract's vocabulary.
+/// All kinds, in the order of the contract.
 pub const KINDS: &[&Kind] = &[
     &torque_gain::KIND,
     &torque_offset::KIND,
@@ -135,37 +134,38 @@ pub const KINDS: &[&Kind] = &[
     &push::KIND,
 ];
 
-/// The kind called `name`.
+/// Finds the kind called `name`.
 pub fn kind(name: &str) -> Option<&'static Kind> {
     let built_in = KINDS.iter().copied().find(|kind| kind.name == name);
     built_in.or_else(|| own::find(name))
 }
 
-/// An effect as a user asks for it.
+/// An effect with its values.
 #[derive(Clone, Debug)]
 pub struct Effect {
     /// Its kind.
     pub kind: &'static Kind,
-    /// Its numbers, in the order of the kind's parameters.
+    /// Its values, in the order of the kind's parameters.
     pub values: Vec<f64>,
 }
 
 impl Effect {
-    /// True if it acts at moments of one session.
+    /// True if it acts only during events of one session.
     pub fn is_event(&self) -> bool {
         self.kind.is_event(&self.values)
     }
 
-    /// Puts it into `device`.
+    /// Applies it to `device`.
     pub fn install(&self, device: &mut Device) {
         self.kind.install(device, &self.values);
     }
 }
 
-/// Makes sure that no two effects are of one kind: each sets numbers of the device, and the second would silently replace
-/// the first.
+/// Checks that no two effects have the same kind. Each effect sets parameters of the device, so the second would replace the
+/// first.
 ///
 /// # Errors
+///
 /// [`EffectError::Twice`].
 pub fn check_distinct<'a>(
     effects: impl IntoIterator<Item = &'a Effect>,
@@ -181,46 +181,46 @@ pub fn check_distinct<'a>(
     Ok(())
 }
 
-/// What is wrong with an effect as written.
+/// Why the text of an effect is not valid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EffectError {
-    /// No such kind.
+    /// No kind has this name.
     #[error("no effect is called '{0}'; `paddle effects` lists them")]
     Kind(String),
-    /// No such parameter.
+    /// The kind has no parameter with this name.
     #[error("effect '{kind}' has no parameter '{name}'; it has {known}")]
     Parameter {
         /// The kind.
         kind: &'static str,
-        /// As written.
+        /// The name as written.
         name: String,
         /// The parameters that the kind has.
         known: String,
     },
-    /// Two of one kind, of which the second would silently replace the first.
+    /// Two effects of the same kind.
     #[error("effect '{0}' is there twice; write it once, with all its parameters")]
     Twice(&'static str),
-    /// One parameter written twice.
+    /// A parameter is written twice.
     #[error("{kind} has {name} twice; write it once")]
     ParameterTwice {
         /// The kind.
         kind: &'static str,
-        /// Name of the parameter, as written.
+        /// Name of the parameter as written.
         name: String,
     },
-    /// Not a finite number.
+    /// The value is not a finite number.
     #[error("'{0}' is no number; write an effect as name:parameter=value,parameter=value")]
     Value(String),
-    /// A number that has no meaning there.
+    /// The value is outside the allowed range.
     #[error("{kind} cannot have {name} = {value}; write {mend}")]
     Range {
         /// The kind.
         kind: &'static str,
-        /// Name of the parameter, as written.
+        /// Name of the parameter as written.
         name: String,
-        /// As written.
+        /// The value as written.
         value: f64,
-        /// What has a meaning.
+        /// The allowed values.
         mend: String,
     },
 }
@@ -228,8 +228,8 @@ pub enum EffectError {
 impl core::str::FromStr for Effect {
     type Err = EffectError;
 
-    /// Reads `name` or `name:parameter=value,parameter=value`; what is left out takes its default. What happens more than once
-    /// is numbered: `contact:from_1=2,to_1=3,from_2=6,to_2=7`.
+    /// Parses `name` or `name:parameter=value,parameter=value`. Missing parameters take their defaults. Parameters of
+    /// repeated events are numbered: `contact:from_1=2,to_1=3,from_2=6,to_2=7`.
     fn from_str(text: &str) -> Result<Self, EffectError> {
         let (name, settings) = text.split_once(':').unwrap_or((text, ""));
         let kind = kind(name).ok_or_else(|| EffectError::Kind(name.into()))?;
@@ -273,7 +273,7 @@ mod tests {
     use recording::Model;
 
     #[test]
-    fn static_friction_below_the_sliding_level_is_none() {
+    fn static_friction_below_the_sliding_level_is_refused() {
         let written = "stribeck:static_ratio=0.9".parse::<Effect>();
         let refused = written.unwrap_err().to_string();
         assert_eq!(
@@ -289,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_an_effect_that_comes_twice_are_in_the_order_of_its_definition_and_of_time() {
+    fn values_of_repeated_events_are_in_the_order_of_their_definition_and_number() {
         let names = kind("contact").unwrap().value_names(&["from_1", "from_2"]);
         let expected = [
             "stiffness",
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_twice_is_refused() {
+    fn a_repeated_parameter_or_effect_is_refused() {
         let twice = "stribeck:static_ratio=1.2,static_ratio=1.4".parse::<Effect>();
         let said = twice.unwrap_err().to_string();
         assert_eq!(said, "stribeck has static_ratio twice; write it once");
@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn what_happens_more_than_once_is_numbered() {
+    fn parameters_of_repeated_events_are_numbered() {
         let values = |text: &str| text.parse::<Effect>().map(|effect| effect.values);
         let twice = values("contact:side_1=0,from_1=1,to_1=2,position_2=3,from_2=5,to_2=6");
         let twice = twice.unwrap();

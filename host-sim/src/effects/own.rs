@@ -1,4 +1,4 @@
-//! Effects that a user adds to the vocabulary while the program runs.
+//! User-defined effects, which are added while the program runs.
 
 use super::kind::PLAIN;
 use super::{Channel, KINDS, Kind, Parameter};
@@ -7,29 +7,30 @@ use std::sync::{PoisonError, RwLock};
 
 static OWN: RwLock<Vec<&'static Kind>> = RwLock::new(Vec::new());
 
-/// The definition of a user's effect.
+/// Definition of a user-defined effect.
 #[derive(Debug)]
 pub struct OwnKind {
     /// Its name.
     pub name: String,
-    /// In one sentence.
+    /// Description in one sentence.
     pub about: String,
     /// Its equation.
     pub equation: String,
-    /// Its numbers, in the order in which the law takes them.
+    /// Its parameters, in the order in which the law takes them.
     pub parameters: Vec<Parameter>,
     /// Its torque.
     pub law: Box<dyn TorqueLaw>,
 }
 
-/// There is an effect of this name.
+/// An effect with this name exists.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("an effect is called `{0}` already; give yours another name")]
 pub struct NameTaken(pub String);
 
-/// Adds an effect to the vocabulary for as long as the program runs.
+/// Adds an effect until the program ends.
 ///
 /// # Errors
+///
 /// [`NameTaken`].
 pub fn add(own: OwnKind) -> Result<&'static Kind, NameTaken> {
     let mut all = OWN.write().unwrap_or_else(PoisonError::into_inner);
@@ -50,7 +51,7 @@ pub fn add(own: OwnKind) -> Result<&'static Kind, NameTaken> {
     Ok(kind)
 }
 
-/// The added effect called `name`.
+/// Finds the added effect called `name`.
 pub(super) fn find(name: &str) -> Option<&'static Kind> {
     let all = OWN.read().unwrap_or_else(PoisonError::into_inner);
     all.iter().copied().find(|kind| kind.name == name)

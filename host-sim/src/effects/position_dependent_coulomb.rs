@@ -4,7 +4,7 @@ use super::{ANY, Channel, Kind, LEVEL, PLAIN, POSITIVE, Parameter, Quantity, WAV
 use crate::plant::Spot;
 use crate::ripple::Ripple;
 
-/// Below, a bell would have a cusp; above, its flanks are walls.
+/// Range of the exponent of a spot. A lower exponent gives a cusp, a higher one vertical flanks.
 const SPOT_EXPONENTS: [f64; 2] = [Spot::BELL, 32.0];
 
 /// `F = F_c max(0, l + a x + b x² + r sin(n x) + s (cos(n x) − 1) + h exp(−|(x − c)/w|^m)) sign(v)`.

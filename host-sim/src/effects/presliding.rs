@@ -1,19 +1,20 @@
-//! Dry friction that bends before it slides.
+//! Dry friction with elastic presliding.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, POSITIVE, Parameter, Quantity};
 use crate::plant::Presliding;
 
-/// Below, a solver would see a corner; above, bristles would hardly slide.
+/// Range of the exponent. A lower one gives a corner that no solver follows. With a higher one the bristles hardly slide.
 const EXPONENTS: [f64; 2] = [0.05, 4.0];
 
-/// Bristles that are elastic up to where they slide would be a spring.
+/// Largest elastic share. With a larger one the bristles are only a spring.
 const MOST_ELASTIC: f64 = 0.95;
 
-/// `z' = v (1 − s)^n, F = F_c z / z_s + σ z'`, s the way to sliding, purely elastic up to a share of it and on the way back.
+/// `z' = v (1 − s)^n, F = F_c z / z_s + σ z'`. s is the fraction of the way to sliding. The bristles are purely elastic
+/// below a share of the sliding deflection and on the way back.
 pub const KIND: Kind = Kind {
     name: "presliding",
     channel: Channel::Friction,
-    about: "Dry friction that bends before it slides",
+    about: "Dry friction with elastic motion before it slides",
     equation: "z' = v (1 − s)^n, F = F_c z / z_s + σ z', s = z sgn v / z_s, \
                with e above 0 max(0, (z sgn v / z_s − e) / (1 − e))",
     sizes_from: "The distance is an assumption: from two steps of the paddle's encoder (0.21 mrad each) to 1.7°. The exponent 1 is that of the LuGre model (Canudas de Wit, Olsson, Åström, Lischinsky, IEEE Trans. Automatic Control 40, 1995).",
@@ -40,7 +41,7 @@ pub const KIND: Kind = Kind {
             range: EXPONENTS,
             default: 1.0,
             typical: [0.1, 1.5],
-            about: "n, 1 for the LuGre model, less for bristles that slide more suddenly",
+            about: "n, 1 for the LuGre model; with less the bristles start to slide more suddenly",
         },
         Parameter {
             name: "elastic",
@@ -48,7 +49,7 @@ pub const KIND: Kind = Kind {
             range: [0.0, MOST_ELASTIC],
             default: 0.0,
             typical: [0.2, 0.8],
-            about: "e, share of the distance below which nothing slides",
+            about: "e, share of the distance up to which it is purely elastic",
         },
     ],
     install: |device, p| {

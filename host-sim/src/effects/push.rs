@@ -1,18 +1,18 @@
-//! A torque from outside for a moment.
+//! An external torque for a short time.
 
 use super::{ANY, Channel, Events, Kind, PLAIN, Parameter, Quantity, instant};
 use crate::device::PUSH;
 use crate::plant::{BARRIERS, Barrier};
 use core::ops::Range;
 
-/// Places of what is said of each push: its torque, from when and until when.
+/// Indices of the values of one push: torque, start and end.
 const PUSHES: Range<usize> = 0..3;
 
-/// `T = T₀ from one instant to another`.
+/// `T = T₀` between two instants.
 pub const KIND: Kind = Kind {
     name: "push",
     channel: Channel::Surroundings,
-    about: "Something outside pushes for a moment",
+    about: "An external torque acts for a short time",
     equation: "T = T0 from one instant to another",
     sizes_from: "The torque is an assumption: 1 N m is a hand that pushes with 15 N at the paddle's lever of 65 mm.",
     parameters: &[

@@ -1,43 +1,42 @@
-//! What the numbers of an effect measure.
+//! Physical quantities of the parameters of effects.
 
-/// What a parameter measures.
+/// The quantity that a parameter measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// A pure number.
+    /// A dimensionless number.
     Ratio,
-    /// A phase.
+    /// A phase, rad.
     Angle,
-    /// s.
+    /// A time, s.
     Time,
-    /// 1/s.
+    /// A frequency, 1/s.
     Frequency,
-    /// Unit of the input.
+    /// An input, in the unit of the input.
     Input,
-    /// Input/s.
+    /// A rate of the input, input/s.
     InputRate,
-    /// Unit of position.
+    /// A position, in the unit of position.
     Position,
-    /// 1/position.
+    /// An inverse position, 1/position.
     PerPosition,
-    /// 1/position².
+    /// An inverse squared position, 1/position².
     PerPositionSquared,
-    /// Position/s.
+    /// A velocity, position/s.
     Velocity,
-    /// Joint torque.
+    /// A torque at the joint.
     Torque,
-    /// Torque/position.
+    /// A stiffness, torque/position.
     Stiffness,
-    /// Torque s/position.
+    /// A damping, torque s/position.
     Damping,
-    /// Torque s²/position².
+    /// A quadratic drag, torque s²/position².
     Drag,
-    /// Torque s²/position.
+    /// An inertia, torque s²/position.
     Inertia,
 }
 
 impl Quantity {
-    /// The quantity of a number of the nominal model, by its name there; `None` for its ratio, which is torque over
-    /// input.
+    /// The quantity of a number of the nominal model, by its name. `None` for `ratio`, which is torque per input.
     pub fn of_model(number: &str) -> Option<Self> {
         Some(match number {
             "inertia" => Self::Inertia,
@@ -52,7 +51,7 @@ impl Quantity {
         })
     }
 
-    /// The unit for an axis whose position and input have these units.
+    /// Its unit for an axis with these units of position and input.
     pub fn unit(self, position: &str, input: &str) -> String {
         let torque = if position == "m" || position == "mm" {
             "N"
@@ -79,16 +78,16 @@ impl Quantity {
     }
 }
 
-/// One number of an effect.
+/// A parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// As a user writes it.
+    /// Its name, as a user writes it.
     pub name: &'static str,
-    /// What it measures.
+    /// The quantity that it measures.
     pub quantity: Quantity,
-    /// Lowest and highest value that has a meaning.
+    /// Lowest and highest allowed value.
     pub range: [f64; 2],
-    /// What it is where a user does not say, for the paddle.
+    /// Default value, for the paddle.
     pub default: f64,
     /// Typical range, for the paddle.
     pub typical: [f64; 2],

@@ -1,4 +1,4 @@
-//! A limited rate of change of the acting input, as of a servo with a speed limit.
+//! A limited rate of the acting input, for example of a servo with a speed limit.
 
 use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity};
 

@@ -1,11 +1,11 @@
-//! Large inputs are clipped elsewhere than the model knows, at once or little by little.
+//! A limit of the input that differs from the model's, with a sharp or a rounded transition.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 use crate::drive::Saturation;
 
-/// `T = ratio · sign(u) s(|u|)`: with the limit L and the knee k, `s = v` up to `(1 − k) L`, `L` from `(1 + k) L` on, and
-/// `v − (v − (1 − k) L)² / (4 k L)` between. With a speed v₀ L is `L₀ (1 − x'/v₀)` towards positive inputs, `L₀ (1 + x'/v₀)` towards
-/// negative ones, on top of the model's limit; without, a limit beyond the model's takes its place.
+/// `T = ratio · sign(u) s(|u|)` with the limit L and the knee k. `s = v` up to `(1 − k) L`, `s = L` from `(1 + k) L`, and `v
+/// − (v − (1 − k) L)² / (4 k L)` between. With a no-load speed v₀, L is `L₀ (1 − x'/v₀)` for positive inputs and `L₀ (1 +
+/// x'/v₀)` for negative ones, in addition to the model's limit. Without v₀, a limit above the model's replaces it.
 pub const KIND: Kind = Kind {
     name: "saturation",
     channel: Channel::Actuation,
@@ -23,7 +23,7 @@ pub const KIND: Kind = Kind {
         },
         share(
             "knee",
-            "share of the limit, below and above it, over which the clipping sets in",
+            "width of the rounded transition on either side of the limit, as a share of the limit",
         ),
         Parameter {
             name: "no_load",

@@ -1,4 +1,4 @@
-//! The sensor shows more or less than the way gone.
+//! A gain error of the position sensor.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity, zero};
 
@@ -18,7 +18,7 @@ pub const KIND: Kind = Kind {
             typical: [0.8, 1.2],
             about: "shown motion over true motion",
         },
-        zero("z, where it reads right all the same"),
+        zero("z, position at which the reading is right"),
     ],
     install: |device, p| {
         device.sensing.gain *= p[0];

@@ -1,13 +1,14 @@
-//! The sensor stays behind where the motion turns.
+//! Hysteresis of the position sensor.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity};
 use crate::hysteresis::Hysteresis;
 
-/// `y = x − h`, `h` held within ± w/2 where r is 0, otherwise `h' = |x'| (sgn(x') w/2 − h) / r`.
+/// `y = x − h`. With r = 0, h is limited to ± w/2 and otherwise keeps the reading constant. With r > 0, `h' = |x'| (sgn(x')
+/// w/2 − h) / r`.
 pub const KIND: Kind = Kind {
     name: "sensor_hysteresis",
     channel: Channel::Sensing,
-    about: "The sensor stays behind where the motion reverses",
+    about: "The reading stays behind when the motion reverses",
     equation: "y = x − h, |h| ≤ w/2 for r = 0, or else h' = |x'| (sgn(x') w/2 − h)/r",
     sizes_from: "The width is an assumption: from two steps of the paddle's encoder (0.21 mrad each) to 1.7°.",
     parameters: &[

@@ -1,8 +1,8 @@
-//! The sensor follows through a first-order lag, or two.
+//! A first-order lag, or two, of the position sensor.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, share};
 
-/// `τ y' + y = x`, or this of what comes of it.
+/// `τ y' + y = x`. A second lag in series has this reading as its input.
 pub const KIND: Kind = Kind {
     name: "sensor_lag",
     channel: Channel::Sensing,

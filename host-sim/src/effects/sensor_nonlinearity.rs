@@ -1,4 +1,4 @@
-//! The sensor's curve is bent.
+//! A nonlinear characteristic of the position sensor.
 
 use super::WAVE_NUMBER;
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
@@ -8,7 +8,7 @@ use crate::ripple::Ripple;
 pub const KIND: Kind = Kind {
     name: "sensor_nonlinearity",
     channel: Channel::Sensing,
-    about: "The sensor's curve is bent",
+    about: "The characteristic of the sensor is nonlinear",
     equation: "y = x + a (x − m)² + b (x − m)³ + r sin(n x) + s (cos(n x) − 1) + o",
     sizes_from: "The sizes are assumptions: at the end of the paddle's travel, 0.61 rad, the square shifts the reading by up to 0.19 rad and the cube by up to 0.45 rad.",
     parameters: &[
@@ -59,7 +59,7 @@ pub const KIND: Kind = Kind {
             range: ANY,
             default: 0.0,
             typical: [-0.3, 0.3],
-            about: "m, position around which the curve is bent",
+            about: "m, position around which the curve deviates from a straight line",
         },
     ],
     install: |device, p| {

@@ -1,4 +1,4 @@
-//! A spring towards some position.
+//! A spring towards a position, which may harden.
 
 use super::{Channel, Kind, NOT_NEGATIVE, PLAIN, Parameter, Quantity, zero};
 
@@ -18,7 +18,7 @@ pub const KIND: Kind = Kind {
             typical: [0.005, 0.5],
             about: "stiffness of the spring",
         },
-        zero("where it is relaxed"),
+        zero("position at which it is relaxed"),
         Parameter {
             name: "hardening",
             quantity: Quantity::PerPositionSquared,

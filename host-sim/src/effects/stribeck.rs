@@ -3,10 +3,10 @@
 use super::{Channel, Kind, PLAIN, POSITIVE, Parameter, Quantity, share};
 use crate::plant::Stribeck;
 
-/// Below, the level would fall infinitely fast at rest; above, all at once.
+/// Range of the exponent. With a lower one the slope at rest is infinite. With a higher one the level falls like a step.
 const EXPONENTS: [f64; 2] = [1.0, 4.0];
 
-/// What rises with speed is no static friction, and would stand in for other drag.
+/// Range of the static ratio. A level that rises with speed is not static friction and could be confused with drag.
 const ABOVE: [f64; 2] = [1.0, f64::INFINITY];
 
 /// `F = F_c [1 + (r − 1) (1 + t p)^(−1/t)] sign(v)`, p = |v/v_s|ⁿ.
@@ -43,7 +43,7 @@ pub const KIND: Kind = Kind {
         },
         share(
             "tail",
-            "t, how slowly the last of it goes: 0 as an exponential, 1 as a hyperbola",
+            "t, tail of the fall: 0 for an exponential, 1 for a hyperbola",
         ),
     ],
     install: |device, p| {

@@ -1,4 +1,4 @@
-//! The actuator gives more or less torque than commanded.
+//! A torque gain that differs from the model's.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 

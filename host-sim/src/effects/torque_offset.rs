@@ -1,4 +1,4 @@
-//! A constant torque that nobody asked for.
+//! A constant torque that the model does not have.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 

@@ -1,4 +1,4 @@
-//! Friction that grows with speed.
+//! Viscous friction that differs from the model's.
 
 use super::{ANY, Channel, Kind, PLAIN, Parameter, Quantity};
 

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn relaxes_as_its_equations_say() {
+    fn the_cascade_matches_its_differential_equations() {
         for lags_s in [[2e-3, 5e-3], [5e-3, 2e-3], [3e-3, 3e-3], [0.0, 2e-3]] {
             let mut cascade = Cascade::at_rest(0.1, lags_s);
             (cascade.target_nm, cascade.between_nm) = (-0.3, 0.4);
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn is_one_torque_over_a_short_time() {
+    fn over_a_short_time_the_cascade_equals_a_single_lag() {
         let mut cascade = Cascade::at_rest(0.1, [2e-3, 5e-3]);
         (cascade.target_nm, cascade.between_nm) = (-0.3, 0.4);
         let lasts_s = 4e-4;

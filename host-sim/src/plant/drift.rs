@@ -19,7 +19,7 @@ pub struct Drift {
     pub step_s: f64,
     /// When the drift starts, s of the session.
     pub start_s: f64,
-    /// True if the drift starts anew with each run whose clock starts anew.
+    /// True if the drift restarts with each run whose clock restarts.
     pub anew: bool,
 }
 
@@ -115,7 +115,7 @@ mod tests {
     };
 
     #[test]
-    fn a_level_that_steps_is_another_from_then_on() {
+    fn a_step_changes_the_level_from_its_instant_on() {
         let friction = Friction {
             drift: Some(STEP),
             ..Friction::coulomb(2.0)
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_that_drifts_grows_on_or_settles() {
+    fn a_drifting_level_grows_or_settles() {
         let level = |settling_s, settled, t_s| {
             let drift = Some(Drift {
                 rate_per_s: 0.1,
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn on_its_way_it_is_as_far_as_at_any_time() {
+    fn successive_evaluations_equal_direct_ones() {
         for settled in [false, true] {
             let drift = Drift {
                 rate_per_s: 0.2,

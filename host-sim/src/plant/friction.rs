@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_gear_that_is_driven_by_its_load_rubs_by_another_share() {
+    fn the_friction_of_a_gear_differs_when_the_load_drives_it() {
         let gear = Friction {
             load_share: 0.1,
             load_backdriven: 3.0,
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spot_rubs_where_it_is_alone() {
+    fn a_spot_raises_the_friction_only_near_its_position() {
         let spot = Friction {
             position_spot: Spot {
                 height: 1.5,

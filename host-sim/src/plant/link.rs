@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bounded_link_is_as_hard_as_the_rate_at_most() {
+    fn a_bounded_link_has_at_most_the_given_natural_rate() {
         let soft = Link {
             load_share: 0.5,
             stiffness: 4.0,

@@ -23,8 +23,8 @@ pub struct Presliding {
 
 /// Share of the sliding deflection at which bristles count as sliding.
 const SLID: f64 = 0.98;
-/// Lowest share of the way to sliding that a too long step may leave. Bristles then spring back no faster than they
-/// bend.
+/// Lowest fraction of the way to sliding after a step that is too long. It limits the elastic return of the bristles to the
+/// speed at which they bend.
 const FARTHEST_BACK: f64 = -1.0;
 /// Share of the way to sliding below which the exponent counts as 1, because no solver can follow a root to its end.
 const LAST: f64 = 0.02;
@@ -200,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bends_as_dahls_equation_says() {
+    fn the_deflection_matches_dahls_equation() {
         // z / z_s over the way x, from rest: 1 − e^(−x/z_s) for n = 1, 1 − (1 − x/(2 z_s))² for n = ½.
         let distance = 0.01;
         for (exponent, bent) in [
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_bends_as_many_small_ones_do() {
+    fn one_long_way_equals_many_short_ones() {
         for (exponent, elastic) in [(1.0, 0.0), (1.0, 0.6), (0.4, 0.0), (1.8, 0.3)] {
             let bristles = Presliding {
                 distance: 0.01,
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn many_short_ways_bend_as_one_does() {
+    fn many_short_ways_equal_one_long_way() {
         for (exponent, elastic) in [(0.4, 0.0), (0.97, 0.0), (1.8, 0.3)] {
             let bristles = Presliding {
                 distance: 0.01,
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_runs_away_does_not_break_them() {
+    fn bristles_tolerate_a_diverging_motion() {
         let bristles = Presliding {
             distance: 0.01,
             damping: 0.0,
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn springs_back_where_it_is_elastic() {
+    fn elastic_bristles_follow_the_motion_back() {
         let bristles = Presliding {
             distance: 0.01,
             damping: 0.0,
@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn never_bends_beyond_where_it_slides() {
+    fn bristles_never_bend_beyond_the_sliding_deflection() {
         let bristles = Presliding {
             distance: 0.01,
             damping: 0.0,

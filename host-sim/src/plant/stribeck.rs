@@ -158,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn falls_to_an_eth_part_over_its_velocity_however_suddenly() {
+    fn the_level_falls_to_1_over_e_at_the_stribeck_velocity_for_every_exponent() {
         for exponent in [1.0, 1.5, 2.0, 4.0] {
             let stribeck = Stribeck {
                 ratio: 1.5,
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn may_fall_as_a_hyperbola_or_between() {
+    fn the_tail_may_be_a_hyperbola_or_between_it_and_an_exponential() {
         let factor = |tail, speed| {
             let stribeck = Stribeck {
                 ratio: 1.5,

@@ -309,7 +309,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn relaxes_to_a_moving_target_as_its_equation_says() {
+    fn relaxation_to_a_moving_target_matches_its_equation() {
         let torque = Torque {
             start_nm: 0.3,
             target_nm: -0.1,
@@ -333,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn a_push_of_pieces_is_that_of_the_whole() {
+    fn a_push_of_pieces_equals_that_of_the_whole() {
         let torque = Torque::relaxing(0.3, -0.1, 2e-3);
         let parts = Impulse::of(&torque, 1e-3);
         let later = Impulse::behind(&torque.after(1e-3), 2e-3, (-1f64).exp());

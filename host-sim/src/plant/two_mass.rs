@@ -261,7 +261,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_closed_form_is_the_flow(
+        fn the_closed_form_equals_numerical_integration(
             held in 0usize..3,
             natural in 0.0..3.0f64,
             damping_ratio in 0.0..4.0f64,
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn inside_a_play_both_fly() {
+    fn inside_the_play_both_sides_move_freely() {
         let free = TwoMass::new([2.0, 1.0], 0.0, 0.0, 0.0);
         let x = free.carried(&free.propagator(0.5), &[0.0, 1.0, 1.0, -1.0], [2.0, 4.0]);
         let flown = [0.75, 2.0, 1.0, 1.0];

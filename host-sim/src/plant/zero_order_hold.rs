@@ -122,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pushed_damped_oscillator_goes_where_its_solution_says() {
+    fn the_response_of_a_damped_oscillator_matches_its_solution() {
         // x'' = f - 2 d x' - (d² + w²) x: x = f/(d² + w²) (1 - e^(-dt) (cos wt + d/w sin wt)) from rest.
         let (d, w, step_s) = (3.0f64, 40.0f64, 0.02f64);
         let square = d * d + w * w;

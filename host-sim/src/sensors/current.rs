@@ -1,4 +1,4 @@
-//! Shunt amplifier of the motor current, and the converter that reads it.
+//! Shunt amplifier of the motor current with its converter.
 
 use crate::sensors::Noise;
 use haptic_paddle::sensing::current::CurrentSensor;
@@ -12,11 +12,11 @@ pub struct CurrentAmplifier {
     pub noise_a: f64,
 }
 
-/// Assumed: one count, which is what averaging leaves of the amplifier's noise at 120 kHz.
+/// Assumed noise: one count, the remainder of the amplifier's noise at 120 kHz after averaging.
 const NOISE_A: f64 = 0.8e-3;
 
 impl Default for CurrentAmplifier {
-    /// The one that the core's own current sensor reads rightly. A mean over many conversions has no steps.
+    /// The amplifier that matches the core's current sensor. The mean of many conversions is not quantised.
     fn default() -> Self {
         let sensor = CurrentSensor::default();
         let amperes_at_0 = f64::from(sensor.amperes(0.0));
@@ -31,7 +31,7 @@ impl Default for CurrentAmplifier {
 }
 
 impl CurrentAmplifier {
-    /// The converter's mean count over a tick of mean current `current_a`.
+    /// Mean count of the converter over a tick with the mean current `current_a`.
     #[inline]
     pub fn counts(&self, current_a: f64, noise: &mut Noise) -> f32 {
         (self.idle_counts + self.counts_per_a * (current_a + noise.next(self.noise_a))) as f32

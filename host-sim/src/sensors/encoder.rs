@@ -3,7 +3,7 @@
 use haptic_paddle::sensing::encoder::rad_per_count;
 use haptic_paddle::settings::MechanismSettings;
 
-/// Counts the way of the paddle; the counter wraps.
+/// Converts the position of the paddle to counts. The counter wraps.
 #[derive(Clone, Copy, Debug)]
 pub struct Encoder {
     counts_per_rad: f64,
@@ -12,7 +12,7 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// Reads `count` as long as the paddle stands within half a count of `position_rad`.
+    /// An encoder that reads `count` within half a count of `position_rad`.
     pub fn new(mechanism: &MechanismSettings, position_rad: f64, count: u32) -> Self {
         let rad_per_count = rad_per_count(mechanism.counts_per_turn, mechanism.ratio);
         Self {
@@ -22,10 +22,10 @@ impl Encoder {
         }
     }
 
-    /// The counter with the paddle at `position_rad`.
+    /// The count at `position_rad`.
     #[inline]
     pub fn count(&self, position_rad: f64) -> u32 {
-        // Half up by a cast: `round` is a call on targets without the instruction.
+        // Rounds half up by a cast. `round` is a slow library call on some targets.
         let counts = (position_rad - self.origin_rad) * self.counts_per_rad + 0.5;
         let floor = counts as i64 - i64::from(counts < (counts as i64) as f64);
         self.origin_count.wrapping_add(floor as u32)
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_are_round_the_start_and_wrap() {
+    fn counts_start_at_the_given_count_and_wrap() {
         let encoder = Encoder::new(&MechanismSettings::default(), 0.1, u32::MAX);
         let quantum = std::f64::consts::TAU / 30_000.0;
         for (quanta, count) in [

@@ -1,18 +1,18 @@
-//! Hall sensor opposite a magnet on the paddle, and the converter that reads it.
+//! Hall sensor opposite a magnet on the paddle, with its converter.
 
 use crate::sensing::{Reading, Sensing};
 use crate::sensors::Noise;
 use haptic_paddle::sensing::hall::{ADC_FULL_SCALE, volts};
 use haptic_paddle::settings::HallSettings;
 
-/// What the Hall sensor does to the angle.
+/// Errors and scale of the Hall sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hall {
-    /// How it departs from the straight line of its calibration: gain, curve, play, lag.
+    /// Deviation from the linear calibration: gain, nonlinearity, play and lag.
     pub sensing: Sensing,
     /// Hall voltage at 0 rad.
     pub centre_v: f64,
-    /// Slope there, V/rad.
+    /// Slope at 0 rad, V/rad.
     pub volts_per_rad: f64,
     /// Noise before the converter, V rms.
     pub noise_v: f64,
@@ -22,7 +22,7 @@ pub struct Hall {
 const NOISE_V: f64 = 0.79e-3;
 
 impl Hall {
-    /// A sensor that the straight part of this calibration reads rightly, with the lab's noise.
+    /// A sensor that matches the linear part of this calibration, with the lab's noise.
     pub fn calibrated(settings: &HallSettings) -> Self {
         Self {
             sensing: Sensing::ideal(),
@@ -32,7 +32,7 @@ impl Hall {
         }
     }
 
-    /// Angle in one count of the converter, rad.
+    /// Angle per count of the converter, rad.
     pub fn resolution_rad(&self) -> f64 {
         volts_per_count() / self.volts_per_rad.abs()
     }
@@ -43,12 +43,12 @@ impl Hall {
     }
 }
 
-/// Volts of one count of the converter, at the Hall sensor's output.
+/// Volts at the output of the Hall sensor per count of the converter.
 fn volts_per_count() -> f64 {
     f64::from(volts(ADC_FULL_SCALE) - volts(0)) / f64::from(ADC_FULL_SCALE)
 }
 
-/// The Hall sensor at work.
+/// State of the Hall sensor.
 #[derive(Clone, Debug)]
 pub struct HallReader {
     hall: Hall,
@@ -58,7 +58,7 @@ pub struct HallReader {
 }
 
 impl HallReader {
-    /// At rest at `position_rad`.
+    /// The sensor at rest at `position_rad`.
     pub fn at_rest(hall: Hall, position_rad: f64) -> Self {
         Self {
             reading: Reading::at_rest(&hall.sensing, position_rad),
@@ -68,13 +68,13 @@ impl HallReader {
         }
     }
 
-    /// The converter's count with the paddle at `position_rad`, `dt_s` after the last call.
+    /// The converter's count at `position_rad`, `dt_s` after the last call.
     #[inline]
     pub fn count(&mut self, position_rad: f64, dt_s: f64, noise: &mut Noise) -> u16 {
         let angle = self.reading.follow(&self.hall.sensing, position_rad, dt_s);
         let volts =
             self.hall.centre_v + self.hall.volts_per_rad * angle + noise.next(self.hall.noise_v);
-        // Half up; a cast saturates at 0 as the converter does.
+        // Rounds half up. The cast saturates at 0, like the converter.
         let count = ((volts - self.volts_at_count_0) * self.counts_per_volt + 0.5) as u16;
         count.min(ADC_FULL_SCALE)
     }

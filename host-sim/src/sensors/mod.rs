@@ -1,7 +1,6 @@
-//! What the board's converters read, noise and quantising included, one file a sensor.
+//! Sensors with noise and quantisation, as the board's converters read them, one file per sensor.
 //!
-//! Each inverts what the control core's own sensing does with the reading, so that scales and signs stand in the core
-//! alone.
+//! Each inverts the conversion of the control core. Scales and signs are therefore defined in the core only.
 
 mod current;
 mod encoder;

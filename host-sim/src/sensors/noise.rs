@@ -4,7 +4,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 
-/// White Gaussian noise, the same for the same seed on every machine.
+/// White Gaussian noise. It is identical for the same seed on every machine.
 #[derive(Clone, Debug)]
 pub struct Noise(Xoshiro256PlusPlus);
 
@@ -14,7 +14,7 @@ impl Noise {
         Self(Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
-    /// The next value, with this standard deviation; no number is drawn for 0.
+    /// The next value, with this standard deviation. For 0 no random number is drawn.
     #[inline]
     pub fn next(&mut self, standard_deviation: f64) -> f64 {
         if standard_deviation == 0.0 {

@@ -1,42 +1,42 @@
-//! What drives the joint, where a recording says so in place of `ratio`: a motor's data sheet, or a position servo.
+//! The actuator, if a recording describes it by a motor's data sheet or as a position servo instead of by `ratio`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::model::{Model, NOT_NEGATIVE, OTHER_THAN_0, POSITIVE};
 use crate::units::Units;
 
-/// Numbers that stand for `ratio`, and for what the drive adds to `viscous` and `stiffness`.
+/// An actuator that replaces `ratio`. It can also contribute to `viscous` and `stiffness`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Actuator {
-    /// `[motor]`.
+    /// A motor, from the table `[motor]`.
     Motor(Motor),
-    /// `servo` of `[model]`.
+    /// A position servo, from `servo` in `[model]`.
     Servo(Servo),
 }
 
 /// A motor's data sheet, the table `[motor]`.
 ///
-/// A motor's torque is kt times its current, and its voltage the resistance times the current and kt times its speed. So an
-/// input in A gives the torque gear kt at the joint, one in V gear kt / resistance, less gear² kt² / resistance times the
-/// joint's velocity, which is the share of `viscous` that the back-EMF has.
+/// The torque of a motor is kt times its current. Its voltage is the resistance times the current plus kt times its speed.
+/// An input in A therefore gives the torque gear kt at the joint. An input in V gives gear kt / resistance, minus gear² kt²
+/// / resistance times the velocity of the joint. The latter is the contribution of the back-EMF to `viscous`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motor {
-    /// Torque constant, N m/A, which is the speed constant in V s/rad.
+    /// Torque constant, N m/A. It equals the back-EMF constant in V s/rad.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kt: Option<f64>,
     /// Resistance of the winding, Ω.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resistance: Option<f64>,
-    /// Turns of the motor per turn of the joint, of a linear axis rad per m; 1 if left out.
+    /// Motor turns per joint turn, or rad per m for a linear axis. 1 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gear: Option<f64>,
-    /// Voltage of the supply, V, where the input is a duty cycle.
+    /// Supply voltage, V, if the input is a duty cycle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub supply: Option<f64>,
 }
 
-/// A position servo, whose input is a target in units of position: `servo` of `[model]`.
+/// A position servo whose input is a target in units of position: `servo` in `[model]`.
 ///
 /// Its torque at the joint is `stiffness * (target - position) - damping * velocity`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,36 +44,38 @@ pub struct Motor {
 pub struct Servo {
     /// Torque per unit of position error, N m/rad.
     pub stiffness: f64,
-    /// N m s/rad.
+    /// Damping, N m s/rad.
     #[serde(default)]
     pub damping: f64,
-    /// The target moves no faster, rad/s; `None` is no limit.
+    /// Largest rate of the internal target, rad/s. `None` is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_limit: Option<f64>,
-    /// Position error up to which the servo does nothing, rad.
+    /// Half width of the dead band of the position error, rad.
     #[serde(default)]
     pub deadband: f64,
 }
 
 impl Servo {
-    /// True if it has a dead band, which no number of the model says.
+    /// True if it has a dead band, which no number of the model describes.
     pub fn is_beyond_model(&self) -> bool {
         self.deadband > 0.0
     }
 }
 
-/// What a motor's data sheet does not tell: the cause and, after the semicolon, the mend.
+/// Why a motor's data sheet gives no ratio. The message names the cause and, after the semicolon, the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoRatio {
     /// A number is missing.
-    #[error("[motor] lacks `{lacking}`, without which an input in {unit} gives no torque; add it")]
+    #[error(
+        "[motor] lacks `{lacking}`, which is needed to convert an input in {unit} to a torque; add it"
+    )]
     Lacks {
-        /// One of [`Motor::NAMES`].
+        /// Name of the number, one of [`Motor::NAMES`].
         lacking: &'static str,
         /// Unit of the input.
         unit: String,
     },
-    /// The unit of the input is none of a motor.
+    /// The unit of the input is not that of a motor.
     #[error(
         "[motor] says nothing of an input in `{unit}`; write \"A\", \"V\", \"duty\" or \"N m\" for `input` of [units], or state `ratio` in place of [motor]"
     )]
@@ -83,17 +85,17 @@ pub enum NoRatio {
     },
 }
 
-/// What an input is to a motor, with one of its unit in SI.
+/// The quantity of a motor's input, with one unit of it in SI units.
 #[derive(Clone, Copy)]
-enum Told {
+enum MotorInput {
     Torque(f64),
     Current(f64),
     Voltage(f64),
-    /// Share of the supply's voltage.
+    /// A share of the supply voltage.
     Duty(f64),
 }
 
-impl Told {
+impl MotorInput {
     fn of(unit: &str) -> Option<Self> {
         let bare: String = unit.chars().filter(|c| !" *·.".contains(*c)).collect();
         Some(match bare.as_str() {
@@ -114,7 +116,7 @@ impl Motor {
     /// Every key of the table.
     pub const NAMES: [&str; 4] = ["kt", "resistance", "gear", "supply"];
 
-    /// The number called `name`; `None` for one that is not stated or not there.
+    /// The number called `name`. `None` if it is not stated or does not exist.
     pub fn get(&self, name: &str) -> Option<f64> {
         match name {
             "kt" => self.kt,
@@ -125,7 +127,7 @@ impl Motor {
         }
     }
 
-    /// Sets the number called `name`; false if none is called so.
+    /// Sets the number called `name`. Returns false if there is no such number.
     #[must_use]
     pub fn set(&mut self, name: &str, value: f64) -> bool {
         let place = match name {
@@ -146,22 +148,25 @@ impl Motor {
     pub fn ratio(&self, units: &Units) -> Result<f64, NoRatio> {
         let needed = |name| self.needed(name, units);
         let gear = self.gear.unwrap_or(1.0);
-        Ok(match told(units)? {
-            Told::Torque(si) => si * gear,
-            Told::Current(si) => si * gear * needed("kt")?,
-            Told::Voltage(si) => si * gear * needed("kt")? / needed("resistance")?,
-            Told::Duty(si) => si * gear * needed("kt")? * needed("supply")? / needed("resistance")?,
+        Ok(match motor_input(units)? {
+            MotorInput::Torque(si) => si * gear,
+            MotorInput::Current(si) => si * gear * needed("kt")?,
+            MotorInput::Voltage(si) => si * gear * needed("kt")? / needed("resistance")?,
+            MotorInput::Duty(si) => {
+                si * gear * needed("kt")? * needed("supply")? / needed("resistance")?
+            }
         })
     }
 
-    /// Viscous friction at the joint that the back-EMF makes; 0 where the current is the input.
+    /// Viscous friction at the joint that the back-EMF causes. 0 if the input is a torque or a current.
     ///
     /// # Errors
+    ///
     /// [`NoRatio`].
     pub fn back_emf(&self, units: &Units) -> Result<f64, NoRatio> {
-        match told(units)? {
-            Told::Torque(_) | Told::Current(_) => Ok(0.0),
-            Told::Voltage(_) | Told::Duty(_) => {
+        match motor_input(units)? {
+            MotorInput::Torque(_) | MotorInput::Current(_) => Ok(0.0),
+            MotorInput::Voltage(_) | MotorInput::Duty(_) => {
                 let constant = self.gear.unwrap_or(1.0) * self.needed("kt", units)?;
                 let resistance = self.needed("resistance", units)?;
                 Ok(units.angle_rad() * constant * constant / resistance)
@@ -178,14 +183,14 @@ impl Motor {
     }
 }
 
-fn told(units: &Units) -> Result<Told, NoRatio> {
-    Told::of(&units.input).ok_or_else(|| NoRatio::Unit {
+fn motor_input(units: &Units) -> Result<MotorInput, NoRatio> {
+    MotorInput::of(&units.input).ok_or_else(|| NoRatio::Unit {
         unit: units.input.clone(),
     })
 }
 
 impl Actuator {
-    /// The numbers of the model that this actuator gives.
+    /// Names of the model's numbers that this actuator defines.
     pub(crate) fn stands_for(&self) -> &'static [&'static str] {
         match self {
             Self::Motor(_) => &["ratio"],
@@ -193,7 +198,7 @@ impl Actuator {
         }
     }
 
-    /// Its table.
+    /// Name of its table.
     pub(crate) fn table(&self) -> &'static str {
         match self {
             Self::Motor(_) => "[motor]",
@@ -201,10 +206,11 @@ impl Actuator {
         }
     }
 
-    /// Adds it to a model that states the joint alone.
+    /// The model of `joint` together with this actuator.
     ///
     /// # Errors
-    /// [`NoRatio`] of a motor whose data sheet does not tell what the input does.
+    ///
+    /// [`NoRatio`] if the data sheet does not define the effect of the input.
     pub(crate) fn added_to(&self, joint: &Model, units: &Units) -> Result<Model, NoRatio> {
         let (ratio, stiffness, input_rate_limit) = match self {
             Self::Motor(motor) => (motor.ratio(units)?, joint.stiffness, joint.input_rate_limit),
@@ -220,7 +226,7 @@ impl Actuator {
         })
     }
 
-    /// What the joint has of a model with this drive; `None` if that is not the model's drive any more.
+    /// The joint without this actuator. `None` if the model no longer contains this actuator.
     pub(crate) fn taken_from(&self, model: &Model, units: &Units) -> Option<Model> {
         let viscous = model.viscous - self.viscous(units).ok()?;
         let joint = Model { viscous, ..*model };
@@ -231,10 +237,11 @@ impl Actuator {
         is_same.then_some(joint)
     }
 
-    /// What it adds to the viscous friction.
+    /// Its contribution to the viscous friction.
     ///
     /// # Errors
-    /// As [`added_to`](Self::added_to).
+    ///
+    /// The same as for [`added_to`](Self::added_to).
     pub(crate) fn viscous(&self, units: &Units) -> Result<f64, NoRatio> {
         match self {
             Self::Motor(motor) => motor.back_emf(units),
@@ -242,7 +249,7 @@ impl Actuator {
         }
     }
 
-    /// Its numbers by their paths in the manifest, whether a drive may have them, and what it must have instead.
+    /// Its numbers: path in the manifest, value, whether the value is allowed, and the allowed values in words.
     pub(crate) fn judged(&self) -> Vec<(String, f64, bool, &'static str)> {
         let at = |table: &'static str| move |name: &str| format!("{table}.{name}");
         match self {

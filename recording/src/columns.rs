@@ -1,4 +1,4 @@
-//! The columns of one CSV file, parsed straight into vectors.
+//! Reads the columns of a CSV file.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read, Seek};
@@ -10,13 +10,13 @@ use crate::error::{Error, Fault};
 use crate::keys;
 use crate::text;
 
-/// Longest piece of a bad cell that is quoted.
+/// Largest number of characters of a bad cell that is quoted.
 const QUOTED_CHARS: usize = 24;
 
-/// Largest number that passes for a measured one: time in ns since 1970 is 1.8e18. The square of it is far from overflow.
+/// Largest accepted number. Time in ns since 1970 is 1.8e18. The square of the limit does not overflow.
 const LARGEST: f64 = 1e20;
 
-/// The columns of a run, as the contract names them.
+/// The columns of a run, with the names of the format.
 #[derive(Default)]
 pub(crate) struct Columns {
     pub time: Vec<f64>,
@@ -28,15 +28,15 @@ pub(crate) struct Columns {
     pub supply: Option<Vec<f32>>,
     pub temperature: Option<Vec<f32>>,
     pub ignored: Vec<String>,
-    /// The ignored columns whose cells never change.
+    /// Ignored columns whose cells never change.
     pub frozen: Vec<String>,
 }
 
-/// Where the cells of a column go.
+/// Destination of the cells of a column.
 enum Sink {
     Wide(Vec<f64>),
     Narrow(Vec<f32>),
-    /// Only watched for whether it ever changes.
+    /// The column is only checked for changes.
     Watched {
         first: Option<Vec<u8>>,
         changes: bool,
@@ -56,7 +56,7 @@ impl Sink {
         }
     }
 
-    /// Gives back what no further cell takes.
+    /// Frees unused capacity.
     fn shrink(&mut self) {
         match self {
             Self::Wide(column) => column.shrink_to_fit(),
@@ -65,7 +65,8 @@ impl Sink {
         }
     }
 
-    /// Takes a cell and gives its value; `None` if it is not a number of a possible size and somebody needs it to be one.
+    /// Stores a cell and returns its value. Returns `None` if the column needs a number and the cell is not a number of a
+    /// possible size.
     fn push(&mut self, cell: &[u8]) -> Option<f64> {
         match self {
             Self::Wide(column) => {
@@ -88,7 +89,7 @@ impl Sink {
     }
 }
 
-/// A fault and the byte at which its row starts.
+/// A fault, and the byte at which its row starts.
 struct Found {
     fault: Fault,
     byte: Option<u64>,
@@ -109,10 +110,11 @@ impl From<csv::Error> for Found {
     }
 }
 
-/// Reads a whole CSV.
+/// Reads a whole CSV file.
 ///
 /// # Errors
-/// The first fault, with the line on which it stands.
+///
+/// The first fault, with its line.
 pub(crate) fn read(mut source: impl Read + Seek) -> Result<Columns, Error> {
     if is_utf16(&mut source).unwrap_or(false) {
         return Err(Error::new(Fault::Utf16));
@@ -122,16 +124,17 @@ pub(crate) fn read(mut source: impl Read + Seek) -> Result<Columns, Error> {
     })
 }
 
-/// Whether the text is UTF-16; the source is then where it was. An error is reported when the whole text is read.
+/// Returns true if the text is UTF-16. The position in the source is restored. Other errors are reported when the whole text
+/// is read.
 fn is_utf16(source: &mut (impl Read + Seek)) -> std::io::Result<bool> {
     let head = text::head(source)?;
     source.rewind()?;
     Ok(text::is_utf16(&head))
 }
 
-/// The line, from 1, of the row that starts at `byte` or after the blank lines that follow it.
+/// The line, from 1, of the row that starts at `byte`, or after the blank lines that follow it.
 ///
-/// The CSV reader skips blank lines without a word, so its own count would name the wrong line.
+/// The CSV reader skips blank lines, so its own count would be wrong.
 fn line_of_row(source: &mut (impl Read + Seek), byte: u64) -> std::io::Result<usize> {
     source.rewind()?;
     let mut line = 1;
@@ -236,7 +239,7 @@ fn bad_cell(column: &str, cell: &[u8]) -> Fault {
     }
 }
 
-/// The names of the columns, with the three that every run needs.
+/// The names of the columns. The three that every run needs must be among them.
 fn header(record: &ByteRecord) -> Result<Vec<String>, Fault> {
     let names: Vec<String> = record
         .iter()

@@ -1,16 +1,16 @@
-//! Measured numbers in messages.
+//! Formats measured numbers for messages.
 
-/// Digits that a reader wants of a measured number.
+/// Significant digits of a measured number in a message.
 const SIGNIFICANT: i32 = 4;
 
-/// `value` to four significant digits.
+/// `value` rounded to four significant digits.
 #[expect(clippy::cast_possible_truncation, reason = "an exponent")]
 pub(crate) fn short(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
     let places = SIGNIFICANT - 1 - value.abs().log10().floor() as i32;
-    // Text rounds decimally, where a product with a power of ten would leave a tail of digits.
+    // Rounding through text gives decimal digits. A product with a power of ten would leave rounding errors.
     let places = usize::try_from(places).unwrap_or(0);
     format!("{value:.places$}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! Why a recording could not be used.
+//! Why a recording cannot be used.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use crate::actuator::NoRatio;
 use crate::digits::short;
 
-/// What is wrong with a recording, where, and how to mend it, in one line.
+/// A fault of a recording: what is wrong, where, and how to correct it, in one line.
 #[derive(Debug, thiserror::Error)]
 pub struct Error {
     /// The file at fault.
     pub file: PathBuf,
-    /// The line of the file, counted from 1 as an editor shows it, where there is one.
+    /// The line in the file, counted from 1, if there is one.
     pub line: Option<usize>,
-    /// What is wrong; the message of the error has it all.
+    /// The fault. The message of the error includes it.
     pub fault: Box<Fault>,
 }
 
@@ -47,70 +47,70 @@ impl fmt::Display for Error {
     }
 }
 
-/// What is wrong with a file: the cause and, after the semicolon, the mend.
+/// What is wrong with a file. The message names the cause and, after the semicolon, the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The file system refuses.
+    /// The operating system refused an access.
     #[error("cannot {doing}: {source}; {mend}")]
     Io {
-        /// What was tried.
+        /// The attempted action.
         doing: &'static str,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
-        /// The mend.
+        /// The remedy.
         mend: &'static str,
     },
-    /// What stands there is no regular file.
+    /// The path is not a regular file.
     #[error("this is {found}; give a regular file")]
     NotAFile {
-        /// What it is.
+        /// What it is instead.
         found: &'static str,
     },
-    /// Text of two bytes a letter.
+    /// The text is encoded with two bytes per character.
     #[error("the text is UTF-16; save it as UTF-8")]
     Utf16,
-    /// Bytes that are no text.
+    /// The bytes are not UTF-8 text.
     #[error("the text is not UTF-8; save it as UTF-8")]
     NotUtf8,
-    /// Not TOML, or a key is missing or of the wrong kind.
+    /// The text is not TOML, or a key is missing or has the wrong type.
     #[error("{message}; write it as docs/recording-format.md says")]
     Toml {
-        /// What the parser said.
+        /// The message of the parser.
         message: String,
     },
-    /// Another version of the format.
+    /// The format has another version.
     #[error("format {found} is not known; this program reads `format = 1`")]
     Format {
         /// The stated version.
         found: String,
     },
-    /// A key that would silently have no effect.
+    /// The key is unknown and would have no effect.
     #[error("{table} has no `{key}`; {}", match nearest { Some(name) => format!("write `{name}`"), None => format!("it knows {known}") })]
     UnknownKey {
         /// The table.
         table: String,
         /// The key in the file.
         key: String,
-        /// What was probably meant.
+        /// The known key with the most similar name.
         nearest: Option<&'static str>,
         /// All keys of the table.
         known: String,
     },
-    /// A number that no device has.
+    /// The number is outside its possible range.
     #[error("`{key}` is {value}; it must be {wanted}")]
     OutOfRange {
         /// Path of the key.
         key: String,
         /// The value in the file.
         value: String,
-        /// What is possible.
+        /// The possible values.
         wanted: &'static str,
     },
-    /// A manifest without runs.
+    /// The manifest has no runs.
     #[error("there are no runs; add a [[runs]] table with `file` and `drive` for each CSV")]
     NoRuns,
-    /// A file name that leads out of the folder.
+    /// The file name leads out of the folder.
     #[error(
         "`{file}` leads out of the recording's folder; put the CSV into the folder and name it relative to that"
     )]
@@ -118,10 +118,10 @@ pub enum Fault {
         /// The name in the manifest.
         file: String,
     },
-    /// A CSV without a sample.
+    /// The CSV file has no samples.
     #[error("there is no sample; put a header line and one row per sample into it")]
     Empty,
-    /// Cells are separated by something else than commas.
+    /// The cells are not separated by commas.
     #[error(
         "columns are separated by {found}; separate them by commas, with a point in decimals, or import the log by `paddle gap import` (docs/recording-format.md)"
     )]
@@ -139,21 +139,21 @@ pub enum Fault {
         "the first line begins with `#`; remove the lines of comment, and the `#` in front of the names of the columns, or import the log by `paddle gap import` (docs/recording-format.md)"
     )]
     Comment,
-    /// A column that every run needs is not there.
+    /// A required column is missing.
     #[error("column `{column}` is missing; {}", match similar { Some(name) => format!("rename `{name}` to `{column}`"), None => "add it, or import the log by `paddle gap import` (docs/recording-format.md)".to_owned() })]
     MissingColumn {
         /// The column.
         column: &'static str,
-        /// A column with nearly its name.
+        /// A column with a similar name.
         similar: Option<String>,
     },
-    /// Two columns of one name.
+    /// Two columns have the same name.
     #[error("column `{column}` is there twice; rename or remove one of them")]
     DuplicateColumn {
         /// The column.
         column: String,
     },
-    /// A row with more or fewer cells than the header.
+    /// A row has more or fewer cells than the header.
     #[error(
         "the row has {found} cells where the header has {expected}; complete or remove the row"
     )]
@@ -163,7 +163,7 @@ pub enum Fault {
         /// Names in the header.
         expected: usize,
     },
-    /// A cell that is not a finite number.
+    /// The cell is not a finite number.
     #[error("`{column}` is `{cell}`, not a finite number; correct the cell or remove the row")]
     Cell {
         /// The column.
@@ -171,7 +171,7 @@ pub enum Fault {
         /// The text of the cell, shortened.
         cell: String,
     },
-    /// A number beyond everything that is measured.
+    /// The number is larger than any measured value.
     #[error(
         "`{column}` is `{cell}`, larger than anything that is measured; correct the cell or remove the row"
     )]
@@ -181,7 +181,7 @@ pub enum Fault {
         /// The text of the cell, shortened.
         cell: String,
     },
-    /// Time goes back or repeats.
+    /// The time does not increase.
     #[error("time goes from {before} s to {after} s; it must increase with every row: sort the rows, remove repeated ones, or split the run here", before = short(*before), after = short(*after))]
     TimeNotIncreasing {
         /// Time of the row before, s.
@@ -189,16 +189,16 @@ pub enum Fault {
         /// Time of this row, s.
         after: f64,
     },
-    /// The CSV reader gave up.
+    /// The CSV reader failed.
     #[error("{source}; write plain comma-separated text")]
     Csv {
-        /// What the reader said.
+        /// The message of the reader.
         source: csv::Error,
     },
     /// The run is shorter than one prediction window.
     #[error("the run lasts {duration_s} s, less than one horizon of {horizon} s; record longer, shorten `horizon`, or give time in s", duration_s = short(*duration_s), horizon = short(*horizon))]
     TooShort {
-        /// First to last sample, s.
+        /// Time from the first to the last sample, s.
         duration_s: f64,
         /// The manifest's horizon, s.
         horizon: f64,
@@ -209,7 +209,7 @@ pub enum Fault {
         /// The only value.
         value: f64,
     },
-    /// A prediction window holds hardly a sample.
+    /// A prediction window has almost no samples.
     #[error("the median sample period is {period_s} s, too long for a horizon of {horizon} s; give `time` in s", period_s = short(*period_s), horizon = short(*horizon))]
     TimeUnit {
         /// Median time between rows, s.
@@ -217,67 +217,67 @@ pub enum Fault {
         /// The manifest's horizon, s.
         horizon: f64,
     },
-    /// The position moves as no device of this model could.
+    /// The model cannot produce the motion of the position.
     #[error("`position` does not fit [model]: {why}; give both in the same units, angles in rad")]
     PositionUnit {
-        /// The statistic that decided.
+        /// The deciding statistic, in words.
         why: String,
     },
-    /// The input lies far beyond the limit that is stated for it.
+    /// The input exceeds its stated limit by far.
     #[error("`input` is typically {typical} where `input_limit` is {limit}; give both in the same unit", typical = short(*typical))]
     InputUnit {
-        /// Median size of the input where it is not 0.
+        /// Median magnitude of the non-zero inputs.
         typical: f64,
         /// The manifest's limit.
         limit: f64,
     },
-    /// The model moves as no device would.
+    /// The model would move much farther than the position.
     #[error(
         "in one horizon [model] would move {spans:.0} times as far as `position` ever does; give `input`, `ratio` and `inertia` in matching units"
     )]
     ModelUnit {
-        /// Distance over the span of the position.
+        /// Distance of the model's motion over the span of the position.
         spans: f64,
     },
-    /// A sensor table that belongs to no column.
+    /// A sensor table has no column.
     #[error("[sensor.{name}] belongs to no column of any run; {}", match nearest { Some(column) => format!("write [sensor.{column}]"), None => "remove it or add the column".to_owned() })]
     SensorWithoutColumn {
         /// Name of the table.
         name: String,
-        /// A position column with nearly its name.
+        /// A position column with a similar name.
         nearest: Option<String>,
     },
-    /// Columns of different lengths, in a recording made in memory.
+    /// In a recording made in memory, the columns have different lengths.
     #[error("column `{column}` has {found} samples where `time` has {expected}; fill it")]
     Length {
         /// The column.
         column: String,
-        /// Its samples.
+        /// Number of its samples.
         found: usize,
-        /// Samples of `time`.
+        /// Number of samples of `time`.
         expected: usize,
     },
-    /// Two runs of one file.
+    /// Two runs have the same file name.
     #[error("two runs are called `{file}`; give each run its own file")]
     SameFile {
         /// The name.
         file: String,
     },
-    /// Two that say what a unit of input does.
-    #[error("{one} and {other} both say what drives the joint; leave one out")]
+    /// Two tables define the actuator.
+    #[error("{one} and {other} both define the actuator; leave one out")]
     SaidTwice {
-        /// One.
+        /// The first table.
         one: &'static str,
-        /// The other.
+        /// The second table.
         other: &'static str,
     },
-    /// A motor's data sheet that does not tell what the input does.
+    /// The data sheet of the motor does not define the effect of the input.
     #[error(transparent)]
     Motor(#[from] NoRatio),
-    /// Text that cannot be put into TOML.
+    /// The text cannot be written as TOML.
     #[error("{source}; correct the recording's text and numbers")]
     Unwritable {
-        /// What the writer said.
+        /// The message of the writer.
         source: toml::ser::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! The manifest's keys: where they stand, and which of them nobody knows.
+//! The keys of the manifest: their lines, and unknown ones.
 
 use std::collections::BTreeMap;
 
@@ -31,15 +31,15 @@ const RUN: [&str; 6] = [
 ];
 const PID: [&str; 6] = ["kind", "kp", "ki", "kd", "period", "position_cutoff_hz"];
 
-/// Similarity (Jaro-Winkler, 0 to 1) from which a name passes for a slip of another.
+/// Least similarity of two names (Jaro-Winkler, 0 to 1) for a suggestion.
 const SLIP: f64 = 0.8;
 
-/// The line of every key, by its path: `model.inertia`, `runs.0.file`.
+/// The line of every key by its path, such as `model.inertia` or `runs.0.file`.
 pub(crate) struct Lines(BTreeMap<String, usize>);
 
 impl Lines {
     pub fn of(text: &str, root: &DeTable) -> Self {
-        // Spans come in no order of their own, so the line starts are looked up rather than counted anew.
+        // The keys are not sorted by position, so the line of each is found by a search.
         let starts: Vec<usize> = text
             .bytes()
             .enumerate()
@@ -81,12 +81,12 @@ fn walk(table: &DeTable, path: &str, visit: &mut impl FnMut(&str, usize)) {
     }
 }
 
-/// The line, from 1, on which the byte `at` of `text` stands.
+/// The line, from 1, that contains the byte `at` of `text`.
 pub(crate) fn line_at(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|byte| *byte == b'\n').count() + 1
 }
 
-/// The known name that `name` was probably meant to be.
+/// The known name most similar to `name`, if it is similar enough.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let name = name.to_lowercase();
     let scored = known
@@ -98,8 +98,8 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
         .map(|(_, known)| known)
 }
 
-/// Looks for unknown keys. Where a number would silently fall back to its default they are an error; elsewhere
-/// people leave notes, and they are odd.
+/// Finds unknown keys. They are errors in tables where a number would silently keep its default. In other tables, where
+/// people may write notes, they are oddities.
 pub(crate) fn check(text: &str, root: &DeTable) -> Result<Vec<Oddity>, Error> {
     let strict = |name: &str, table: &DeTable, known: &[&'static str]| -> Result<(), Error> {
         let Some((key, _)) = table

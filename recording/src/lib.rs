@@ -1,8 +1,8 @@
-//! The recording format: a folder of one `recording.toml` and one CSV file a run.
+//! The recording format: a folder with one `recording.toml` and one CSV file per run.
 //!
-//! A [`Recording`] holds the input of a device and its measured position, together with the [`Model`] whose gap to the
-//! device is asked about. A simulator fills one and writes it; a diagnosis reads one. Bad input is an [`Error`] of one
-//! line that names the file, the row and the mend; what is merely odd is collected in [`Recording::oddities`].
+//! A [`Recording`] holds the input and the measured position of a device, and the nominal [`Model`] of the device. A
+//! simulator creates and writes recordings. A diagnosis reads them. Bad input gives an [`Error`] of one line that names the
+//! file, the row and the remedy. Minor problems are collected in [`Recording::oddities`].
 //!
 //! ```
 //! use recording::{Drive, Model, Recording, Run, Sensor};
@@ -53,40 +53,40 @@ pub use units::Units;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// One recording: the nominal model, what is known of the sensors, and the runs.
+/// A recording: the nominal model, the sensors, and the runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// The folder that it was read from; empty for one that was made in memory.
+    /// The folder that it was read from. Empty for a recording made in memory.
     pub folder: PathBuf,
-    /// A line for people.
+    /// A title, for display.
     pub title: String,
     /// Length of a prediction window, s.
     pub horizon: f64,
-    /// Half the width of the window to which a restart state is fitted, s.
+    /// Half width of the interval over which a restart state is fitted, s.
     pub restart_half_width: f64,
-    /// Units of position and input, for display only.
+    /// Units of position and input. They are mainly for display.
     pub units: Units,
-    /// The nominal simulation, of joint and actuator together.
+    /// The nominal model of joint and actuator together.
     pub model: Model,
-    /// How the manifest says what drives the joint, if it does so otherwise than by numbers of the model.
+    /// The actuator, if the manifest describes it by a data sheet or as a servo.
     pub actuator: Option<Actuator>,
-    /// How well the model's numbers are known.
+    /// Tolerances of the model's numbers.
     pub tolerance: Tolerance,
-    /// The numbers of [`Model::ESSENTIAL`] that the recording does not state; `model` holds the assumed values.
+    /// Numbers of [`Model::ESSENTIAL`] that the recording does not state. `model` holds assumed values for them.
     pub unstated: Vec<&'static str>,
-    /// Sensors by the name of their column; `position` is always there after reading.
+    /// Sensors by the names of their columns. After reading, `position` always has one.
     pub sensors: BTreeMap<String, Sensor>,
     /// The runs, in the order of the manifest.
     pub runs: Vec<Run>,
-    /// What is odd about the recording and was worked around.
+    /// Minor problems of the recording and how they were handled.
     pub oddities: Vec<Oddity>,
 }
 
 impl Recording {
-    /// The contract's default of [`restart_half_width`](Self::restart_half_width), s.
+    /// Default of [`restart_half_width`](Self::restart_half_width), s.
     pub const RESTART_HALF_WIDTH: f64 = 0.008;
 
-    /// A recording without runs, of `horizon` in s, with one ideal position sensor.
+    /// A recording without runs and with an ideal position sensor. `horizon` is in s.
     pub fn new(title: impl Into<String>, horizon: f64, model: Model) -> Self {
         Self {
             folder: PathBuf::new(),
@@ -104,7 +104,7 @@ impl Recording {
         }
     }
 
-    /// This recording with other runs. The present runs, which may be long, are not copied.
+    /// The same recording with other runs. The present runs are not copied, because they may be long.
     #[must_use]
     pub fn with_runs(&self, runs: Vec<Run>) -> Self {
         Self {
@@ -121,22 +121,22 @@ impl Recording {
         }
     }
 
-    /// What is odd about it as lines, one for what several runs share.
+    /// The oddities as lines of text. Equal oddities of several runs share a line.
     pub fn warnings(&self) -> Vec<String> {
         oddity::lines(&self.oddities)
     }
 
-    /// The nominal model of `run`: the recording's, with the run's own numbers.
+    /// The nominal model of `run`, including the run's own numbers.
     pub fn model_of(&self, run: &Run) -> Model {
         let mut model = self.model;
         for (name, value) in &run.numbers {
-            // Reading and `validate` refuse names that no model has.
+            // Reading and `validate` refuse unknown names.
             let _ = model.state(name, *value);
         }
         model
     }
 
-    /// The sensor behind `column`; an ideal one if nothing is stated about it.
+    /// The sensor of `column`. An ideal one if nothing is stated.
     pub fn sensor(&self, column: &str) -> Sensor {
         self.sensors.get(column).copied().unwrap_or_default()
     }

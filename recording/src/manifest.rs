@@ -1,4 +1,4 @@
-//! `recording.toml` as it stands in the file.
+//! The file `recording.toml`.
 
 use std::collections::BTreeMap;
 
@@ -16,10 +16,10 @@ use crate::{
 /// Name of the manifest inside the folder.
 pub(crate) const FILE: &str = "recording.toml";
 
-/// The one version of the format.
+/// The supported version of the format.
 pub(crate) const FORMAT: u32 = 1;
 
-/// The whole manifest. `M` is the `[model]` table: without its tolerances on the way in, with them on the way out.
+/// The whole manifest. `M` is the table `[model]`. It is read without tolerances and written with them.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Manifest<M> {
     pub format: u32,
@@ -43,7 +43,7 @@ fn restart_half_width() -> f64 {
     Recording::RESTART_HALF_WIDTH
 }
 
-/// One of `[[runs]]`.
+/// One table of `[[runs]]`.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct RunEntry {
     pub file: String,
@@ -62,14 +62,14 @@ fn is_mean(sampling: &InputSampling) -> bool {
     *sampling == InputSampling::Mean
 }
 
-/// `[runs.controller]`.
+/// The table `[runs.controller]`.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub(crate) enum Controller {
     Pid(Pid),
 }
 
-/// `[model]` with its servo and its tolerances, without the numbers that are not stated.
+/// The table `[model]` with its servo and tolerances, without numbers that are not stated.
 struct ModelTable<'a> {
     model: Model,
     unstated: Vec<&'static str>,
@@ -98,9 +98,9 @@ impl Serialize for ModelTable<'_> {
     }
 }
 
-/// A manifest that was read, with the lines on which its keys stand.
+/// A parsed manifest with the lines of its keys.
 pub(crate) struct Parsed {
-    /// Its model is that of joint and actuator together.
+    /// The manifest. Its model combines joint and actuator.
     pub manifest: Manifest<Model>,
     pub actuator: Option<Actuator>,
     pub tolerance: Tolerance,
@@ -109,10 +109,11 @@ pub(crate) struct Parsed {
     pub oddities: Vec<Oddity>,
 }
 
-/// Reads the text of a manifest.
+/// Parses the text of a manifest.
 ///
 /// # Errors
-/// Whatever is not TOML or not of the contract's shape; numbers are not judged here.
+///
+/// [`Error`] if the text is not TOML or has the wrong structure. Values are not checked here.
 pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
     let failed = |error: toml::de::Error| {
         let message = plain_message(error.message());
@@ -158,7 +159,7 @@ pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
         manifest.model = actuator
             .added_to(&manifest.model, &manifest.units)
             .map_err(lacks)?;
-        // The joint's own friction is what a run states.
+        // A run states the friction of the joint itself.
         let viscous = actuator.viscous(&manifest.units).map_err(lacks)?;
         let runs = manifest.runs.iter_mut();
         runs.filter_map(|run| run.model.get_mut("viscous"))
@@ -174,7 +175,7 @@ pub(crate) fn parse(text: &str) -> Result<Parsed, Error> {
     })
 }
 
-/// A table that was taken out of the manifest `text`.
+/// Deserialises a table that was removed from the manifest `text`.
 fn part<'a, T: Deserialize<'a>>(
     text: &str,
     table: toml::Spanned<toml::de::DeValue<'a>>,
@@ -187,7 +188,7 @@ fn part<'a, T: Deserialize<'a>>(
     })
 }
 
-/// What drives the joint, if it is said otherwise than by the numbers of the model that are `stated`.
+/// The actuator, if it is described by a data sheet or as a servo. `stated` lists the numbers that the model states.
 fn actuator(
     motor: Option<Motor>,
     servo: Option<Servo>,
@@ -216,10 +217,10 @@ fn actuator(
     })
 }
 
-/// The text of the manifest of `recording`.
+/// Writes the manifest of `recording`.
 pub(crate) fn text(recording: &Recording) -> Result<String, toml::ser::Error> {
     let units = &recording.units;
-    // A drive that the model does not have any more is said by the model's numbers.
+    // An actuator that the model no longer contains is written as numbers of the model.
     let apart = recording.actuator.and_then(|actuator| {
         let joint = actuator.taken_from(&recording.model, units)?;
         Some((actuator, joint, actuator.viscous(units).ok()?))

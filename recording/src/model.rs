@@ -1,31 +1,32 @@
-//! The nominal model and how well its numbers are known.
+//! The nominal model and the tolerances of its numbers.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// The `[model]` table: a single axis in SI units, rotary (rad, N m) or linear (m, N).
+/// The table `[model]`: a single axis in SI units, rotary (rad, N m) or linear (m, N).
 ///
-/// Joint torque is `ratio * input - viscous * v - gravity * sin(angle_rad * (x - gravity_zero))
-/// - stiffness * (x - stiffness_zero) + offset`, less dry friction and the stops; acceleration is that over `inertia`.
+/// The joint torque is `ratio * input - viscous * v - gravity * sin(angle_rad * (x - gravity_zero)) - stiffness * (x -
+/// stiffness_zero) + offset`, minus dry friction and the torque of the stops. The acceleration is this torque over
+/// `inertia`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
-    /// Inertia at the joint, motor rotor included, kg m² (kg).
+    /// Inertia at the joint including the motor's rotor, kg m² (kg).
     pub inertia: f64,
     /// Viscous friction, N m s/rad.
     #[serde(default)]
     pub viscous: f64,
-    /// Dry friction level at the joint, the same for stick and slip, N m.
+    /// Level of the dry friction at the joint, equal at rest and while sliding, N m.
     #[serde(default)]
     pub coulomb: f64,
-    /// Amplitude of the gravity torque, N m; positive hangs at `gravity_zero`.
+    /// Amplitude of the gravity torque, N m. With a positive value the joint hangs at `gravity_zero`.
     #[serde(default)]
     pub gravity: f64,
     /// Position at which gravity has no torque, rad.
     #[serde(default)]
     pub gravity_zero: f64,
-    /// Spring rate, N m/rad.
+    /// Stiffness of the spring, N m/rad.
     #[serde(default)]
     pub stiffness: f64,
     /// Position at which the spring has no torque, rad.
@@ -34,43 +35,43 @@ pub struct Model {
     /// Constant torque at the joint, N m.
     #[serde(default)]
     pub offset: f64,
-    /// Joint torque per unit of input; 1 if left out.
+    /// Joint torque per unit of input. 1 if left out.
     #[serde(default = "one")]
     pub ratio: f64,
-    /// Pure delay from input to torque, s. Below zero, each row's input acted before the time of the row.
+    /// Dead time from input to torque, s. If it is negative, the input of a row acted before the time of the row.
     #[serde(default)]
     pub delay: f64,
     /// Time constant of the first-order lag from input to torque, s.
     #[serde(default)]
     pub lag: f64,
-    /// The input is clipped to ± this, before delay and lag; `None` is no limit.
+    /// Largest magnitude of the input, before delay and lag. `None` is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_limit: Option<f64>,
-    /// What acts of the input changes no faster, per s, before delay and lag; `None` is no limit.
+    /// Largest rate of the acting input, per s, before delay and lag. `None` is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_rate_limit: Option<f64>,
-    /// Positions of the lower and the upper hard stop, rad; `None` is free.
+    /// Positions of the lower and the upper hard stop, rad. `None` is no stops.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub travel: Option<[f64; 2]>,
-    /// Spring rate of the stops, N m/rad; 20 if left out.
+    /// Stiffness of the stops, N m/rad. 20 if left out.
     #[serde(default = "default_stop_stiffness")]
     pub stop_stiffness: f64,
-    /// Damping of the stops while in contact, N m s/rad; 0.02 if left out.
+    /// Damping of the stops in contact, N m s/rad. 0.02 if left out.
     #[serde(default = "default_stop_damping")]
     pub stop_damping: f64,
-    /// Angle of one unit of position, rad: 1, or less for a recording in degrees. It is no number of the table, its recording's
-    /// units say it.
+    /// Angle of one unit of position, rad: 1, or less for a recording in degrees. The units of the recording define it, not
+    /// this table.
     #[serde(skip, default = "one")]
     pub angle_rad: f64,
 }
 
-/// A number of a model that is outside its possible range.
+/// A number of a model is outside its possible range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{name}` is {value}; it must be {wanted}")]
 pub struct NoModel {
-    /// Its name, one of [`Model::NAMES`].
+    /// Name of the number, one of [`Model::NAMES`].
     pub name: &'static str,
-    /// Its value, as text.
+    /// Value of the number as text.
     pub value: String,
     /// The possible values, in words.
     pub wanted: &'static str,
@@ -94,7 +95,7 @@ fn default_stop_damping() -> f64 {
 }
 
 impl Model {
-    /// Every key of the table. `travel` is a pair, the limits of the input may be absent, the others are plain numbers.
+    /// Every key of the table. `travel` is a pair, input limits may be absent, and all others are numbers.
     pub const NAMES: [&str; 16] = [
         "inertia",
         "viscous",
@@ -114,11 +115,11 @@ impl Model {
         "stop_damping",
     ];
 
-    /// Numbers without which no axis is described: one that a recording does not state is not known, and is estimated. The
-    /// other numbers describe parts that an axis need not have; one that is not stated is taken as absent.
+    /// Numbers that every axis needs. If a recording does not state one, it is unknown and is estimated. All other numbers
+    /// describe optional parts, which are absent if not stated.
     pub const ESSENTIAL: [&str; 4] = ["ratio", "viscous", "coulomb", "gravity"];
 
-    /// A free, frictionless `inertia` (kg m²) driven by its input as torque.
+    /// A free, frictionless inertia (kg m²) whose input is a torque.
     pub fn new(inertia: f64) -> Self {
         Self {
             inertia,
@@ -144,7 +145,8 @@ impl Model {
     /// Checks that every number is within its possible range.
     ///
     /// # Errors
-    /// [`NoModel`], the first of them.
+    ///
+    /// [`NoModel`] for the first number that is not.
     pub fn check(&self) -> Result<(), NoModel> {
         for name in Self::NAMES {
             let Some(value) = self.get(name) else {
@@ -199,13 +201,13 @@ impl Model {
         }
     }
 
-    /// The number called `name`; `None` for an absent limit, for the pair `travel` and for names that do not exist.
+    /// The number called `name`. `None` for an absent limit, for the pair `travel` and for unknown names.
     pub fn get(&self, name: &str) -> Option<f64> {
         let mut copy = *self;
         copy.number_mut(name).map(|number| *number)
     }
 
-    /// Sets the number called `name`; `false` where [`get`](Self::get) has nothing to give, and then nothing changes.
+    /// Sets the number called `name`. Returns `false`, and changes nothing, where [`get`](Self::get) returns `None`.
     #[must_use]
     pub fn set(&mut self, name: &str, value: f64) -> bool {
         self.number_mut(name)
@@ -213,7 +215,7 @@ impl Model {
             .is_some()
     }
 
-    /// Sets a number as [`set`](Self::set) does, including limits of the input that were absent before.
+    /// Sets a number like [`set`](Self::set), and also an input limit that was absent.
     #[must_use]
     pub fn state(&mut self, name: &str, value: f64) -> bool {
         match name {
@@ -246,20 +248,20 @@ impl Model {
     }
 }
 
-/// Relative standard deviation of the model's numbers, by name; what is left out is known exactly.
+/// Relative standard deviations of the model's numbers by name. A number without one is known exactly.
 ///
-/// The one of `travel` holds for both of its ends.
+/// The value of `travel` applies to both ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Tolerance(BTreeMap<String, f64>);
 
 impl Tolerance {
-    /// The relative standard deviation of the number called `name`; 0 if nothing is stated.
+    /// The relative standard deviation of the number called `name`. 0 if none is stated.
     pub fn of(&self, name: &str) -> f64 {
         self.0.get(name).copied().unwrap_or(0.0)
     }
 
-    /// States `relative` (1 = 100 %) for the number called `name`, one of [`Model::NAMES`].
+    /// States the standard deviation `relative` (1 = 100 %) of the number called `name`, one of [`Model::NAMES`].
     pub fn set(&mut self, name: impl Into<String>, relative: f64) {
         self.0.insert(name.into(), relative);
     }
@@ -271,7 +273,7 @@ impl Tolerance {
             .map(|(name, &relative)| (name.as_str(), relative))
     }
 
-    /// Whether nothing is stated.
+    /// True if nothing is stated.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -282,7 +284,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_but_the_pair_reaches_a_field_of_its_own() {
+    fn every_name_except_the_pair_sets_its_own_field() {
         let mut model = Model {
             input_limit: Some(0.0),
             input_rate_limit: Some(0.0),

@@ -1,35 +1,35 @@
-//! What is odd about a recording without spoiling it.
+//! Oddities: minor problems of a recording that do not prevent its use.
 
 use crate::digits::short;
 use std::mem::discriminant;
 
-/// Something odd that was found and worked around, as one line.
+/// A minor problem and how it was handled, as one line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Oddity {
-    /// A key that nobody reads.
+    /// An unknown key.
     #[error("recording.toml, line {line}: `{key}` in {table} is unknown and ignored{}", match nearest { Some(name) => format!("; was `{name}` meant?"), None => String::new() })]
     UnknownKey {
-        /// Its line.
+        /// Line of the key.
         line: usize,
-        /// Its table.
+        /// Table of the key.
         table: String,
         /// The key.
         key: String,
-        /// What was probably meant.
+        /// The known key with the most similar name.
         nearest: Option<&'static str>,
     },
-    /// A unit that nobody knows.
-    #[error("`{unit}` under [units] is no known unit of `{column}`{}; it is shown as it stands, and decides nothing", match nearest { Some(name) => format!(" (was `{name}` meant?)"), None => String::new() })]
+    /// An unknown unit.
+    #[error("`{unit}` under [units] is no known unit of `{column}`{}; it is displayed as written and has no other effect", match nearest { Some(name) => format!(" (was `{name}` meant?)"), None => String::new() })]
     UnknownUnit {
-        /// The column that is in it.
+        /// The column with this unit.
         column: &'static str,
-        /// As written.
+        /// The unit as written.
         unit: String,
-        /// What was probably meant.
+        /// The known unit with the most similar name.
         nearest: Option<&'static str>,
     },
-    /// A position column about which nothing is stated.
+    /// A position column without a sensor table.
     #[error("[sensor.{column}] is missing; the column is taken as continuous and free of noise")]
     SensorAssumed {
         /// The column.
@@ -48,13 +48,13 @@ pub enum Oddity {
         p95_s: f64,
     },
     /// Samples are missing.
-    #[error("{file}: {count} {} in time, the longest {longest_s} s at {at_s} s, where the sample period is {median_s} s; prediction begins anew after what a restart cannot bridge", if *count == 1 { "gap" } else { "gaps" }, median_s = short(*median_s), longest_s = short(*longest_s), at_s = short(*at_s))]
+    #[error("{file}: {count} {} in time, the longest {longest_s} s at {at_s} s, where the sample period is {median_s} s; the prediction restarts after gaps that are too long to bridge", if *count == 1 { "gap" } else { "gaps" }, median_s = short(*median_s), longest_s = short(*longest_s), at_s = short(*at_s))]
     Gaps {
         /// The run.
         file: String,
-        /// How many.
+        /// Number of gaps.
         count: usize,
-        /// The longest, s.
+        /// Duration of the longest gap, s.
         longest_s: f64,
         /// Time at which the longest starts, s.
         at_s: f64,
@@ -62,14 +62,14 @@ pub enum Oddity {
         median_s: f64,
     },
     /// The input never changes, so it excites nothing.
-    #[error("{file}: `input` is {value} in every row; it tells nothing about actuation", value = short(*value))]
+    #[error("{file}: `input` is {value} in every row; it gives no information about the actuation", value = short(*value))]
     ConstantInput {
         /// The run.
         file: String,
         /// The only value.
         value: f64,
     },
-    /// A column that repeats one value, as if it were not live.
+    /// A column never changes.
     #[error("{file}: column `{column}` never changes and is not used")]
     FrozenColumn {
         /// The run.
@@ -77,40 +77,40 @@ pub enum Oddity {
         /// The column.
         column: String,
     },
-    /// The position stays at an extreme that a motion runs into, and comes out of at once as fast as it goes elsewhere.
+    /// The sensor saturates: the position stays at an extreme that a motion enters and leaves at full speed.
     #[error("{file}: `position` saturates at {value}, for {stay_s} s from {from_s} s on at the longest; the rows in which it does are left out: stay within the sensor's range", value = short(*value), stay_s = short(*stay_s), from_s = short(*from_s))]
     Saturated {
         /// The run.
         file: String,
-        /// The extreme.
+        /// Position at which it saturates.
         value: f64,
-        /// Start of the longest stay, s.
+        /// Start of the longest segment, s.
         from_s: f64,
-        /// Its length, s.
+        /// Duration of the longest segment, s.
         stay_s: f64,
     },
-    /// The position runs into its extreme and stays there.
+    /// The position reaches an extreme abruptly and stays there.
     #[error("{file}: `position` runs into {value} and stays for {stay_s} s from {from_s} s on while the input changes: the sensor saturates, or a stop holds; its samples count as they are", value = short(*value), stay_s = short(*stay_s), from_s = short(*from_s))]
     Held {
         /// The run.
         file: String,
-        /// The extreme.
+        /// Position at which it stays.
         value: f64,
-        /// Start of the longest stay, s.
+        /// Start of the longest segment, s.
         from_s: f64,
-        /// Its length, s.
+        /// Duration of the longest segment, s.
         stay_s: f64,
     },
-    /// The position stays amid a motion and then jumps to where that has gone.
+    /// The reading freezes during a motion and then jumps to the true position.
     #[error("{file}: `position` freezes {count} {}, the longest for {stay_s} s from {from_s} s on, and then jumps to where the motion has gone; the rows in which it does are left out: check the sensor and its bus", if *count == 1 { "time" } else { "times" }, from_s = short(*from_s), stay_s = short(*stay_s))]
     FrozenPosition {
         /// The run.
         file: String,
-        /// How often.
+        /// Number of frozen segments.
         count: usize,
-        /// Start of the longest, s.
+        /// Start of the longest segment, s.
         from_s: f64,
-        /// Its length, s.
+        /// Duration of the longest segment, s.
         stay_s: f64,
     },
     /// The position is new in some rows only.
@@ -118,100 +118,100 @@ pub enum Oddity {
     Repeated {
         /// The run.
         file: String,
-        /// Rows from one to the next, mostly.
+        /// Median number of rows between new positions.
         every: usize,
     },
-    /// Single samples far from both their neighbours, as no motion makes them.
+    /// Single samples are far from both their neighbours.
     #[error("{file}: {count} samples of `position` stand out from both their neighbours, the farthest by {farthest} at {at_s} s; their rows are left out: check the sensor and its wiring", farthest = short(*farthest), at_s = short(*at_s))]
     Spikes {
         /// The run.
         file: String,
-        /// How many.
+        /// Number of spikes.
         count: usize,
-        /// How far the farthest stands out, in units of position.
+        /// Largest distance from the neighbours, in units of position.
         farthest: f64,
-        /// Its time, s.
+        /// Time of that sample, s.
         at_s: f64,
     },
-    /// A first sample far from where the next ones come from: a sensor that was read before it was ready.
-    #[error("{file}: the first `position` stands {off} apart from where the next ones come from; the first row is left out: begin the log when the sensor is ready", off = short(*off))]
+    /// The first sample is far from the following ones. The sensor was probably read before it was ready.
+    #[error("{file}: the first `position` is {off} away from the extrapolation of the next ones; the first row is left out: begin the log when the sensor is ready", off = short(*off))]
     StaleStart {
         /// The run.
         file: String,
-        /// How far, in units of position.
+        /// Distance from the extrapolation of the next samples, in units of position.
         off: f64,
     },
-    /// The input of a run that is stated as open-loop is a controller's.
+    /// A run is stated as open-loop, but its input reacts to the position.
     #[error(
         "{file}: {percent:.0} % of what is quick in `input` follows the noise of `position`: it is a controller's own law, and the run is taken as closed-loop; write so in `drive`"
     )]
     Controlled {
         /// The run.
         file: String,
-        /// Share of the quick part of the input, %.
+        /// Share of the fast part of the input that reacts to the position, %.
         percent: f64,
     },
-    /// The position goes the other way than the input drives the model.
-    #[error("`input` and `position` go against each other: the model leaves {told} {unit} with both as they are, {mute} without any input and {turned} with the other sign of `{column}`, which is assumed: correct the sign in the log", told = short(*told), mute = short(*mute), turned = short(*turned))]
+    /// Input and position have opposite signs with respect to the model.
+    #[error("`input` and `position` have opposite signs: the rms error of the model is {told} {unit} as logged, {mute} without any input and {turned} with the other sign of `{column}`, which is assumed: correct the sign in the log", told = short(*told), mute = short(*mute), turned = short(*turned))]
     Turned {
-        /// The one that the other sign suits better.
+        /// The column whose sign is assumed to be wrong.
         column: &'static str,
-        /// Root mean square of what the model leaves as it is given, in units of position.
+        /// Rms prediction error with the signs as logged, in units of position.
         told: f64,
-        /// Root mean square that the model leaves without any input, in units of position.
+        /// Rms prediction error without any input, in units of position.
         mute: f64,
-        /// Root mean square that the model leaves with the other sign, in units of position.
+        /// Rms prediction error with the other sign, in units of position.
         turned: f64,
         /// Unit of position.
         unit: String,
     },
-    /// Two runs claim the same stretch of session time.
+    /// Two runs overlap in time.
     #[error("{first} and {second} overlap in time; they are taken as separate runs")]
     Overlap {
         /// The run that starts first.
         first: String,
-        /// The run that starts before that has ended.
+        /// The run that starts before the first one has ended.
         second: String,
     },
-    /// The data have another quantum than is stated.
+    /// The observed quantum differs from the stated resolution.
     #[error("{file}: `position` has steps of {seen}, but [sensor.position] says a resolution of {stated}", seen = short(*seen), stated = short(*stated))]
     Resolution {
         /// The run.
         file: String,
-        /// Median distance of neighbouring values.
+        /// A typical distance between neighbouring values.
         seen: f64,
-        /// What the manifest says.
+        /// Resolution in the manifest.
         stated: f64,
     },
-    /// The position jitters by far more than is stated.
-    #[error("{file}: `position` jitters by {seen} from sample to sample, where [sensor.position] says {stated}: what stirs it so is taken for noise, and no gap is looked for below it", seen = short(*seen), stated = short(*stated))]
+    /// The noise of the position is far larger than stated.
+    #[error("{file}: `position` jitters by {seen} from sample to sample, where [sensor.position] says {stated}: it is taken as noise, and a smaller gap cannot be detected", seen = short(*seen), stated = short(*stated))]
     Noisy {
         /// The run.
         file: String,
-        /// Standard deviation of white noise that jitters so.
+        /// Standard deviation of the observed noise, assumed white.
         seen: f64,
-        /// What the manifest says, quantising included.
+        /// Standard deviation stated in the manifest, including quantisation.
         stated: f64,
     },
-    /// A servo that is simulated without its dead band.
+    /// A servo is simulated without its dead band.
     #[error(
         "`deadband` of `servo` is not simulated in the nominal model; what it does counts as part of the gap"
     )]
     ServoDeadband,
-    /// The supply is read so coarsely that its steps are not events.
+    /// The quantum of the supply reading is so large that its steps are not events.
     #[error("{file}: `supply` is read in steps of {step}, {} % of it; a change of one step is no event", short(*percent), step = short(*step))]
     CoarseSupply {
         /// The run.
         file: String,
         /// The quantum.
         step: f64,
-        /// The quantum relative to the median reading, %.
+        /// The quantum over the median reading, %.
         percent: f64,
     },
 }
 
 impl Oddity {
-    /// The run that it is odd about, if it is one.
+    /// The run with the oddity, if it concerns one run.
     fn file(&self) -> Option<&str> {
         match self {
             Self::Jitter { file, .. }
@@ -237,7 +237,7 @@ impl Oddity {
         }
     }
 
-    /// True if another run is odd in the same way.
+    /// True if another run has the same oddity.
     fn is_like(&self, other: &Self) -> bool {
         let columns = [self, other].map(|one| match one {
             Self::FrozenColumn { column, .. } => Some(column),
@@ -247,10 +247,10 @@ impl Oddity {
     }
 }
 
-/// Files that are named after the first.
+/// Number of further files that are named.
 const NAMED: usize = 3;
 
-/// What is odd as lines: where several runs are odd in the same way one tells of the first, and which the others are.
+/// The oddities as lines. Equal oddities of several runs share a line, which describes the first and names the others.
 pub(crate) fn lines(oddities: &[Oddity]) -> Vec<String> {
     let mut kinds: Vec<(&Oddity, Vec<&str>)> = Vec::new();
     for oddity in oddities {

@@ -1,4 +1,4 @@
-//! From a folder to a [`Recording`].
+//! Reads a [`Recording`] from a folder.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -16,16 +16,17 @@ impl Recording {
     /// Reads and validates the recording in `folder`.
     ///
     /// # Errors
-    /// The first fault that was found; see [`Fault`].
+    ///
+    /// The first fault, see [`Fault`].
     pub fn read(folder: impl AsRef<Path>) -> Result<Self, Error> {
         Self::read_watched(folder, &|_| {})
     }
 
-    /// Reads and validates the recording in `folder`. Calls `watch` now and then with the share of the bytes of all CSV
-    /// files that is read.
+    /// Reads and validates the recording in `folder`. Calls `watch` repeatedly with the share of the CSV bytes read so far.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    ///
+    /// The same as for [`read`](Self::read).
     pub fn read_watched(folder: impl AsRef<Path>, watch: &dyn Fn(f64)) -> Result<Self, Error> {
         let folder = folder.as_ref();
         let path = folder.join(manifest::FILE);
@@ -104,7 +105,7 @@ impl Recording {
         Ok(recording)
     }
 
-    /// States an ideal sensor for every position column that has none.
+    /// Adds an ideal sensor for every position column without one.
     fn assume_sensors(&mut self) {
         let columns: Vec<String> = validate::position_columns(self)
             .map(str::to_owned)
@@ -154,7 +155,7 @@ fn read_run(
     Ok((run, columns.frozen))
 }
 
-/// A file that reports how much of it is read.
+/// A file that reports how much of it has been read.
 struct Watched<'a> {
     file: File,
     bytes: u64,

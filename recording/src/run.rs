@@ -1,4 +1,4 @@
-//! One run: a stretch of recorded samples, by column.
+//! One run: recorded samples by column.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -7,15 +7,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::statistics::{median, quantile};
 
-/// A gap: a period of this many medians, and of [`GAP_TAILS`] times what jitter reaches, the quantile [`JITTERED`], so that jitter
-/// is none. Where more than one row in ten is followed by a gap, too few are left between two to restart from.
+/// Least period of a gap, over the median period. It must also be [`GAP_TAILS`] times the quantile [`JITTERED`] of the
+/// periods, so that jitter is not a gap. If more than one row in ten is followed by a gap, there are too few rows between
+/// gaps for a restart.
 const GAP_MEDIANS: f64 = 5.0;
-/// See [`GAP_MEDIANS`].
+/// Least period of a gap over a high quantile of the periods, see [`GAP_MEDIANS`].
 const GAP_TAILS: f64 = 2.0;
-/// See [`GAP_MEDIANS`].
+/// That quantile, see [`GAP_MEDIANS`].
 const JITTERED: f64 = 0.9;
 
-/// Where the input came from: prescribed, or from a controller.
+/// Source of the input: prescribed or from a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Drive {
@@ -25,19 +26,19 @@ pub enum Drive {
     ClosedLoop,
 }
 
-/// How a row's `input` was sampled.
+/// How `input` was sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum InputSampling {
-    /// Its mean until then.
+    /// Its mean from this row until the next.
     #[default]
     Mean,
-    /// Its value at the row's instant. Between rows it then goes in a straight line; after the last it stays.
+    /// Its value at the time of the row. It is interpolated linearly between rows and constant after the last.
     Point,
 }
 
 impl InputSampling {
-    /// Its name in a manifest.
+    /// Its name in the manifest.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mean => "mean",
@@ -46,38 +47,38 @@ impl InputSampling {
     }
 }
 
-/// The controller of a closed-loop run: input from position error.
+/// The controller of a closed-loop run, from position error to input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pid {
     /// Input per unit of position error.
     pub kp: f64,
-    /// Input per unit of position error and second.
+    /// Input per unit of position error and per second.
     #[serde(default)]
     pub ki: f64,
-    /// Input per unit of position and per second.
+    /// Input per unit of velocity.
     #[serde(default)]
     pub kd: f64,
     /// Period of the loop, s.
     pub period: f64,
-    /// Corner of the first-order low-pass on the measured position, Hz; `None` is none.
+    /// Corner frequency of the first-order low-pass on the measured position, Hz. `None` is no low-pass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_cutoff_hz: Option<f64>,
 }
 
-/// One run. All columns have the length of `time`.
+/// One run. All columns are as long as `time`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
     /// Name of the CSV file inside the folder.
     pub file: String,
-    /// Where the input came from.
+    /// Source of the input.
     pub drive: Drive,
-    /// Standard deviation of the time between input and position, s; above 0 where that is not known: it is estimated then.
+    /// Standard deviation of the unknown time between input and position column, s. Above 0 the time is estimated.
     pub input_time_std: f64,
     /// How the input was sampled.
     pub input_sampling: InputSampling,
-    /// The controller, if it is stated.
+    /// The controller, if stated.
     pub controller: Option<Pid>,
-    /// Numbers of the model that are other in this run, such as another load; see [`Recording::model_of`].
+    /// Model numbers that differ in this run, for example with another load. See [`Recording::model_of`].
     ///
     /// [`Recording::model_of`]: crate::Recording::model_of
     pub numbers: BTreeMap<String, f64>,
@@ -85,24 +86,24 @@ pub struct Run {
     pub time: Vec<f64>,
     /// Command of the actuator, in units of input, sampled as [`input_sampling`](Self::input_sampling) says.
     pub input: Vec<f64>,
-    /// Position with which the model is compared, in units of position.
+    /// Position that the model must predict, in units of position.
     pub position: Vec<f64>,
     /// Setpoint of the position, in units of position.
     pub setpoint: Option<Vec<f64>>,
-    /// Readings of further sensors of the same position, by column: `position_hall`, …; in units of position.
+    /// Readings of other sensors of the same position by column, such as `position_hall`, in units of position.
     pub positions: BTreeMap<String, Vec<f64>>,
-    /// Actuator current. Single precision, like the next two: no such sensor has more digits, and long runs fit.
+    /// Actuator current. It is in single precision, like the next two columns, to save memory in long runs.
     pub current: Option<Vec<f32>>,
     /// Supply voltage.
     pub supply: Option<Vec<f32>>,
     /// Temperature.
     pub temperature: Option<Vec<f32>>,
-    /// Names of the other columns. They stay in the file: neither loaded nor written.
+    /// Names of other columns. They are neither loaded nor written.
     pub ignored: Vec<String>,
 }
 
 impl Run {
-    /// A run of the three columns that every run has.
+    /// A run with the three required columns.
     pub fn new(
         file: impl Into<String>,
         drive: Drive,
@@ -134,22 +135,23 @@ impl Run {
         self.time.len()
     }
 
-    /// Whether the run has no sample.
+    /// True if the run has no samples.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 
-    /// The rows of a stretch.
+    /// A part of the run.
     ///
     /// # Panics
-    /// If they are not all there.
+    ///
+    /// If the range exceeds the run.
     #[must_use]
     pub fn part(&self, rows: Range<usize>) -> Self {
         let rows: Vec<usize> = rows.collect();
         self.columns_at(&rows)
     }
 
-    /// Some of its rows, in their order, the input of each averaged until the next, unless it is of an instant.
+    /// The run reduced to some of its rows, in their order. Mean inputs are averaged until the next of these rows.
     pub(crate) fn rows(&self, rows: &[usize]) -> Self {
         if self.input_sampling == InputSampling::Point {
             return self.columns_at(rows);
@@ -157,7 +159,7 @@ impl Run {
         let periods = self.periods();
         let ends = rows.iter().skip(1).copied().chain([self.len()]);
         let inputs = rows.iter().zip(ends).map(|(&from, to)| {
-            // The last row lasts as long as any.
+            // The last row is assumed to have the usual duration.
             let lasts_s = |row: usize| periods.get(row).or(periods.last()).copied().unwrap_or(1.0);
             let told: f64 = (from..to).map(|row| lasts_s(row) * self.input[row]).sum();
             told / (from..to).map(lasts_s).sum::<f64>()
@@ -196,7 +198,7 @@ impl Run {
         }
     }
 
-    /// Indices of the rows after which rows are missing.
+    /// Indices of the rows before gaps.
     pub fn gaps(&self) -> Vec<usize> {
         let periods = self.periods();
         let least_s = (GAP_MEDIANS * median(periods.clone()))
@@ -206,7 +208,7 @@ impl Run {
         gaps.map(|(row, _)| row).collect()
     }
 
-    /// From each sample to the next, s.
+    /// Time from each sample to the next, s.
     pub(crate) fn periods(&self) -> Vec<f64> {
         self.time.windows(2).map(|pair| pair[1] - pair[0]).collect()
     }

@@ -9,37 +9,38 @@ pub(crate) fn extremes(column: &[f64]) -> (f64, f64) {
         })
 }
 
-/// Whether all values are the same.
+/// True if all values are equal.
 pub(crate) fn is_constant<T: PartialEq>(column: &[T]) -> bool {
     column.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
 
-/// Sixth differences of evenly spaced samples: in them a motion that was sampled some 25 times a period vanishes beside noise.
+/// Sixth differences of evenly spaced samples. They suppress a motion that is sampled some 25 times per period, so that
+/// noise remains.
 pub fn sixth_differences(column: &[f64]) -> impl Iterator<Item = f64> {
     let difference = |seven: &[f64]| seven.iter().zip(SIXTH).map(|(x, by)| by * x).sum();
     column.windows(SIXTH.len()).map(difference)
 }
 
-/// Share of all steps from sample to sample that count as the smallest ones.
+/// Share of all steps between samples that count as the smallest ones.
 const SMALL: f64 = 0.1;
 
-/// A typical one of the smallest steps from sample to sample; 0 where there is none.
+/// A typical one of the smallest non-zero steps between samples. 0 if there are none.
 pub(crate) fn smallest_step(column: &[f64]) -> f64 {
     let steps = column.windows(2).map(|pair| (pair[1] - pair[0]).abs());
     quantile(steps.filter(|step| *step > 0.0).collect(), SMALL)
 }
 
-/// Median size of a sixth difference over the standard deviation of white noise: 0.6745 √(12 over 6).
+/// Median magnitude of a sixth difference of white noise over its standard deviation: 0.6745 √(12 over 6).
 const MEDIAN_DIFFERENCE: f64 = 20.5;
 
-/// Standard deviation of the noise of evenly spaced samples of a motion.
+/// Standard deviation of the noise in evenly spaced samples of a motion.
 pub(crate) fn noise(column: &[f64]) -> f64 {
     median(sixth_differences(column).map(f64::abs).collect()) / MEDIAN_DIFFERENCE
 }
 
-/// The value below which the share `part` of `values` lies; 0 of nothing.
+/// The quantile `part` of `values`. 0 if there are none.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -53,7 +54,7 @@ pub(crate) fn quantile(mut values: Vec<f64>, part: f64) -> f64 {
     *values.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
-/// The middle value; 0 of nothing.
+/// The median. 0 if there are no values.
 pub(crate) fn median(values: Vec<f64>) -> f64 {
     quantile(values, 0.5)
 }

@@ -1,4 +1,4 @@
-//! Files that other programs and people wrote, opened and read as text.
+//! Opens and reads text files of other programs and of people.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
@@ -6,15 +6,16 @@ use std::path::Path;
 
 use crate::error::{Error, Fault};
 
-/// Number of bytes from which the encoding is guessed.
+/// Number of bytes used to detect the encoding.
 pub(crate) const HEAD_BYTES: usize = 64;
-/// Share of every second byte that is 0 in UTF-16 text of mostly Latin letters.
+/// Least share of zeros among every second byte in UTF-16 text with mostly Latin letters.
 const ZEROS: f64 = 0.75;
 
-/// Opens the file `path`, which must be a regular one: a pipe that nobody writes to would hold the program for ever, and
-/// a device is no recording. `mend` is what to do about a file that cannot be opened.
+/// Opens the file `path`. It must be a regular file: a pipe without a writer would block the program. `mend` is the remedy
+/// to report if it cannot be opened.
 ///
 /// # Errors
+///
 /// [`Fault::Io`] and [`Fault::NotAFile`].
 pub fn open_file(path: &Path, mend: &'static str) -> Result<File, Error> {
     let refused = |source| {
@@ -38,10 +39,11 @@ pub fn open_file(path: &Path, mend: &'static str) -> Result<File, Error> {
     File::open(path).map_err(refused)
 }
 
-/// The text of the file `path`. `mend` is as in [`open_file`].
+/// Reads the text of the file `path`. `mend` is as in [`open_file`].
 ///
 /// # Errors
-/// As [`open_file`], and [`Fault::Utf16`] and [`Fault::NotUtf8`] for other text than UTF-8.
+///
+/// The same as for [`open_file`], and [`Fault::Utf16`] and [`Fault::NotUtf8`] for text that is not UTF-8.
 pub fn read_text(path: &Path, mend: &'static str) -> Result<String, Error> {
     let mut bytes = Vec::new();
     open_file(path, mend)?
@@ -59,14 +61,14 @@ pub fn read_text(path: &Path, mend: &'static str) -> Result<String, Error> {
         return Err(Error::new(Fault::Utf16).in_file(path));
     }
     let text = String::from_utf8(bytes).map_err(|_| Error::new(Fault::NotUtf8).in_file(path))?;
-    // Some editors put a mark in front, which is no part of the text.
+    // Some editors write a byte order mark at the beginning.
     Ok(match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_owned(),
         None => text,
     })
 }
 
-/// The first bytes of `source`, as far as there are any.
+/// The first bytes of `source`, fewer if it is shorter.
 pub(crate) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(HEAD_BYTES);
     match source.take(HEAD_BYTES as u64).read_to_end(&mut bytes) {
@@ -75,8 +77,8 @@ pub(crate) fn head(source: &mut impl Read) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Whether text that begins with `bytes` is UTF-16: it begins with the mark of that, or has a 0 in most of its odd or of
-/// its even places, as no other text has.
+/// Returns true if text that begins with `bytes` is UTF-16. It starts with a byte order mark, or most of its odd or of its
+/// even bytes are 0.
 pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(HEAD_BYTES)];
     if head.starts_with(&[0xFF, 0xFE]) || head.starts_with(&[0xFE, 0xFF]) {
@@ -89,7 +91,7 @@ pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
     })
 }
 
-/// What a TOML parser says, in one line and without the names of a programmer's types.
+/// The message of a TOML parser in one line, without names of Rust types.
 pub fn plain_message(message: &str) -> String {
     let line = message.lines().collect::<Vec<_>>().join(", ");
     let Some((found, wanted)) = line
@@ -150,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn text_of_two_bytes_a_letter_is_recognised_with_and_without_a_mark() {
+    fn utf_16_text_is_recognised_with_and_without_a_byte_order_mark() {
         let little = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect();
         let big = |text: &str| text.encode_utf16().flat_map(u16::to_be_bytes).collect();
         let texts: [Vec<u8>; 3] = [

@@ -1,4 +1,4 @@
-//! Units of position and input, and what of them is known.
+//! Units of position and input.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,17 +7,17 @@ use serde::{Deserialize, Serialize};
 use crate::Oddity;
 use crate::keys;
 
-/// Units of position and input, for display; that of position also says what the sine of gravity is taken of.
+/// Units of position and input, for display. The unit of position also defines the argument of the sine of gravity.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Units {
-    /// Unit of position; `rad` if left out.
+    /// Unit of position. `rad` if left out.
     pub position: String,
-    /// Unit of input; `N m` if left out.
+    /// Unit of input. `N m` if left out.
     pub input: String,
 }
 
-/// Units of angle, with what one is in rad.
+/// Units of angle, each with its value in rad.
 const ANGLES: [(&str, f64); 15] = [
     ("rad", 1.0),
     ("radian", 1.0),
@@ -52,16 +52,16 @@ const LENGTHS: [&str; 14] = [
     "meters",
     "millimetres",
 ];
-/// Units of position in SI.
+/// SI units of position.
 const SI: [&str; 8] = [
     "rad", "radian", "radians", "m", "metre", "metres", "meter", "meters",
 ];
-/// What is counted, and shares: of positions and of inputs.
+/// Counts and ratios, for positions and inputs.
 const PLAIN: [&str; 17] = [
     "", "1", "-", "%", "percent", "count", "counts", "tick", "ticks", "step", "steps", "lsb",
     "bit", "bits", "digits", "raw", "px",
 ];
-/// Units of input alone, without spaces and signs of multiplication.
+/// Units of input only, without spaces and multiplication signs.
 const INPUTS: [&str; 31] = [
     "Nm", "mNm", "Ncm", "Nmm", "kNm", "kgfcm", "kgcm", "gcm", "ozin", "lbfin", "lbfft", "N", "mN",
     "kN", "kg", "g", "A", "mA", "V", "mV", "W", "Pa", "kPa", "bar", "duty", "pwm", "us", "µs",
@@ -69,17 +69,17 @@ const INPUTS: [&str; 31] = [
 ];
 
 impl Units {
-    /// True if the position is a length: that of a linear axis, which has no pendulum.
+    /// True if the position is a length. A linear axis has no pendulum.
     pub fn is_length(&self) -> bool {
         LENGTHS.contains(&self.position.trim())
     }
 
-    /// True if the position is in rad or in m, so that the model's numbers are in SI units.
+    /// True if the position is in rad or m, so that the model is in SI units.
     pub fn is_si(&self) -> bool {
         SI.contains(&self.position.trim())
     }
 
-    /// Angle of one unit of position, rad, for what depends on the sine of it: of degrees what it is, else 1.
+    /// Angle of one unit of position, rad, for the sine of gravity. For degrees π/180, otherwise 1.
     pub fn angle_rad(&self) -> f64 {
         let angle = ANGLES
             .iter()
@@ -87,7 +87,7 @@ impl Units {
         angle.map_or(1.0, |(_, rad)| *rad)
     }
 
-    /// Units that are none that is known: a slip, or a device that nobody here has thought of.
+    /// Reports unknown units.
     pub(crate) fn oddities(&self) -> Vec<Oddity> {
         let angles = || ANGLES.iter().map(|(name, _)| *name);
         let positions = || angles().chain(LENGTHS).chain(PLAIN);
@@ -114,7 +114,7 @@ impl Units {
     }
 }
 
-/// Whether they are one unit, however it is spaced and spelt.
+/// True if two texts are the same unit in different spelling or spacing.
 fn is_same(known: &str, written: &str) -> bool {
     let bare = |text: &str| -> String {
         let letters = text.chars().filter(|c| !" *·.".contains(*c));

@@ -1,4 +1,4 @@
-//! What no recording may have.
+//! Checks that every recording must pass.
 
 use crate::checks::plausible;
 use crate::error::{Error, Fault};
@@ -8,14 +8,15 @@ use crate::model::{FINITE, NOT_NEGATIVE, POSITIVE};
 use crate::{Actuator, Model, Recording, Run};
 use std::path::{Component, Path};
 
-/// Relative error of times that were printed and summed.
+/// Relative rounding error of printed and summed times.
 const ROUNDING: f64 = 1e-6;
 
 impl Recording {
-    /// Says whether this recording, once it is written, can be read again.
+    /// Checks that this recording can be read back after it is written.
     ///
     /// # Errors
-    /// What [`Recording::read`] would say of it, less the folder.
+    ///
+    /// The same as for [`Recording::read`], without the folder.
     pub fn validate(&self) -> Result<(), Error> {
         let lines = self.validate_manifest()?;
         for recorded in &self.runs {
@@ -24,7 +25,7 @@ impl Recording {
         sensors(self, &lines).map_err(|error| error.in_file(manifest::FILE.as_ref()))
     }
 
-    /// Validates the manifest alone and returns its lines.
+    /// Checks the manifest alone. Returns the lines of its keys.
     pub(crate) fn validate_manifest(&self) -> Result<Lines, Error> {
         let failed = |error: Error| error.in_file(manifest::FILE.as_ref());
         let text = manifest::text(self)
@@ -35,7 +36,7 @@ impl Recording {
     }
 }
 
-/// Numbers that no device has.
+/// Checks that all numbers are in their possible ranges.
 pub(crate) fn manifest(parsed: &Parsed) -> Result<(), Error> {
     let Parsed {
         manifest,
@@ -127,10 +128,10 @@ pub(crate) fn manifest(parsed: &Parsed) -> Result<(), Error> {
     Ok(())
 }
 
-/// Samples that say nothing.
+/// Checks that the samples of a run can be used.
 pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
     let (duration_s, horizon) = (run.duration_s(), recording.horizon);
-    // The last sample holds for one period too, so 500 samples at 1 kHz do make up 0.5 s.
+    // The last sample also lasts one period: 500 samples at 1 kHz are 0.5 s.
     let samples = run.len() as f64;
     if samples < 2.0 || duration_s * samples / (samples - 1.0) < horizon * (1.0 - ROUNDING) {
         return Err(Error::new(Fault::TooShort {
@@ -145,7 +146,7 @@ pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
     plausible::run(run, recording)
 }
 
-/// Sensor tables that belong to no column.
+/// Checks that every sensor table has a column.
 pub(crate) fn sensors(recording: &Recording, lines: &Lines) -> Result<(), Error> {
     for name in recording.sensors.keys() {
         if !position_columns(recording).any(|column| column == name) {
@@ -162,7 +163,7 @@ pub(crate) fn sensors(recording: &Recording, lines: &Lines) -> Result<(), Error>
     Ok(())
 }
 
-/// The position columns of all runs; a name may come more than once.
+/// The position columns of all runs. A name can occur several times.
 pub(crate) fn position_columns(recording: &Recording) -> impl Iterator<Item = &str> {
     let further = recording
         .runs
@@ -172,7 +173,7 @@ pub(crate) fn position_columns(recording: &Recording) -> impl Iterator<Item = &s
     std::iter::once("position").chain(further)
 }
 
-/// Whether `file` names something inside the folder that it is joined to.
+/// Returns true if `file` is inside the folder that it is joined to.
 pub(crate) fn is_inside(file: &str) -> bool {
     let path = Path::new(file);
     !file.is_empty()

@@ -1,4 +1,4 @@
-//! From a [`Recording`] to a folder.
+//! Writes a [`Recording`] to a folder.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -10,13 +10,14 @@ use crate::validate::is_inside;
 use crate::{Recording, Run};
 
 impl Recording {
-    /// Writes the recording into `folder`, which is made if it is not there; files of the same names are replaced.
+    /// Writes the recording into `folder`, which is created if needed. Existing files with the same names are replaced.
     ///
-    /// Numbers are written with as few digits as read back to the same number.
+    /// Numbers are written with the fewest digits that give the same number when read.
     ///
     /// # Errors
-    /// If the file system refuses, a column has another length than `time`, two runs share a file name, or the manifest has a
-    /// number that no device has. Whether the samples can be used, [`Recording::validate`] says.
+    ///
+    /// If the file system refuses, a column has another length than `time`, two runs have the same file name, or a number of
+    /// the manifest is out of range. [`Recording::validate`] checks whether the samples can be used.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<(), Error> {
         let folder = folder.as_ref();
         let path = folder.join(manifest::FILE);

@@ -1,11 +1,13 @@
-//! Constant segments: stretches of rows with one value, which a sensor may show while the device moves on.
+//! Constant segments: consecutive rows with the same value. A sensor can show one while the device moves.
 
 use crate::statistics::median;
 use std::ops::Range;
 
-/// Step before a segment of a sensor that clips, over the median step while moving: clipping is abrupt, a device comes to rest slowly.
+/// Least step before a segment of a clipping sensor, over the median step during motion. Clipping is abrupt, while a device
+/// comes to rest gradually.
 pub(crate) const ENTRY: f64 = 0.5;
-/// Fewest rows of a segment. The motion before and after it is measured over as many rows, so that a slow counter shows it.
+/// Fewest rows of a segment. The motion before and after it is measured over the same number of rows, so that slow motion of
+/// a counter is detected.
 pub(crate) const BESIDE: usize = 10;
 
 /// The rows of each segment of one value.
@@ -17,7 +19,7 @@ pub(crate) fn constant_segments(column: &[f64]) -> impl Iterator<Item = Range<us
     })
 }
 
-/// Median of the steps over `rows` rows that are not zero.
+/// Median of the non-zero changes over `rows` rows.
 pub(crate) fn typical_step(column: &[f64], rows: usize) -> f64 {
     let steps = column
         .windows(rows + 1)

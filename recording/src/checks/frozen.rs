@@ -1,4 +1,4 @@
-//! A reading that stays amid a motion and then jumps to where that has gone.
+//! Frozen readings: constant segments within a motion that end with a jump to the true position.
 
 use super::constant_segments::{BESIDE, ENTRY, constant_segments, typical_step};
 use super::spikes::{SPIKE, usual};
@@ -6,13 +6,14 @@ use crate::statistics::{noise, smallest_step};
 use crate::{Oddity, Run};
 use std::ops::Range;
 
-/// What freezes moves: over as many rows it has gone this many of the smallest steps, or of the noise, or as far as at an entry.
+/// Least motion before a frozen segment, in multiples of the smallest step or of the noise. A fast motion may also be judged
+/// by [`ENTRY`].
 const MOVES: f64 = 3.0;
-/// What a frozen reading jumps is this many times what the motion beside would have gone meanwhile, at most: more is counts that
-/// were lost.
+/// Largest jump at the end of a frozen segment, over the motion extrapolated from before and after it. A larger jump means
+/// lost counts.
 const CAUGHT_UP: f64 = 3.0;
 
-/// Stretches amid a motion that end in a jump to where it has gone, and their rows but the first, which was read.
+/// Finds the frozen segments. Returns the oddity and their rows, except the first row of each, which is valid.
 #[expect(clippy::cast_precision_loss, reason = "counts of samples")]
 pub(crate) fn frozen(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
     let x = &run.position;

@@ -1,13 +1,14 @@
-//! Invalid rows: their position is not that of the device.
+//! Invalid rows: their position is not the position of the device.
 
 use super::frozen::frozen;
 use super::saturated::{at_extremes, limits};
 use super::spikes::spikes;
 use crate::{Oddity, Run};
 
-/// Removes the invalid rows of runs of one sensor. The result names them, and constant segments that may be the device's own.
+/// Removes the invalid rows of all runs, which use the same sensor. Returns an oddity for each kind of invalid rows, and for
+/// constant segments that can be real.
 pub(crate) fn leave_out(runs: &mut [Run]) -> Vec<Oddity> {
-    // What one run shows to be a limit is one in all of them.
+    // A sensor limit that one run shows applies to all runs.
     let limits: Vec<f64> = runs.iter().flat_map(limits).collect();
     let mut oddities = Vec::new();
     for run in runs {

@@ -1,4 +1,4 @@
-//! What is looked for in the numbers of a recording: what no device could show, which rows are invalid, and what is merely odd.
+//! Checks of the numbers in a recording: impossible values, invalid rows, and oddities.
 
 mod constant_segments;
 mod frozen;

@@ -1,34 +1,34 @@
-//! Looks for what is merely odd.
+//! Finds oddities that do not prevent the use of a recording.
 
 use super::spikes::{SPIKE, usual};
 use crate::statistics::{is_constant, median, noise, quantile};
 use crate::{Oddity, Run, Sensor};
 
-/// Jitter: the middle 90 % of the periods spread over more than this share of their median.
+/// Jitter: least spread of the middle 90 % of the periods, as a share of their median.
 const JITTER: f64 = 0.1;
-/// Quantised: each value comes this many times on average.
+/// Quantisation: least average number of repetitions of a value.
 const REPEATS: usize = 4;
-/// The quantum seen and the one stated differ by this factor.
+/// Least factor between the observed and the stated quantum.
 const QUANTUM: f64 = 1.5;
-/// The quantum seen: this quantile of the distances between neighbouring values.
+/// The observed quantum is this quantile of the distances between neighbouring values.
 const QUANTUM_QUANTILE: f64 = 0.1;
-/// A value is on the grid if it is off by less than this share of the quantum, and the grid is real if
+/// Largest distance from a grid point, as a share of the quantum, for a value on the grid. The grid is real if
 /// [`ON_GRID_SHARE`] of the distances are on it.
 const ON_GRID: f64 = 0.1;
-/// See [`ON_GRID`].
+/// Least share of distances on the grid, see [`ON_GRID`].
 const ON_GRID_SHARE: f64 = 0.9;
-/// Distances between neighbouring values below this share of their span are rounding of the printed digits.
+/// Smaller distances between neighbouring values, as a share of their span, are rounding errors of the printed digits.
 const PRINTED: f64 = 1e-6;
-/// Noise seen over that stated: beyond this factor something else stirs the reading.
+/// Least factor of the observed noise over the stated one that is reported.
 const NOISIER: f64 = 5.0;
-/// A supply that is read in steps of this share of it.
+/// Least quantum of a supply reading that is reported, as a share of the reading.
 const SUPPLY: f64 = 0.005;
 
-/// What is odd about one run; `stated` is the sensor of its position, `frozen` are the ignored columns that never change.
+/// Oddities of one run. `stated` is the sensor of its position. `frozen` lists the ignored columns that never change.
 pub(crate) fn run(run: &Run, stated: &Sensor, frozen: &[String]) -> Vec<Oddity> {
     let mut found = Vec::new();
     let jitter = jitter(run);
-    // Samples at odd times differ by more than noise.
+    // With jitter, successive samples differ by more than noise.
     if jitter.is_none() {
         found.extend(noisy(run, stated));
     }
@@ -46,7 +46,7 @@ pub(crate) fn run(run: &Run, stated: &Sensor, frozen: &[String]) -> Vec<Oddity> 
     found
 }
 
-/// Runs that overlap although they do not all start anew.
+/// Reports runs that overlap in time, unless the time of all runs starts at about the same value.
 pub(crate) fn session(runs: &[Run]) -> Vec<Oddity> {
     let mut spans: Vec<(f64, f64, &str)> = runs
         .iter()
@@ -60,7 +60,7 @@ pub(crate) fn session(runs: &[Run]) -> Vec<Oddity> {
         .iter()
         .map(|(start, end, _)| end - start)
         .fold(f64::INFINITY, f64::min);
-    // Trimmed runs that start anew begin a little apart.
+    // Runs whose first rows were removed start at slightly different times.
     if last.0 - first.0 < shortest / 2.0 {
         return Vec::new();
     }
@@ -125,8 +125,8 @@ fn frozen_columns(run: &Run, ignored: &[String]) -> Vec<Oddity> {
         .collect()
 }
 
-/// Whether the first sample is [`SPIKE`] times farther from the line through the next two than these and the ones after are
-/// from one another: a motion has no such start.
+/// Reports a first sample that is far from the extrapolation of the next two samples: by [`SPIKE`] times the following
+/// steps. No motion starts like that.
 pub(crate) fn stale_start(run: &Run) -> Option<Oddity> {
     let next = run.position.get(1..5)?;
     let off = (run.position[0] - (2.0 * next[0] - next[1])).abs();
@@ -163,9 +163,9 @@ fn noisy(run: &Run, sensor: &Sensor) -> Option<Oddity> {
 }
 
 struct Quantum {
-    /// A typical small distance of neighbouring distinct values.
+    /// A typical small distance between neighbouring distinct values.
     step: f64,
-    /// Whether the values repeat and lie on a grid of that step.
+    /// True if the values repeat and lie on a grid with that step.
     quantised: bool,
 }
 

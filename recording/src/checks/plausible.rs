@@ -1,7 +1,7 @@
-//! Unit mistakes: numbers that no device could show together, however wrong its model is.
+//! Finds wrong units: combinations of numbers that no device could have, even with a badly wrong model.
 //!
-//! Only clear cases are refused: a false alarm is worse than a miss. On five real recordings with the nominal models of
-//! their authors the acceleration ratio is 0.01 to 0.3; with degrees for radians it is 57 times that.
+//! Only clear cases are refused, because a false alarm is worse than a missed error. For five real recordings with their
+//! authors' nominal models, the acceleration ratio is 0.01 to 0.3. With degrees instead of radians it is 57 times as large.
 
 use std::ops::Range;
 
@@ -9,34 +9,35 @@ use crate::error::{Error, Fault};
 use crate::statistics::{extremes, is_constant, median, quantile};
 use crate::{Drive, Model, Recording, Run};
 
-/// A window with fewer samples than this cannot be judged at all, so the time is in another unit.
+/// Fewest samples of a prediction window. With fewer, the time must be in another unit.
 const SAMPLES_PER_HORIZON: f64 = 3.0;
-/// The position spans this many times the stated travel.
+/// Least span of the position, over the stated travel, that is refused.
 const TRAVELS: f64 = 10.0;
-/// The median input is this many times the stated limit.
+/// Least median of the input, over the stated limit, that is refused.
 const LIMITS: f64 = 20.0;
-/// This limit for the input of a loop, which may be logged before it is limited and swing far beyond.
+/// The same for a closed loop. Its input may be logged before the limit and exceed it by far.
 const LOOP_LIMITS: f64 = 200.0;
-/// The median acceleration is this many times what twice the model's torques together give.
+/// Least median acceleration, over twice the model's torques divided by its inertia, that is refused.
 const ACCELERATIONS: f64 = 10.0;
-/// The same for an axis with gravity that spans more than [`TURN_RAD`]: a pendulum does not spin by accident.
+/// The same for an axis with gravity that moves by more than [`TURN_RAD`]. A pendulum does not rotate unintentionally.
 const PENDULUM_ACCELERATIONS: f64 = 1.5;
 /// One turn, rad.
 const TURN_RAD: f64 = std::f64::consts::TAU;
-/// In one horizon the model's net torque would carry it this many times the span of the position.
+/// Least distance that the model's net torque would move it in one horizon, over the span of the position, that is refused.
 const SPANS: f64 = 1000.0;
-/// Places at which a run is looked at.
+/// Number of positions in a run that are examined.
 const PLACES: usize = 1000;
-/// Share of places at which the position must move for the motion to be judged.
+/// Least share of them at which the position must move.
 const MOVING_SHARE: f64 = 0.25;
-/// Time constants after which a lag has settled.
+/// Time after which a lag has settled, in time constants.
 const LAGS: f64 = 3.0;
-/// Standard deviations of noise that pass for no motion.
+/// Motion below this number of standard deviations of the noise counts as no motion.
 const NOISE_DEVIATIONS: f64 = 5.0;
 
-/// Judges the units of one run.
+/// Checks the units of one run.
 ///
 /// # Errors
+///
 /// [`Fault::TimeUnit`], [`Fault::PositionUnit`], [`Fault::InputUnit`] or [`Fault::ModelUnit`].
 pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
     let period_s = median(run.time.windows(2).map(|pair| pair[1] - pair[0]).collect());
@@ -92,15 +93,16 @@ pub(crate) fn run(run: &Run, recording: &Recording) -> Result<(), Error> {
     Ok(())
 }
 
-/// How the motion compares with the model's torques, as medians over the places where the position moves.
+/// The motion compared with the model's torques: medians over the examined positions with motion.
 struct Motion {
-    /// Measured acceleration over the most that the model can give.
+    /// Measured acceleration over the largest one that the model can have.
     accelerations: f64,
-    /// How far the net torque would carry the model in one horizon.
+    /// Distance by which the net torque would move the model in one horizon.
     carry: f64,
 }
 
-/// `None` if the input is constant, so that the motion came from elsewhere, or the position hardly moves.
+/// Compares the motion with the model. Returns `None` if the input is constant, so that something else caused the motion, or
+/// if the position hardly moves.
 fn motion(run: &Run, recording: &Recording) -> Option<Motion> {
     if is_constant(&run.input) {
         return None;
@@ -139,7 +141,7 @@ fn motion(run: &Run, recording: &Recording) -> Option<Motion> {
     })
 }
 
-/// Three samples, about equally far apart in time.
+/// Three samples at about equal distances in time.
 struct Place {
     before: usize,
     at: usize,
@@ -170,10 +172,10 @@ impl Place {
         [slope(self.before, self.at), slope(self.at, self.after)]
     }
 
-    /// Measured acceleration over the most that the model can give, if no input is stronger than `drive`.
+    /// Measured acceleration over the largest one that the model can have with an input torque of at most `drive`.
     ///
-    /// The second divided difference is a mean of the acceleration, so it cannot exceed the largest one. Drag is no
-    /// torque of its own here: it is at most what the others spent on the speed, so it doubles them.
+    /// The second divided difference is a mean of the acceleration, so it cannot exceed the largest one. Drag is not counted
+    /// as a separate torque. It is at most as large as the torque that caused the speed, so the other torques are doubled.
     fn accelerations(&self, run: &Run, recording: &Recording, drive: f64, blur: f64) -> f64 {
         let [first, second] = self.slopes(run);
         let half_s = (run.time[self.after] - run.time[self.before]) / 2.0;
@@ -187,7 +189,7 @@ impl Place {
         }
     }
 
-    /// How far the torque that is left of the input would carry the model in one horizon.
+    /// Distance by which the input torque minus the resisting torques would move the model in one horizon.
     fn carry(&self, run: &Run, recording: &Recording) -> f64 {
         let model = &recording.model_of(run);
         let velocity = self
@@ -200,7 +202,7 @@ impl Place {
         0.5 * net / model.inertia * recording.horizon.powi(2)
     }
 
-    /// Least size of the torque from the input around here; 0 where its sign changes.
+    /// Smallest magnitude of the input torque around these samples. 0 if its sign changes.
     fn drive(&self, run: &Run, recording: &Recording) -> f64 {
         let model = &recording.model_of(run);
         let since = run.time[self.before] - model.delay - LAGS * model.lag;
@@ -214,7 +216,7 @@ impl Place {
         }
     }
 
-    /// The most that friction, gravity, spring, offset and stops can come to here.
+    /// Largest sum of friction, gravity, spring, offset and stops at these samples.
     fn holding(&self, run: &Run, recording: &Recording) -> f64 {
         let model = &recording.model_of(run);
         let (low, high) = extremes(&run.position[self.samples()]);
@@ -229,7 +231,7 @@ impl Place {
     }
 }
 
-/// Size of the joint torque of a steady `input`.
+/// Magnitude of the joint torque for a constant `input`.
 fn torque(model: &Model, input: f64) -> f64 {
     let limit = model.input_limit.unwrap_or(f64::INFINITY);
     (model.ratio * input.clamp(-limit, limit)).abs()

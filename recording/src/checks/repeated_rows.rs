@@ -1,16 +1,16 @@
-//! A position that is read less often than it is logged.
+//! Repeated rows: the position is logged more often than it is read.
 
 use crate::statistics::{median, smallest_step};
 use crate::{Oddity, Run};
 
-/// Repeated: fewer changes than this share follow one another from row to row.
+/// Largest share of the changes that directly follow another change.
 const NEXT_ROW: f64 = 0.05;
-/// And most of them are this many times the smallest ones, so that it is no counter that the device is slow for.
+/// Least median change, over the smallest changes. A slow motion of a counter has equal changes.
 const BEYOND_COUNTS: f64 = 2.0;
-/// Fewest changes that tell a pattern.
+/// Fewest changes that show a pattern.
 const FEWEST_CHANGES: usize = 20;
 
-/// The rows in which the position is new, where the others repeat the one before: it is read less often than it is logged.
+/// Returns the rows with a new position, if all other rows repeat the previous position.
 #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
 pub(crate) fn fresh_rows(run: &Run) -> Option<(Oddity, Vec<usize>)> {
     let x = &run.position;
@@ -29,7 +29,7 @@ pub(crate) fn fresh_rows(run: &Run) -> Option<(Oddity, Vec<usize>)> {
     let mut apart: Vec<usize> = apart().collect();
     let middle = apart.len() / 2;
     let every = *apart.select_nth_unstable(middle).1;
-    // At rest what is new is the same.
+    // At rest, a new reading can equal the previous one.
     let mut fresh = vec![0];
     for row in 1..x.len() {
         let last = fresh[fresh.len() - 1];

@@ -1,22 +1,22 @@
-//! A reading that stays at the end of its sensor's range, or that a stop may hold.
+//! Saturated readings: the position stays at the end of the sensor's range, or a stop may hold the device.
 
 use super::constant_segments::{BESIDE, ENTRY, constant_segments, typical_step};
 use crate::statistics::{extremes, noise, smallest_step};
 use crate::{Oddity, Run};
 use std::ops::Range;
 
-/// Saturation: the stays on an extreme, or the longest, have this share of the run's samples.
+/// Least share of the samples in a constant segment that is reported.
 const STAY: f64 = 0.02;
-/// During the stay the input spans this share of its whole span.
+/// Least span of the input during that segment, over its whole span.
 const STAY_INPUT: f64 = 0.25;
-/// A motion is seen once it has gone this many of the smallest steps, or of the noise; within so many rows, or it is a creep.
+/// Motion that is large enough for a measurement, in multiples of the smallest step or of the noise.
 const SEEN: f64 = 10.0;
 const MOST_BESIDE: usize = 4 * BESIDE;
-/// By half of that time it has gone this share of it at least, where it was at speed from the first: half of it, and a quarter
-/// where it is pushed from rest.
+/// Least share of that motion in the first half of its time, for a motion that has full speed at once. Constant speed gives
+/// a half. A start from rest with constant acceleration gives a quarter.
 const AT_SPEED: f64 = 0.4;
 
-/// Extremes at which a run shows its sensor to saturate: the motion goes on beyond, as fast as it comes and comes back.
+/// Extremes at which the sensor of a run saturates: the motion enters and leaves them at full speed.
 pub(crate) fn limits(run: &Run) -> impl Iterator<Item = f64> {
     let x = &run.position;
     let (low, high) = extremes(x);
@@ -24,14 +24,14 @@ pub(crate) fn limits(run: &Run) -> impl Iterator<Item = f64> {
     extremes.filter(|&value| is_often(x, value) && is_passed(x, value))
 }
 
-/// True if many rows are at a value.
+/// True if many rows have this value.
 #[expect(clippy::cast_precision_loss, reason = "counts of samples")]
 fn is_often(x: &[f64], value: f64) -> bool {
     let rows: usize = at(x, value).map(|stay| stay.len()).sum();
     rows as f64 >= STAY * x.len() as f64
 }
 
-/// True if a motion comes to a stay there, and from it, at speed.
+/// True if a motion enters and leaves a constant segment of this value at full speed.
 fn is_passed(x: &[f64], value: f64) -> bool {
     let seen = SEEN * smallest_step(x).max(noise(x));
     at(x, value).any(|stay| {
@@ -41,7 +41,7 @@ fn is_passed(x: &[f64], value: f64) -> bool {
     })
 }
 
-/// Stays on either extreme that are come to amid a motion, and the rows there if it is one of the `limits` of the sensor.
+/// Finds constant segments at either extreme. Their rows are returned if the extreme is one of the `limits` of the sensor.
 pub(crate) fn at_extremes(run: &Run, limits: &[f64]) -> Vec<(Oddity, Vec<Range<usize>>)> {
     let (low, high) = extremes(&run.position);
     let found = [low, high].map(|value| {
@@ -74,7 +74,7 @@ pub(crate) fn at_extremes(run: &Run, limits: &[f64]) -> Vec<(Oddity, Vec<Range<u
     found.into_iter().flatten().collect()
 }
 
-/// The longest stay on an extreme, if it is long while the input changes and is come to amid a motion.
+/// The longest constant segment at an extreme, if it is long, the input changes during it, and a motion enters it abruptly.
 #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
 fn held_at(run: &Run, value: f64) -> Option<Range<usize>> {
     let x = &run.position;
@@ -91,18 +91,19 @@ fn held_at(run: &Run, value: f64) -> Option<Range<usize>> {
     is_held.then_some(stay)
 }
 
-/// The stretches of one value.
+/// The constant segments of this value.
 fn at(column: &[f64], value: f64) -> impl Iterator<Item = Range<usize>> {
     constant_segments(column).filter(move |stay| column[stay.start] == value)
 }
 
-/// The longest of them.
+/// The longest constant segment of this value.
 fn longest_at(column: &[f64], value: f64) -> Option<Range<usize>> {
     at(column, value).max_by_key(ExactSizeIterator::len)
 }
 
-/// True if the motion `beside` a stay, so many rows from it, is at speed from the first, as it is not where a stop pushes it or a
-/// rest is eased into; what is `seen` of it has gone that far.
+/// True if the motion next to a constant segment has full speed at once. A motion that starts from rest, or that comes to rest
+/// gradually, does not. `seen` is the motion that is large enough for this test. `beside` gives the position by the number of
+/// rows from the segment.
 fn is_at_speed<'a>(
     x: &[f64],
     stay: &Range<usize>,

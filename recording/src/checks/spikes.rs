@@ -1,16 +1,16 @@
-//! Single samples far from both their neighbours.
+//! Spikes: single samples far from both their neighbours.
 
 use crate::statistics::{quantile, smallest_step};
 use crate::{Oddity, Run};
 use std::ops::Range;
 
-/// A spike: a sample is so many times farther from the middle of its neighbours than these are from one another and from the
-/// next ones, than most samples are, and than the smallest steps.
+/// Least distance of a spike from the mean of its neighbours, over the changes between the neighbouring samples, over the
+/// usual distance, and over the smallest steps.
 pub(crate) const SPIKE: f64 = 8.0;
-/// Most samples.
+/// Share of samples that defines the usual distance.
 const MOST: f64 = 0.9;
 
-/// Samples that no motion makes, and their rows.
+/// Finds the spikes. Returns the oddity and their rows.
 pub(crate) fn spikes(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
     let x = &run.position;
     let usual = usual(x);
@@ -32,12 +32,12 @@ pub(crate) fn spikes(run: &Run) -> Option<(Oddity, Vec<Range<usize>>)> {
     Some((oddity, rows.collect()))
 }
 
-/// How far sample `five[2]` is from the middle of its neighbours.
+/// Distance of sample `five[2]` from the mean of its neighbours.
 fn beside(five: &[f64]) -> f64 {
     (five[2] - 0.5 * (five[1] + five[3])).abs()
 }
 
-/// How far most samples are from the middle of their neighbours, at least one of the smallest steps.
+/// Usual distance of a sample from the mean of its neighbours. It is at least one of the smallest steps.
 pub(crate) fn usual(x: &[f64]) -> f64 {
     quantile(x.windows(5).map(beside).collect(), MOST).max(smallest_step(x))
 }

@@ -1,9 +1,9 @@
-//! A drive that is said by a motor's data sheet or as a position servo.
+//! Tests actuators described by a motor's data sheet or as a position servo.
 
 use crate::folder::Folder;
 use recording::{Actuator, Motor, Recording, Servo, Units};
 
-/// The manifest of a run, with `tables` before `[model]` and `numbers` in it.
+/// A folder with one run. `tables` is inserted before `[model]`, and `numbers` into it.
 fn folder(units: &str, tables: &str, numbers: &str) -> Folder {
     let rows: String = (0..600)
         .map(|k| {
@@ -64,14 +64,14 @@ fn a_data_sheet_gives_ratio_and_back_emf_of_the_inputs_unit() {
         ..Units::default()
     };
     assert_eq!(sheet.ratio(&units), Ok(0.05e-3));
-    // A friction that nobody states begins with the back-EMF alone, and is estimated.
+    // An unstated friction starts with the contribution of the back-EMF and is then estimated.
     let read = folder(&input("V"), SHEET, "").read().expect("read");
     assert_near(read.model.viscous, back_emf, "viscous");
     assert_eq!(read.unstated, ["viscous", "coulomb", "gravity"]);
 }
 
 #[test]
-fn the_back_emf_of_a_joint_in_degrees_is_that_of_its_degrees() {
+fn the_back_emf_of_a_joint_in_degrees_is_per_degree() {
     let units = "[units]\nposition = \"deg\"\ninput = \"V\"";
     let read = folder(units, SHEET, "viscous = 0.0").read().expect("read");
     assert_near(read.model.viscous, 0.05625_f64.to_radians(), "viscous");
@@ -96,7 +96,7 @@ fn a_servo_gives_ratio_stiffness_and_damping() {
 }
 
 #[test]
-fn a_drive_is_written_as_it_was_said() {
+fn an_actuator_is_written_as_it_was_described() {
     let servo = "servo = { stiffness = 0.5, damping = 0.002, deadband = 0.01 }\nviscous = 1e-3";
     for (units, tables, numbers) in [
         (input("V"), SHEET, "viscous = 1e-3"),
@@ -125,7 +125,7 @@ fn a_drive_is_written_as_it_was_said() {
 }
 
 #[test]
-fn a_drive_that_the_model_has_no_more_is_written_by_numbers() {
+fn an_actuator_that_the_model_no_longer_contains_is_written_as_numbers() {
     let mut recording: Recording = folder("", "", "servo = { stiffness = 0.5 }")
         .read()
         .expect("read");
@@ -145,14 +145,14 @@ fn a_drive_that_the_model_has_no_more_is_written_by_numbers() {
 }
 
 #[test]
-fn what_cannot_drive_a_joint_is_refused_in_one_line_with_its_mend() {
+fn an_invalid_actuator_is_refused_in_one_line_with_the_remedy() {
     let kt = "[motor]\nkt = 0.05";
     for (units, tables, numbers, said) in [
         (
             input("A"),
             kt,
             "ratio = 1.0",
-            "[motor] and `ratio` of [model] both say what drives the joint; leave one out",
+            "[motor] and `ratio` of [model] both define the actuator; leave one out",
         ),
         (input("V"), kt, "", "lacks `resistance`"),
         (input("kg"), kt, "", "says nothing of an input in `kg`"),

@@ -1,4 +1,4 @@
-//! Every kind of bad input gets one line with the file, the row and the mend.
+//! Every kind of bad input gives one line with the file, the row and the remedy.
 
 use std::fmt::Write;
 
@@ -21,7 +21,7 @@ file = \"a.csv\"
 drive = \"open-loop\"
 ";
 
-/// A second of a paddle at 1 kHz, every sample changed by `edit`.
+/// A CSV file of one second of a paddle at 1 kHz. `edit` changes every sample.
 fn csv(edit: impl Fn(&mut [f64; 3])) -> String {
     let mut text = String::from("time,input,position\n");
     for k in 0..1000 {
@@ -42,13 +42,13 @@ fn message(manifest: &str, csv: impl AsRef<[u8]>) -> String {
     error
 }
 
-/// The message about a manifest in which `from` became `to`.
+/// The message about a manifest in which `from` is replaced by `to`.
 fn manifest_message(from: &str, to: &str) -> String {
     assert!(MANIFEST.contains(from), "{from}");
     message(&MANIFEST.replacen(from, to, 1), csv(|_| {}))
 }
 
-/// The message about a CSV in which `from` became `to`.
+/// The message about a CSV file in which `from` is replaced by `to`.
 fn csv_message(from: &str, to: &str) -> String {
     let text = csv(|_| {});
     assert!(text.contains(from), "{from}");
@@ -249,7 +249,7 @@ fn sensors_without_a_column() {
 }
 
 #[test]
-fn a_sensor_whose_column_is_called_otherwise() {
+fn a_sensor_table_with_a_misspelt_column_name() {
     let manifest = MANIFEST.replace(
         "[sensor.position]",
         "[sensor.position_hal]\nnoise = 1.0\n[sensor.position]",
@@ -361,7 +361,7 @@ fn time_that_does_not_go_on() {
 }
 
 #[test]
-fn the_line_is_the_editors_whatever_the_line_ends() {
+fn the_line_number_is_right_for_every_kind_of_line_end() {
     let bad = csv(|_| {}).replacen("\n0.5,", "\nx,", 1);
     assert_says(
         &message(MANIFEST, bad.replace('\n', "\r\n")),
@@ -384,7 +384,7 @@ fn the_line_is_the_editors_whatever_the_line_ends() {
 }
 
 #[test]
-fn samples_that_say_nothing() {
+fn samples_without_information() {
     let frozen = message(MANIFEST, csv(|row| row[2] = 0.25));
     assert_says(
         &frozen,
@@ -478,7 +478,7 @@ fn unit_mistakes() {
 }
 
 #[test]
-fn a_badly_wrong_model_of_the_right_units_is_no_mistake() {
+fn a_badly_wrong_model_with_the_right_units_is_accepted() {
     for (from, to) in [
         ("inertia = 5e-4", "inertia = 2.5e-3"),
         ("inertia = 5e-4", "inertia = 1e-4"),
@@ -496,7 +496,7 @@ fn a_badly_wrong_model_of_the_right_units_is_no_mistake() {
 }
 
 #[test]
-fn writing_refuses_what_could_not_be_read_back() {
+fn writing_refuses_a_recording_that_could_not_be_read_back() {
     use recording::{Drive, Model, Recording, Run};
     let folder = Folder::empty();
     let mut recording = Recording::new("test", 0.1, Model::new(1.0));
@@ -542,7 +542,7 @@ proptest! {
 }
 
 #[test]
-fn text_of_two_bytes_a_letter_is_named_as_such_with_and_without_a_mark() {
+fn utf_16_text_is_named_with_and_without_a_byte_order_mark() {
     let encoded = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let texts: [Vec<u8>; 2] = [
         encoded(&csv(|_| {})),
@@ -561,7 +561,7 @@ fn text_of_two_bytes_a_letter_is_named_as_such_with_and_without_a_mark() {
 }
 
 #[test]
-fn a_comment_in_front_of_the_header_is_named_as_such() {
+fn a_comment_before_the_header_is_named() {
     for comment in ["# logged by the bench\n", "# a, b\n", "#"] {
         let said = message(MANIFEST, format!("{comment}{}", csv(|_| {})));
         assert_says(&said, &["a.csv, line 1: ", "begins with `#`", "remove"]);
@@ -569,7 +569,7 @@ fn a_comment_in_front_of_the_header_is_named_as_such() {
 }
 
 #[test]
-fn a_number_beyond_everything_that_is_measured_is_refused_in_every_column() {
+fn an_impossibly_large_number_is_refused_in_every_column() {
     for (column, cell) in [
         ("input", "1e300"),
         ("position", "-1e300"),
@@ -610,7 +610,7 @@ fn two_runs_of_one_file_are_refused() {
 
 #[cfg(unix)]
 #[test]
-fn a_pipe_that_nobody_writes_to_is_refused_and_not_waited_for() {
+fn a_pipe_without_a_writer_is_refused_without_waiting() {
     let pipe = |path: &std::path::Path| {
         let made = std::process::Command::new("mkfifo").arg(path).status();
         assert!(made.unwrap().success(), "{}", path.display());
@@ -630,7 +630,7 @@ fn a_pipe_that_nobody_writes_to_is_refused_and_not_waited_for() {
 }
 
 #[test]
-fn a_unit_that_nobody_knows_is_told_and_a_known_one_is_not() {
+fn an_unknown_unit_gives_a_warning_and_a_known_one_does_not() {
     let warnings = |position: &str, input: &str| {
         let units = format!("[units]\nposition = \"{position}\"\ninput = \"{input}\"\n[model]");
         let folder = Folder::empty()
@@ -661,7 +661,7 @@ fn a_unit_that_nobody_knows_is_told_and_a_known_one_is_not() {
 }
 
 #[test]
-fn a_recording_that_could_not_be_read_again_says_so_before_it_is_written() {
+fn validation_refuses_a_recording_that_could_not_be_read_back() {
     let folder = Folder::empty()
         .with("recording.toml", MANIFEST)
         .with("a.csv", csv(|_| {}));

@@ -1,4 +1,4 @@
-//! A recording on disk that is removed with the test.
+//! A recording on disk that is removed after the test.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // A folder that is already gone is what is wanted.
+        // It does not matter if the folder is already gone.
         let _ = fs::remove_dir_all(&self.0);
     }
 }

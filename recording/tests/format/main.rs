@@ -1,4 +1,4 @@
-//! The format as a user meets it: folders on disk.
+//! Tests of the format with folders on disk.
 
 mod actuator;
 mod bad_input;

@@ -1,11 +1,11 @@
-//! What is odd is said, and what is not is not.
+//! Tests that oddities are reported, and that ordinary data are not.
 
 use crate::folder::Folder;
 use recording::{Drive, Model, Oddity, Recording, Run, Sensor};
 
 const RESOLUTION: f64 = 2e-3;
 
-/// Two seconds at 1 kHz of a quantised swing.
+/// A quantised sine of two seconds at 1 kHz.
 fn run(file: &str) -> Run {
     let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
     let input = time.iter().map(|t| 0.1 * (6.0 * t).cos()).collect();
@@ -46,7 +46,7 @@ fn oddities_of(recording: &Recording) -> Vec<Oddity> {
     reread(recording).oddities
 }
 
-/// The only oddity of a run that was changed by `edit`, and how many of its rows are left out.
+/// The only oddity of a run changed by `edit`, and the number of its rows that are left out.
 #[track_caller]
 fn oddity_and_left_out(edit: impl Fn(&mut Run)) -> (Oddity, usize) {
     let mut run = run("a.csv");
@@ -63,7 +63,7 @@ fn oddity(edit: impl Fn(&mut Run)) -> Oddity {
     oddity_and_left_out(edit).0
 }
 
-/// A sensor that ends at 0.2.
+/// Limits the sensor to 0.2.
 fn limit(run: &mut Run) {
     let limited = |position: &mut f64| *position = position.min(0.2);
     run.position.iter_mut().for_each(limited);
@@ -95,7 +95,7 @@ fn jitter() {
 }
 
 #[test]
-fn what_several_runs_share_is_one_line() {
+fn equal_oddities_of_several_runs_share_a_line() {
     let file = |k: usize| format!("{k}.csv");
     let constant = |k| {
         let mut run = run(&file(k));
@@ -185,10 +185,10 @@ fn the_rows_in_which_a_sensor_saturates_are_left_out() {
 }
 
 #[test]
-fn a_limit_that_one_run_shows_is_one_in_another_that_ends_there() {
+fn a_sensor_limit_found_in_one_run_applies_to_other_runs() {
     let mut runs = [run("a.csv"), run("b.csv")];
     runs.iter_mut().for_each(limit);
-    // Its first row is one of 0.122 to 0.402 s, its last one of 1.169 to 1.449 s.
+    // The first row of the other run is within 0.122 to 0.402 s, and its last one within 1.169 to 1.449 s.
     let [_, ends_there] = &mut runs;
     for column in [
         &mut ends_there.time,
@@ -208,10 +208,10 @@ fn a_limit_that_one_run_shows_is_one_in_another_that_ends_there() {
 }
 
 #[test]
-fn a_stop_from_which_it_is_pushed_away_holds_and_nothing_is_left_out() {
+fn rows_at_a_mechanical_stop_are_kept() {
     let (found, left_out) = oddity_and_left_out(|run| {
         for (k, position) in run.position.iter_mut().enumerate() {
-            // Until 0.6 s it lies on the stop that it was driven into at 0.3 s, and then turns back.
+            // The device reaches the stop at 0.3 s, stays until 0.6 s, and then moves back.
             let time_s = k as f64 * 1e-3;
             let since_s = [0.3 - time_s, time_s - 0.6].map(|s| s.max(0.0));
             let at = 0.5 - 2.0 * since_s[0] - 2.0 * since_s[1].powi(2);
@@ -225,7 +225,7 @@ fn a_stop_from_which_it_is_pushed_away_holds_and_nothing_is_left_out() {
 }
 
 #[test]
-fn the_rows_in_which_a_position_freezes_amid_a_motion_are_left_out() {
+fn rows_with_a_frozen_position_are_left_out() {
     let (found, left_out) = oddity_and_left_out(|run| {
         for row in [700..820, 1600..1650].into_iter().flatten() {
             run.position[row] = run.position[row - 1];
@@ -266,7 +266,7 @@ fn rows_that_repeat_the_position_are_left_out() {
 }
 
 #[test]
-fn a_slow_motion_that_steps_from_count_to_count_repeats_nothing() {
+fn a_slow_motion_of_a_counter_is_not_taken_as_repeated_rows() {
     let mut run = run("a.csv");
     for (k, position) in run.position.iter_mut().enumerate() {
         *position = (k / 7) as f64 * RESOLUTION;
@@ -297,10 +297,10 @@ fn the_rows_of_spikes_are_left_out() {
 }
 
 #[test]
-fn a_step_an_impact_and_a_count_that_flickers_are_no_spikes() {
+fn a_jump_an_impact_and_a_flickering_count_are_not_spikes() {
     let mut run = run("a.csv");
     for (k, position) in run.position.iter_mut().enumerate() {
-        // A counter that jumps, a stop from which the device comes back at once, and rest between two counts.
+        // A jump of a counter, an impact at a stop, and a counter that flickers between two counts at rest.
         *position = match k {
             0..1000 => 0.01 * k as f64 - if k >= 500 { 3.0 } else { 0.0 },
             1000..1500 => 7.0 - 0.01 * (k - 1000) as f64,
@@ -313,7 +313,7 @@ fn a_step_an_impact_and_a_count_that_flickers_are_no_spikes() {
 }
 
 #[test]
-fn a_first_sample_that_stands_apart_is_left_out() {
+fn a_first_sample_far_from_the_next_ones_is_left_out() {
     let mut run = run("a.csv");
     let rows = run.len();
     run.position[0] += 0.2;
@@ -326,7 +326,7 @@ fn a_first_sample_that_stands_apart_is_left_out() {
 }
 
 #[test]
-fn a_start_from_rest_and_one_amid_a_motion_are_not_stale() {
+fn a_start_at_rest_or_in_motion_is_accepted() {
     for start in [0, 137] {
         let mut run = run("a.csv");
         for (k, position) in run.position.iter_mut().enumerate() {
@@ -338,7 +338,7 @@ fn a_start_from_rest_and_one_amid_a_motion_are_not_stale() {
 }
 
 #[test]
-fn sticking_until_breakaway_is_no_saturation() {
+fn sticking_until_breakaway_is_not_saturation() {
     let mut ramp = run("a.csv");
     for (k, (input, position)) in ramp.input.iter_mut().zip(&mut ramp.position).enumerate() {
         let t = k as f64 * 1e-3;
@@ -376,9 +376,9 @@ fn a_resolution_other_than_stated() {
 }
 
 #[test]
-fn a_reading_that_jitters_by_far_more_than_is_stated() {
+fn noise_far_above_the_stated_one() {
     const STATED: f64 = 1e-4;
-    // As good as random, over its standard deviation.
+    // Pseudo-random numbers over their standard deviation.
     let stray = |k: f64| ((k * k * 0.618_033_988_749_895) % 1.0 - 0.5) * 12f64.sqrt();
     let jittering = |std: f64| {
         let mut run = run("a.csv");
@@ -403,7 +403,7 @@ fn a_reading_that_jitters_by_far_more_than_is_stated() {
 }
 
 #[test]
-fn a_supply_that_is_read_coarsely() {
+fn a_coarsely_quantised_supply() {
     let found = oddity(|run| {
         run.supply = Some(
             run.input
@@ -438,7 +438,7 @@ fn runs_that_overlap_in_session_time() {
 }
 
 #[test]
-fn a_column_without_a_sensor_and_a_key_that_nobody_reads() {
+fn a_column_without_a_sensor_and_an_unknown_key() {
     let mut hall = recording(vec![run("a.csv")]);
     let position = hall.runs[0].position.clone();
     hall.runs[0]

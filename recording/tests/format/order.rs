@@ -1,11 +1,11 @@
-//! Neither the order of the runs nor the names of their files change what is read.
+//! The order of the runs and the names of their files do not change what is read.
 
 use std::fmt::Write;
 
 use crate::folder::Folder;
 use proptest::prelude::*;
 
-/// Rows of three runs that differ in what is odd about them: a sensor that saturates, jitter, and a constant input.
+/// Rows of one of three runs with different oddities: a saturating sensor, jitter, and a constant input.
 fn csv(which: usize) -> String {
     let mut text = String::from("time,input,position\n");
     for k in 0..800 + 100 * which {
@@ -27,8 +27,8 @@ fn csv(which: usize) -> String {
     text
 }
 
-/// What is read of the runs in this order, under these names: each run without its name, by its number, and what is odd,
-/// with the numbers in place of the names.
+/// Reads the runs in this order and with these names. Returns each run without its name, and the oddities, with numbers in
+/// place of names.
 fn read(order: &[usize], names: &[String]) -> (Vec<String>, Vec<String>) {
     let mut manifest =
         String::from("format = 1\nhorizon = 0.1\n[model]\ninertia = 5e-4\nratio = 15.0\n");

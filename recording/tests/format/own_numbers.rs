@@ -1,4 +1,4 @@
-//! Runs that state numbers of their own.
+//! Tests runs with their own model numbers.
 
 use crate::folder::Folder;
 use recording::{Drive, Model, Recording, Run};
@@ -22,7 +22,7 @@ fn recording() -> Recording {
 }
 
 #[test]
-fn numbers_of_a_run_replace_those_of_the_model_there() {
+fn numbers_of_a_run_replace_those_of_the_model_in_that_run() {
     let folder = Folder::empty();
     recording().write(folder.path()).expect("written");
     let read = Recording::read(folder.path()).expect("read");

@@ -1,4 +1,4 @@
-//! What is written is read back to the last digit.
+//! A written recording is read back with identical numbers.
 
 use crate::folder::Folder;
 use proptest::collection::vec;
@@ -26,7 +26,7 @@ prop_compose! {
         for (name, value) in Model::NAMES.into_iter().zip(numbers) {
             let _ = model.set(name, value);
         }
-        // The constant input lies within the limit.
+        // The constant input is within the limit.
         Model { input_limit: limit, ..model }
     }
 }
@@ -45,9 +45,9 @@ prop_compose! {
         sampled in any::<bool>(),
     ) -> Run {
         let time = steps.iter().scan(start, |time, step| { *time += step; Some(*time) }).collect();
-        // A constant input leaves nothing to judge units by, which is another test's matter.
+        // With a constant input the units cannot be judged. Other tests cover that.
         let input = vec![0.1; SAMPLES];
-        // So is a first sample that stands apart.
+        // The first sample equals the second one. Other tests cover outliers there.
         position[0] = position[1];
         let drive = if closed { Drive::ClosedLoop } else { Drive::OpenLoop };
         let mut run = Run::new("a.csv", drive, time, input, position);

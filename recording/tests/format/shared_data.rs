@@ -1,4 +1,4 @@
-//! The real recordings that lie beside the project are all accepted.
+//! All real recordings in the folder beside the project are accepted.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Settings of this project's own console that cancel friction and gravity, one `set` a line.
+//! Settings of this project's console that compensate friction and gravity, one `set` command per line.
 
 use crate::model::Model;
 use crate::part::Part;
@@ -29,7 +29,7 @@ impl Writer for Console {
         let device = &model.device;
         let mechanics = &device.mechanics;
         let mut text = String::new();
-        // Writing to a String cannot fail.
+        // Writing to a `String` cannot fail.
         let mut line = |written: String| {
             let _ = writeln!(text, "{written}");
         };
@@ -38,7 +38,7 @@ impl Writer for Console {
         }
         let [forward, backward] = mechanics.friction.level_nm;
         if forward > 0.0 || backward > 0.0 {
-            // The console's dry friction is at the motor.
+            // The dry friction in the console's settings is at the motor.
             let at_motor = |level: f64| number(level / device.drive.ratio.abs());
             line(format!(
                 "set compensation.dry_forward {}",
@@ -72,7 +72,7 @@ impl Writer for Console {
     }
 }
 
-/// A setting, which has single precision there, without an exponent.
+/// A number as a setting, in single precision and without an exponent.
 #[expect(
     clippy::cast_possible_truncation,
     reason = "the console's numbers are of single precision"

@@ -1,4 +1,4 @@
-//! A model in a format, with what of it is not there.
+//! A model in a format, with the parts that it does not contain.
 
 use crate::console::Console;
 use crate::format::Format;
@@ -14,15 +14,15 @@ use crate::writer::Writer;
 /// A model in a format.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exported {
-    /// The file.
+    /// The content of the file.
     pub text: String,
-    /// What of the device is in it by another law, and how.
+    /// Parts that are approximated, each with the approximation in words.
     pub approximated: Vec<(Part, &'static str)>,
-    /// What of the device is not in it.
+    /// Parts that are missing.
     pub left_out: Vec<Part>,
 }
 
-/// Writes `model`.
+/// Writes `model` in a format.
 pub fn exported(model: &Model, format: Format) -> Exported {
     let writer: &dyn Writer = match format {
         Format::Mjcf => &Mjcf,
@@ -41,7 +41,7 @@ pub fn exported(model: &Model, format: Format) -> Exported {
         !writer.expresses(**part) && approximated.iter().all(|(other, _)| other != *part)
     };
     let left_out: Vec<Part> = present.iter().filter(is_left_out).copied().collect();
-    // A comment is one line, whatever the name.
+    // A comment must be one line, whatever the name contains.
     let name = model.name.replace(char::is_control, " ");
     let mut notes = vec![format!("{name}, exported by paddle")];
     notes.extend(

@@ -1,26 +1,26 @@
-//! The formats that a device can be written in.
+//! The formats in which a device can be written.
 
 use std::str::FromStr;
 
-/// For which simulator.
+/// A format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// MuJoCo's XML.
+    /// The XML format of MuJoCo.
     Mjcf,
-    /// ROS's robot description.
+    /// The robot description of ROS.
     Urdf,
-    /// Universal Scene Description with UsdPhysics and PhysX's joint attributes.
+    /// Universal Scene Description with UsdPhysics and the joint attributes of PhysX.
     Usd,
-    /// A MATLAB function for a block of Simulink.
+    /// A MATLAB function for a Simulink block.
     SimulinkM,
-    /// A module without dependencies.
+    /// A Python module without dependencies.
     Python,
-    /// Settings of this project's own console: friction and gravity compensation.
+    /// Settings of this project's console: friction and gravity compensation.
     Console,
 }
 
 impl Format {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 6] = [
         Self::Mjcf,
         Self::Urdf,
@@ -30,7 +30,7 @@ impl Format {
         Self::Console,
     ];
 
-    /// Its name on a command line.
+    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mjcf => "mjcf",
@@ -54,7 +54,7 @@ impl Format {
         }
     }
 
-    /// The usual extension of a file's name.
+    /// The usual file name extension.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Mjcf => "xml",
@@ -67,7 +67,7 @@ impl Format {
     }
 }
 
-/// A name that no format has.
+/// No format has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no format `{0}`; there are {known}", known = Format::ALL.map(Format::name).join(", "))]
 pub struct UnknownFormat(String);

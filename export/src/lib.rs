@@ -1,4 +1,4 @@
-//! Writes a device for the simulators that people use, and names what these cannot express.
+//! Writes a device for common simulators, and lists what they cannot express.
 //!
 //! ```
 //! use export::{Format, Model, exported};

@@ -1,4 +1,4 @@
-//! MuJoCo's XML (<https://mujoco.readthedocs.io/en/stable/XMLreference.html>), version 3 and later.
+//! The XML format of MuJoCo (<https://mujoco.readthedocs.io/en/stable/XMLreference.html>), version 3 and later.
 
 use crate::model::Model;
 use crate::part::Part;
@@ -7,15 +7,15 @@ use crate::pendulum::{GRAVITY_M_S2, Pendulum};
 use crate::writer::{Writer, number};
 use std::fmt::Write;
 
-/// Step of the simulation, s; short enough for a dry friction that sticks within it.
+/// Time step of the simulation, s. It is short enough for sticking friction.
 const TIMESTEP_S: f64 = 1e-4;
-/// Share of an inertia that the body has as such, so that none is without.
+/// Share of an inertia that is given to the body, because a body must have one.
 const BODY_SHARE: f64 = 1e-3;
 
-/// A dry friction that stops what moves within one step: MuJoCo's slows at the rate 2 over the time constant, and takes none
-/// below two steps, so that this one stands for two steps of any length.
+/// Parameters of the dry friction: it stops a motion within one step. MuJoCo decays the velocity with the rate 2 over the
+/// time constant. It limits the time constant to at least two steps, so this value means two steps of any length.
 const FRICTION: &str = "solreffriction=\"2e-05 1\" solimpfriction=\"0.9999 0.9999 0.001 0.5 2\"";
-/// Where there is no stop, in units of position.
+/// Position of a stop that is never reached, in units of position.
 const FAR: f64 = 1e6;
 
 pub(crate) struct Mjcf;
@@ -88,7 +88,7 @@ impl Writer for Mjcf {
 }
 
 fn put(text: &mut String, depth: usize, line: &str) {
-    // Writing to a String cannot fail.
+    // Writing to a `String` cannot fail.
     let _ = writeln!(text, "{}{line}", "  ".repeat(depth));
 }
 
@@ -98,7 +98,7 @@ fn escaped(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// The share of the load side: of inertia and of friction.
+/// Shares of the load side in inertia and friction.
 fn load(model: &Model) -> (f64, f64) {
     model
         .device
@@ -107,7 +107,7 @@ fn load(model: &Model) -> (f64, f64) {
         .map_or((1.0, 0.0), |link| (link.load_share, link.load_friction))
 }
 
-/// Level of the dry friction that is the same either way.
+/// The part of the dry friction that is equal in both directions.
 fn level(model: &Model) -> f64 {
     let [forward, backward] = model.device.mechanics.friction.level_nm;
     f64::midpoint(forward, backward)
@@ -121,7 +121,7 @@ fn world(text: &mut String, model: &Model) {
     let pendulum = Pendulum::of(&model.device, load_inertia);
     let body = BODY_SHARE * load_inertia;
     let kind = if model.is_linear { "slide" } else { "hinge" };
-    // The lever hangs down, turned by where it hangs, about an axis that points to the viewer of x and z.
+    // The lever hangs down, turned by its hanging angle, around an axis that points to the viewer of the x-z plane.
     let axis = if model.is_linear { "1 0 0" } else { "0 -1 0" };
     let (sin, cos) = pendulum.hangs_at.sin_cos();
     let motor_inertia = (1.0 - load_share) * mechanics.inertia;
@@ -148,7 +148,7 @@ fn world(text: &mut String, model: &Model) {
     );
     if let Some(link) = mechanics.link {
         let armature = number(BODY_SHARE * load_inertia);
-        // Both sides move against each other.
+        // Both sides move relative to each other.
         let reduced = load_inertia * motor_inertia / (load_inertia + motor_inertia);
         let flanks = if link.play > 0.0 {
             let half = link.play / 2.0;
@@ -195,12 +195,13 @@ fn world(text: &mut String, model: &Model) {
     put(text, 1, "</worldbody>");
 }
 
-/// The range of a joint whose ends are springs with dampers that push and never pull.
+/// The range of a joint with spring-damper ends that push and never pull.
 ///
-/// MuJoCo's limit makes the acceleration `(1 - d) a + d (-b v - k r)` of the one without it, `a`. With an impedance d next to
-/// nothing, and `k` and `b` that many times what the spring over the inertia is, it is the spring.
+/// MuJoCo's limit gives the acceleration `(1 - d) a + d (-b v - k r)`, where `a` is the acceleration without it. With an
+/// impedance d close to zero, and with d k and d b equal to stiffness and damping over the inertia, the limit acts as a
+/// spring and damper.
 fn contact([low, high]: [f64; 2], stiffness: f64, damping: f64, inertia: f64) -> String {
-    // Two numbers of which none is above 0 are stiffness and damping over the inertia; MuJoCo divides them by d itself.
+    // Two non-positive numbers are stiffness and damping over the inertia. MuJoCo divides them by d itself.
     const LEAST: f64 = 1e-9;
     let direct = |value: f64| number(-(value / inertia).max(LEAST));
     format!(
@@ -212,7 +213,7 @@ fn contact([low, high]: [f64; 2], stiffness: f64, damping: f64, inertia: f64) ->
     )
 }
 
-/// Smallest time constant of a limit that is a spring: MuJoCo takes none below 0.0001.
+/// Impedance d of a limit that acts as a spring. MuJoCo's least value is 0.0001.
 const IMPEDANCE: f64 = 0.001;
 
 /// The range of the load side between the stops, if there are any.
@@ -227,7 +228,7 @@ fn stopped(model: &Model) -> Option<String> {
     Some(contact(range, either.stiffness, either.damping, inertia))
 }
 
-/// Numbers of a polynomial, without zeros at its end.
+/// Coefficients of a polynomial without trailing zeros.
 fn poly(numbers: &[f64]) -> String {
     let last = numbers.iter().rposition(|value| *value != 0.0).unwrap_or(0);
     numbers[..=last]
@@ -307,9 +308,10 @@ fn actuators(text: &mut String, model: &Model) {
         );
     }
     if drive.delay_s > 0.0 {
-        // The input of the last step before then: half a step sooner is the nearest step. Since MuJoCo 3.4.
+        // The delayed input is that of the last step before the delay. Half a step less selects the nearest step. This needs
+        // MuJoCo 3.4 or later.
         let sooner = (drive.delay_s - TIMESTEP_S / 2.0).max(TIMESTEP_S / 2.0);
-        // Twice as many samples as steps fit into the delay, for steps of half the length.
+        // Twice as many samples as steps fit into the delay, so that the step may be halved.
         let samples = 2.0 * (drive.delay_s / TIMESTEP_S).ceil() + 2.0;
         attributes += &format!(
             " delay=\"{}\" nsample=\"{samples}\" interp=\"zoh\"",
@@ -319,7 +321,7 @@ fn actuators(text: &mut String, model: &Model) {
     put(text, 1, "<actuator>");
     put(text, 2, &format!("<general {attributes}/>"));
     let [forward, backward] = device.mechanics.friction.level_nm;
-    // A dry friction of two levels is one of their mean and a constant torque.
+    // Dry friction with two levels equals friction with their mean plus a constant torque.
     let constant = device.mechanics.offset_nm - (forward - backward) / 2.0;
     if constant != 0.0 {
         put(

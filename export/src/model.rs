@@ -1,14 +1,14 @@
-//! The corrected model that an export writes.
+//! The corrected model for an export.
 
 use host_sim::device::Device;
 
-/// A device to be written for a simulator.
+/// A device to export.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// Title of the device, for names and comments.
+    /// Name of the device, for names and comments in the file.
     pub name: String,
     /// The device with its effects, in SI units.
     pub device: Device,
-    /// It slides rather than turns.
+    /// True for a linear axis.
     pub is_linear: bool,
 }

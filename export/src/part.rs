@@ -1,81 +1,81 @@
-//! What a device is made of, by the names of the effects that make it so.
+//! The parts of a device, named after the effects that cause them.
 
 use host_sim::device::Device;
 use host_sim::plant::{Cogging, Wave};
 
-/// A part of a device beside its inertia and its ratio.
+/// A part of a device other than its inertia and its ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
     /// A limit of the input.
     Limit,
-    /// A limit that sets in gradually or falls with speed.
+    /// A limit of the input that is rounded or falls with speed.
     Saturation,
-    /// Inputs up to which nothing happens.
+    /// A dead band of the input.
     Deadband,
-    /// An input that acts as a curve.
+    /// A static nonlinearity of the input.
     InputNonlinearity,
     /// A limited rate of the input.
     RateLimit,
-    /// Pure delay of the input.
+    /// Dead time of the input.
     Delay,
     /// First-order lag of the input.
     Lag,
-    /// A second lag behind it.
+    /// A second lag in series.
     FurtherLag,
     /// Constant torque.
     Offset,
     /// Torque ripple.
     Cogging,
-    /// Ripples of other orders.
+    /// Ripples of further orders.
     FurtherWaves,
     /// Dry friction.
     Coulomb,
-    /// Dry friction of two levels.
+    /// Dry friction with different levels in the two directions.
     AsymmetricCoulomb,
     /// Dry friction that depends on position.
     PositionDependentCoulomb,
     /// Static friction above the sliding level.
     Stribeck,
-    /// Dry friction that grows with the torque.
+    /// Dry friction that grows with the transmitted torque.
     LoadDependentFriction,
-    /// Dry friction that changes in time.
+    /// Dry friction that changes over time.
     FrictionDrift,
     /// Viscous friction.
     Viscous,
-    /// Drag with the square of velocity.
+    /// Drag with the square of the velocity.
     QuadraticDrag,
-    /// Elastic part of friction.
+    /// Elastic presliding of the friction.
     Presliding,
-    /// Weight.
+    /// Gravity.
     Gravity,
     /// Spring.
     Spring,
-    /// A spring that hardens.
+    /// Hardening of a spring.
     Hardening,
-    /// Stops.
+    /// Hard stops.
     EndStop,
-    /// Something outside at times.
+    /// A contact with an external object.
     Contact,
-    /// Play.
+    /// Backlash.
     Backlash,
-    /// A transmission that bends.
+    /// A compliant transmission.
     Compliance,
-    /// A sensor of another gain.
+    /// A gain of the sensor other than 1.
     SensorGain,
-    /// A sensor's curve or offset.
+    /// A nonlinearity or an offset of the sensor.
     SensorNonlinearity,
-    /// A reading that stays behind where the motion turns.
+    /// Hysteresis of the sensor.
     SensorHysteresis,
-    /// A reading that lags.
+    /// A lag of the sensor.
     SensorLag,
-    /// A counter that loses counts.
+    /// Lost counts of the sensor.
     LostCounts,
-    /// A torque that a user wrote down.
+    /// A user-defined torque.
     Law,
 }
 
 impl Part {
-    /// How a format approximates the part whose joints have limits and one level of dry friction; none if it does not.
+    /// How formats whose joints have limits and one friction level approximate this part. `None` if they do not.
     pub(crate) fn by_joint_attributes(self) -> Option<&'static str> {
         match self {
             Self::EndStop => Some("limits of the joint, whose stiffness is the simulator's"),
@@ -84,7 +84,7 @@ impl Part {
         }
     }
 
-    /// The effect of the vocabulary that it belongs to.
+    /// The effect of the vocabulary to which it belongs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Limit => "input limit",
@@ -124,7 +124,7 @@ impl Part {
     }
 }
 
-/// The parts that `device` has.
+/// The parts of `device`.
 pub fn parts(device: &Device) -> Vec<Part> {
     let (drive, mechanics, sensing) = (&device.drive, &device.mechanics, &device.sensing);
     let friction = &mechanics.friction;
@@ -197,7 +197,7 @@ pub fn parts(device: &Device) -> Vec<Part> {
     found
 }
 
-/// The hard limit of the input; infinite for none.
+/// The hard limit of the input. Infinite if there is none.
 pub(crate) fn limit(device: &Device) -> f64 {
     let saturation = &device.drive.saturation;
     let is_hard = saturation.knee == 0.0 && saturation.no_load_velocity.is_infinite();
@@ -208,7 +208,7 @@ pub(crate) fn limit(device: &Device) -> f64 {
     }
 }
 
-/// Positions of the lower and the upper stop, with stiffness and damping, as far as there are any.
+/// The lower and the upper stop, if they exist.
 pub(crate) fn stops(device: &Device) -> [Option<host_sim::plant::Barrier>; 2] {
     [-1.0, 1.0].map(|side| {
         let barriers = device.mechanics.barriers.iter().flatten();

@@ -1,28 +1,28 @@
-//! A mass on a lever that has a given weight torque.
+//! A mass on a lever that has the gravity torque of the device.
 
 use host_sim::device::Device;
 
-/// Acceleration of gravity that the exports state, m/s².
+/// Gravitational acceleration in the exports, m/s².
 pub(crate) const GRAVITY_M_S2: f64 = 9.81;
 
-/// What swings: a mass on a lever, and the inertia that it leaves for the rotor.
+/// A mass on a lever, and the remaining inertia for the rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pendulum {
     pub mass_kg: f64,
     pub lever_m: f64,
     /// Angle at which it hangs, rad.
     pub hangs_at: f64,
-    /// The rest of the inertia, kg m².
+    /// The remaining inertia, kg m².
     pub rest: f64,
 }
 
-/// Share of the inertia that the mass on the lever takes.
+/// Share of the inertia of the mass on the lever.
 const SHARE: f64 = 0.5;
-/// Mass of what has no weight torque, kg.
+/// Mass of a body without gravity torque, kg.
 const MASS_KG: f64 = 1.0;
 
 impl Pendulum {
-    /// The pendulum of an inertia that has the device's weight torque.
+    /// The pendulum with this inertia and the gravity torque of the device.
     pub fn of(device: &Device, inertia: f64) -> Self {
         let mechanics = &device.mechanics;
         let torque = mechanics.gravity.abs();

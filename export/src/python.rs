@@ -1,4 +1,4 @@
-//! A Python module without dependencies that steps the device in time.
+//! A Python module without dependencies that simulates the device step by step.
 
 use crate::model::Model;
 use crate::part::Part;
@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 pub(crate) struct Python;
 
-/// What both step-by-step exports have: all but what has a state of its own beside position, velocity, delay and lags.
+/// Parts that both step-by-step exports express: those whose only states are position, velocity, delay and lags.
 pub(crate) fn steps(part: Part) -> bool {
     use Part::{
         Backlash, Compliance, Contact, FrictionDrift, LostCounts, Presliding, SensorHysteresis,
@@ -27,7 +27,7 @@ pub(crate) fn steps(part: Part) -> bool {
     )
 }
 
-/// Names and numbers that both step-by-step exports take.
+/// Names and values of the numbers for both step-by-step exports.
 pub(crate) fn numbers(model: &Model) -> Vec<(&'static str, f64)> {
     let device = &model.device;
     let (drive, mechanics, sensing) = (&device.drive, &device.mechanics, &device.sensing);
@@ -120,7 +120,7 @@ impl Writer for Python {
 
     fn text(&self, model: &Model, notes: &[String]) -> String {
         let mut text = String::from("\"\"\"");
-        // Writing to a String cannot fail.
+        // Writing to a `String` cannot fail.
         for note in notes {
             let _ = writeln!(text, "{}", note.replace('\\', "/").replace('"', "'"));
         }

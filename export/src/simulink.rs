@@ -1,4 +1,4 @@
-//! A MATLAB function for a "MATLAB Function" block of Simulink with a fixed step.
+//! A MATLAB function for a "MATLAB Function" block in Simulink with a fixed step.
 
 use crate::model::Model;
 use crate::part::Part;
@@ -16,7 +16,7 @@ impl Writer for Simulink {
     fn text(&self, model: &Model, notes: &[String]) -> String {
         let mut text =
             String::from("function reading = device_step(u, dt, position0, velocity0)\n");
-        // Writing to a String cannot fail.
+        // Writing to a `String` cannot fail.
         for note in notes {
             let _ = writeln!(text, "% {note}");
         }

@@ -1,4 +1,4 @@
-//! ROS's robot description (<https://wiki.ros.org/urdf/XML/joint>).
+//! The robot description of ROS (<https://wiki.ros.org/urdf/XML/joint>).
 
 use crate::model::Model;
 use crate::part::Part;
@@ -8,7 +8,7 @@ use crate::writer::{Writer, number};
 
 pub(crate) struct Urdf;
 
-/// What stands for no limit in a format that asks for one.
+/// A value that means no limit, for attributes that are required.
 const NO_LIMIT: f64 = 1e6;
 
 impl Writer for Urdf {

@@ -1,5 +1,5 @@
 //! Universal Scene Description: UsdPhysics (<https://openusd.org/release/api/usd_physics_page_front.html>) with the joint
-//! attributes of PhysX's schema. Angles are degrees there.
+//! attributes of PhysX. Its angles are in degrees.
 
 use crate::model::Model;
 use crate::part::Part;
@@ -34,7 +34,7 @@ impl Writer for Usd {
         let shown = |at: f64| number(if model.is_linear { at } else { at.to_degrees() });
         let [lower, upper] = stops(device);
         let mut joint = String::new();
-        // Writing to a String cannot fail.
+        // Writing to a `String` cannot fail.
         let mut line = |written: String| {
             let _ = writeln!(joint, "        {written}");
         };

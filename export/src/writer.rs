@@ -1,23 +1,23 @@
-//! What each format has to say of itself.
+//! The interface of the formats.
 
 use crate::model::Model;
 use crate::part::Part;
 
-/// One format.
+/// Writer of one format.
 pub(crate) trait Writer {
-    /// Whether the part is in the file as it is.
+    /// Returns true if the file contains the part exactly.
     fn expresses(&self, part: Part) -> bool;
 
-    /// How a part is in the file by another law; none if it is not or as it is.
+    /// How the file approximates a part. `None` if it contains the part exactly or not at all.
     fn approximates(&self, _: Part) -> Option<&'static str> {
         None
     }
 
-    /// The file, with `notes` as comments at its head.
+    /// The content of the file, with `notes` as comments at its beginning.
     fn text(&self, model: &Model, notes: &[String]) -> String;
 }
 
-/// A number as short as reads back to the same.
+/// The shortest text that is read back as the same number.
 pub(crate) fn number(value: f64) -> String {
     format!("{value:?}")
 }

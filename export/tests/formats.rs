@@ -1,4 +1,4 @@
-//! Exports as their readers see them.
+//! Tests the exported files.
 
 use export::{Exported, Format, Model, Part, exported, parts};
 use haptic_paddle::settings::Settings;
@@ -31,7 +31,7 @@ fn with(effects: &[&str]) -> Model {
 }
 
 #[test]
-fn every_effect_is_expressed_approximated_or_named() {
+fn every_effect_is_expressed_approximated_or_listed_as_missing() {
     for kind in KINDS {
         let model = with(&[kind.name]);
         for format in Format::ALL {
@@ -60,7 +60,7 @@ fn every_effect_is_expressed_approximated_or_named() {
 }
 
 #[test]
-fn a_part_that_no_effect_brings_is_not_there() {
+fn a_device_without_effects_has_no_parts() {
     let found = parts(&Device::nominal(&recording::Model::new(1.0)));
     assert_eq!(found, []);
     let found = parts(&with(&[]).device);
@@ -88,7 +88,7 @@ fn xml_is_escaped_and_closed() {
 }
 
 #[test]
-fn the_console_is_given_the_motors_friction() {
+fn the_console_settings_have_the_friction_at_the_motor() {
     let Exported { text, .. } = exported(&with(&["asymmetric_coulomb"]), Format::Console);
     let set = |name: &str| {
         let line = text
@@ -120,7 +120,7 @@ fn the_console_is_given_the_motors_friction() {
 }
 
 #[test]
-fn a_format_is_known_by_its_name_alone() {
+fn a_format_is_found_by_its_name() {
     for format in Format::ALL {
         assert_eq!(format.name().parse(), Ok(format));
     }
@@ -132,7 +132,7 @@ fn a_format_is_known_by_its_name_alone() {
 }
 
 #[test]
-fn every_line_for_the_console_is_taken_by_the_control_core() {
+fn the_control_core_accepts_every_line_for_the_console() {
     for effects in [&[][..], &["asymmetric_coulomb"], &["stribeck", "viscous"]] {
         let Exported { text, .. } = exported(&with(effects), Format::Console);
         let mut settings = Settings::default();

@@ -1,4 +1,4 @@
-//! From logs and a recipe to a recording.
+//! Makes a recording from logs and a recipe.
 
 use crate::counter;
 use crate::error::ImportError;
@@ -12,29 +12,30 @@ use crate::stretch::{Columns, LEAST_ROWS, Stretch};
 use recording::{Model, Recording, Run, Sensor, Units};
 use std::collections::BTreeSet;
 
-/// Logs as a recording.
+/// The result of an import.
 #[derive(Clone, Debug)]
 pub struct Imported {
-    /// The runs with what the logs show of the sensors; its model is not yet anyone's.
+    /// The runs, and the sensor properties that the logs show. The model is only a placeholder.
     pub recording: Recording,
-    /// What was taken for what, line by line.
+    /// The columns used for each role, one line each.
     pub roles: Vec<String>,
     /// True if a role was guessed from names instead of given by the recipe.
     pub is_guessed: bool,
-    /// What was left out, worked around, or is odd.
+    /// What was left out, corrected, or looks unusual.
     pub notes: Vec<String>,
-    /// Whether the position is the integral of a velocity.
+    /// True if the position was integrated from a velocity.
     pub is_integrated: bool,
-    /// One of the position's logged unit, in the recording's.
+    /// One unit of the logged position, in units of the recording.
     pub(crate) position_si: f64,
-    /// Whether the position was in counts.
+    /// True if the logged position was in counts.
     pub(crate) counts: bool,
 }
 
-/// Makes a recording of `logs`.
+/// Makes a recording from `logs`.
 ///
 /// # Errors
-/// [`ImportError`] where a role cannot be guessed, a column is not there or of another kind, and where no run is left.
+///
+/// [`ImportError`] if a role cannot be guessed, a column is missing or has the wrong type, or no run remains.
 pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
     let title = recipe.title.clone().unwrap_or_else(|| {
         logs.iter()
@@ -64,7 +65,7 @@ pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
             .iter()
             .filter_map(column)
             .map(|column| sensor::shown(column));
-        // A run that shows a quantum shows it for all.
+        // A quantum found in one run applies to all.
         sensors.reduce(|one, other| Sensor {
             resolution: one.resolution.max(other.resolution),
             noise: if one.resolution.max(other.resolution) > 0.0 {
@@ -92,7 +93,7 @@ pub fn import(logs: &[Log], recipe: &Recipe) -> Result<Imported, ImportError> {
         .collect();
     if let Some(sensor) = recording.sensors.get_mut("position") {
         match (recipe.resolution, recipe.noise) {
-            // A counter has a count for a quantum, whatever the readings show.
+            // The quantum of a counter is one count, whatever the readings show.
             (None, None) if counts && recipe.undo_low_pass_hz.is_none() => {
                 *sensor = Sensor {
                     resolution: si,
@@ -247,7 +248,7 @@ fn add(mut source: Source, imported: &mut Imported) -> Result<(), ImportError> {
     Ok(())
 }
 
-/// The name of a run's file, which no other has.
+/// A unique file name for a run.
 fn file(source: &Source, span: &Span, place: usize, several: bool, imported: &Imported) -> String {
     let plain = |text: &str| -> String {
         let kept = |c: char| {
@@ -279,7 +280,7 @@ fn file(source: &Source, span: &Span, place: usize, several: bool, imported: &Im
     }
 }
 
-/// Notes with those that several logs share said once.
+/// Combines equal notes of several logs.
 fn merged(notes: Vec<String>) -> Vec<String> {
     let mut kinds: Vec<(String, String, Vec<String>)> = Vec::new();
     for note in notes {
@@ -298,14 +299,15 @@ fn merged(notes: Vec<String>) -> Vec<String> {
     kinds.into_iter().map(line).collect()
 }
 
-/// Windows in one swing of the position.
+/// Number of windows per oscillation of the position.
 const WINDOWS_PER_SWING: f64 = 3.0;
-/// Rows in a window at least, and windows in a run at least.
+/// Fewest rows per window.
 const LEAST_IN_WINDOW: f64 = 25.0;
-/// See [`LEAST_IN_WINDOW`].
+/// Fewest windows per run.
 const LEAST_WINDOWS: f64 = 6.0;
 
-/// A horizon over which a model's errors show: a part of a swing, in which there are enough rows, often enough in a run.
+/// A horizon over which model errors become visible: a part of an oscillation with enough rows, and short enough to have
+/// several in a run.
 fn horizon_s(runs: &[Run]) -> f64 {
     let of_run = |run: &Run| {
         let duration_s = run.duration_s();

@@ -1,11 +1,11 @@
-//! Times of a log to seconds.
+//! Converts the times of a log to seconds.
 
 use crate::error::ImportError;
 use crate::log::{Cells, Column};
 use crate::unit::{self, Quantity};
 use chrono::{DateTime, NaiveDateTime, NaiveTime};
 
-/// Date and time as logs write them.
+/// Formats of date and time in logs.
 const DATES: [&str; 7] = [
     "%Y-%m-%dT%H:%M:%S%.f",
     "%Y-%m-%d %H:%M:%S%.f",
@@ -15,9 +15,9 @@ const DATES: [&str; 7] = [
     "%Y%m%dT%H%M%S%.f",
     "%d-%b-%Y %H:%M:%S%.f",
 ];
-/// Nanoseconds of a day.
+/// Nanoseconds per day.
 const DAY_NS: i64 = 86_400_000_000_000;
-/// Beyond these a number counts time since 1970, in the year 2001 or later: s, ms, µs, ns.
+/// Numbers from these on are times since 1970, in the year 2001 or later, in s, ms, µs or ns.
 const SINCE_1970: [(f64, f64, &str); 4] = [
     (1e18, 1e-9, "ns"),
     (1e15, 1e-6, "us"),
@@ -25,19 +25,19 @@ const SINCE_1970: [(f64, f64, &str); 4] = [
     (1e9, 1.0, "s"),
 ];
 
-/// Times in s and how they were understood.
+/// Times in s, and how they were interpreted.
 pub(crate) struct Times {
-    /// s since the first row; NaN where the cell is empty.
+    /// Time since the first row, s. NaN for an empty cell.
     pub seconds: Vec<f64>,
-    /// The first row's own time, s; 0 of dates.
+    /// Time of the first row, s. 0 for dates.
     pub origin_s: f64,
-    /// Unit, for people.
+    /// The unit, for display.
     pub unit: String,
-    /// True if the unit was guessed from the sizes of the numbers alone.
+    /// True if the unit was guessed from the magnitude of the numbers only.
     pub is_guessed: bool,
 }
 
-/// Whether text is a date or a time of day.
+/// Returns true if a text is a date or a time of day.
 pub(crate) fn is_stamp(cell: &str) -> bool {
     let cell = cell.trim();
     cell.len() >= 8
@@ -46,7 +46,7 @@ pub(crate) fn is_stamp(cell: &str) -> bool {
         && nanoseconds(cell).is_some()
 }
 
-/// Nanoseconds since 1970, or since midnight of a time of day; without a zone it is taken as UTC.
+/// Nanoseconds since 1970, or since midnight for a time of day. Without a time zone it is UTC.
 fn nanoseconds(cell: &str) -> Option<i64> {
     let cell = cell.trim().replace(',', ".");
     if let Ok(stamp) = DateTime::parse_from_rfc3339(&cell) {
@@ -62,10 +62,11 @@ fn nanoseconds(cell: &str) -> Option<i64> {
     (time - NaiveTime::MIN).num_nanoseconds()
 }
 
-/// The times of `column`, in the stated unit or else in that which its name or its numbers tell.
+/// The times of `column` in the stated unit. Without one, the unit is taken from the name or guessed from the numbers.
 ///
 /// # Errors
-/// [`ImportError::Time`] for text that is no time, [`ImportError::Unit`] for a unit that is none of time.
+///
+/// [`ImportError::Time`] for text that is not a time, [`ImportError::Unit`] for a unit that is not one of time.
 #[expect(
     clippy::cast_precision_loss,
     reason = "differences of stamps are small"
@@ -109,7 +110,7 @@ pub(crate) fn times(
                     cell: cell.chars().take(40).collect(),
                 };
                 let stamp = nanoseconds(cell).ok_or_else(bad)?;
-                // A time of day begins anew at midnight.
+                // A time of day restarts at midnight.
                 let is_of_day = stamp < DAY_NS;
                 if is_of_day && before.is_some_and(|before| before - stamp > DAY_NS / 2) {
                     day += 1;
@@ -132,7 +133,7 @@ pub(crate) fn times(
                 .map_or(0.0, |first| *first as f64);
             let steps = cells.iter().flatten().zip(cells.iter().flatten().skip(1));
             let steps: Vec<f64> = steps.map(|(a, b)| (b - a) as f64).collect();
-            let (si, unit) = si.unwrap_or_else(|| told_by_size(first, steps));
+            let (si, unit) = si.unwrap_or_else(|| guessed_by_magnitude(first, steps));
             Times {
                 seconds: since_first(cells, si),
                 origin_s: first * si,
@@ -144,7 +145,7 @@ pub(crate) fn times(
             let filled = || cells.iter().filter(|cell| !cell.is_nan());
             let first = filled().next().copied().unwrap_or(0.0);
             let steps: Vec<f64> = filled().zip(filled().skip(1)).map(|(a, b)| b - a).collect();
-            let (si, unit) = si.unwrap_or_else(|| told_by_size(first, steps));
+            let (si, unit) = si.unwrap_or_else(|| guessed_by_magnitude(first, steps));
             let seconds = cells
                 .iter()
                 .map(|cell| tidy((cell - first) * si, first))
@@ -159,7 +160,7 @@ pub(crate) fn times(
     })
 }
 
-/// Whole stamps as seconds since the first of them.
+/// Integer time stamps as seconds since the first one.
 #[expect(
     clippy::cast_precision_loss,
     reason = "differences of stamps are small"
@@ -172,7 +173,7 @@ fn since_first(stamps: &[Option<i64>], si: f64) -> Vec<f64> {
     stamps.iter().map(second).collect()
 }
 
-/// A time without the digits that taking the first one away leaves behind; as it is where nothing was taken away.
+/// Removes digits that the subtraction of the first time has created. A time without subtraction is unchanged.
 fn tidy(seconds: f64, first: f64) -> f64 {
     const PER_SECOND: f64 = 1e10;
     if first == 0.0 || seconds.is_nan() {
@@ -181,15 +182,15 @@ fn tidy(seconds: f64, first: f64) -> f64 {
     (seconds * PER_SECOND).round() / PER_SECOND
 }
 
-/// The unit that the size of times and their steps tells: since 1970, or whole numbers a row.
-fn told_by_size(first: f64, mut steps: Vec<f64>) -> (f64, String) {
+/// Guesses the unit from the magnitude of the times and their steps: times since 1970, or integer counts per row.
+fn guessed_by_magnitude(first: f64, mut steps: Vec<f64>) -> (f64, String) {
     if let Some((_, si, name)) = SINCE_1970.iter().find(|(least, ..)| first >= *least) {
         return (*si, format!("{name} since 1970"));
     }
     steps.retain(|step| *step > 0.0);
     steps.sort_unstable_by(f64::total_cmp);
     let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-    // No device is logged every second or more slowly; its control would not be seen.
+    // A device is never logged once per second or more slowly, because its control would not be visible.
     let unit = match median {
         step if step >= 2e4 => (1e-9, "ns"),
         step if step >= 100.0 => (1e-6, "us"),
@@ -209,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn units_of_time_are_told_by_name_and_size() {
+    fn units_of_time_are_found_by_name_and_magnitude() {
         let numbers = |name: &str, cells: &[f64]| seconds(&Column::numbers(name, cells.to_vec()));
         let close = |found: &[f64], wanted: &[f64]| {
             found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12)

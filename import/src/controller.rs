@@ -1,8 +1,8 @@
-//! The command of a controller that was not logged, made anew from what it saw.
+//! Reconstructs the command of a controller that was not logged, from its inputs.
 
 use crate::ticks::Ticks;
 
-/// Gains of a PID law: input per unit of the position as logged.
+/// Gains of a PID law: input per unit of the logged position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gains {
     pub kp: f64,
@@ -10,8 +10,8 @@ pub(crate) struct Gains {
     pub kd: f64,
 }
 
-/// The law on the logged position, from the tick `on` on: proportional to the error, to its sum, and against the
-/// position's rate of the last tick; clipped at ± `limit`.
+/// The PID law on the logged position, from tick `on`. It uses the error, the sum of the errors, and the rate of the
+/// position at the last tick. The result is limited to ± `limit`.
 pub(crate) fn command(
     seen: &[f64],
     setpoint: &[f64],
@@ -34,16 +34,16 @@ pub(crate) fn command(
     command
 }
 
-/// Ticks before the position first moves in which the controller may have been switched on.
+/// Number of ticks before the first motion in which the controller may have been switched on.
 const EARLIER: usize = 80;
-/// Share of the step that the first acceleration is followed over.
+/// Share of the step over which the first acceleration is fitted.
 const FOLLOWED: f64 = 0.15;
-/// Share of the step from which the position moves.
+/// Share of the step at which the motion starts.
 const MOVES: f64 = 0.02;
 
-/// The tick at which a controller was switched on that then moves the position by a step: that for which the first part of
-/// the motion follows best an acceleration in proportion to the command, less a dry friction's, whatever the proportions.
-/// `None` if nothing moves.
+/// The tick at which a controller was switched on, for a step of the position. At this tick, the first part of the motion
+/// fits best to an acceleration proportional to the command minus dry friction. Both factors are free. `None` if nothing
+/// moves.
 #[expect(clippy::cast_precision_loss, reason = "counts of rows")]
 pub(crate) fn switched_on(
     ticks: &Ticks,
@@ -79,7 +79,7 @@ pub(crate) fn switched_on(
         let (mut speed, mut way) = (0.0, 0.0);
         let mut ways = vec![0.0; command.len()];
         for tick in on..ticks.of_row[rows.end - 1] {
-            // The command is held until the next tick.
+            // The command is constant until the next tick.
             way += speed + command[tick] / 2.0;
             speed += command[tick];
             ways[tick + 1] = way;
@@ -103,15 +103,15 @@ pub(crate) fn switched_on(
 
 /// A row of the first motion.
 struct Point {
-    /// Way by the command alone, if a unit of it gives a unit of acceleration.
+    /// Distance due to the command only, for one unit of acceleration per unit of command.
     driven: f64,
-    /// Way by a friction alone that gives a unit of acceleration against the step.
+    /// Distance due to friction only, for one unit of deceleration.
     slowed: f64,
-    /// Way that was measured.
+    /// Measured distance.
     moved: f64,
 }
 
-/// Sum of squares that the best combination of both ways leaves of the measured one; a friction only slows.
+/// Least sum of squared residuals of the measured distance for any combination of both. Friction can only decelerate.
 fn left_over(points: &[Point]) -> f64 {
     let sum = |term: &dyn Fn(&Point) -> f64| points.iter().map(term).sum::<f64>();
     let (dd, ss, ds) = (
@@ -122,7 +122,7 @@ fn left_over(points: &[Point]) -> f64 {
     let (dm, sm) = (sum(&|p| p.driven * p.moved), sum(&|p| p.slowed * p.moved));
     let determinant = dd * ss - ds * ds;
     let alone = (if dd > 0.0 { dm / dd } else { 0.0 }, 0.0);
-    // Two laws that predict the input equally well are not told apart.
+    // Below this relative determinant, the two distances are proportional and cannot be separated.
     const ALIKE: f64 = 1e-9;
     let (drive, friction) = if determinant > ALIKE * dd * ss {
         let both = (
@@ -140,12 +140,12 @@ fn left_over(points: &[Point]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Period of the loop, s; gain of its low-pass; tick at which it is switched on.
+    /// Period of the loop, s.
     const TICK_S: f64 = 3.5e-4;
     const GAIN: f64 = 0.22;
     const ON: usize = 1003;
 
-    /// What a paddle with a dry friction shows of a step of 10 degrees: the filtered angle of each tick, deg.
+    /// Response of a paddle with dry friction to a step of 10 degrees: the filtered angle at each tick, deg.
     fn seen(gains: Gains, friction_nm: f64) -> Vec<f64> {
         const INERTIA: f64 = 5.8e-4;
         const PARTS: i32 = 20;
@@ -178,8 +178,8 @@ mod tests {
     }
 
     #[test]
-    fn a_switching_on_is_found_to_the_tick_whatever_the_friction() {
-        // Rows come two or three ticks apart.
+    fn the_tick_of_switching_on_is_found_for_any_friction() {
+        // Rows are two or three ticks apart.
         let rows: Vec<usize> = (0..1000)
             .scan(0, |at, k: usize| {
                 *at += 2 + usize::from(!k.is_multiple_of(4));

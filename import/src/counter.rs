@@ -1,6 +1,7 @@
-//! Registers and counters to numbers: sign bits, two's complement, wrap-around.
+//! Converts registers and counters to numbers: sign bits, two's complement, wrap-around.
 
-/// Undoes a sign in bit `bit` of each word, whose other bits are the size: 1 in bit 10 of a 11-bit word means negative.
+/// Decodes a sign in bit `bit` of each word. The other bits are the magnitude. For example, 1 in bit 10 of an 11-bit word
+/// means negative.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,
@@ -17,7 +18,7 @@ pub(crate) fn sign_magnitude(words: &mut [f64], bit: u32) {
     }
 }
 
-/// Takes words of `bits` bits as two's complement.
+/// Decodes words of `bits` bits as two's complement.
 pub(crate) fn twos_complement(words: &mut [f64], bits: u32) {
     let span = 2f64.powi(bits.min(62).cast_signed());
     for word in words.iter_mut().filter(|word| **word >= span / 2.0) {
@@ -25,7 +26,7 @@ pub(crate) fn twos_complement(words: &mut [f64], bits: u32) {
     }
 }
 
-/// Adds turns of `span` where the next reading is nearer that way; gives how often.
+/// Undoes wrap-around: adds multiples of `span` where this makes the step smaller. Returns the number of wraps.
 pub(crate) fn unwrap(readings: &mut [f64], span: f64) -> usize {
     let mut turns = 0.0;
     let mut count = 0;
@@ -44,12 +45,13 @@ pub(crate) fn unwrap(readings: &mut [f64], span: f64) -> usize {
     count
 }
 
-/// Jumps that wrap are this share of the span or more.
+/// Least jump of a wrap, as a share of the span.
 const JUMP: f64 = 0.75;
-/// Other steps are this share of it or less.
+/// Largest other step, as a share of the span.
 const STEP: f64 = 0.25;
 
-/// The first of `spans` around which the readings wrap: they jump by nearly all of it, else move by little, and stay within.
+/// The first of `spans` at which the readings wrap: they jump by almost the whole span, otherwise have small steps, and stay
+/// within the span.
 pub(crate) fn wraps(readings: &[f64], spans: &[f64]) -> Option<f64> {
     let filled: Vec<f64> = readings
         .iter()
@@ -77,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_with_a_sign_bit_are_undone() {
+    fn words_with_a_sign_bit_are_decoded() {
         let mut load = [0.0, 100.0, 1124.0, 2047.0, f64::NAN];
         sign_magnitude(&mut load, 10);
         assert_eq!(load[..4], [0.0, 100.0, -100.0, -1023.0]);
@@ -87,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_that_wraps_is_told_from_one_that_jumps() {
+    fn a_wrapping_counter_is_distinguished_from_a_jumping_one() {
         let mut counts = [4090.0, 4095.0, 4.0, 9.0, 4.0, 4095.0];
         assert_eq!(wraps(&counts, &[360.0, 4096.0]), Some(4096.0));
         assert_eq!(unwrap(&mut counts, 4096.0), 2);

@@ -1,88 +1,88 @@
-//! Why a log could not be imported.
+//! Why a log cannot be imported.
 
 use std::path::PathBuf;
 
-/// What is wrong, and after the semicolon the mend, in one line.
+/// The fault in one line. The remedy follows after the semicolon.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The file system refuses.
+    /// The operating system refused to read the file.
     #[error("cannot read {}: {source}; check the name", .path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A format of another program whose reader is not built in.
+    /// The reader of this format is not part of this build.
     #[error("{}: {format} needs a program built with `--features {feature}`; build it so, or export CSV", .path.display())]
     NotBuiltIn {
         /// The file.
         path: PathBuf,
-        /// The format's name.
+        /// Name of the format.
         format: &'static str,
         /// Cargo feature that reads it.
         feature: &'static str,
     },
-    /// A binary file whose content cannot be understood.
-    #[error("{}: {why}; export it anew, or as CSV", .path.display())]
+    /// The content of a binary file is not valid.
+    #[error("{}: {why}; export it again, or as CSV", .path.display())]
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What its reader said.
+        /// The message of the reader.
         why: String,
     },
-    /// There is no table of numbers in the text.
+    /// The text has no table of numbers.
     #[error("{}: no rows of numbers were found; give a text with one row per sample, in columns", .path.display())]
     NoRows {
         /// The file.
         path: PathBuf,
     },
-    /// Rows that do not fit the header.
+    /// A row has another number of cells than the header.
     #[error("{}, line {line}: the row has {found} cells where the header has {expected}; check the delimiter, or quote cells that hold it", .path.display())]
     Ragged {
         /// The file.
         path: PathBuf,
-        /// Line, from 1.
+        /// Line number, from 1.
         line: usize,
         /// Cells of the row.
         found: usize,
         /// Names in the header.
         expected: usize,
     },
-    /// A column that is asked for is not there.
+    /// A requested column does not exist.
     #[error("{log}: there is no column `{name}`{}; its columns are {known}", match nearest { Some(near) => format!(" (was `{near}` meant?)"), None => String::new() })]
     NoColumn {
         /// The log.
         log: String,
-        /// As asked for.
+        /// The requested name.
         name: String,
-        /// A column with nearly that name.
+        /// A column with a similar name.
         nearest: Option<String>,
         /// All columns.
         known: String,
     },
-    /// A name that several columns have.
+    /// Several columns match a name.
     #[error("{log}: `{name}` may be any of {found}; write the whole name")]
     Ambiguous {
         /// The log.
         log: String,
-        /// As asked for.
+        /// The requested name.
         name: String,
-        /// Columns that it may be.
+        /// The columns that match.
         found: String,
     },
-    /// A formula that cannot be understood.
+    /// A formula is not valid.
     #[error(
         "formula `{text}`: {why}; write for instance '0.01*(sp-pos)/15', columns with odd names in braces: '2*{{q[2]}}'"
     )]
     Formula {
-        /// As written.
+        /// The formula as written.
         text: String,
         /// What is wrong.
         why: String,
     },
-    /// Nobody said which column is what, and the names do not tell.
+    /// A role is not given and cannot be guessed from the names.
     #[error(
         "{log}: which column is the {role} cannot be told from the names; say so by `{option} NAME`, one of {known}"
     )]
@@ -91,12 +91,12 @@ pub enum ImportError {
         log: String,
         /// `time`, `input` or `position`.
         role: &'static str,
-        /// Option that says it.
+        /// The option that gives it.
         option: &'static str,
-        /// Columns that change.
+        /// Columns whose values change.
         known: String,
     },
-    /// Text where numbers are needed.
+    /// A column has text instead of numbers.
     #[error("{log}: column `{column}` holds text such as `{cell}`; choose a column of numbers")]
     Text {
         /// The log.
@@ -106,7 +106,7 @@ pub enum ImportError {
         /// One of its cells.
         cell: String,
     },
-    /// A column that repeats one value.
+    /// A column has the same value in all rows.
     #[error(
         "{log}: the position `{column}` is {value} in every row, as if it were not live; choose one that changes: {live}"
     )]
@@ -117,25 +117,25 @@ pub enum ImportError {
         column: String,
         /// Its only value.
         value: f64,
-        /// Columns that change.
+        /// Columns whose values change.
         live: String,
     },
-    /// A unit that the quantity cannot have.
+    /// The unit does not fit the quantity.
     #[error(
         "`{unit}` is no unit of {role}; write one such as {examples} after the name: 'NAME:UNIT'"
     )]
     Unit {
-        /// As written.
+        /// The unit as written.
         unit: String,
-        /// What it was to be a unit of.
+        /// The quantity.
         role: &'static str,
-        /// Units of that.
+        /// Examples of units of the quantity.
         examples: &'static str,
     },
-    /// Counts without their number in a turn.
+    /// The position is in counts, and the counts per turn are not given.
     #[error("the position is in counts; say how many make a turn by --counts-per-turn N")]
     CountsPerTurn,
-    /// Text that is no time.
+    /// A text is not a time.
     #[error(
         "{log}: `{cell}` in the time column `{column}` is no time; use numbers, or ISO 8601 such as 2026-01-02T03:04:05.678Z"
     )]
@@ -147,23 +147,23 @@ pub enum ImportError {
         /// The cell.
         cell: String,
     },
-    /// A motor's data sheet that does not tell what the input does.
+    /// The data sheet of the motor does not define the effect of the input.
     #[error("{0} by --motor NAME=VALUE")]
     Motor(#[from] recording::NoRatio),
-    /// An option that contradicts the log or another one.
+    /// An option contradicts the log or another option.
     #[error("{0}")]
     Option(String),
-    /// Nothing is left of a log.
+    /// No run remains of a log.
     #[error("{log}: no run of at least {rows} rows is left; {mend}")]
     NothingLeft {
         /// The log.
         log: String,
-        /// Least number of rows.
+        /// Fewest rows of a run.
         rows: usize,
-        /// What to do.
+        /// The remedy.
         mend: &'static str,
     },
-    /// The switching-on of a controller shows nowhere.
+    /// The time of switching on a controller cannot be found.
     #[error(
         "{log}: the position never leaves its rest, so when the controller was switched on cannot be told; give the time by --on"
     )]
@@ -171,7 +171,7 @@ pub enum ImportError {
         /// The log.
         log: String,
     },
-    /// What was imported is no usable recording.
+    /// The imported recording is not valid.
     #[error(transparent)]
     Recording(#[from] recording::Error),
 }

@@ -1,10 +1,10 @@
-//! The roles of columns, guessed from their names and from whether their values change.
+//! Guesses the roles of columns from their names and from whether their values change.
 
 use crate::clock;
 use crate::log::{Cells, Column, Log};
 use crate::unit::{self, Quantity};
 
-/// Words in the names of columns, and how much each tells.
+/// Words in column names with their scores.
 type Words = &'static [(&'static str, i32)];
 
 const TIME: Words = &[
@@ -99,7 +99,7 @@ const VELOCITY: Words = &[
     ("acc", -9),
 ];
 
-/// Words of a name: at signs, at changes from small to large letters, and without figures at the end.
+/// Splits a name into words at signs and at changes from lower to upper case. Trailing digits are removed.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut before = ' ';
@@ -126,7 +126,7 @@ fn score(column: &Column, telling: Words) -> i32 {
     telling.iter().filter_map(known).sum()
 }
 
-/// What a unit that is stated says of what the column can be.
+/// The quantity of a column according to its unit.
 fn quantity(column: &Column) -> Option<Quantity> {
     let unit = column
         .unit
@@ -135,7 +135,7 @@ fn quantity(column: &Column) -> Option<Quantity> {
     unit::parse(unit).map(|(quantity, _)| quantity)
 }
 
-/// The column with the highest score above zero; the first of several.
+/// The column with the highest positive score, the first of several.
 fn best(log: &Log, score: impl Fn(&Column) -> i32) -> Option<usize> {
     let scored = log
         .columns
@@ -173,7 +173,7 @@ pub(crate) fn time(log: &Log) -> Option<usize> {
         }
     })
     .or_else(|| {
-        // Without a name that tells, a first column that only rises.
+        // Without a known name, the first column is the time if it only increases.
         let first = log.columns.first()?;
         (is_number(first) && first.is_live() && rises(first)).then_some(0)
     })
@@ -215,7 +215,7 @@ pub(crate) fn input(log: &Log, taken: &[usize]) -> Option<usize> {
             Some(Quantity::Count) | None => 0,
             Some(_) => return 0,
         };
-        // A measured current says better what the motor was given than one that was asked for, but a command is the input.
+        // A measured current describes the motor better than a commanded one. A command, however, is the input.
         let named = score(column, INPUT);
         if named > 0 {
             named + fits + i32::from(score(column, SETPOINT) > 0)
@@ -225,7 +225,7 @@ pub(crate) fn input(log: &Log, taken: &[usize]) -> Option<usize> {
     })
 }
 
-/// The column of the position that is asked for.
+/// The column of the setpoint.
 pub(crate) fn setpoint(log: &Log, taken: &[usize]) -> Option<usize> {
     let asked = |column: &Column| {
         score(column, SETPOINT) > 0 && score(column, INPUT) <= 0 && score(column, VELOCITY) == 0
@@ -243,7 +243,7 @@ pub(crate) fn velocity(log: &Log, taken: &[usize]) -> Option<usize> {
     role(log, taken, |column| score(column, VELOCITY))
 }
 
-/// The best column of numbers that changes and has no other role.
+/// The best column of changing numbers without another role.
 fn role(log: &Log, taken: &[usize], score: impl Fn(&Column) -> i32) -> Option<usize> {
     let at = |column: &Column| {
         log.columns
@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn roles_are_told_from_the_names_that_logs_have() {
+    fn roles_are_guessed_from_usual_names() {
         for (names, time_at, input_at, position_at) in [
             (&["timestamp [s]", "tau_cmd", "q"][..], 0, 1, 2),
             (

@@ -1,4 +1,4 @@
-//! What the user knows of a device.
+//! What the user knows about a device.
 
 use crate::error::ImportError;
 use recording::{Model, Motor, Units};
@@ -7,40 +7,40 @@ use std::collections::BTreeMap;
 /// Acceleration of gravity, m/s².
 const GRAVITY_M_S2: f64 = 9.806_65;
 
-/// What moves.
+/// The kind of a device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kind {
-    /// It turns, and nobody says more.
+    /// A rotary axis without further information.
     #[default]
     Rotary,
-    /// It turns, and weight pulls it towards hanging.
+    /// A rotary axis with gravity.
     Pendulum,
-    /// It slides.
+    /// A linear axis.
     Linear,
-    /// It follows a commanded position.
+    /// A position servo.
     Servo,
 }
 
-/// What is known of a device; what is left out is estimated.
+/// Known properties of a device. Unknown numbers are estimated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Known {
-    /// What moves.
+    /// The kind of the device.
     pub kind: Kind,
-    /// Mass that moves, kg.
+    /// Moving mass, kg.
     pub mass_kg: Option<f64>,
-    /// From the axis to the centre of that mass, m.
+    /// Distance of its centre from the axis, m.
     pub lever_m: Option<f64>,
-    /// The motor's data sheet, with the gear behind it.
+    /// The motor's data sheet and its gear.
     pub motor: Motor,
     /// Inertia of the motor's rotor, kg m².
     pub rotor_inertia: Option<f64>,
-    /// Numbers of `[model]` that are stated as they are.
+    /// Stated numbers of `[model]`.
     pub numbers: BTreeMap<String, f64>,
-    /// Their relative standard deviations.
+    /// Relative standard deviations of the stated numbers.
     pub tolerances: BTreeMap<String, f64>,
 }
 
-/// A number of `[model]`, and where it comes from.
+/// A number of `[model]` and its source.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Number {
     pub value: f64,
@@ -48,7 +48,7 @@ pub(crate) struct Number {
 }
 
 impl Known {
-    /// What is said where the inertia does not follow, so that no model is stated; `None` where it does.
+    /// The warning that no model is stated because the inertia is unknown. `None` if the inertia is known.
     pub fn unstated_warning(&self) -> Option<String> {
         let numbers = self.numbers("").unwrap_or_default();
         (!numbers.contains_key("inertia")).then(|| {
@@ -56,10 +56,11 @@ impl Known {
         })
     }
 
-    /// The motor's data sheet if it says more than a gear, and what it gives per unit of the input.
+    /// The motor's data sheet, if it states more than a gear, with the joint torque per unit of input.
     ///
     /// # Errors
-    /// [`ImportError::Motor`] where it does not tell that, [`ImportError::Option`] where the ratio is stated as well.
+    ///
+    /// [`ImportError::Motor`] if the data sheet is incomplete, [`ImportError::Option`] if the ratio is stated too.
     pub(crate) fn data_sheet(&self, units: &Units) -> Result<Option<(Motor, f64)>, ImportError> {
         if self.motor.kt.is_none() {
             return Ok(None);
@@ -73,10 +74,11 @@ impl Known {
         Ok(Some((self.motor, self.motor.ratio(units)?)))
     }
 
-    /// The numbers of `[model]` that follow for an input in `unit`, beside those that follow of a motor's data sheet.
+    /// The numbers of `[model]` that follow for an input in `unit`, except those that follow from a motor's data sheet.
     ///
     /// # Errors
-    /// [`ImportError::Option`] for names that no model has.
+    ///
+    /// [`ImportError::Option`] for unknown names.
     pub(crate) fn numbers(
         &self,
         unit: &str,

@@ -1,7 +1,7 @@
-//! Reads the logs of other programs into recordings.
+//! Reads logs of other programs into recordings.
 //!
-//! A file becomes a [`Log`]: named columns, whatever wrote them. A [`Recipe`] says which column is what; what it leaves out
-//! is told from names, units and numbers, and [`Imported::roles`] says how. [`import()`] makes a
+//! A file of any format becomes a [`Log`] of named columns. A [`Recipe`] assigns roles to the columns. Missing roles are
+//! guessed from names, units and numbers, and [`Imported::roles`] reports them. [`import()`] makes a
 //! [`Recording`](recording::Recording) of both, in SI units.
 //!
 //! ```

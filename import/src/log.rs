@@ -1,49 +1,49 @@
-//! A log as its program wrote it: named columns of one length.
+//! A log as a table of named columns.
 
 use crate::error::ImportError;
 use crate::unit;
 use std::borrow::Cow;
 
-/// A table of columns of one length. Rows may leave cells empty, as where several rates were joined.
+/// A table of columns of equal length. Cells can be empty, for example if several rates were joined.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
-    /// Name of the file, for messages and for the names of runs.
+    /// Name of the file, for messages and names of runs.
     pub name: String,
-    /// Columns in the order of the file.
+    /// The columns in the order of the file.
     pub columns: Vec<Column>,
-    /// What was left out or assumed while the file was read.
+    /// What was left out or assumed during reading.
     pub notes: Vec<String>,
 }
 
 /// A column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// As the file has it, with a unit in brackets if there is one.
+    /// Name in the file, including a unit in brackets.
     pub name: String,
-    /// Unit that the file states.
+    /// Unit stated by the file.
     pub unit: Option<String>,
-    /// One cell a row.
+    /// One cell per row.
     pub cells: Cells,
 }
 
 /// Cells of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// Numbers; an empty cell is NaN.
+    /// Numbers. An empty cell is NaN.
     Numbers(Vec<f64>),
-    /// Whole numbers beyond those that a float holds exactly, such as nanoseconds since 1970.
+    /// Integers that a float cannot hold exactly, such as nanoseconds since 1970.
     Whole(Vec<Option<i64>>),
-    /// Text; an empty cell is empty.
+    /// Text. An empty cell is an empty string.
     Text(Vec<String>),
 }
 
 impl Column {
-    /// A column of numbers whose unit, if any, stands in its name.
+    /// A column of numbers. A unit in brackets is taken from the name.
     pub fn numbers(name: impl Into<String>, values: Vec<f64>) -> Self {
         Self::new(name.into(), Cells::Numbers(values))
     }
 
-    /// A column whose unit, if any, stands in its name.
+    /// A column of any cells. A unit in brackets is taken from the name.
     pub fn new(name: String, cells: Cells) -> Self {
         let unit = split_unit(&name).1.map(str::to_owned);
         Self { name, unit, cells }
@@ -63,12 +63,12 @@ impl Column {
         }
     }
 
-    /// Whether there is no cell.
+    /// True if there are no cells.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The cells as numbers, NaN where there is none; `None` for text.
+    /// The cells as numbers, with NaN for empty cells. `None` for text.
     pub fn values(&self) -> Option<Cow<'_, [f64]>> {
         match &self.cells {
             Cells::Numbers(cells) => Some(Cow::Borrowed(cells)),
@@ -86,7 +86,7 @@ impl Column {
         }
     }
 
-    /// Whether at least two different values stand in it.
+    /// True if it has at least two different values.
     pub fn is_live(&self) -> bool {
         match &self.cells {
             Cells::Numbers(cells) => differ(cells.iter().filter(|cell| !cell.is_nan())),
@@ -108,10 +108,11 @@ impl Log {
         self.columns.first().map_or(0, Column::len)
     }
 
-    /// Index of the column that `name` means: its whole name, else that without the unit, else either in other letters, else
-    /// the only one that ends so after a point or a slash.
+    /// Index of the column with this name. In order of preference, `name` is the whole name, the name without unit, either
+    /// in another case, or the unique ending after a point or slash.
     ///
     /// # Errors
+    ///
     /// [`ImportError::NoColumn`] and [`ImportError::Ambiguous`].
     pub fn find(&self, name: &str) -> Result<usize, ImportError> {
         let name = name.trim();
@@ -159,7 +160,7 @@ impl Log {
         })
     }
 
-    /// Names of the columns that change, for messages.
+    /// Names of the columns whose values change, for messages.
     pub fn live_names(&self) -> String {
         listed(
             self.columns
@@ -169,17 +170,17 @@ impl Log {
         )
     }
 
-    /// Names of the columns that repeat one value.
+    /// Names of the columns with a single value.
     pub fn frozen_names(&self) -> Vec<&str> {
         let frozen = self.columns.iter().filter(|column| !column.is_live());
         frozen.map(|column| column.name.trim()).collect()
     }
 }
 
-/// Names that a message lists at most.
+/// Largest number of names in a message.
 const LISTED: usize = 24;
 
-/// Names in one line.
+/// The names in one line.
 pub(crate) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     if names.is_empty() {
@@ -191,7 +192,7 @@ pub(crate) fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// A name and the unit in brackets behind it. `q[2]` has no unit, nor has `led [0.0-1.0]`.
+/// Splits a name and the unit in brackets after it. `q[2]` and `led [0.0-1.0]` have no unit.
 pub(crate) fn split_unit(name: &str) -> (&str, Option<&str>) {
     let name = name.trim();
     for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
@@ -216,7 +217,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_unit_is_told_from_an_index() {
+    fn a_unit_is_distinguished_from_an_index() {
         for (name, bare, unit) in [
             ("timestamp [s]", "timestamp", Some("s")),
             ("motor_torque [N.m]", "motor_torque", Some("N.m")),
@@ -231,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_is_found_by_its_shortest_clear_name() {
+    fn a_column_is_found_by_its_shortest_unique_name() {
         let column = |name: &str| Column::numbers(name, vec![0.0]);
         let log = Log {
             name: "a".into(),

@@ -1,4 +1,4 @@
-//! A commented `recording.toml`.
+//! Writes a commented `recording.toml`.
 
 use crate::error::ImportError;
 use crate::known::{Kind, Known, Number};
@@ -7,10 +7,10 @@ use crate::start::{self, Inertia};
 use recording::{Drive, InputSampling, Recording};
 use std::fmt::Write;
 
-/// Least tolerance that is stated for an inertia that was estimated, relative: other effects bend the estimate.
+/// Least stated tolerance of an estimated inertia, relative. Other effects bias the estimate.
 const ESTIMATED: f64 = 0.3;
 
-/// What each number of `[model]` is, for those who fill it in.
+/// Meaning of each number of `[model]`, as comments.
 const MEANINGS: [(&str, &str); 14] = [
     ("inertia", "at the joint, the motor's rotor included"),
     ("viscous", "torque = -viscous * velocity"),
@@ -34,7 +34,7 @@ const MEANINGS: [(&str, &str); 14] = [
     ("travel", "hard stops, [lower, upper]"),
 ];
 
-/// The lines of `[motor]`.
+/// The numbers of `[motor]` with their meanings.
 const MOTOR: [(&str, &str); 4] = [
     ("kt", "torque constant, N m/A"),
     ("resistance", "of the winding, Ohm"),
@@ -42,11 +42,12 @@ const MOTOR: [(&str, &str); 4] = [
     ("supply", "V, where the input is a duty cycle"),
 ];
 
-/// The text of a manifest of `recording`, with what is known of its device. Of numbers that are not known, the inertia is
-/// estimated from the motion, as no model goes without; the others are left out, so that the diagnosis estimates them.
+/// The text of a manifest for `recording` with the known properties of the device. The inertia is estimated from the motion
+/// if it is unknown, because a model needs one. Other unknown numbers are left out, so that the diagnosis estimates them.
 ///
 /// # Errors
-/// [`ImportError::Motor`] and [`ImportError::Option`] for what is said of the device and contradicts itself.
+///
+/// [`ImportError::Motor`] and [`ImportError::Option`] for contradicting properties.
 pub fn manifest(
     recording: &Recording,
     known: &Known,
@@ -95,7 +96,7 @@ pub fn manifest(
         tolerances.entry("inertia".into()).or_insert(tolerance);
     }
     let mut text = String::new();
-    // Writing to a String cannot fail.
+    // Writing to a `String` cannot fail.
     let mut line = |written: String| {
         let _ = writeln!(text, "{written}");
     };
@@ -239,7 +240,7 @@ fn commented(name: &str, value: f64, comment: &str) -> String {
     format!("{name} = {value:?}  # {comment}")
 }
 
-/// Text in the quotes of TOML.
+/// A text as a quoted TOML string.
 fn quoted(text: &str) -> String {
     let mut quoted = String::from("\"");
     for letter in text.chars() {
@@ -253,7 +254,7 @@ fn quoted(text: &str) -> String {
     quoted
 }
 
-/// A key of TOML, in quotes where it needs them.
+/// A TOML key, quoted if necessary.
 fn key(name: &str) -> String {
     let is_bare = name
         .chars()

@@ -1,20 +1,20 @@
-//! Columns that were logged at several rates, brought to the rows of the position.
+//! Resamples columns of several rates at the rows of the position.
 
-/// A column as it came: times at which there is a value, and the values.
+/// A column with its own times and values.
 pub(crate) struct Samples {
     time: Vec<f64>,
     values: Vec<f64>,
 }
 
 impl Samples {
-    /// The filled cells of `column` in these rows.
+    /// The non-empty cells of `column` in these rows.
     pub fn of(column: &[f64], seconds: &[f64], rows: &[usize]) -> Self {
         let filled = rows.iter().filter(|row| !column[**row].is_nan());
         let (time, values) = filled.map(|row| (seconds[*row], column[*row])).unzip();
         Self { time, values }
     }
 
-    /// The last value at or before each of `times`; the first one before it has come.
+    /// The last value at or before each of `times`. Before the first value, the first value.
     pub fn held(&self, times: &[f64]) -> Vec<f64> {
         let before = |t: &f64| self.time.partition_point(|at| at <= t).saturating_sub(1);
         times
@@ -23,8 +23,8 @@ impl Samples {
             .collect()
     }
 
-    /// The mean from each of `times` until the next, each value held until the next one; what comes after the last time counts
-    /// as that.
+    /// The mean from each of `times` until the next, with each value held until the next one. After the last time, the last
+    /// interval counts.
     pub fn means(&self, times: &[f64]) -> Vec<f64> {
         if times == self.time {
             return self.values.clone();
@@ -53,7 +53,7 @@ impl Samples {
         means
     }
 
-    /// When the first value came, s.
+    /// Time of the first value, s.
     pub fn begin(&self) -> Option<f64> {
         self.time.first().copied()
     }
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_of_the_same_rows_stays_as_it_is() {
+    fn a_column_with_the_same_rows_is_unchanged() {
         let seconds = [0.0, 0.1, 0.30000000000000004];
         let column = [0.1 + 0.2, 1.0 / 3.0, 2.0];
         let samples = Samples::of(&column, &seconds, &[0, 1, 2]);

@@ -1,24 +1,24 @@
-//! Where one run of a log ends and the next one begins.
+//! Splits a log into runs.
 
 use crate::log::{Cells, Column};
 
-/// A gap between runs is this many usual periods long or longer, and [`GAP_S`].
+/// Least length of a gap between runs, in usual periods. It must also be at least [`GAP_S`].
 const GAP_PERIODS: f64 = 50.0;
-/// See [`GAP_PERIODS`], s.
+/// Least length of a gap between runs, s.
 const GAP_S: f64 = 1.0;
-/// Time that goes back by this share of what has passed, or more, begins anew; by less, rows are out of order.
+/// Least decrease of the time, over the elapsed time, that starts a new run. With a smaller one, rows are only out of order.
 const ANEW: f64 = 0.5;
 
-/// Rows of a run, in the order of time, and what tells it from the others.
+/// Rows of a run in the order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Span {
     pub rows: Vec<usize>,
-    /// Value of the column by which runs were separated.
+    /// Value of the column that separates the runs.
     pub label: Option<String>,
 }
 
-/// The runs of rows at times `seconds`, of which those without a time are left out. Runs end where time begins anew, where
-/// `by` changes, and at gaps of `gap_s` or, if that is not given, at gaps that no logger of one run leaves.
+/// The runs of rows with the times `seconds`. Rows without a time are left out. A run ends where the time restarts, where
+/// `by` changes, and at gaps of `gap_s`. Without `gap_s` it ends at gaps that do not occur within one run.
 pub(crate) fn spans(seconds: &[f64], by: Option<&Column>, gap_s: Option<f64>) -> Vec<Span> {
     let timed: Vec<usize> = (0..seconds.len())
         .filter(|row| !seconds[*row].is_nan())
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn runs_end_at_gaps_and_where_time_begins_anew() {
+    fn runs_end_at_gaps_and_where_the_time_restarts() {
         let time = [0.0, 0.1, 0.2, 5.0, 5.1, 0.0, 0.1];
         assert_eq!(
             rows(&spans(&time, None, Some(1.0))),
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_column_tells_runs_apart() {
+    fn a_column_separates_runs() {
         let by = Column::numbers("episode", vec![0.0, 0.0, 1.0, 1.0]);
         let found = spans(&[0.0, 0.1, 0.0, 0.1], Some(&by), None);
         assert_eq!(rows(&found), [vec![0, 1], vec![2, 3]]);

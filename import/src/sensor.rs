@@ -1,19 +1,19 @@
-//! What a column of positions shows of its sensor.
+//! Estimates the properties of a position sensor from its readings.
 
 use recording::{Sensor, sixth_differences};
 
-/// Values come this often, on average, where they are quantised.
+/// Least average number of repetitions of a quantised value.
 const REPEATS: usize = 4;
-/// Share of the distances between neighbouring values that lie on the grid.
+/// Least share of distances between neighbouring values on the grid.
 const ON_GRID: f64 = 0.9;
-/// A distance is on the grid if it is off by less than this share of the quantum.
+/// Largest distance from a grid point, as a share of the quantum, for a value on the grid.
 const OFF: f64 = 0.1;
-/// Noise that is only the rounding of numbers, relative to the largest.
+/// Noise below this, relative to the largest value, is rounding of numbers.
 const ROUNDING: f64 = 1e-9;
-/// Median size of a sixth difference over the standard deviation of white noise.
+/// Median magnitude of a sixth difference of white noise over its standard deviation.
 const MEDIAN_DIFFERENCE: f64 = 20.5;
 
-/// The quantum of the readings, or their noise where they have none.
+/// The quantum of the readings, or their noise if they are not quantised.
 pub(crate) fn shown(position: &[f64]) -> Sensor {
     if let Some(resolution) = quantum(position) {
         return Sensor {
@@ -29,7 +29,7 @@ pub(crate) fn shown(position: &[f64]) -> Sensor {
     let largest = position
         .iter()
         .fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    // Below that it is the rounding of the program that wrote the log.
+    // Smaller noise is the rounding of the logging program.
     let noise = if noise > ROUNDING * largest {
         three_digits(noise)
     } else {
@@ -54,7 +54,7 @@ fn quantum(position: &[f64]) -> Option<f64> {
         .iter()
         .filter(|distance| (*distance / step - (*distance / step).round()).abs() < OFF);
     let is_grid = on_grid.count() as f64 >= ON_GRID * distances.len() as f64;
-    // The mean of the distances that are one step says more than one of them.
+    // The mean of all single steps is more accurate than one of them.
     let single = distances
         .iter()
         .filter(|distance| (*distance / step).round() == 1.0);
@@ -62,7 +62,7 @@ fn quantum(position: &[f64]) -> Option<f64> {
     (is_grid && values.len() * REPEATS <= position.len()).then(|| three_digits(mean))
 }
 
-/// A number with as many digits as it is known to.
+/// A number rounded to three digits.
 pub(crate) fn three_digits(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
@@ -84,7 +84,7 @@ mod tests {
                 ..Sensor::default()
             }
         );
-        // A noise that is made without a library: the fractions of multiples of an irrational number.
+        // Pseudo-random noise: the fractional parts of multiples of an irrational number.
         let noisy = |k: i32| {
             motion(k) + 1e-3 * ((f64::from(k * k % 9973) * 0.618_033_988_75).fract() - 0.5)
         };

@@ -1,31 +1,32 @@
-//! One quantity of a log: a column, or a formula of columns, and its unit.
+//! One quantity of a log: a column, or a formula of columns, with its unit.
 
 use crate::error::ImportError;
 use crate::log::{Column, Log};
 use crate::unit;
 use formula::Formula;
 
-/// What the user asks for: `NAME`, `NAME:UNIT`, `FORMULA` or `FORMULA:UNIT`.
+/// The user's choice: `NAME`, `NAME:UNIT`, `FORMULA` or `FORMULA:UNIT`.
 #[derive(Clone, Debug)]
 pub(crate) enum Choice<'a> {
     Column {
         column: &'a Column,
-        /// That is written behind the name.
+        /// The unit written after the name.
         unit: Option<String>,
     },
     Formula {
         formula: Box<Formula>,
-        /// In the order of the formula's names.
+        /// The columns in the order of the formula's names.
         columns: Vec<&'a Column>,
         unit: Option<String>,
     },
 }
 
 impl<'a> Choice<'a> {
-    /// Finds what `text` means in `log`.
+    /// Finds the columns of `text` in `log`.
     ///
     /// # Errors
-    /// [`ImportError`] for names that are not there and for formulas that cannot be understood.
+    ///
+    /// [`ImportError`] for unknown names and invalid formulas.
     pub fn of(text: &str, log: &'a Log) -> Result<Self, ImportError> {
         let column = |name: &str, unit: Option<&str>| {
             log.find(name).map(|at| Self::Column {
@@ -62,7 +63,7 @@ impl<'a> Choice<'a> {
         })
     }
 
-    /// Its unit: as written, else the column's, else that at the end of its name.
+    /// Its unit: the written one, that of the column, or that at the end of its name.
     pub fn unit(&self) -> Option<&str> {
         match self {
             Self::Column { column, unit } => unit
@@ -73,7 +74,7 @@ impl<'a> Choice<'a> {
         }
     }
 
-    /// What it is, for people.
+    /// Its name, for display.
     pub fn name(&self) -> &str {
         match self {
             Self::Column { column, .. } => column.name.trim(),
@@ -81,9 +82,10 @@ impl<'a> Choice<'a> {
         }
     }
 
-    /// Its values row by row, NaN where a cell is empty.
+    /// Its values row by row. NaN for an empty cell.
     ///
     /// # Errors
+    ///
     /// [`ImportError::Text`].
     pub fn values(&self, log: &Log) -> Result<Vec<f64>, ImportError> {
         match self {
@@ -100,7 +102,7 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// The values of a column of numbers.
+/// The values of a numeric column.
 pub(crate) fn numbers(column: &Column, log: &Log) -> Result<Vec<f64>, ImportError> {
     match &column.cells {
         crate::log::Cells::Text(cells) => Err(ImportError::Text {
@@ -116,7 +118,7 @@ pub(crate) fn numbers(column: &Column, log: &Log) -> Result<Vec<f64>, ImportErro
     }
 }
 
-/// The values of a column of numbers. An empty cell has the last value before it.
+/// The values of a numeric column. An empty cell takes the previous value.
 pub(crate) fn held(column: &Column, log: &Log) -> Result<Vec<f64>, ImportError> {
     let mut last = f64::NAN;
     let held = numbers(column, log)?.into_iter().map(|value| {
@@ -128,7 +130,7 @@ pub(crate) fn held(column: &Column, log: &Log) -> Result<Vec<f64>, ImportError> 
     Ok(held.collect())
 }
 
-/// Whether text behind a colon is a unit rather than a part of a name.
+/// True if the text after a colon is a unit and not part of a name.
 fn is_unit(text: &str) -> bool {
     let text = text.trim();
     unit::parse(text).is_some()

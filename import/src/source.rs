@@ -11,9 +11,9 @@ use crate::signal::{Choice, numbers};
 use crate::unit::{self, Quantity};
 use std::f64::consts::TAU;
 
-/// Spans around which angles and counters wrap when nobody says: of angles in rad, deg and turns, and of registers.
+/// Default wrap-around spans of angles in rad, deg and turns.
 const ANGLE_SPANS: [f64; 3] = [TAU, 360.0, 1.0];
-/// See [`ANGLE_SPANS`].
+/// Default wrap-around spans of registers.
 const COUNTER_SPANS: [f64; 7] = [
     1024.0,
     4096.0,
@@ -24,15 +24,15 @@ const COUNTER_SPANS: [f64; 7] = [
     36_000.0,
 ];
 
-/// A log with what its columns are.
+/// A log with the roles of its columns.
 pub(crate) struct Source<'a> {
     pub log: &'a Log,
     pub recipe: &'a Recipe,
-    /// Among the logs.
+    /// Index of the log.
     pub place: usize,
     pub seconds: Vec<f64>,
     pub origin_s: f64,
-    /// The log is in the recording's own format, so that its times stay as they are.
+    /// True if the log has the recording's own format, so that its times are kept.
     pub keeps_time: bool,
     pub input: Option<Choice<'a>>,
     pub position: Choice<'a>,
@@ -213,7 +213,7 @@ impl<'a> Source<'a> {
         let mut seconds = seconds;
         if keeps_time && let Some(column) = log.columns.iter().find(|column| column.name == "time")
         {
-            // Times of the format are in s, whatever their size.
+            // Times in the recording format are always in s.
             seconds = numbers(column, log)?;
         }
         Ok(Self {
@@ -235,7 +235,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// What the position is in, and what one of it is in the recording.
+    /// The unit of the position, and its conversion to the unit of the recording.
     pub fn position_quantity(&self) -> Result<Reading, ImportError> {
         let unit = self.position.unit();
         let wrong = |role: &'static str, examples: &'static str| ImportError::Unit {
@@ -312,7 +312,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// What one of the input is in the recording, and the unit there.
+    /// The conversion of the input to the unit of the recording, and that unit.
     pub fn input_unit(&self) -> Result<(f64, String), ImportError> {
         let Some(choice) = &self.input else {
             return Ok((1.0, "N m".into()));
@@ -344,7 +344,7 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// The position's cells as numbers, in the logged unit.
+    /// The position as numbers in the logged unit.
     pub fn readings(&self) -> Result<Vec<f64>, ImportError> {
         let mut readings = self.position.values(self.log)?;
         if let Some(bit) = self.recipe.position_sign_bit {
@@ -353,7 +353,7 @@ impl<'a> Source<'a> {
         Ok(readings)
     }
 
-    /// Undoes wrap-around; says what was done.
+    /// Undoes wrap-around. Returns a description of what was done.
     pub fn wrapped(&self, readings: &mut [f64], counts: Option<f64>) -> String {
         if self.is_velocity {
             return String::new();
@@ -385,14 +385,14 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What the position is in.
+/// Unit of the position.
 pub(crate) struct Reading {
-    /// One of the logged unit in the recording's.
+    /// One logged unit in units of the recording.
     pub si: f64,
-    /// The recording's unit.
+    /// The unit in the recording.
     pub unit: &'static str,
     pub logged: Option<String>,
-    /// Counts in a turn.
+    /// Counts per turn.
     pub counts: Option<f64>,
 }
 
@@ -416,7 +416,7 @@ impl Reading {
     }
 }
 
-/// The unit of an input that states none: what its name tells.
+/// The unit of an input without a stated unit, guessed from its name.
 fn unit_of_name(choice: &Choice) -> &'static str {
     let name = choice.name().to_lowercase();
     let tells = [
@@ -434,7 +434,7 @@ fn unit_of_name(choice: &Choice) -> &'static str {
         .iter()
         .find(|(word, _)| name.contains(word))
         .map(|(_, unit)| *unit);
-    // The format's own column is in N m unless its units say otherwise.
+    // A column named `input`, as in the recording format, is in N m by default.
     told.unwrap_or(if name == "input" { "N m" } else { "1" })
 }
 

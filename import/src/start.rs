@@ -1,13 +1,13 @@
-//! A first guess of a device's inertia and frictions from a recording, for numbers that nobody knows.
+//! Estimates an initial inertia from a recording, if the user does not know it.
 
 use nalgebra::{DMatrix, DVector};
 use recording::{Recording, Run};
 
-/// Windows that are looked at in a run at most.
+/// Largest number of windows that are evaluated in a run.
 const WINDOWS: f64 = 2000.0;
-/// From one window to the next, in windows.
+/// Distance between windows, as a share of their length.
 const STEP: f64 = 0.2;
-/// What torque is made of: inertia, viscous and dry friction, gravity, a constant.
+/// Number of torque components: inertia, viscous and dry friction, gravity, a constant.
 const COLUMNS: usize = 5;
 
 /// An inertia and its relative standard deviation.
@@ -17,12 +17,12 @@ pub(crate) struct Inertia {
     pub deviation: f64,
 }
 
-/// The inertia at which the recording's torques make its motion, if each unit of input gives `ratio` at the joint and a
-/// spring of `stiffness` pulls to 0, beside frictions, a weight if the axis may have one, and a constant; `None` where nothing
-/// is told or moves.
+/// Estimates the inertia for which the torques of the recording cause its motion. `ratio` is the joint torque per unit of
+/// input, and `stiffness` that of a spring to 0. Frictions, a constant torque and, for an axis that may have it, gravity are
+/// estimated too. `None` if there is no input or no motion.
 ///
-/// Modulating functions (M. Shinbrot, Trans. ASME 79, 1957): the equation of motion is weighted with a window that vanishes at
-/// its ends with its slopes, so that parts of it are integrated without differentiating the position.
+/// It uses modulating functions (M. Shinbrot, Trans. ASME 79, 1957). The equation of motion is weighted with a window
+/// function that is zero at its ends, as are its derivatives. Integration by parts then avoids differentiating the position.
 pub(crate) fn inertia(recording: &Recording, ratio: f64, stiffness: f64) -> Option<Inertia> {
     let window_s = 2.0 * recording.horizon;
     let angle = recording.units.angle_rad();
@@ -38,14 +38,14 @@ pub(crate) fn inertia(recording: &Recording, ratio: f64, stiffness: f64) -> Opti
     regressed(&rows).or_else(|| crude(&rows))
 }
 
-/// By least squares.
+/// Estimate by least squares.
 fn regressed(rows: &[([f64; COLUMNS], f64)]) -> Option<Inertia> {
     if rows.len() < 3 * COLUMNS {
         return None;
     }
     let mut regressors = DMatrix::from_fn(rows.len(), COLUMNS, |row, column| rows[row].0[column]);
     let torques = DVector::from_fn(rows.len(), |row, _| rows[row].1);
-    // Columns of like size, so that what is small is not taken for nothing.
+    // Columns are scaled to similar magnitudes, so that small ones are not lost.
     let sizes: Vec<f64> = (0..COLUMNS)
         .map(|column| regressors.column(column).norm())
         .collect();
@@ -60,7 +60,7 @@ fn regressed(rows: &[([f64; COLUMNS], f64)]) -> Option<Inertia> {
         .solve(&torques, 1e-9)
         .ok()?;
     let left = (&torques - &regressors * &solved).norm_squared();
-    // Windows overlap, so that only each of so many says something of its own.
+    // Windows overlap, so only a part of them is independent.
     let own = STEP * rows.len() as f64;
     let inverse = (regressors.transpose() * &regressors).try_inverse()?;
     let deviation = (left / own.max(1.0) * inverse[(0, 0)] / STEP).sqrt() / solved[0].abs();
@@ -69,7 +69,7 @@ fn regressed(rows: &[([f64; COLUMNS], f64)]) -> Option<Inertia> {
     is_known.then_some(Inertia { value, deviation })
 }
 
-/// By sizes alone: the torque over the acceleration.
+/// Estimate from magnitudes only: torque over acceleration.
 fn crude(rows: &[([f64; COLUMNS], f64)]) -> Option<Inertia> {
     let torques: f64 = rows.iter().map(|(_, torque)| torque * torque).sum();
     let accelerations: f64 = rows.iter().map(|(shares, _)| shares[0] * shares[0]).sum();
@@ -80,7 +80,7 @@ fn crude(rows: &[([f64; COLUMNS], f64)]) -> Option<Inertia> {
     })
 }
 
-/// One window's share of inertia, viscous and dry friction, gravity and a constant, and of the torque.
+/// The contributions of one window to inertia, viscous and dry friction, gravity and the constant, and to the torque.
 fn weighted(
     run: &Run,
     from_s: f64,
@@ -101,7 +101,7 @@ fn weighted(
         let dt_s = (run.time[row + 1] - run.time[row.saturating_sub(1)]) / 2.0;
         let s = (run.time[row] - from_s) / window_s;
         let r = s * (1.0 - s);
-        // (s - s²)³ and its derivatives over time.
+        // (s - s²)³ and its derivatives with respect to time.
         let weight = r.powi(3);
         let slope = 3.0 * r * r * (1.0 - 2.0 * s) / window_s;
         let bend = (6.0 * r * (1.0 - 2.0 * s).powi(2) - 6.0 * r * r) / window_s.powi(2);
@@ -125,7 +125,7 @@ mod tests {
     use recording::{Drive, Model};
 
     #[test]
-    fn an_inertia_is_found_beside_frictions() {
+    fn the_inertia_is_found_in_the_presence_of_friction() {
         let (inertia_true, viscous, coulomb) = (5.8e-4, 2e-3, 2e-3);
         let dt_s = 1e-3;
         let (mut x, mut v) = (0.0_f64, 0.0_f64);
@@ -135,7 +135,7 @@ mod tests {
             let u = 0.02 * (9.0 * t).sin() + 0.015 * (23.0 * t).sin();
             columns[0].push(t);
             columns[1].push(u);
-            // Rounded as by a counter.
+            // Quantised like a counter.
             columns[2].push((x / 2e-4).round() * 2e-4);
             for _ in 0..10 {
                 v += (u - viscous * v - coulomb * v.signum() - 0.0146 * x.sin()) / inertia_true

@@ -1,4 +1,4 @@
-//! One stretch of a log to a run.
+//! Converts a part of a log to a run.
 
 use crate::controller::{self, Gains};
 use crate::error::ImportError;
@@ -13,28 +13,28 @@ use crate::unit::{self, Quantity};
 use formula::Formula;
 use recording::{Drive, InputSampling, Pid, Run, low_pass_gain};
 
-/// Rows that a run has at least.
+/// Fewest rows of a run.
 pub(crate) const LEAST_ROWS: usize = 30;
-/// Cells of a whole log, in its units, NaN where there is none.
+/// Cells of a whole log in its units. NaN for empty cells.
 pub(crate) struct Columns<'a> {
     pub position: &'a [f64],
     pub input: Option<&'a [f64]>,
     pub setpoint: Option<&'a [f64]>,
 }
 
-/// How a stretch of a log becomes a run.
+/// Conversion of a part of a log to a run.
 pub(crate) struct Stretch<'a> {
     pub source: &'a Source<'a>,
     pub columns: &'a Columns<'a>,
     pub quantity: &'a Reading,
-    /// One of the input's logged unit, in the recording's.
+    /// One logged unit of the input in units of the recording.
     pub input_si: f64,
     /// Time of the log's first row, s.
     pub begin_s: f64,
 }
 
 impl Stretch<'_> {
-    /// One run; `None` if too few rows are left.
+    /// One run. `None` if too few rows are left.
     pub fn run(&self, span: &Span, file: String) -> Result<Option<Run>, ImportError> {
         let recipe = self.source.recipe;
         let Self {
@@ -43,7 +43,7 @@ impl Stretch<'_> {
             input_si,
             ..
         } = *self;
-        // Rows of the position, at times of their own.
+        // Rows of the position with distinct times.
         let mut rows: Vec<usize> = span
             .rows
             .iter()
@@ -205,7 +205,7 @@ impl Stretch<'_> {
             };
             scale(column, si);
             if let Some(on_s) = on_s {
-                // Nothing is asked for before: the device rests where it is.
+                // Before the controller is switched on, the setpoint is the rest position.
                 let rest = position[0];
                 let before = times.iter().zip(column).filter(|(t, _)| **t < on_s - 1e-9);
                 before.for_each(|(_, asked)| *asked = rest);
@@ -232,7 +232,7 @@ impl Stretch<'_> {
         Ok(Some(run))
     }
 
-    /// A formula evaluated at each tick, its columns in straight lines between rows, and averaged until the next row.
+    /// A formula evaluated at each tick and averaged until the next row. Its columns are interpolated linearly between rows.
     fn formula_of_ticks(
         &self,
         formula: &Formula,
@@ -274,7 +274,7 @@ impl Stretch<'_> {
         Ok(ticks.means(&values))
     }
 
-    /// The recording's optional columns.
+    /// The optional columns of the recording.
     fn add_further(&self, run: &mut Run, rows: &[usize], times: &[f64]) -> Result<(), ImportError> {
         for (name, choice) in &self.source.further {
             let values = Samples::of(&choice.values(self.source.log)?, &self.source.seconds, rows)
@@ -309,7 +309,7 @@ impl Stretch<'_> {
     }
 }
 
-/// The integral of a velocity by trapezia, from 0 on.
+/// Integral of a velocity by the trapezoidal rule, starting at 0.
 fn integral(time: &[f64], velocity: &[f64]) -> Vec<f64> {
     let mut way = 0.0;
     let mut ways = Vec::with_capacity(time.len());

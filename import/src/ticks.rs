@@ -1,13 +1,13 @@
-//! What happened between two rows of a log, tick by tick of the device's own loop.
+//! Interpolates between the rows of a log at the ticks of the device's control loop.
 
-/// Rows of a log on the ticks of the loop that wrote it.
+/// The rows of a log on the ticks of the control loop.
 pub(crate) struct Ticks {
-    /// Tick of each row, counted from the first.
+    /// Tick of each row, counted from the first row.
     pub of_row: Vec<usize>,
 }
 
 impl Ticks {
-    /// The ticks of rows at these times; at least one lies between two rows.
+    /// The ticks of rows at these times. There is at least one tick between two rows.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -26,13 +26,13 @@ impl Ticks {
         }
     }
 
-    /// Number of ticks from the first to the last row, both counted.
+    /// Number of ticks from the first to the last row, both included.
     pub fn count(&self) -> usize {
         self.of_row.last().map_or(0, |last| last + 1)
     }
 
-    /// A column at each tick: monotone cubics between the rows (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5,
-    /// 1984), which overshoot nothing.
+    /// A column at each tick, interpolated by monotone cubics (F. N. Fritsch and J. Butland, SIAM J. Sci. Stat. Comput. 5,
+    /// 1984), which do not overshoot.
     pub fn between(&self, column: &[f64]) -> Vec<f64> {
         let at: Vec<f64> = self.of_row.iter().map(|tick| *tick as f64).collect();
         let slopes = monotone_slopes(&at, column);
@@ -54,7 +54,7 @@ impl Ticks {
         ticks
     }
 
-    /// Means of a column of ticks over those from each row until the next; the last row has its own tick alone.
+    /// Means of a column of ticks from each row until the next. The last row has its own tick only.
     pub fn means(&self, ticks: &[f64]) -> Vec<f64> {
         let ends = self.of_row.iter().skip(1).copied().chain([self.count()]);
         let rows = self.of_row.iter().zip(ends);
@@ -62,7 +62,7 @@ impl Ticks {
             .collect()
     }
 
-    /// Undoes the first-order low-pass `y += a (x - y)` that the loop had applied to a column each tick.
+    /// Undoes the first-order low-pass `y += a (x - y)` that the loop applied to a column at each tick.
     pub fn without_low_pass(&self, column: &[f64], gain: f64) -> Vec<f64> {
         let filtered = self.between(column);
         let undone = |tick: &usize| match tick.checked_sub(1) {
@@ -100,7 +100,7 @@ fn monotone_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// One-sided slope of three points that keeps the shape.
+/// One-sided slope at the end of three points that preserves monotonicity.
 fn end_slope(h0: f64, h1: f64, d0: f64, d1: f64) -> f64 {
     let slope = ((2.0 * h0 + h1) * d0 - h0 * d1) / (h0 + h1);
     if slope * d0 <= 0.0 {
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_low_pass_that_was_applied_is_undone() {
+    fn an_applied_low_pass_is_undone() {
         let gain = 0.22;
         let raw: Vec<f64> = (0..400).map(|k| (0.02 * f64::from(k)).sin()).collect();
         let mut y = raw[0];
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_at_odd_times_have_ticks_of_their_own() {
+    fn rows_at_irregular_times_have_different_ticks() {
         let ticks = Ticks::of(&[5.0, 5.0007, 5.00175, 5.0018], 0.00035);
         assert_eq!(ticks.of_row, [0, 2, 5, 6]);
         assert_eq!(

@@ -1,33 +1,33 @@
-//! Units that logs have, and what one is in SI.
+//! Units in logs and their conversion to SI.
 
 use std::f64::consts::{PI, TAU};
 
-/// What a unit measures.
+/// The quantity that a unit measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// rad.
+    /// Angle, in rad.
     Angle,
-    /// m.
+    /// Length, in m.
     Length,
-    /// rad/s.
+    /// Angular velocity, in rad/s.
     AngularVelocity,
-    /// m/s.
+    /// Speed, in m/s.
     Speed,
-    /// s.
+    /// Time, in s.
     Time,
-    /// N m.
+    /// Torque, in N m.
     Torque,
-    /// N.
+    /// Force, in N.
     Force,
-    /// A.
+    /// Current, in A.
     Current,
-    /// V.
+    /// Voltage, in V.
     Voltage,
-    /// Share of the largest, 1.
+    /// A share of the largest value, without unit.
     Share,
     /// Counts of an encoder or a register.
     Count,
-    /// Something else that is known to be a unit.
+    /// Another known unit.
     Other,
 }
 
@@ -36,7 +36,7 @@ use Quantity::{
     Voltage,
 };
 
-/// Symbols, whose case counts; without spaces and signs of multiplication.
+/// Symbols, which are case-sensitive, without spaces and multiplication signs.
 const SYMBOLS: &[(&str, Quantity, f64)] = &[
     ("°", Angle, PI / 180.0),
     ("m", Length, 1.0),
@@ -151,7 +151,7 @@ const WORDS: &[(&str, Quantity, f64)] = &[
     ("pwm", Count, 1.0),
 ];
 
-/// What `unit` measures and what one of it is in SI; `None` for text that is no known unit.
+/// The quantity of `unit` and its value in SI. `None` for an unknown unit.
 pub fn parse(unit: &str) -> Option<(Quantity, f64)> {
     let bare: String = unit.chars().filter(|c| !" *·⋅".contains(*c)).collect();
     let bare = bare.replace('μ', "µ");
@@ -179,7 +179,7 @@ pub fn parse(unit: &str) -> Option<(Quantity, f64)> {
 /// A unit at the end of a name: `angle_deg`, `time_ms`.
 pub(crate) fn of_name(name: &str) -> Option<&str> {
     let (_, last) = name.rsplit_once(['_', '.', ' '])?;
-    // Single letters are names of other things as often as units, but for these.
+    // Single letters are often other names than units, except for these.
     let is_telling = last.len() > 1 || matches!(last, "s" | "A" | "V");
     (is_telling && parse(last).is_some()).then_some(last)
 }
@@ -189,7 +189,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_are_known_however_they_are_spelt() {
+    fn units_are_recognised_in_different_spellings() {
         for (text, quantity, si) in [
             ("N.m", Torque, 1.0),
             ("N*m", Torque, 1.0),

@@ -4,31 +4,31 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A quantity of the control loop. All but the two means are the values at the beginning of their row.
+/// A quantity of the control loop. Torque and duty are means over the row. All others are values at its beginning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Channel {
-    /// Reference with the test signal on it: rad in position mode, N m at the motor in torque mode.
+    /// Setpoint including the excitation: rad in position mode, N m at the motor in torque mode.
     Setpoint,
-    /// Position by the encoder, unfiltered, rad at the paddle.
+    /// Unfiltered position of the encoder, rad at the paddle.
     Encoder,
-    /// Position by the Hall sensor, unfiltered, rad at the paddle.
+    /// Unfiltered position of the Hall sensor, rad at the paddle.
     Hall,
-    /// Velocity of the paddle by the controller's estimate, rad/s.
+    /// Estimated velocity of the paddle, rad/s.
     Velocity,
-    /// Torque that the controller asks for, N m at the motor: its mean from this row to the next.
+    /// Commanded torque, N m at the motor: mean from this row to the next.
     Torque,
     /// Motor current, A.
     Current,
-    /// Share of the supply on the motor, -1 to 1: its mean from this row to the next.
+    /// Duty of the bridge, -1 to 1: mean from this row to the next.
     Duty,
-    /// What the controller does: 0 off, 1 idle, 2 torque, 3 position.
+    /// Mode of the controller: 0 off, 1 idle, 2 torque, 3 position.
     Mode,
-    /// The latched fault: 0 for none, else its number in the firmware's list, from 1.
+    /// The latched fault: 0 for none, otherwise its number in the firmware's list, from 1.
     Fault,
 }
 
 impl Channel {
-    /// All channels, in the order in which a row has them.
+    /// All channels in the order of a row.
     pub const ALL: [Self; 9] = [
         Self::Setpoint,
         Self::Encoder,
@@ -41,7 +41,7 @@ impl Channel {
         Self::Fault,
     ];
 
-    /// As the console and a file's columns call it.
+    /// Its name in the console and in columns of files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Setpoint => "setpoint",
@@ -56,7 +56,7 @@ impl Channel {
         }
     }
 
-    /// Unit of its values; empty for none.
+    /// Unit of its values. Empty if there is none.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Setpoint => "rad or N m",
@@ -68,7 +68,7 @@ impl Channel {
         }
     }
 
-    /// The channel of this name.
+    /// Finds the channel with this name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|channel| channel.name() == name)
     }
@@ -84,38 +84,39 @@ impl Channels {
     /// All channels.
     pub const ALL: Self = Self((1 << Channel::ALL.len()) - 1);
 
-    /// These and one more.
+    /// The set with one more channel.
     #[must_use]
     pub const fn with(self, channel: Channel) -> Self {
         Self(self.0 | 1 << channel as u16)
     }
 
-    /// Whether it is among them.
+    /// Returns true if the set contains the channel.
     pub const fn has(self, channel: Channel) -> bool {
         self.0 >> channel as u16 & 1 == 1
     }
 
-    /// In the order of [`Channel::ALL`].
+    /// The channels in the order of [`Channel::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Channel> {
         Channel::ALL
             .into_iter()
             .filter(move |channel| self.has(*channel))
     }
 
-    /// How many there are.
+    /// Number of channels.
     pub const fn len(self) -> usize {
         (self.0 & Self::ALL.0).count_ones() as usize
     }
 
-    /// Whether there is none.
+    /// Returns true if the set is empty.
     pub const fn is_empty(self) -> bool {
         self.len() == 0
     }
 
-    /// The channels that a text names, with commas between them: `encoder,torque`, or `all`.
+    /// Parses names of channels separated by commas: `encoder,torque`, or `all`.
     ///
     /// # Errors
-    /// [`ChannelsError`] for a name that no channel has.
+    ///
+    /// [`ChannelsError`] for an unknown name.
     pub fn parse(text: &str) -> Result<Self, ChannelsError> {
         if text == "all" {
             return Ok(Self::ALL);
@@ -138,7 +139,7 @@ impl fmt::Display for Channels {
     }
 }
 
-/// A name that no channel has.
+/// An unknown channel name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChannelsError;
 

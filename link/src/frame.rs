@@ -1,4 +1,4 @@
-//! A frame, and its bytes on the wire.
+//! A frame and its encoding.
 
 use core::fmt;
 
@@ -7,29 +7,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Channel, Channels};
 
-/// Version of the frames' content. A receiver takes no other one.
+/// Version of the frames. A receiver accepts no other version.
 pub const VERSION: u8 = 1;
-/// Samples of a capture in one frame.
+/// Number of capture samples in one frame.
 pub const CHUNK_SAMPLES: usize = 8;
-/// Bytes of such a sample: eight values of 16 bits, the lower byte first.
+/// Bytes per sample: eight values of 16 bits, low byte first.
 pub const SAMPLE_BYTES: usize = 16;
 
-/// Most bytes that a frame has before COBS: the largest body, its numbers, and the CRC.
+/// Largest size of a frame before COBS: the largest body, its numbers, and the CRC.
 const MOST_CONTENT: usize = CHUNK_SAMPLES * SAMPLE_BYTES + 24;
-/// Most bytes of a frame on the wire, with the zero bytes at both ends.
+/// Largest size of an encoded frame including the zero bytes at both ends.
 pub const MOST_BYTES: usize = cobs::max_encoding_length(MOST_CONTENT) + 2;
 
 pub(crate) const CRC: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_SDLC);
 pub(crate) const CRC_BYTES: usize = 2;
 
-/// One message of the board.
+/// A message of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame<'a> {
     /// [`VERSION`] of the sender.
     pub version: u8,
-    /// One more than that of the frame before, modulo 65,536.
+    /// Number of the frame: one more than that of the previous frame, modulo 65,536.
     pub sequence: u16,
-    /// What it says.
+    /// The content.
     #[serde(borrow)]
     pub body: Body<'a>,
 }
@@ -45,55 +45,55 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// What a frame says. Variants may be added at the end.
+/// The content of a frame. Variants may only be added at the end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Body<'a> {
     /// A row of the stream.
     Row {
-        /// Control period at which it begins, counted from the start of the board.
+        /// Control period at its beginning, counted since boot.
         period: u32,
-        /// Rows of this stream that the board could not send so far.
+        /// Number of rows of this stream that the board could not send so far.
         dropped: u32,
-        /// Which values it has.
+        /// The channels with values.
         channels: Channels,
-        /// One `f32` for each channel, in their order, the lowest byte first.
+        /// One `f32` per channel in their order, low byte first.
         values: &'a [u8],
     },
-    /// What a capture is, before its samples.
+    /// Properties of a capture, sent before its samples.
     Capture {
-        /// What triggered it.
+        /// The trigger that occurred.
         trigger: Trigger,
-        /// Samples, one a control period.
+        /// Number of samples, one per control period.
         samples: u16,
-        /// Index of the sample at which the trigger came.
+        /// Index of the sample at the trigger.
         triggered_at: u16,
         /// Control period of the first sample.
         period: u32,
     },
     /// Samples of a capture.
     Samples {
-        /// Index of the first one.
+        /// Index of the first sample.
         first: u16,
-        /// [`SAMPLE_BYTES`] for each.
+        /// [`SAMPLE_BYTES`] bytes per sample.
         samples: &'a [u8],
     },
 }
 
-/// What triggers a capture.
+/// Trigger of a capture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Trigger {
-    /// A fault that is latched.
+    /// A fault was latched.
     #[default]
     Fault,
-    /// A jump of the reference, as a step or a square wave makes.
+    /// The reference jumped, for example by a step or a square wave.
     Step,
-    /// A channel that passes a level.
+    /// A channel crossed a level.
     Level,
-    /// The command itself.
+    /// The command triggered it at once.
     Now,
 }
 
-/// Why a frame has no bytes.
+/// The frame cannot be encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncodeError;
 
@@ -105,10 +105,11 @@ impl fmt::Display for EncodeError {
 
 impl core::error::Error for EncodeError {}
 
-/// The bytes of `frame`, at the beginning of `wire`, which has room for [`MOST_BYTES`].
+/// Encodes `frame` at the beginning of `wire`, which should have [`MOST_BYTES`].
 ///
 /// # Errors
-/// [`EncodeError`] for a frame with more samples than [`CHUNK_SAMPLES`], or less room than it needs.
+///
+/// [`EncodeError`] for a frame with more than [`CHUNK_SAMPLES`] samples, or if `wire` is too short.
 pub fn encode<'w>(frame: &Frame, wire: &'w mut [u8]) -> Result<&'w [u8], EncodeError> {
     let mut content = [0; MOST_CONTENT];
     let length = postcard::to_slice(frame, &mut content)
@@ -128,7 +129,7 @@ pub fn encode<'w>(frame: &Frame, wire: &'w mut [u8]) -> Result<&'w [u8], EncodeE
     wire.get(..encoded + 2).ok_or(EncodeError)
 }
 
-/// The frame of some bytes from between two zero bytes, which are overwritten.
+/// Decodes the bytes between two zero bytes. They are overwritten.
 pub(crate) fn decode(encoded: &mut [u8]) -> Option<Frame<'_>> {
     let length = cobs::decode_in_place(encoded).ok()?;
     let (message, check) = encoded
@@ -141,9 +142,9 @@ pub(crate) fn decode(encoded: &mut [u8]) -> Option<Frame<'_>> {
     rest.is_empty().then_some(frame)
 }
 
-/// Most bytes on the wire of a row with so many channels.
+/// Largest size of the encoded row with this number of channels, bytes.
 pub const fn row_bytes(channels: usize) -> usize {
-    /// Version, sequence, variant, two numbers of 32 bits, the set of channels, the length of the values.
+    /// Version, sequence number, variant, two 32-bit numbers, the set of channels, and the length of the values.
     const NUMBERS: usize = 1 + 3 + 1 + 5 + 5 + 3 + 1;
     cobs::max_encoding_length(NUMBERS + 4 * channels + CRC_BYTES) + 2
 }

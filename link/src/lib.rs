@@ -1,7 +1,7 @@
-//! What the paddle's board and a computer send each other beside the text of the console, on the same serial port.
+//! The frames that the board and a computer exchange beside the console text, on the same serial port.
 //!
-//! A [`Frame`] is encoded by postcard, followed by a CRC-16, made free of zero bytes by COBS, and stands between two
-//! zero bytes. Text has no zero byte, so that a [`Splitter`] tells both apart, byte by byte:
+//! A [`Frame`] is encoded by postcard and followed by a CRC-16. COBS removes zero bytes from it, and a zero byte is added at
+//! both ends. Text contains no zero byte, so a [`Splitter`] can separate both byte by byte:
 //!
 //! ```text
 //! text ... 00 | COBS of (postcard of the frame, CRC-16) | 00 ... text

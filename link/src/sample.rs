@@ -1,28 +1,28 @@
-//! What the control loop shows in one control period, and its short form.
+//! The quantities of one control period, and their short form.
 
 use crate::{Channel, SAMPLE_BYTES};
 
-/// A control period as the loop sees and leaves it. Positions, velocity, setpoint and torque change with every run of
-/// the position loop, current and duty with every control period.
+/// The quantities of one control period. Positions, velocity, setpoint and torque change with every run of the position
+/// loop. Current and duty change in every control period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Reference with the excitation on it: rad in position mode, N m at the motor in torque mode.
+    /// Setpoint including the excitation: rad in position mode, N m at the motor in torque mode.
     pub setpoint: f32,
-    /// By the encoder, unfiltered, rad.
+    /// Unfiltered position of the encoder, rad.
     pub encoder_rad: f32,
-    /// By the Hall sensor, unfiltered, rad.
+    /// Unfiltered position of the Hall sensor, rad.
     pub hall_rad: f32,
-    /// By the controller's estimate, rad/s.
+    /// Estimated velocity, rad/s.
     pub velocity_rad_s: f32,
-    /// That the controller asks for, N m at the motor.
+    /// Commanded torque, N m at the motor.
     pub torque_nm: f32,
     /// Current of the motor, A.
     pub current_a: f32,
-    /// Share of the supply on the motor, -1 to 1.
+    /// Duty of the bridge, -1 to 1.
     pub duty: f32,
-    /// 0 off, 1 idle, 2 torque, 3 position.
+    /// Mode: 0 off, 1 idle, 2 torque, 3 position.
     pub mode: u8,
-    /// 0 for none, else the number of the latched fault, from 1.
+    /// 0 for no fault, otherwise the number of the latched fault, from 1.
     pub fault: u8,
 }
 
@@ -43,26 +43,25 @@ impl Sample {
     }
 }
 
-/// Values of the short form in the unit of the quantity: powers of two, so that the short form of a short form is the
-/// same.
+/// Scale factors of the short form. They are powers of two, so that converting a short form again changes nothing.
 const PER_RAD: f32 = 16_384.0;
 const PER_RAD_S: f32 = 512.0;
 const PER_NM: f32 = 262_144.0;
 const PER_A: f32 = 16_384.0;
 const PER_DUTY: f32 = 32_768.0;
-/// Torque mode, in which the setpoint is a torque.
+/// Number of torque mode, in which the setpoint is a torque.
 const TORQUE_MODE: u8 = 2;
 
-/// A [`Sample`] in 16 bits a value: ±2 rad in steps of 0.0035°, ±64 rad/s, ±125 mN m in steps of 0.004 mN m, ±2 A in
-/// steps of 0.06 mA. What goes beyond stays at the end of its range.
+/// A [`Sample`] with 16 bits per value: ±2 rad in steps of 0.0035°, ±64 rad/s, ±125 mN m in steps of 0.004 mN m, ±2 A in
+/// steps of 0.06 mA. Larger values are limited to the range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShortSample([i16; SAMPLE_BYTES / 2]);
 
 impl ShortSample {
-    /// An empty sample that fills a memory.
+    /// An empty sample, for initialising a memory.
     pub const NONE: Self = Self([0; SAMPLE_BYTES / 2]);
 
-    /// For the wire.
+    /// Encodes the sample.
     pub fn to_bytes(self) -> [u8; SAMPLE_BYTES] {
         let mut bytes = [0; SAMPLE_BYTES];
         let (places, _) = bytes.as_chunks_mut();
@@ -72,7 +71,7 @@ impl ShortSample {
         bytes
     }
 
-    /// From the wire.
+    /// Decodes the sample.
     pub fn from_bytes(bytes: [u8; SAMPLE_BYTES]) -> Self {
         let mut values = [0; SAMPLE_BYTES / 2];
         let (words, _) = bytes.as_chunks();
@@ -126,8 +125,8 @@ impl From<ShortSample> for Sample {
     }
 }
 
-/// The nearest integer towards zero that 16 bits hold; 0 for NaN. By way of 32 bits, to which a Cortex-M4F converts in one
-/// instruction and saturates in another.
+/// The value rounded towards zero and limited to 16 bits. NaN gives 0. The conversion goes through `i32`: a Cortex-M4F
+/// converts to it in one instruction and saturates in another.
 #[inline]
 fn short(value: f32) -> i16 {
     (value as i32).clamp(i16::MIN.into(), i16::MAX.into()) as i16

@@ -1,6 +1,6 @@
-//! Counts of frames that never came.
+//! Counts lost frames.
 
-/// Follows the numbers of the frames, and counts those that are left out.
+/// Follows the frame numbers and counts the missing ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sequence {
     next: Option<u16>,
@@ -8,8 +8,8 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// A frame of this number has come. Returns how many were lost right before it: one that comes again, or late, looks
-    /// like the loss of nearly all.
+    /// Processes the number of a received frame. Returns how many frames were lost before it. A repeated or late frame looks
+    /// like the loss of almost all 65,536.
     pub fn follow(&mut self, number: u16) -> u16 {
         let lost = self.next.map_or(0, |next| number.wrapping_sub(next));
         self.next = Some(number.wrapping_add(1));
@@ -17,7 +17,7 @@ impl Sequence {
         lost
     }
 
-    /// Frames lost so far.
+    /// Number of frames lost so far.
     pub const fn lost(&self) -> u64 {
         self.lost
     }

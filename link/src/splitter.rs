@@ -1,28 +1,27 @@
-//! Received bytes to text and frames.
+//! Separates received bytes into text and frames.
 
 use crate::frame::{self, Frame, MOST_BYTES, VERSION};
 
-/// What a byte was, or completed.
+/// The meaning of a received byte.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Heard<'a> {
-    /// A part of a frame that is not complete.
+    /// It is part of an incomplete frame.
     Nothing,
-    /// A byte of text.
+    /// It is text.
     Text(u8),
-    /// The end of a frame.
+    /// It completed a frame.
     Frame(Frame<'a>),
-    /// The end of a frame of another version: sender and receiver do not belong together.
+    /// It completed a frame of another version. Sender and receiver are not compatible.
     OtherVersion(u8),
-    /// The end of bytes that are no frame: some were lost or changed on their way.
+    /// It ended bytes that are not a valid frame. Some were lost or changed.
     Corrupt,
 }
 
-/// Tells text and frames apart. After a byte that was lost or changed it finds the way again with the second frame that
-/// comes whole.
+/// Separates text and frames. After a lost or changed byte it is synchronised again at the second intact frame.
 #[derive(Clone, Debug)]
 pub struct Splitter {
     bytes: [u8; MOST_BYTES],
-    /// Bytes of a frame so far; `None` in text.
+    /// Number of bytes of the present frame. `None` in text.
     length: Option<usize>,
 }
 
@@ -36,7 +35,7 @@ impl Default for Splitter {
 }
 
 impl Splitter {
-    /// Takes a byte.
+    /// Processes a byte.
     pub fn push(&mut self, byte: u8) -> Heard<'_> {
         let Some(length) = self.length else {
             if byte == 0 {
@@ -52,7 +51,7 @@ impl Splitter {
                     self.length = Some(length + 1);
                     Heard::Nothing
                 }
-                // No frame is as long: the zero before it was none of a frame's.
+                // A frame cannot be this long, so the zero byte before it was not the start of a frame.
                 None => {
                     self.length = None;
                     Heard::Corrupt
@@ -60,10 +59,10 @@ impl Splitter {
             };
         }
         if length == 0 {
-            // Two zeros in a row: the second one begins.
+            // Of two successive zero bytes, the second one starts the frame.
             return Heard::Nothing;
         }
-        // The zero behind bytes that are no frame may begin a frame.
+        // The zero byte after invalid bytes may be the start of a frame.
         self.length = Some(0);
         let Some(frame) = self.bytes.get_mut(..length).and_then(frame::decode) else {
             return Heard::Corrupt;

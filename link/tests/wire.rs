@@ -1,4 +1,4 @@
-//! Frames and text on one wire.
+//! Tests frames and text on one line.
 
 use link::{
     Body, Channels, Frame, Heard, MOST_BYTES, Sample, Sequence, ShortSample, Splitter, Trigger,
@@ -46,7 +46,7 @@ fn body() -> impl Strategy<Value = Owned> {
     ]
 }
 
-/// What is sent: text without zero bytes, or a frame.
+/// A part of the sent bytes: text without zero bytes, or a frame.
 #[derive(Clone, Debug)]
 enum Sent {
     Text(Vec<u8>),
@@ -76,7 +76,7 @@ fn wire(sent: &[Sent]) -> Vec<u8> {
     all
 }
 
-/// Text, frames as text for comparison, and how often bytes were no frame.
+/// Splits `bytes`. Returns the text, the frames as text for comparison, and the number of invalid frames.
 fn heard(bytes: &[u8]) -> (Vec<u8>, Vec<String>, usize) {
     let (mut text, mut frames, mut corrupt) = (Vec::new(), Vec::new(), 0);
     let mut splitter = Splitter::default();
@@ -106,12 +106,12 @@ fn expected(sent: &[Sent]) -> (Vec<u8>, Vec<String>, usize) {
 
 proptest! {
     #[test]
-    fn text_and_frames_come_back_as_they_were_sent(sent in sent()) {
+    fn text_and_frames_are_received_as_sent(sent in sent()) {
         prop_assert_eq!(heard(&wire(&sent)), expected(&sent));
     }
 
     #[test]
-    fn a_changed_byte_costs_two_frames_at_most_and_none_is_believed_that_was_not_sent(
+    fn a_changed_byte_loses_at_most_two_frames_and_creates_none(
         body in body(), at in any::<prop::sample::Index>(), change in 1u8..
     ) {
         let sent: Vec<_> = (0..8).map(|number| Sent::Frame(number, body.clone())).collect();
@@ -125,7 +125,7 @@ proptest! {
     }
 
     #[test]
-    fn noise_is_taken_for_no_frame_and_stops_nothing(noise in proptest::collection::vec(any::<u8>(), 0..600), body in body()) {
+    fn noise_gives_no_frame_and_the_next_frames_are_received(noise in proptest::collection::vec(any::<u8>(), 0..600), body in body()) {
         let mut bytes = noise;
         let sent = [Sent::Frame(1, body.clone()), Sent::Frame(2, body.clone()), Sent::Frame(3, body)];
         bytes.extend(wire(&sent));
@@ -136,7 +136,7 @@ proptest! {
 }
 
 #[test]
-fn frames_of_another_version_are_told() {
+fn frames_of_another_version_are_reported() {
     let body = Body::Samples {
         first: 0,
         samples: &[1, 2, 3],
@@ -153,7 +153,7 @@ fn frames_of_another_version_are_told() {
 }
 
 #[test]
-fn a_row_is_no_longer_than_it_says() {
+fn a_row_has_at_most_the_computed_size() {
     for count in 0..=9 {
         let values = vec![0xFF; 4 * count];
         let frame = Frame::new(
@@ -172,7 +172,7 @@ fn a_row_is_no_longer_than_it_says() {
 }
 
 #[test]
-fn frames_that_never_came_are_counted() {
+fn lost_frames_are_counted() {
     let mut sequence = Sequence::default();
     for number in [65_534, 65_535, 0, 1, 4] {
         sequence.follow(number);
@@ -191,7 +191,7 @@ fn channels_are_named_and_read_back() {
 
 proptest! {
     #[test]
-    fn a_short_sample_comes_back_within_its_steps(
+    fn a_short_sample_is_accurate_to_its_resolution(
         angle in -1.9f32..1.9, velocity in -60.0f32..60.0, torque in -0.1f32..0.1, duty in -0.95f32..0.95,
         mode in 0u8..4, fault in 0u8..20
     ) {

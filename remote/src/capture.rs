@@ -1,12 +1,12 @@
-//! A capture that the board sends.
+//! A capture that the board has sent.
 
 use link::{Body, Sample, ShortSample, Trigger};
 
-/// Every control period of a stretch.
+/// The samples of successive control periods.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Captured {
     head: Option<Head>,
-    /// One a control period.
+    /// One sample per control period.
     pub samples: Vec<Sample>,
 }
 
@@ -18,7 +18,7 @@ struct Head {
 }
 
 impl Captured {
-    /// A complete one, triggered at the sample of this index.
+    /// A complete capture, triggered at the sample with this index.
     pub fn of(trigger: Trigger, triggered_at: usize, samples: Vec<Sample>) -> Self {
         let head = Head {
             trigger,
@@ -46,7 +46,7 @@ impl Captured {
                     triggered_at: triggered_at.into(),
                 });
             }
-            // Samples after ones that were lost are of no use.
+            // Samples after lost ones are ignored.
             Body::Samples { first, samples } if usize::from(first) == self.samples.len() => {
                 let (samples, _) = samples.as_chunks();
                 let samples = samples.iter().copied().map(ShortSample::from_bytes);
@@ -65,12 +65,12 @@ impl Captured {
             .is_some_and(|head| head.samples == self.samples.len())
     }
 
-    /// What triggered it.
+    /// The trigger that occurred.
     pub fn trigger(&self) -> Option<Trigger> {
         self.head.map(|head| head.trigger)
     }
 
-    /// Index of the sample at which the trigger came.
+    /// Index of the sample at the trigger.
     pub fn triggered_at(&self) -> usize {
         self.head.map_or(0, |head| head.triggered_at)
     }

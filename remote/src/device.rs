@@ -1,4 +1,4 @@
-//! The board: commands with their answers, and what it streams.
+//! The board: commands with their answers, and its stream.
 
 use haptic_paddle::settings::Settings;
 use link::{Body, Channel, Channels, Heard, Sequence, Splitter};
@@ -7,35 +7,34 @@ use crate::DeviceError;
 use crate::capture::Captured;
 use crate::wire::{BOOT_BAUD, FAST_BAUD, Wire};
 
-/// Longest wait for a sign of the board, s.
+/// Longest wait for an answer of the board, s.
 const PATIENCE_S: f64 = 3.0;
-/// Longest wait for a prompt at a rate that may be the wrong one, s.
+/// Longest wait for a prompt at a baud rate that may be wrong, s.
 const RATE_PATIENCE_S: f64 = 0.3;
-/// The board hears from a program that steers it this often, s: twenty times within its `host.heartbeat`, as a computer
-/// pauses now and then.
+/// Interval of the heartbeats, s. It is a twentieth of the default `host.heartbeat`, because a computer can pause.
 const BEAT_S: f64 = 0.01;
-/// The board says why it stopped within this time, s: a few looks of its console.
+/// Time within which the board reports why it stopped, s: a few calls of its console's supervision.
 const SPEECH_S: f64 = 0.05;
-/// Takes the last character of an empty line away: a sign of life that changes nothing.
+/// Backspace, which has no effect on an empty line. It serves as a heartbeat.
 const BACKSPACE: u8 = 0x08;
-/// Drops the line.
+/// Discards the line.
 const DROP_LINE: u8 = 0x15;
-/// Ctrl-C, which stops everything at once.
+/// Ctrl-C, which stops the paddle at once.
 const STOP: u8 = 0x03;
-/// So often a board is looked for.
+/// Number of attempts to find a board.
 const TRIALS: usize = 9;
 const PROMPT: &str = "> ";
 
-/// A row of the stream; NaN for channels that were not asked for.
+/// A row of the stream. Channels that were not requested are NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Control period at which it begins.
+    /// Control period at the beginning of the row.
     pub period: u32,
     values: [f32; Channel::ALL.len()],
 }
 
 impl Row {
-    /// A row of these channels.
+    /// A row with the values of these channels.
     pub fn new(period: u32, values: impl IntoIterator<Item = (Channel, f32)>) -> Self {
         let mut row = Self {
             period,
@@ -53,19 +52,19 @@ impl Row {
     }
 }
 
-/// A board on a line.
+/// A board on a serial line.
 pub struct Device<W: Wire> {
     wire: W,
     splitter: Splitter,
     sequence: Sequence,
-    /// The console's since the last command.
+    /// Console text since the last command.
     text: String,
-    /// The stream's since they were taken.
+    /// Rows of the stream that have not been taken.
     rows: Vec<Row>,
-    /// Rows that the board could not send.
+    /// Number of rows that the board could not send.
     dropped: u32,
     captured: Captured,
-    /// Whether the board waits for signs of life.
+    /// True if the board expects heartbeats.
     steering: bool,
     sent_s: f64,
     other_version: Option<u8>,
@@ -73,10 +72,11 @@ pub struct Device<W: Wire> {
 }
 
 impl<W: Wire> Device<W> {
-    /// Finds the board at the other end, whatever rate it was left at.
+    /// Finds the board at the other end of the line, at any baud rate that it may have.
     ///
     /// # Errors
-    /// [`DeviceError::Silent`] if nobody answers.
+    ///
+    /// [`DeviceError::Silent`] if no board answers.
     pub fn find(wire: W) -> Result<Self, DeviceError> {
         let mut device = Self {
             wire,
@@ -91,8 +91,8 @@ impl<W: Wire> Device<W> {
             other_version: None,
             travel_rad: Settings::default().limit.travel_deg.to_radians(),
         };
-        // A board that was left at another rate comes back to its own after some bytes that it does not understand.
-        // One that has just got its power may still be at its boot.
+        // A board at another baud rate returns to its boot rate after some unreadable bytes. A board that was just powered
+        // on may still be booting.
         for baud in [BOOT_BAUD, FAST_BAUD, BOOT_BAUD]
             .into_iter()
             .cycle()
@@ -113,10 +113,11 @@ impl<W: Wire> Device<W> {
         Err(DeviceError::Silent)
     }
 
-    /// Sends a line, and gives the answer, without the echo and the prompt.
+    /// Sends a line. Returns the answer without echo and prompt.
     ///
     /// # Errors
-    /// [`DeviceError`] if the line is gone or the board silent.
+    ///
+    /// [`DeviceError`] if the line is broken or the board does not answer.
     pub fn command(&mut self, line: &str) -> Result<String, DeviceError> {
         self.text.clear();
         self.send(line.as_bytes())?;
@@ -133,10 +134,11 @@ impl<W: Wire> Device<W> {
         Ok(answer.trim().replace("\r\n", "\n"))
     }
 
-    /// As [`Self::command`], for an answer that has `part` in it if the board obeys.
+    /// The same as [`Self::command`], for an answer that must contain `part`.
     ///
     /// # Errors
-    /// [`DeviceError::Refused`] for another one, too.
+    ///
+    /// Also [`DeviceError::Refused`] if the answer does not contain it.
     pub fn expect(&mut self, line: &str, part: &str) -> Result<String, DeviceError> {
         let answer = self.command(line)?;
         if answer.contains(part) {
@@ -148,34 +150,37 @@ impl<W: Wire> Device<W> {
         })
     }
 
-    /// Changes the rate of both ends to that of a stream.
+    /// Changes both ends to the baud rate of a stream.
     ///
     /// # Errors
-    /// [`DeviceError`] if the board is not to be found there.
+    ///
+    /// [`DeviceError`] if the board does not answer at that rate.
     pub fn speed_up(&mut self) -> Result<(), DeviceError> {
         self.expect(&format!("baud {FAST_BAUD}"), "baud")?;
         self.change_baud(FAST_BAUD)
     }
 
-    /// Changes the rate of both ends to that at which a board boots, so that a terminal finds it.
+    /// Changes both ends to the baud rate after boot, so that a terminal can connect.
     ///
     /// # Errors
-    /// [`DeviceError`] if the board is not to be found there.
+    ///
+    /// [`DeviceError`] if the board does not answer at that rate.
     pub fn slow_down(&mut self) -> Result<(), DeviceError> {
         self.expect(&format!("baud {BOOT_BAUD}"), "baud")?;
         self.change_baud(BOOT_BAUD)
     }
 
     fn change_baud(&mut self, baud: u32) -> Result<(), DeviceError> {
-        // The prompt is out; its last bit is in a moment.
+        // The prompt was received. Its last bit ends shortly.
         self.wait(0.01, |_| false)?;
         self.wire.set_baud(baud)?;
         self.command("").map(drop)
     }
 
-    /// From now on the board disarms if nothing is heard of this program, or no longer.
+    /// Starts or stops the heartbeat supervision. With it, the board disarms if this program falls silent.
     ///
     /// # Errors
+    ///
     /// [`DeviceError`].
     pub fn steer(&mut self, on: bool) -> Result<(), DeviceError> {
         self.expect(if on { "beat" } else { "beat off" }, "beat")?;
@@ -183,10 +188,11 @@ impl<W: Wire> Device<W> {
         Ok(())
     }
 
-    /// The board's settings, as they are now.
+    /// Reads the present settings of the board.
     ///
     /// # Errors
-    /// [`DeviceError::Refused`] for a line that is no setting of this program's.
+    ///
+    /// [`DeviceError::Refused`] for a setting that this program does not know.
     pub fn settings(&mut self) -> Result<Settings, DeviceError> {
         let dump = self.command("dump")?;
         let mut settings = Settings::default();
@@ -209,34 +215,37 @@ impl<W: Wire> Device<W> {
         Ok(settings)
     }
 
-    /// How far the paddle may go to either side, by the settings that were read last, rad.
+    /// Travel limit to either side from the last settings, rad.
     pub fn travel_rad(&self) -> f32 {
         self.travel_rad
     }
 
-    /// Stops everything at once, and lets the board say so.
+    /// Stops the paddle at once and waits for the board's message.
     ///
     /// # Errors
-    /// As [`Self::listen`].
+    ///
+    /// The same as for [`Self::listen`].
     pub fn stop(&mut self) -> Result<(), DeviceError> {
         self.send(&[STOP])?;
         self.let_it_speak()
     }
 
-    /// Waits until the board has said by itself why it stopped: in the middle of a command's echo, that would tear it.
+    /// Waits until the board has reported why it stopped. Such a message could otherwise split the echo of a command.
     ///
     /// # Errors
-    /// As [`Self::listen`].
+    ///
+    /// The same as for [`Self::listen`].
     pub fn let_it_speak(&mut self) -> Result<(), DeviceError> {
         self.text.clear();
         self.wait(SPEECH_S, |device| device.text.ends_with(PROMPT))?;
         Ok(())
     }
 
-    /// Begins a stream.
+    /// Starts a stream.
     ///
     /// # Errors
-    /// [`DeviceError::Refused`] for one that the line does not carry.
+    ///
+    /// [`DeviceError::Refused`] for a stream that exceeds the capacity of the line.
     pub fn stream(&mut self, channels: Channels, rate_hz: f64) -> Result<(), DeviceError> {
         self.rows.clear();
         self.dropped = 0;
@@ -245,17 +254,19 @@ impl<W: Wire> Device<W> {
         Ok(())
     }
 
-    /// Ends it.
+    /// Stops the stream.
     ///
     /// # Errors
+    ///
     /// [`DeviceError`].
     pub fn end_stream(&mut self) -> Result<(), DeviceError> {
         self.expect("stream off", "no stream").map(drop)
     }
 
-    /// Listens once, and gives signs of life.
+    /// Receives once and sends heartbeats.
     ///
     /// # Errors
+    ///
     /// [`DeviceError::Gone`], [`DeviceError::Version`].
     pub fn listen(&mut self) -> Result<usize, DeviceError> {
         if self.steering && self.wire.time_s() - self.sent_s >= BEAT_S {
@@ -292,29 +303,30 @@ impl<W: Wire> Device<W> {
         }
     }
 
-    /// The rows since the last call.
+    /// Takes the rows since the last call.
     pub fn take_rows(&mut self) -> Vec<Row> {
         std::mem::take(&mut self.rows)
     }
 
-    /// Rows and other frames that were lost since the stream began.
+    /// Number of rows and other frames that were lost since the stream started.
     pub fn lost(&self) -> u64 {
         self.sequence.lost() + u64::from(self.dropped)
     }
 
-    /// What the console said since the last command.
+    /// Console text since the last command.
     pub fn said(&self) -> &str {
         &self.text
     }
 
-    /// Time by the line, s.
+    /// Time of the line, s.
     pub fn time_s(&self) -> f64 {
         self.wire.time_s()
     }
 
-    /// Fetches the complete capture.
+    /// Reads the complete capture.
     ///
     /// # Errors
+    ///
     /// [`DeviceError::Refused`] if there is none.
     pub fn fetch_capture(&mut self) -> Result<Captured, DeviceError> {
         self.captured = Captured::default();
@@ -326,10 +338,11 @@ impl<W: Wire> Device<W> {
         Ok(std::mem::take(&mut self.captured))
     }
 
-    /// Listens for so long, s, and gives signs of life.
+    /// Receives for this time, s, and sends heartbeats.
     ///
     /// # Errors
-    /// As [`Self::listen`].
+    ///
+    /// The same as for [`Self::listen`].
     pub fn wait_s(&mut self, seconds: f64) -> Result<(), DeviceError> {
         let end_s = self.wire.time_s() + seconds;
         while self.wire.time_s() < end_s {
@@ -338,7 +351,7 @@ impl<W: Wire> Device<W> {
         Ok(())
     }
 
-    /// Gives the wire back.
+    /// Returns the wire.
     pub fn into_wire(self) -> W {
         self.wire
     }
@@ -348,7 +361,7 @@ impl<W: Wire> Device<W> {
         Ok(self.wire.write(bytes)?)
     }
 
-    /// Listens until `done`, or until nothing was heard for so long. Returns whether it is done.
+    /// Receives until `done` is true, or until nothing was received for this time. Returns true if `done` was reached.
     pub(crate) fn wait(
         &mut self,
         patience_s: f64,
@@ -356,7 +369,7 @@ impl<W: Wire> Device<W> {
     ) -> Result<bool, DeviceError> {
         let mut heard_s = self.wire.time_s();
         while !done(self) {
-            // Rows are no answer.
+            // Rows of the stream do not count as an answer.
             let before = self.text.len() + self.captured.len();
             self.listen()?;
             let now_s = self.wire.time_s();

@@ -1,22 +1,22 @@
-//! Why a board does not do what it is asked.
+//! Errors of the communication with a board.
 
 use std::io;
 
-/// Why.
+/// Why a board could not be used.
 #[derive(Debug, thiserror::Error)]
 pub enum DeviceError {
-    /// No such port, or not for us.
+    /// The port does not exist or cannot be opened.
     #[error("cannot open {port}: {source}; check the name, and that no other program has it open")]
     Open {
-        /// Its name.
+        /// Name of the port.
         port: String,
-        /// What the system said.
+        /// The error of the operating system.
         source: serialport::Error,
     },
-    /// The line broke.
+    /// The serial line is broken.
     #[error("the serial line is gone: {0}; the board disarms by itself: check the cable")]
     Gone(#[from] io::Error),
-    /// Nobody answers.
+    /// No board answers.
     #[error(
         "the board does not answer on this port; check cable and power, or press its reset button"
     )]
@@ -26,19 +26,19 @@ pub enum DeviceError {
     Refused {
         /// The line that was sent.
         line: String,
-        /// What it said.
+        /// The answer of the board.
         answer: String,
     },
     /// A fault disarmed the board.
     #[error("the board stopped: {0}")]
     Fault(String),
-    /// Frames of another version.
+    /// The board sends frames of another version.
     #[error(
         "the board sends frames of version {sent}, this program reads version {}: flash the firmware of the same release",
         link::VERSION
     )]
     Version {
-        /// The board's.
+        /// Version of the board.
         sent: u8,
     },
     /// Rows were lost.
@@ -46,17 +46,17 @@ pub enum DeviceError {
         "{lost} of {all} rows were lost on the way; ask for fewer a second, or free the computer"
     )]
     Lost {
-        /// How many.
+        /// Number of lost rows.
         lost: u64,
-        /// Number of all.
+        /// Number of all rows.
         all: u64,
     },
-    /// A run of which too little is left.
+    /// Too little is left of a run.
     #[error(
         "a fault ended the run after {0:.2} s, too soon to be used; ask for less, and see `faults` on the console"
     )]
     TooShort(f64),
-    /// The user wants to end.
-    #[error("ended, as was wished; the paddle is disarmed")]
+    /// The user stopped the program.
+    #[error("stopped by the user; the paddle is disarmed")]
     Ended,
 }

@@ -1,4 +1,4 @@
-//! A paddle's board at the other end of a serial port.
+//! Communication with a paddle's board over a serial port.
 //!
 //! ```text
 //! Wire       bytes: a serial port, a pseudo-terminal, or a virtual board in this process
@@ -8,7 +8,7 @@
 //! Recorder   puts runs together to a recording
 //! ```
 //!
-//! Only the wires know whether the board is a real one.
+//! Only the wires distinguish a real board from a virtual one.
 
 mod capture;
 mod device;

@@ -1,4 +1,4 @@
-//! An experiment as it is written.
+//! An experiment in text form.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,24 +6,25 @@ use std::str::FromStr;
 use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::{Excitation, Shape};
 
-/// How long the paddle is watched before and after a test signal, s.
+/// Time of logging before and after an excitation, s.
 const BEFORE_S: f64 = 0.25;
 const AFTER_S: f64 = 0.25;
-/// How long a step lasts where nothing is said, and other signals, s.
+/// Default duration of a step, s.
 const STEP_S: f32 = 1.0;
+/// Default duration of other excitations, s.
 const SIGNAL_S: f32 = 4.0;
 
-/// A test signal of the firmware, and the mode that it is for: in torque mode the amplitude is N m at the motor, in
-/// position mode degrees.
+/// An excitation of the firmware and its mode. The amplitude is N m at the motor in torque mode and degrees in position
+/// mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Torque or position.
+    /// Torque or position mode.
     pub mode: Mode,
-    /// Amplitude in the unit of the mode.
+    /// The excitation, with the amplitude in the unit of the mode.
     pub excitation: Excitation,
 }
 
-/// Why a text is no experiment.
+/// The text does not describe an experiment.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "'{0}' is no experiment: write SHAPE:AMPLITUDE,HZ,SECONDS as in multisine:0.0036,2,4 (N m at the motor), \
@@ -32,7 +33,7 @@ pub struct Plan {
 pub struct PlanError(String);
 
 impl Plan {
-    /// This experiment with another amplitude.
+    /// The same experiment with another amplitude.
     #[must_use]
     pub fn scaled(&self, factor: f32) -> Self {
         let mut plan = self.clone();
@@ -40,12 +41,12 @@ impl Plan {
         plan
     }
 
-    /// How long the signal lasts, s.
+    /// Duration of the excitation, s.
     pub fn signal_s(&self) -> f64 {
         f64::from(self.excitation.duration_s)
     }
 
-    /// How long the paddle is watched after it, s: a step is watched on its way back, too.
+    /// Time of logging after the excitation, s. It includes the return from a step.
     pub fn after_s(&self) -> f64 {
         match self.excitation.shape {
             Shape::Step => self.signal_s(),
@@ -53,17 +54,17 @@ impl Plan {
         }
     }
 
-    /// How long the paddle is watched, s.
+    /// Whole time of logging, s.
     pub fn whole_s(&self) -> f64 {
         BEFORE_S + self.signal_s() + self.after_s()
     }
 
-    /// How long it is watched before the signal, s.
+    /// Time of logging before the excitation, s.
     pub fn before_s(&self) -> f64 {
         BEFORE_S
     }
 
-    /// Name of the shape.
+    /// Name of the excitation's shape.
     pub fn shape(&self) -> &'static str {
         Shape::NAMED
             .iter()
@@ -71,7 +72,7 @@ impl Plan {
             .map_or("", |(name, _)| name)
     }
 
-    /// The line of the console that starts it.
+    /// The console command that starts it.
     pub fn start_line(&self) -> String {
         let Excitation {
             shape,
@@ -91,7 +92,7 @@ impl Plan {
         }
     }
 
-    /// The console's name of the mode.
+    /// Name of the mode in the console.
     pub fn mode_name(&self) -> &'static str {
         if self.mode == Mode::Torque {
             "torque"
@@ -204,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_experiment_is_refused() {
+    fn invalid_experiments_are_refused() {
         for text in [
             "",
             "step",

@@ -1,4 +1,4 @@
-//! Puts runs together to a recording.
+//! Combines runs into a recording.
 
 use haptic_paddle::controller::Mode;
 use haptic_paddle::sensing::hall::HallCurve;
@@ -10,27 +10,27 @@ use recording::{Drive, Model, Recording, Run, Tolerance};
 use crate::take::TICK_HZ;
 use crate::{Row, Taken};
 
-/// Control periods between two runs of the position loop.
+/// Control periods per run of the position loop.
 const POSITION_DIVIDER: f64 = 2.0;
-/// Converter counts around the middle, between which the Hall sensor's step is taken.
+/// Converter count around which the resolution of the Hall sensor is computed.
 const MIDDLE_ADC: u16 = 2034;
 
-/// What the runs of a recording have in common.
+/// Common data of all runs of a recording.
 #[derive(Clone, Debug)]
 pub struct Session {
-    /// A line for people.
+    /// A title, for display.
     pub title: String,
     /// Length of a prediction window, s.
     pub horizon_s: f64,
-    /// The nominal model, of the mechanics; what the firmware's current loop adds, the settings tell.
+    /// The nominal model of the mechanics. The effect of the firmware's current loop is computed from the settings.
     pub model: Model,
-    /// How well its numbers are known.
+    /// Tolerances of its numbers.
     pub tolerance: Tolerance,
     /// Settings of the board.
     pub settings: Settings,
 }
 
-/// A recording that grows.
+/// A recording to which runs are added.
 #[derive(Clone, Debug)]
 pub struct Recorder {
     session: Session,
@@ -40,11 +40,11 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// One without runs.
+    /// A recording without runs.
     ///
-    /// The torque that the controller asks for acts a control period later, when the timer takes the duty over. The current
-    /// then follows the feed-forward's voltage as the winding does, first order of inductance over resistance. Both are
-    /// part of the nominal model.
+    /// A commanded torque acts one control period later, when the timer loads the duty. The current then follows the
+    /// feed-forward voltage with the time constant of the winding, inductance over resistance. Both delays are part of the
+    /// nominal model.
     pub fn new(session: Session) -> Self {
         let settings = &session.settings;
         let model = Model {
@@ -80,8 +80,8 @@ impl Recorder {
         }
     }
 
-    /// Adds what an experiment gave. Times run on from run to run by the board's clock, so that what changes over the
-    /// session is seen as such. The Hall sensor's noise is taken from what it shows before the signal.
+    /// Adds the run of an experiment. Times continue from run to run by the board's clock, so that slow changes over the
+    /// session remain visible. The noise of the Hall sensor is estimated from the rows before the excitation.
     pub fn add(&mut self, taken: &Taken) {
         let settings = &self.session.settings;
         let rows = &taken.rows;
@@ -98,7 +98,7 @@ impl Recorder {
         };
         let first = rows.first().map_or(0, |row| row.period);
         let begun = *self.begun.get_or_insert(first);
-        // Control periods are whole numbers of these.
+        // A control period is a whole number of nanoseconds.
         const PER_S: f64 = 1e9;
         let time = rows
             .iter()
@@ -156,7 +156,7 @@ impl Recorder {
     }
 }
 
-/// Deviation of the Hall sensor from one row to the next of a paddle at rest, rad: no slow motion is in it.
+/// Standard deviation of the Hall sensor between successive rows of a paddle at rest, rad. It excludes slow motion.
 fn noise_rad(rows: &[&Row]) -> f64 {
     let steps: Vec<f64> = rows
         .windows(2)

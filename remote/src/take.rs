@@ -1,4 +1,4 @@
-//! Carries an experiment out.
+//! Runs an experiment on the board.
 
 use haptic_paddle::controller::Mode;
 use haptic_paddle::safety::Fault;
@@ -8,30 +8,30 @@ use link::{Channel, Channels};
 use crate::wire::Wire;
 use crate::{Device, DeviceError, Plan, Row};
 
-/// Control periods a second.
+/// Control periods per second.
 pub(crate) const TICK_HZ: f64 = 20_000.0;
-/// How long the paddle gets to come to the middle, s.
+/// Time for the paddle to reach the middle, s.
 const CENTRE_S: f64 = 0.8;
 /// Longest time without a row, s.
 const PATIENCE_S: f64 = 2.0;
-/// A run that a fault ended is kept if it has as much, s.
+/// A run that a fault ended is kept if it has at least this length, s.
 const LEAST_S: f64 = 1.5;
 
-/// What an experiment gave.
+/// The result of an experiment.
 #[derive(Clone, Debug)]
 pub struct Taken {
-    /// What was asked for.
+    /// The requested experiment.
     pub plan: Plan,
-    /// Its rows.
+    /// The received rows.
     pub rows: Vec<Row>,
-    /// Rows that were lost on the way.
+    /// Number of lost rows.
     pub lost: u64,
-    /// What ended it too soon.
+    /// What ended it early, if anything.
     pub fault: Option<String>,
 }
 
 impl Taken {
-    /// Whether the encoder saw the paddle move. A recording with a run in which nothing moves is refused.
+    /// True if the encoder moved. A run without motion cannot be part of a recording.
     pub fn moves(&self) -> bool {
         let position = |row: &Row| row.value(Channel::Encoder);
         self.rows
@@ -40,43 +40,45 @@ impl Taken {
     }
 }
 
-/// How the user follows an experiment, and ends it.
+/// Connection to the user, who follows an experiment and can stop it.
 pub trait Progress {
-    /// So much of the run is done, 0 to 1.
+    /// Reports the completed fraction of the run, 0 to 1.
     fn done(&mut self, share: f64);
 
-    /// Whether the user wants to end.
+    /// Returns true if the user wants to stop.
     fn ends(&self) -> bool;
 }
 
-/// Share of its travel at which a paddle that is driven by torque is let go, and beyond which it must not come to a stand: it could
-/// not be armed again there.
+/// Share of the travel at which a torque-driven paddle is released.
 const GUARD: f32 = 0.7;
+/// Share of the travel beyond which the paddle must not come to rest, because it could not be armed again.
 const LAST: f32 = 0.9;
-/// Time from a row until the paddle has been braked, s, as if it had gone on as fast: a look of the console (10 ms), the line, and
-/// the time constant of the lab's paddle on a shorted motor (9.4 ms).
+/// Time from a row until the paddle is braked, s, for the extrapolation of its motion. It is the sum of the console's
+/// interval (10 ms), the transmission, and the braking time constant of the lab's paddle with a shorted motor (9.4 ms).
 const STOPS_S: f32 = 0.03;
-/// How long a paddle that moves is waited for until it can be armed, s, and between two trials. Each trial brakes it, as the bridge
-/// shorts the motor while its current is read: the lab's paddle loses all but a hundredth of its speed in one.
+/// Longest wait for a moving paddle to come to rest, s. Each attempt to arm it brakes it, because the bridge shorts the
+/// motor while the current offset is measured. One attempt leaves the lab's paddle a hundredth of its speed.
 const STANDS_S: f64 = 2.0;
+/// Interval between attempts to arm, s.
 const TRIAL_S: f64 = 0.05;
-/// Why a run ended there.
+/// Message for a run that ended because the paddle moved too far.
 const TOO_FAR: &str = "the paddle came near the end of its travel";
 
-/// Carries `plan` out, with so many rows a second: brings the paddle to the middle, arms it, starts the signal, and
-/// disarms it. Whatever happens, the paddle is disarmed afterwards.
+/// Runs `plan` and logs `rate_hz` rows per second. It moves the paddle to the middle, arms it, starts the excitation, and
+/// disarms it. The paddle is disarmed afterwards in every case.
 ///
 /// # Errors
-/// [`DeviceError`]; [`DeviceError::Ended`] if the user wants to end.
+///
+/// [`DeviceError`], and [`DeviceError::Ended`] if the user stops it.
 pub fn take<W: Wire>(
     device: &mut Device<W>,
     plan: &Plan,
     rate_hz: f64,
     progress: &mut impl Progress,
 ) -> Result<Taken, DeviceError> {
-    let taken = carry_out(device, plan, rate_hz, progress);
+    let taken = run_plan(device, plan, rate_hz, progress);
     if taken.is_err() {
-        // As far as anybody listens.
+        // Errors are ignored here, because the board may not answer any more.
         let _ = device.stop();
         let _ = device.end_stream();
         let _ = device.command("disarm");
@@ -84,19 +86,19 @@ pub fn take<W: Wire>(
     taken
 }
 
-fn carry_out<W: Wire>(
+fn run_plan<W: Wire>(
     device: &mut Device<W>,
     plan: &Plan,
     rate_hz: f64,
     progress: &mut impl Progress,
 ) -> Result<Taken, DeviceError> {
     device.command("disarm")?;
-    arm_standing(device, Mode::Position, progress)?;
+    arm_at_rest(device, Mode::Position, progress)?;
     device.expect("ref 0", "mode position")?;
     rest(device, CENTRE_S, progress)?;
     if plan.mode == Mode::Torque {
         device.command("disarm")?;
-        arm_standing(device, Mode::Torque, progress)?;
+        arm_at_rest(device, Mode::Torque, progress)?;
     }
     let travel_rad = device.travel_rad();
     let goes_too_far = |row: &Row| {
@@ -146,7 +148,7 @@ fn carry_out<W: Wire>(
     }
     let lost = device.lost();
     if too_far {
-        // Brakes it before it is beyond its travel; what cannot be braked is told by the next run.
+        // Brakes the paddle within its travel. If that fails, the next run reports it.
         let _ = device.command("arm position")?;
     }
     if fault.is_some() {
@@ -179,8 +181,8 @@ fn carry_out<W: Wire>(
     })
 }
 
-/// Arms a mode, again and again while nothing but the paddle's motion is against it.
-fn arm_standing<W: Wire>(
+/// Arms a mode. Repeats the attempt while the motion of the paddle is the only obstacle.
+fn arm_at_rest<W: Wire>(
     device: &mut Device<W>,
     mode: Mode,
     progress: &impl Progress,
@@ -200,7 +202,7 @@ fn arm_standing<W: Wire>(
     }
 }
 
-/// Waits for so long, and gives signs of life.
+/// Waits for this time and sends heartbeats.
 fn rest<W: Wire>(
     device: &mut Device<W>,
     seconds: f64,
@@ -216,7 +218,7 @@ fn rest<W: Wire>(
     Ok(())
 }
 
-/// The latched fault, in the board's own words.
+/// The latched fault as the board names it.
 fn what_went_wrong<W: Wire>(device: &mut Device<W>) -> Result<String, DeviceError> {
     let status = device.command("status")?;
     let fault = status.lines().find_map(|line| line.strip_prefix("fault: "));

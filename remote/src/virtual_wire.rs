@@ -6,13 +6,14 @@ use virtual_board::board::{Board, Pause};
 
 use crate::wire::Wire;
 
-/// How long the board runs while somebody waits for a byte, s.
+/// Simulated time per read without data, s.
 const WAIT_S: f64 = 1e-3;
 
-/// A line to a board that runs as long as somebody reads, as fast as the computer can. Its clock is the board's.
+/// A line to a virtual board. The board runs while somebody reads, as fast as the computer allows. The clock of the line is
+/// that of the board.
 pub struct VirtualWire {
     board: Board,
-    /// What the board said that nobody has read yet.
+    /// Bytes of the board that have not been read.
     unread: Vec<u8>,
     cut_s: f64,
 }
@@ -27,7 +28,7 @@ impl VirtualWire {
         }
     }
 
-    /// From `time_s` on the board hears nothing of what is sent.
+    /// Cuts the line at `time_s`: the board then receives nothing.
     pub fn cut_at(&mut self, time_s: f64) {
         self.cut_s = time_s;
     }

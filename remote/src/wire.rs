@@ -1,4 +1,4 @@
-//! The bytes between computer and board.
+//! The connection that carries bytes between computer and board.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
@@ -7,29 +7,32 @@ use serialport::{SerialPort, TTYPort};
 
 use crate::DeviceError;
 
-/// Bits a second at which a board boots.
+/// Baud rate of a board after boot, bit/s.
 pub const BOOT_BAUD: u32 = 460_800;
-/// Bits a second of a stream.
+/// Baud rate for a stream, bit/s.
 pub const FAST_BAUD: u32 = 1_843_200;
 
 /// A line to a board.
 pub trait Wire {
-    /// Puts what has arrived into `bytes`; waits some milliseconds for it, and gives 0 if nothing comes.
+    /// Reads the bytes that have arrived into `bytes`. Waits some milliseconds, and returns 0 if none arrive.
     ///
     /// # Errors
-    /// If the line is gone.
+    ///
+    /// If the line is broken.
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize>;
 
-    /// Sends all of them.
+    /// Sends all bytes.
     ///
     /// # Errors
-    /// If the line is gone.
+    ///
+    /// If the line is broken.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Sets the rate, bits a second.
+    /// Sets the baud rate, bit/s.
     ///
     /// # Errors
-    /// If the line has no such rate.
+    ///
+    /// If the line does not support it.
     fn set_baud(&mut self, baud: u32) -> io::Result<()>;
 
     /// Time since the line was opened, s.
@@ -43,7 +46,7 @@ pub struct SerialWire {
 }
 
 impl SerialWire {
-    /// How long a read waits for a byte.
+    /// Longest wait of a read for a byte.
     const WAIT: Duration = Duration::from_millis(5);
 
     /// Opens a port by its name.
@@ -67,7 +70,7 @@ impl SerialWire {
 
 impl Drop for SerialWire {
     fn drop(&mut self) {
-        // A pseudo-terminal that its other side holds open would stay closed to others.
+        // Without this, a pseudo-terminal that its other side keeps open would stay locked.
         let _ = self.port.set_exclusive(false);
     }
 }

@@ -1,4 +1,4 @@
-//! Experiments on the flashed image, with the virtual board at the other end of the wire.
+//! Runs experiments on the flashed image in a virtual board.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use virtual_board::board::Board;
 use virtual_board::image::Image;
 use virtual_board::wiring::Wires;
 
-/// Nobody watches; the user ends when this turns true.
+/// A user who does not watch. The experiment is stopped if the value is true.
 struct Quiet(bool);
 
 impl Progress for Quiet {
@@ -112,7 +112,7 @@ fn a_lost_link_disarms_the_board() {
         return;
     };
     let mut wire = wire(&image);
-    // In the middle of the run.
+    // The line is cut in the middle of the run.
     wire.cut_at(4.0);
     let mut device = Device::find(wire).unwrap();
     device.speed_up().unwrap();
@@ -180,7 +180,7 @@ fn a_capture_is_fetched() {
     assert_eq!(captured.samples.len(), 3072);
 }
 
-/// What a paddle that is driven beyond its travel by a sine of this torque, N m, is said to have done.
+/// Drives the paddle beyond its travel by a sine of this torque, N m. Returns the reported fault.
 fn driven_too_far(device: &mut Device<VirtualWire>, amplitude_nm: &str) -> String {
     device.settings().unwrap();
     let plan = plan(&format!("torque:sine:{amplitude_nm},0.5,4"));

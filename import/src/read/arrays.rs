@@ -1,19 +1,19 @@
-//! Arrays of numbers by name, to columns.
+//! Converts named arrays to columns.
 
 use crate::log::{Column, Log};
 use std::collections::BTreeMap;
 
-/// An array as a file holds it.
+/// An array as stored in a file.
 pub(super) struct Array {
     pub name: String,
     pub shape: Vec<usize>,
-    /// Columns lie behind one another, not rows.
+    /// True if the array is stored column by column.
     pub is_by_columns: bool,
     pub values: Vec<f64>,
 }
 
 impl Array {
-    /// Its columns if its rows are `rows`: one of a vector, several of a matrix, lying or standing.
+    /// Its columns if one of its dimensions is `rows`: one column for a vector, several for a matrix in either orientation.
     fn columns(&self, rows: usize) -> Vec<Column> {
         let shape: Vec<usize> = self
             .shape
@@ -47,7 +47,7 @@ impl Array {
     }
 }
 
-/// A log of those arrays that have as many rows as most; the others are named in its notes.
+/// A log of the arrays with the most common number of rows. Others are listed in its notes.
 pub(super) fn log_of(arrays: Vec<Array>) -> Log {
     let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
     for array in &arrays {

@@ -1,9 +1,9 @@
-//! How a text is laid out: delimiter, decimals, comments, header.
+//! Detects the layout of a text: delimiter, decimal sign, comments and header.
 
 use super::number::{Decimal, is_nothing, number};
 use crate::clock;
 
-/// What separates cells.
+/// Separator of cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Delimiter {
     Byte(u8),
@@ -18,27 +18,27 @@ pub(super) struct Layout {
     pub decimal: Decimal,
     /// Names of the columns, if there are any.
     pub names: Option<Vec<String>>,
-    /// Units of the columns, where a row of their own has them.
+    /// Units of the columns, if they have a row of their own.
     pub units: Option<Vec<String>>,
-    /// Line, from 0, at which the samples begin.
+    /// Line of the first sample, from 0.
     pub first_row: usize,
 }
 
-/// Lines that are looked at.
+/// Number of lines that are examined.
 const LOOKED_AT: usize = 400;
-/// Share of cells that are numbers from which a line is a sample. Logs have columns of text beside.
+/// Least share of numbers among the cells of a sample row. Logs can have columns of text.
 const NUMBERS: f64 = 0.3;
-/// Signs that begin a comment.
+/// Signs at the beginning of a comment.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "!"];
 
-/// The text of a line of comment without its sign.
+/// The text of a comment line without its sign.
 pub(super) fn comment(line: &str) -> Option<&str> {
     let line = line.trim_start();
     let sign = COMMENTS.iter().find(|sign| line.starts_with(**sign))?;
     Some(line.trim_start_matches(*sign).trim())
 }
 
-/// Cells of a line.
+/// The cells of a line.
 pub(super) fn cells(line: &str, delimiter: Delimiter) -> Vec<String> {
     match delimiter {
         Delimiter::Spaces => unquoted(line),
@@ -55,7 +55,7 @@ pub(super) fn cells(line: &str, delimiter: Delimiter) -> Vec<String> {
     }
 }
 
-/// Words of a line; those in quotes are one.
+/// The words of a line. A quoted text is one word.
 fn unquoted(line: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut rest = line.trim();
@@ -72,7 +72,7 @@ fn unquoted(line: &str) -> Vec<String> {
 }
 
 impl Layout {
-    /// The layout of a text of these lines; `None` if no line has numbers in columns.
+    /// Detects the layout of these lines. `None` if no line has numbers in columns.
     pub fn of(lines: &[&str]) -> Option<Self> {
         let looked_at: Vec<(usize, &str)> = lines
             .iter()
@@ -97,7 +97,7 @@ impl Layout {
         Some(layout)
     }
 
-    /// How well a layout suits the lines, and where the samples begin with it.
+    /// Score of a layout for the lines, and the line of the first sample.
     #[expect(clippy::cast_precision_loss, reason = "counts of lines and cells")]
     fn tried(
         delimiter: Delimiter,
@@ -108,7 +108,7 @@ impl Layout {
             .iter()
             .map(|(_, line)| cells(line, delimiter))
             .collect();
-        // The second half is beyond every header.
+        // The second half of the lines has no header.
         let mut widths: Vec<usize> = split[split.len() / 2..].iter().map(Vec::len).collect();
         widths.sort_unstable();
         let width = *widths.get(widths.len() / 2)?;
@@ -139,12 +139,12 @@ impl Layout {
         Some((score, layout))
     }
 
-    /// Looks for names and units in the lines before the first sample.
+    /// Finds names and units in the lines before the first sample.
     fn name(&mut self, lines: &[&str], looked_at: &[(usize, &str)]) {
         let width = cells(lines[self.first_row], self.delimiter).len();
         let fits = |line: &str| {
             let mut row = cells(line, self.delimiter);
-            // A delimiter at the end makes an empty cell in one of the two.
+            // A delimiter at the end of the line makes an empty cell in one of the two.
             while row.len() > width && row.last().is_some_and(String::is_empty) {
                 row.pop();
             }
@@ -193,7 +193,7 @@ fn is_number(cell: &str, decimal: Decimal) -> bool {
     number(cell, decimal).is_some() || clock::is_stamp(cell)
 }
 
-/// Whether a row holds samples rather than names.
+/// True if a row has samples rather than names.
 #[expect(clippy::cast_precision_loss, reason = "counts of cells")]
 fn is_sample(row: &[String], decimal: Decimal) -> bool {
     let filled = row.iter().filter(|cell| !is_nothing(cell)).count();
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn delimiter_and_decimals_are_told_from_the_samples() {
+    fn delimiter_and_decimal_sign_are_detected_from_the_samples() {
         use Decimal::{Comma, Point};
         for (text, delimiter, decimal, names) in [
             (
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_of_units_is_no_row_of_names() {
+    fn a_row_of_units_is_not_taken_as_names() {
         let found = layout("Time,Channel A,x\n(ms),(V),(deg)\n\n0.0,1,2\n0.1,1,3\n");
         assert_eq!(found.names.unwrap(), ["Time", "Channel A", "x"]);
         assert_eq!(found.units.unwrap(), ["(ms)", "(V)", "(deg)"]);

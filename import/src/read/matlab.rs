@@ -1,4 +1,4 @@
-//! `.mat`, version 5 to 7.2 and 7.3.
+//! Reads `.mat` files, versions 5 to 7.2 and 7.3.
 
 use super::arrays::{Array, log_of};
 use crate::log::Log;
@@ -6,7 +6,7 @@ use hdf5_reader::group::Group;
 use hdf5_reader::{Dataset, Datatype, Hdf5File};
 use matrw::MatVariable;
 
-/// Reads all arrays of numbers, those in structures by their paths.
+/// Reads all numeric arrays. Those in structures are named by their paths.
 pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
     let mut arrays = Vec::new();
     if bytes.starts_with(b"MATLAB 5.0") {
@@ -23,7 +23,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
     Ok(log_of(arrays))
 }
 
-/// The file with the header that MATLAB itself writes: its text is free, and where no subsystem is, blanks may stand.
+/// The file with the standard MATLAB header. Its text is arbitrary, and blanks are allowed for the subsystem.
 fn with_usual_header(bytes: &[u8]) -> Vec<u8> {
     const TEXT: &[u8] = b"MATLAB 5.0 MAT-file, ";
     const SUBSYSTEM: std::ops::Range<usize> = 116..124;
@@ -67,7 +67,7 @@ fn add_group(path: &str, group: &Group, arrays: &mut Vec<Array>) -> Result<(), S
         }
     };
     for inner in groups {
-        // MATLAB keeps what cells refer to in `#refs#`.
+        // MATLAB stores the targets of cell references in `#refs#`.
         if !inner.name().contains('#') {
             add_group(&inside(inner.name()), &inner, arrays)?;
         }
@@ -91,7 +91,7 @@ fn add_group(path: &str, group: &Group, arrays: &mut Vec<Array>) -> Result<(), S
     Ok(())
 }
 
-/// The numbers of a dataset; `None` of anything else.
+/// The numbers of a dataset. `None` for other data.
 #[expect(
     clippy::cast_precision_loss,
     reason = "counters beyond 2^53 are no positions"

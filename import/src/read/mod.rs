@@ -1,4 +1,4 @@
-//! Files of other programs, each to a [`Log`].
+//! Reads files of other programs into [`Log`]s.
 
 #[cfg(any(feature = "numpy", feature = "matlab"))]
 mod arrays;
@@ -24,10 +24,11 @@ use std::path::Path;
 /// First bytes of a gzip file.
 const GZIP: &[u8] = &[0x1F, 0x8B];
 
-/// Reads a log of any format. The first bytes give the format; other logs are read as text in columns.
+/// Reads a log of any format. The first bytes determine the format. Other files are read as text in columns.
 ///
 /// # Errors
-/// [`ImportError`] for a file that cannot be read or understood.
+///
+/// [`ImportError`] for a file that cannot be read or decoded.
 pub fn log(path: &Path) -> Result<Log, ImportError> {
     let name = name(path);
     let failed = |source| ImportError::Read {
@@ -65,7 +66,7 @@ fn name(path: &Path) -> String {
     }
 }
 
-/// Formats that are recognised by their first bytes.
+/// Formats with characteristic first bytes.
 enum Format {
     Text,
     Numpy,

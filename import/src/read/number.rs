@@ -1,30 +1,30 @@
-//! Numbers as logs write them.
+//! Parses numbers in logs.
 
-/// How decimals are written.
+/// The decimal sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Decimal {
     Point,
     Comma,
 }
 
-/// Cells that say that there is no number.
+/// Texts that mean a missing value.
 const NOTHING: [&str; 10] = [
     "", "nan", "na", "n/a", "null", "none", "-", "--", "#n/a", "nil",
 ];
 
-/// Whether a cell says that there is no value.
+/// True if a cell means a missing value.
 pub(super) fn is_nothing(cell: &str) -> bool {
     let cell = cell.trim();
     cell.len() <= 4 && NOTHING.contains(&cell.to_lowercase().as_str())
 }
 
-/// The number in a cell; `None` for other text.
+/// The number in a cell. `None` for other text.
 pub(super) fn number(cell: &str, decimal: Decimal) -> Option<f64> {
     let cell = cell.trim();
     let value = match decimal {
         Decimal::Point => cell.parse().ok(),
         Decimal::Comma if cell.contains(',') => {
-            // A point beside a comma groups thousands.
+            // With a decimal comma, points group thousands.
             cell.replace('.', "").replace(',', ".").parse().ok()
         }
         Decimal::Comma => cell.parse().ok(),
@@ -34,7 +34,7 @@ pub(super) fn number(cell: &str, decimal: Decimal) -> Option<f64> {
         "false" | "False" | "FALSE" => Some(0.0),
         _ => None,
     });
-    // `inf` and `nan` are words in other columns.
+    // `inf` and `nan` are treated as text.
     value.filter(|value: &f64| value.is_finite())
 }
 
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decimals_are_read_with_point_and_comma() {
+    fn decimal_points_and_commas_are_read() {
         use Decimal::{Comma, Point};
         for (cell, decimal, value) in [
             ("1.5", Point, Some(1.5)),

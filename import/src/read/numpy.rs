@@ -1,4 +1,4 @@
-//! `.npy` and `.npz`, as numpy writes them.
+//! Reads `.npy` and `.npz` files of numpy.
 
 use super::arrays::{Array, log_of};
 use crate::log::Log;
@@ -6,7 +6,7 @@ use npyz::{DType, NpyFile, Order, TypeChar};
 use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
-/// Reads an array, or an archive of several.
+/// Reads one array or an archive of several.
 pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
     if !bytes.starts_with(b"PK") {
         return Ok(log_of(array("a", bytes)?));
@@ -23,13 +23,13 @@ pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
         let mut unpacked = Vec::new();
         file.read_to_end(&mut unpacked)
             .map_err(|error| error.to_string())?;
-        // Archives hold notes beside arrays: text and objects are left out.
+        // Archives can contain text and objects, which are left out.
         arrays.extend(array(&name, &unpacked).unwrap_or_default());
     }
     Ok(log_of(arrays))
 }
 
-/// The arrays of one file: one, or one a field of a structured one.
+/// The arrays of one file: one, or one per field of a structured array.
 fn array(name: &str, bytes: &[u8]) -> Result<Vec<Array>, String> {
     let failed = |error: std::io::Error| error.to_string();
     let file = NpyFile::new(bytes).map_err(failed)?;

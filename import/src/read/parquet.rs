@@ -1,4 +1,4 @@
-//! Parquet: flat tables, and those with lists of a fixed length, as LeRobot has them.
+//! Reads Parquet files: flat tables, and tables with lists of fixed length as LeRobot writes them.
 
 use crate::log::{Cells, Column, Log};
 use bytes::Bytes;
@@ -27,7 +27,7 @@ pub(super) fn read(bytes: Vec<u8>) -> Result<Log, String> {
     Ok(log)
 }
 
-/// A column that grows.
+/// A column that is being built.
 struct Building {
     whole: Vec<Option<i64>>,
     numbers: Vec<f64>,
@@ -37,7 +37,7 @@ struct Building {
 }
 
 impl Building {
-    /// One whose first `rows` cells are empty.
+    /// A column whose first `rows` cells are empty.
     fn after(rows: usize) -> Self {
         let mut building = Self {
             whole: Vec::new(),
@@ -50,7 +50,7 @@ impl Building {
         building
     }
 
-    /// Makes it `rows` long with empty cells.
+    /// Extends it to `rows` cells with empty ones.
     fn fill(&mut self, rows: usize) {
         while self.numbers.len() < rows {
             self.push(None, f64::NAN, String::new());
@@ -76,7 +76,7 @@ impl Building {
     }
 }
 
-/// Adds a cell to the column `name`, and those of a list or a group to columns of their own.
+/// Adds a cell to the column `name`. Elements of a list or a group get columns of their own.
 #[expect(clippy::cast_precision_loss, reason = "whole numbers are kept beside")]
 fn add(name: &str, field: &Field, row: usize, building: &mut Vec<(String, Building)>) {
     match field {

@@ -1,4 +1,4 @@
-//! Text in columns to a log.
+//! Reads text in columns.
 
 use super::layout::{Delimiter, Layout, comment};
 use super::number::{Decimal, is_nothing, number};
@@ -6,14 +6,15 @@ use crate::error::ImportError;
 use crate::log::{Cells, Column, Log};
 use std::path::Path;
 
-/// Whole numbers from here on are not exact as floats.
+/// Integers from here on are not exact as floats.
 const EXACT: i64 = 1 << 53;
-/// Share of filled cells that must be numbers for a column of numbers.
+/// Least share of numbers among the non-empty cells of a numeric column.
 const NUMBERS: f64 = 0.5;
 
 /// Reads a text.
 ///
 /// # Errors
+///
 /// [`ImportError::NoRows`] and [`ImportError::Ragged`].
 pub(super) fn read(text: &str, path: &Path) -> Result<Log, ImportError> {
     let lines: Vec<&str> = text.lines().collect();
@@ -33,7 +34,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<Log, ImportError> {
             .map(|name| name.trim());
         let name = match named {
             Some(name) if !name.is_empty() => name.to_owned(),
-            // A column of no name and no content is made by a delimiter at the end of each line.
+            // A delimiter at the end of every line makes a column without name and content.
             _ if cells.is_empty() => continue,
             _ => format!("c{}", at + 1),
         };
@@ -68,7 +69,7 @@ struct Rows {
 
 impl Rows {
     fn of(lines: &[&str], layout: &Layout, path: &Path) -> Result<Self, ImportError> {
-        // Comments and blank lines between the samples are no samples.
+        // Comments and blank lines between the samples are skipped.
         let kept: Vec<usize> = (layout.first_row..lines.len())
             .filter(|&at| !lines[at].trim().is_empty() && comment(lines[at]).is_none())
             .collect();
@@ -144,13 +145,13 @@ impl Rows {
     }
 }
 
-/// A column that grows; its first filled cell tells what it is.
+/// A column that is being built. Its first non-empty cell determines its type.
 enum Growing {
-    /// So many empty cells.
+    /// Only empty cells so far. The value is their number.
     Unknown(usize),
-    /// Numbers, and how many cells are none.
+    /// Numbers, and the number of cells that are not numbers.
     Numbers(Vec<f64>, usize),
-    /// Whole numbers that no float holds exactly, and how many cells are none.
+    /// Integers that a float cannot hold exactly, and the number of cells that are not integers.
     Whole(Vec<Option<i64>>, usize),
     Text(Vec<String>),
 }
@@ -188,12 +189,12 @@ impl Growing {
         }
     }
 
-    /// Whether no cell is filled.
+    /// True if all cells are empty.
     fn is_empty(&self) -> bool {
         matches!(self, Self::Unknown(_))
     }
 
-    /// The cells as what they are, and how many of a column of numbers are none.
+    /// The cells with their final type, and the number of non-numbers in a numeric column.
     #[expect(clippy::cast_precision_loss, reason = "counts of cells")]
     fn finish(self, decimal: Decimal) -> (Cells, usize) {
         match self {
@@ -201,7 +202,7 @@ impl Growing {
             Self::Numbers(cells, lost) => (Cells::Numbers(cells), lost),
             Self::Whole(cells, lost) => (Cells::Whole(cells), lost),
             Self::Text(cells) => {
-                // A word may stand before the first number.
+                // A word may precede the first number.
                 let numbers: Vec<Option<f64>> =
                     cells.iter().map(|cell| number(cell, decimal)).collect();
                 let filled = cells.iter().filter(|cell| !is_nothing(cell)).count();

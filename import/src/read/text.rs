@@ -1,6 +1,6 @@
-//! Bytes of a text file to text, whatever wrote them.
+//! Decodes the bytes of a text file.
 
-/// The text of `bytes`: UTF-8, UTF-16 with a mark in front, else Latin-1, in which every byte is a letter.
+/// Decodes UTF-8, UTF-16 with a byte order mark, or otherwise Latin-1, in which every byte is a character.
 pub(super) fn decoded(bytes: Vec<u8>) -> String {
     let wide = |from_bytes: fn([u8; 2]) -> u16| {
         let units = bytes[2..]

@@ -1,10 +1,10 @@
-//! Files of the formats that cargo features bring, written by Python's own writers.
+//! Tests formats that need cargo features, with files written by Python packages.
 
 use import::{Recipe, import, read_log};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Writes one file of the format, if Python has the package; says why not otherwise.
+/// Writes a file of the format if Python has the package. Otherwise prints why not.
 fn written(test: &str, package: &str, file: &str, script: &str) -> Option<PathBuf> {
     let folder = std::env::temp_dir().join(format!("import-formats-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -130,7 +130,7 @@ mod matlab {
 
     #[test]
     fn mat_7_3_is_read() {
-        // MATLAB puts 512 bytes of its own in front of an HDF5 file.
+        // MATLAB puts 512 bytes of its own before the HDF5 content.
         let script = "
 f = h5py.File(path, 'w', userblock_size=512)
 g = f.create_group('log')
@@ -162,7 +162,7 @@ pq.write_table(pa.table({'stamp': (t * 1e9).astype(np.int64) + 17000000000000000
     }
 
     #[test]
-    fn episodes_as_lerobot_has_them_are_runs() {
+    fn episodes_of_lerobot_become_runs() {
         let script = "
 import pyarrow as pa, pyarrow.parquet as pq
 state = [[float(a), float(2 * a)] for a in x] * 2
@@ -240,7 +240,7 @@ with open(path, 'wb') as f:
 
 #[cfg(feature = "mcap")]
 #[test]
-fn messages_of_other_kinds_are_refused_in_one_line_that_names_the_mend() {
+fn unsupported_messages_are_refused_in_one_line_with_the_remedy() {
     for (encoding, schema) in [
         ("ros1", "ros1msg"),
         ("protobuf", "protobuf"),

@@ -1,4 +1,4 @@
-//! The lab's own logs against the recordings that were made of them by hand.
+//! Compares the import of the lab's logs with recordings made by hand.
 
 use import::{Imported, PidLaw, Recipe, SwitchOn, import, read_log};
 use recording::{Recording, Run};
@@ -56,7 +56,7 @@ fn the_sine_is_what_was_made_by_hand() {
     };
     let found = imported(&folder, &["SimVsReal/sine_real_0011.csv.gz"], &recipe);
     let wanted = Recording::read(folder.join("sine-0011")).expect("a recording");
-    // The last row holds for one tick here.
+    // The last row lasts one tick here.
     assert_like(&found.recording.runs[0], &wanted.runs[0], [1e-6, 1e-7]);
 }
 
@@ -84,7 +84,7 @@ const STEPS: [&str; 3] = [
     "PID_Encoder/p05i0d0003.csv.gz",
     "PID_Encoder/p05i0d0008.csv.gz",
 ];
-/// When the controllers were switched on, by the recording that was made by hand.
+/// Times at which the controllers were switched on, from the recording made by hand, s.
 const ON_S: [f64; 3] = [906.28615, 867.24505, 815.5602];
 
 #[test]
@@ -119,7 +119,7 @@ fn when_a_controller_was_switched_on_is_found_within_two_ticks() {
             .map(|row| run.time[row])
     };
     for (found, wanted) in found.recording.runs.iter().zip(&wanted.runs) {
-        // Both begin 0.15 s before.
+        // Both start 0.15 s earlier.
         let rows = first(found).zip(first(wanted)).map(|(a, b)| (a - b).abs());
         assert!(
             rows.is_some_and(|off| off < 1.2e-3),

@@ -1,4 +1,4 @@
-//! Logs as other programs write them.
+//! Tests logs as other programs write them.
 
 mod lab;
 mod round_trip;

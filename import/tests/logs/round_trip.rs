@@ -1,4 +1,4 @@
-//! A recording is imported as it is.
+//! A recording is imported unchanged.
 
 use crate::support::{Folder, sample, table};
 use import::{Recipe, import, read_log};
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use recording::{Actuator, Drive, Model, Motor, Recording, Run};
 
 #[test]
-fn a_recording_that_is_imported_again_is_the_same_bit_for_bit() {
+fn an_imported_recording_is_identical_bit_for_bit() {
     let folder = Folder::new("again");
     let text = table(
         "stamp [ms],motor torque [mNm],angle [deg],Target\n",
@@ -45,7 +45,7 @@ fn bits(run: &Run) -> Vec<Vec<u64>> {
 
 proptest! {
     #[test]
-    fn any_samples_come_back(
+    fn any_samples_are_imported_unchanged(
         periods in prop::collection::vec(1e-4..1e-2, 40..60),
         inputs in prop::collection::vec(-1e3..1e3, 60),
         positions in prop::collection::vec(-1e2..1e2, 60),
@@ -66,7 +66,7 @@ proptest! {
     }
 }
 
-/// The manifest that is written for a log of a device that is known so, and the recording that is read with it.
+/// Writes the manifest for a log of a device with these known properties. Returns its text and the recording read with it.
 fn written_and_read(
     folder: &Folder,
     imported: &import::Imported,
@@ -82,7 +82,7 @@ fn written_and_read(
 }
 
 #[test]
-fn the_manifest_that_is_written_is_read() {
+fn the_written_manifest_can_be_read() {
     let folder = Folder::new("manifest");
     let text = table("time,tau,q\n", |[t, u, x]| format!("{t},{u},{x}"));
     let imported = folder
@@ -99,7 +99,7 @@ fn the_manifest_that_is_written_is_read() {
     assert_eq!(read.runs[0].len(), imported.recording.runs[0].len());
     assert_eq!(read.model.ratio, 2.0);
     assert_eq!(read.unstated, ["viscous", "coulomb", "gravity"]);
-    // The samples are 0.02 N m times the gear over 0.3 rad at 9 rad/s.
+    // The torque amplitude of the samples is 0.02 N m times the gear, for 0.3 rad at 9 rad/s.
     let wanted = 2.0 * 0.02 / (0.3 * 81.0);
     let off = read.model.inertia / wanted;
     assert!(
@@ -111,7 +111,7 @@ fn the_manifest_that_is_written_is_read() {
 }
 
 #[test]
-fn a_data_sheet_goes_into_the_manifest_as_it_is() {
+fn a_data_sheet_is_written_to_the_manifest_unchanged() {
     let folder = Folder::new("motor");
     let text = table("time,voltage [V],q\n", |[t, u, x]| format!("{t},{u},{x}"));
     let imported = folder

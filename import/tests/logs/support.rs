@@ -1,9 +1,9 @@
-//! Files for one test, and a motion to put into them.
+//! Files for one test, and a motion for them.
 
 use import::{ImportError, Imported, Recipe};
 use std::path::{Path, PathBuf};
 
-/// A folder that is gone after the test.
+/// A folder that is removed after the test.
 pub struct Folder(PathBuf);
 
 impl Folder {
@@ -37,7 +37,7 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // What stays behind is in the system's folder for such things.
+        // What remains is in the system's folder for temporary files.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
@@ -62,7 +62,7 @@ pub fn table(head: &str, row: impl Fn([f64; 3]) -> String) -> String {
         .fold(head.to_owned(), |text, cells| text + &row(cells) + "\n")
 }
 
-/// Asserts that the one run holds the samples, to `within` of each.
+/// Asserts that the only run has the samples, with an error of at most `within`.
 pub fn assert_holds_samples(imported: &Imported, within: f64, of: &str) {
     let [run] = imported.recording.runs.as_slice() else {
         panic!("{of}: {} runs", imported.recording.runs.len());

@@ -1,4 +1,4 @@
-//! Text in columns, however it is laid out.
+//! Tests text in columns with different layouts.
 
 use crate::support::{Folder, ROWS, assert_holds_samples, sample, table};
 use flate2::Compression;
@@ -181,7 +181,7 @@ fn an_input_is_computed_from_other_columns() {
 #[test]
 fn rows_of_several_rates_are_merged() {
     let folder = Folder::new("rates");
-    // Each topic has rows of its own; the input comes twice as often as the position, with a mean of what it is.
+    // Each topic has its own rows. The input has twice the rate of the position and the right mean.
     let mut text = "__time,/cmd/effort,/joint/position\n".to_owned();
     for k in 0..ROWS {
         let [t, u, x] = sample(k);
@@ -251,7 +251,7 @@ fn several_runs_of_one_file_are_told_apart() {
 }
 
 #[test]
-fn a_position_is_made_of_a_velocity() {
+fn a_position_is_integrated_from_a_velocity() {
     let folder = Folder::new("velocity");
     let text = table("time,tau,qd\n", |[t, u, _]| {
         format!("{t},{u},{}", -2.7 * (9.0 * t).sin())
@@ -276,7 +276,7 @@ fn a_position_is_made_of_a_velocity() {
 }
 
 #[test]
-fn what_cannot_be_used_is_said_with_its_mend() {
+fn unusable_logs_are_refused_with_a_remedy() {
     let folder = Folder::new("refused");
     let log = table("time,tau,q,still\n", |[t, u, x]| format!("{t},{u},{x},3"));
     let recipe = |position: &str| Recipe {
@@ -328,7 +328,7 @@ fn what_cannot_be_used_is_said_with_its_mend() {
 }
 
 #[test]
-fn frozen_columns_are_said() {
+fn frozen_columns_are_reported() {
     let folder = Folder::new("frozen");
     let text = table("time,tau,q,motor current [A]\n", |[t, u, x]| {
         format!("{t},{u},{x},0.25")

@@ -1,13 +1,13 @@
-//! Counters and registers.
+//! Tests counters and registers.
 
 use crate::support::{Folder, assert_holds_samples, table};
 use import::Recipe;
 use std::f64::consts::TAU;
 
 #[test]
-fn counts_that_wrap_and_words_with_a_sign_bit_are_undone() {
+fn wrapping_counts_and_words_with_a_sign_bit_are_decoded() {
     let folder = Folder::new("words");
-    // A counter of 2^20 a turn that begins at a turn's end, and a load with its sign in bit 15.
+    // A counter with 2^20 counts per turn that starts at the end of a turn, and a load with its sign in bit 15.
     let turn = f64::from(1 << 20);
     let text = table("time,load,enc_counts\n", |[t, u, x]| {
         let counts = (x / TAU * turn).round().rem_euclid(turn);
@@ -41,7 +41,7 @@ fn counts_that_wrap_and_words_with_a_sign_bit_are_undone() {
 }
 
 #[test]
-fn an_angle_that_wraps_is_made_whole() {
+fn a_wrapping_angle_is_unwrapped() {
     let folder = Folder::new("wraps");
     let text = table("time,tau,q_deg\n", |[t, u, x]| {
         let degrees = x.to_degrees() + 175.0;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// The type of a message and those that it is made of.
+/// The type of a message and the types that it contains.
 pub(super) struct Definitions {
     main: String,
     types: BTreeMap<String, Vec<Field>>,
@@ -16,7 +16,7 @@ pub(super) struct Field {
     pub count: Count,
 }
 
-/// How many values a field has.
+/// Number of values of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Count {
     One,
@@ -25,7 +25,7 @@ pub(super) enum Count {
 }
 
 impl Definitions {
-    /// Parses the text of the type `main`, behind which those of others stand after lines of `=`.
+    /// Parses the text of the type `main`. Other types follow after lines of `=`.
     pub fn parse(main: &str, text: &[u8]) -> Result<Self, String> {
         let text = std::str::from_utf8(text).map_err(|_| "its schema is no text".to_owned())?;
         let mut types = BTreeMap::new();
@@ -48,16 +48,16 @@ impl Definitions {
         })
     }
 
-    /// Fields of the message itself.
+    /// Fields of the message.
     pub fn main(&self) -> &[Field] {
         self.types.get(&self.main).map_or(&[], Vec::as_slice)
     }
 
-    /// Fields of the type `kind`, as it is called in another one.
+    /// Fields of the type `kind`, which may be named relative to the package.
     pub fn fields(&self, kind: &str) -> Option<&[Field]> {
         let kind = plain(kind);
         let found = self.types.get(&kind).or_else(|| {
-            // A type of the same package is called by its last name.
+            // A type of the same package is named without the package.
             let last = format!("/{kind}");
             self.types
                 .iter()
@@ -68,12 +68,12 @@ impl Definitions {
     }
 }
 
-/// `package/Type` of `package/msg/Type`.
+/// Converts `package/msg/Type` to `package/Type`.
 fn plain(name: &str) -> String {
     name.replace("/msg/", "/")
 }
 
-/// The field of a line; none of a constant, a comment or nothing.
+/// The field of a line. `None` for a constant, a comment or an empty line.
 fn field(line: &str) -> Option<Field> {
     let mut words = line.split_whitespace();
     let (kind, name) = (words.next()?, words.next()?);
@@ -84,7 +84,7 @@ fn field(line: &str) -> Option<Field> {
         None => (kind, Count::One),
         Some((kind, size)) => (kind, size.parse().map_or(Count::Any, Count::Fixed)),
     };
-    // A bound of a string says nothing of how it is written.
+    // The bound of a string does not affect its encoding.
     let kind = kind.split("<=").next().unwrap_or(kind);
     Some(Field {
         name: name.to_owned(),

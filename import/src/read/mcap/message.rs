@@ -1,21 +1,21 @@
-//! One message in CDR (OMG Common Data Representation, formal/2004-03-12, 15.3) to numbers by name.
+//! Decodes a message in CDR (OMG Common Data Representation, formal/2004-03-12, 15.3) into named numbers.
 
 use super::definition::{Count, Definitions, Field};
 
-/// What of a message is a number.
+/// The numbers of a message.
 pub(super) struct Message {
-    /// Time in its header, ns.
+    /// Time stamp in its header, ns.
     pub stamp_ns: Option<i64>,
-    /// By path; those of arrays beside a list of names by these, as in `sensor_msgs/JointState`.
+    /// Numbers by path. Arrays beside a list of names are named by these, as in `sensor_msgs/JointState`.
     pub fields: Vec<(String, f64)>,
 }
 
-/// Arrays beyond that are pictures and clouds.
+/// Longest array that is read. Longer ones are images and point clouds.
 const LONGEST: usize = 256;
-/// Types within types.
+/// Largest nesting depth of types.
 const DEEPEST: usize = 16;
 
-/// Reads a message.
+/// Decodes a message.
 pub(super) fn decoded(bytes: &[u8], definitions: &Definitions) -> Result<Message, String> {
     let [_, order, _, _, payload @ ..] = bytes else {
         return Err("a message is too short".into());
@@ -143,7 +143,7 @@ impl Found {
     }
 }
 
-/// Reads values at their alignment, which counts from behind the encapsulation's header.
+/// Reads aligned values. The alignment counts from the end of the encapsulation header.
 struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -151,7 +151,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Bytes of a value of the type `kind`, if that is a number.
+    /// Bytes of a value of type `kind`. `None` if it is not a number.
     fn size(kind: &str) -> Option<usize> {
         Some(match kind {
             "bool" | "byte" | "char" | "int8" | "uint8" => 1,

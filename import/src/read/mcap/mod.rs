@@ -1,4 +1,4 @@
-//! MCAP: messages of ROS 2, in CDR and described by their `.msg` text.
+//! Reads MCAP files with ROS 2 messages in CDR, described by `.msg` text.
 
 mod definition;
 mod message;
@@ -8,7 +8,7 @@ use definition::Definitions;
 use message::{Message, decoded};
 use std::collections::BTreeMap;
 
-/// Reads all messages that are understood; each is a row, at its header's stamp or else when it was logged.
+/// Reads all supported messages. Each is a row, with the time in its header or, without one, the log time.
 pub(super) fn read(bytes: &[u8]) -> Result<Log, String> {
     let failed = |error: mcap::McapError| error.to_string();
     let mut known: BTreeMap<u16, Result<Definitions, String>> = BTreeMap::new();

@@ -1,9 +1,9 @@
-//! Tells the program the commit that it is built from.
+//! Passes the commit of the source tree to the compiled program.
 
 use std::path::Path;
 use std::process::Command;
 
-/// What else the program is made of, next to this package.
+/// Other crates of the repository that the program is built from.
 const CRATES: [&str; 8] = [
     "../src",
     "../blind",
@@ -26,15 +26,15 @@ fn main() {
     let names = ["HEAD", "logs/HEAD", "packed-refs"].map(String::from);
     let of_git = names.into_iter().chain(reference);
     watched.extend(of_git.filter_map(|name| git(&["rev-parse", "--git-path", &name])));
-    // Of what is not there cargo thinks that it has changed.
+    // Cargo treats a watched path that does not exist as changed at every build.
     for path in watched.iter().filter(|path| Path::new(path).exists()) {
         println!("cargo::rerun-if-changed={path}");
     }
 }
 
-/// The commit, marked where files differ from it; `None` outside the project's own repository.
+/// Returns the commit, with a mark if files differ from it. Returns `None` outside the project's own repository.
 fn commit() -> Option<String> {
-    // Sources that were unpacked within another repository are not of its commits.
+    // Sources that were unpacked inside another repository do not belong to a commit of that repository.
     git(&["ls-files", "--error-unmatch", "build.rs"])?;
     let hash = git(&["rev-parse", "HEAD"])?;
     let changes = git(&["status", "--porcelain", "--untracked-files=no"])?;

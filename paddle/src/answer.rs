@@ -1,4 +1,4 @@
-//! What a command has to say, for people and for programs.
+//! The result of a command, as text for the user and as JSON for programs.
 
 use crate::failure::Failure;
 use serde_json::{Number, Value};
@@ -6,12 +6,12 @@ use std::convert::Infallible;
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 
-/// Where JSON goes.
+/// The destination of the JSON output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum JsonTo {
-    /// Standard output, alone.
+    /// JSON goes to standard output, and the text is not printed.
     StandardOutput,
-    /// A file; the text still goes to standard output.
+    /// JSON goes to this file, and the text still goes to standard output.
     File(PathBuf),
 }
 
@@ -26,20 +26,20 @@ impl std::str::FromStr for JsonTo {
     }
 }
 
-/// The result of a command, in two forms.
+/// The result of a command as text and as JSON.
 #[derive(Debug, Default)]
 pub struct Answer {
-    /// For people, lines ended.
+    /// Text for the user. Every line ends with a newline.
     pub text: String,
-    /// For programs; an array is written as JSON lines, one an element.
+    /// JSON for programs. An array is written as JSON lines, one line per element.
     pub json: Value,
-    /// Why parts of what was asked are missing.
-    pub amiss: Vec<Failure>,
+    /// Failures that left parts of the result missing.
+    pub problems: Vec<Failure>,
 }
 
 impl Answer {
-    /// Writes it to where it belongs, and adds to what is missing what cannot be written; a reader that has gone away is no
-    /// failure.
+    /// Writes the result to its destinations. A destination that cannot be written adds a failure to the list of problems. A
+    /// closed pipe at standard output is not a failure.
     pub fn give(&mut self, json: Option<&JsonTo>) {
         rounded(&mut self.json);
         let pretty = match &self.json {
@@ -50,26 +50,26 @@ impl Answer {
             Some(JsonTo::StandardOutput) => &pretty,
             _ => &self.text,
         };
-        // The text comes first: whatever becomes of a file, it is there.
+        // The text is printed first, so that it appears even if a file cannot be written.
         let mut out = std::io::stdout().lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-                self.amiss.push(Failure::write("standard output")(error));
+                self.problems.push(Failure::write("standard output")(error));
             }
             _ => {}
         }
         if let Some(JsonTo::File(path)) = json
             && let Err(error) = std::fs::write(path, &pretty)
         {
-            self.amiss.push(Failure::write(path)(error));
+            self.problems.push(Failure::write(path)(error));
         }
     }
 }
 
-/// Digits of a number in JSON: more than anything here is known to, and fewer than rounding leaves dust in.
+/// Significant digits of a number in JSON. No result is known to more digits, and rounding errors are smaller.
 const DIGITS: usize = 12;
 
-/// Rounds every number in it that is not whole to [`DIGITS`].
+/// Rounds every number in `value` that is not an integer to [`DIGITS`] significant digits.
 pub fn rounded(value: &mut Value) {
     match value {
         Value::Number(number) if number.is_f64() => {
@@ -87,9 +87,9 @@ pub fn rounded(value: &mut Value) {
     }
 }
 
-/// A number of single precision as a person would write it.
+/// Converts a single-precision number to the double with the same shortest decimal form.
 pub fn short(value: f32) -> f64 {
-    // What a float is written as reads back as a number.
+    // The decimal form of a finite f32 always parses as an f64.
     value.to_string().parse().unwrap_or(f64::from(value))
 }
 
@@ -99,7 +99,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn numbers_have_no_dust() {
+    fn json_numbers_are_rounded_to_the_stated_digits() {
         let mut value =
             json!({ "a": [0.1 + 0.2, 1e-15 / 3.0, 12, null], "b": 77.600_000_000_000_01 });
         rounded(&mut value);

@@ -1,4 +1,4 @@
-//! A device as a TOML file: what differs from a base model, effects, and settings of the control core.
+//! A device as a TOML file: changes from a base model, effects, and settings of the control core.
 //!
 //! ```toml
 //! with = ["stribeck:static_ratio=1.4"]
@@ -20,7 +20,7 @@ use recording::{Model, plain_message, read_text};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// The file as read.
+/// The content of the file.
 #[derive(Debug)]
 pub struct DeviceFile {
     path: PathBuf,
@@ -30,10 +30,10 @@ pub struct DeviceFile {
 }
 
 impl DeviceFile {
-    /// Reads it.
+    /// Reads the file.
     ///
     /// # Errors
-    /// [`Failure`] that names the file, the key and the mend.
+    /// Returns a [`Failure`] that names the file, the key and a remedy.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let text = read_text(path, CHECK_THE_NAME)?;
         let wrong = |cause: String| Failure::DeviceFile {
@@ -70,7 +70,7 @@ impl DeviceFile {
                 }
             }
         }
-        // Tolerances say how well a number is known, not what it is.
+        // A tolerance states how well a number is known. It does not change the device.
         file.model.remove("tolerance");
         let says_nothing =
             file.model.is_empty() && file.with.is_empty() && file.settings.is_empty();
@@ -82,10 +82,10 @@ impl DeviceFile {
         Ok(file)
     }
 
-    /// The device that differs from `base` by what the file says.
+    /// The device that results from applying the file to `base`.
     ///
     /// # Errors
-    /// [`Failure::DeviceFile`] for numbers that no model has.
+    /// Returns [`Failure::DeviceFile`] for invalid numbers.
     pub fn device(&self, base: &Model) -> Result<Device, Failure> {
         let mut device = Device::nominal(&self.model(base)?);
         for effect in &self.with {
@@ -94,10 +94,10 @@ impl DeviceFile {
         Ok(device)
     }
 
-    /// The numbers of `base`, replaced by those of the file.
+    /// The numbers of `base`, with those of the file in their place.
     ///
     /// # Errors
-    /// [`Failure::DeviceFile`] for numbers that no model has.
+    /// Returns [`Failure::DeviceFile`] for invalid numbers.
     pub fn model(&self, base: &Model) -> Result<Model, Failure> {
         let wrong = |cause: String| Failure::DeviceFile {
             path: self.path.clone(),
@@ -106,7 +106,7 @@ impl DeviceFile {
         let mut table = Table::try_from(base).map_err(|error| wrong(error.to_string()))?;
         table.extend(self.model.clone());
         let model: Model = table.try_into().map_err(|error: toml::de::Error| {
-            // The number that is none is found by its name, as a table has no lines.
+            // A table value has no line number, so the error names the key whose value is not a number.
             let is_number = |value: &Value| value.is_float() || value.is_integer();
             let plain = plain_message(error.message());
             let mut numbers = self.model.iter().filter(|(name, _)| *name != "travel");
@@ -121,25 +121,25 @@ impl DeviceFile {
         Ok(model)
     }
 
-    /// The effects that it switches in.
+    /// The effects that the file adds.
     pub fn effects(&self) -> &[Effect] {
         &self.with
     }
 
-    /// Whether it has settings of the control core and nothing else.
+    /// Whether the file has settings of the control core and nothing else.
     pub fn has_settings_alone(&self) -> bool {
         self.model.is_empty() && self.with.is_empty()
     }
 
-    /// Whether it has settings of the control core.
+    /// Whether the file has settings of the control core.
     pub fn has_settings(&self) -> bool {
         !self.settings.is_empty()
     }
 
-    /// Puts its settings into `settings`.
+    /// Applies the settings of the file to `settings`.
     ///
     /// # Errors
-    /// [`Failure::DeviceFile`] for a setting that is refused.
+    /// Returns [`Failure::DeviceFile`] for a setting that is refused.
     pub fn apply(&self, settings: &mut Settings) -> Result<(), Failure> {
         for (name, value) in &self.settings {
             settings
@@ -153,10 +153,10 @@ impl DeviceFile {
     }
 }
 
-/// Whether the file is what `paddle gap diagnose --save-model` wrote, which has a `format` and stands alone.
+/// Whether `paddle gap diagnose --save-model` wrote the file. Such a file has a key `format` and needs no base model.
 ///
 /// # Errors
-/// [`Failure::Recording`] for a file that is no text.
+/// Returns [`Failure::Recording`] for a file that is not text.
 pub fn stands_alone(path: &Path) -> Result<bool, Failure> {
     let text = read_text(path, CHECK_THE_NAME)?;
     Ok(text
@@ -164,10 +164,11 @@ pub fn stands_alone(path: &Path) -> Result<bool, Failure> {
         .is_ok_and(|table| table.contains_key("format")))
 }
 
-/// A model that `paddle gap diagnose --save-model` wrote. One that was saved with `--effects-only` takes the numbers of `base`.
+/// Reads a model that `paddle gap diagnose --save-model` wrote. A model that was saved with `--effects-only` takes its
+/// numbers from `base`.
 ///
 /// # Errors
-/// [`Failure`] for a file that cannot be used, such as one of effects alone without a `base`.
+/// Returns a [`Failure`] for a file that cannot be used, such as a file with effects only if there is no `base`.
 pub fn saved_model(path: &Path, base: Option<&Model>) -> Result<ModelFile, Failure> {
     let text = read_text(path, CHECK_THE_NAME)?;
     let wrong = |cause| Failure::ModelFile {
@@ -182,7 +183,7 @@ pub fn saved_model(path: &Path, base: Option<&Model>) -> Result<ModelFile, Failu
         return Err(Failure::EffectsAlone(path.to_owned()));
     };
     if table.get("format").and_then(Value::as_integer) != Some(1) {
-        // Its own reader says what is wrong.
+        // The parser of model files reports the error.
         return text.parse().map_err(wrong);
     }
     let failed = |message: &str| wrong(ModelFileError::Toml(plain_message(message)));
@@ -194,20 +195,20 @@ pub fn saved_model(path: &Path, base: Option<&Model>) -> Result<ModelFile, Failu
         .map_err(|error: toml::de::Error| failed(error.message()))
 }
 
-/// The text of a saved model without its `[model]`: the effects alone, for another nominal model.
+/// The text of a saved model without its `[model]`. Only the effects remain, for use with another nominal model.
 pub fn effects_alone(saved: &str) -> String {
     let mut is_model = false;
     let kept = saved.lines().filter(|line| {
         if line.starts_with('[') {
             is_model = *line == "[model]";
         }
-        // The angle of the recording's unit belongs to the model.
+        // The key `angle_rad` belongs to the model.
         !is_model && !line.starts_with("angle_rad")
     });
     kept.map(|line| format!("{line}\n")).collect()
 }
 
-/// Dotted names with their values as the console takes them.
+/// Lists dotted names with their values in the syntax of the console.
 fn flatten(prefix: &str, table: Table, into: &mut Vec<(String, String)>) {
     for (key, value) in table {
         let name = format!("{prefix}{key}");
@@ -220,7 +221,7 @@ fn flatten(prefix: &str, table: Table, into: &mut Vec<(String, String)>) {
     }
 }
 
-/// What a parser says of `text`, with the line.
+/// The message of a TOML error in `text`, with its line number.
 fn placed(error: &toml::de::Error, text: &str) -> String {
     let line = error
         .span()
@@ -229,5 +230,5 @@ fn placed(error: &toml::de::Error, text: &str) -> String {
     format!("{at}{}", plain_message(error.message()))
 }
 
-/// What to do about a file that cannot be opened.
+/// Remedy for a file that cannot be opened.
 pub const CHECK_THE_NAME: &str = "check the name";

@@ -1,10 +1,10 @@
-//! Whether the commands that README, docs and help show are commands of this program. `cargo xtask docs-test` runs them.
+//! Tests that the commands in README, docs and help exist. `cargo xtask docs-test` runs these commands.
 
 use crate::Cli;
 use clap::{Command, CommandFactory};
 use std::path::{Path, PathBuf};
 
-/// The pages, each with its text.
+/// The documentation pages with their texts.
 fn pages() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let listed = ["docs", "docs/effects"].into_iter().flat_map(|folder| {
@@ -22,18 +22,18 @@ fn pages() -> Vec<(PathBuf, String)> {
         .collect()
 }
 
-/// The words behind `paddle` or `cargo paddle`; `None` of what is no such command or has a shell's own words in it.
+/// The words after `paddle` or `cargo paddle`. Returns `None` for another command, and for a command with shell syntax.
 fn words(line: &str) -> Option<Vec<String>> {
     let line = line.trim().trim_start_matches("$ ");
     let line = line.strip_prefix("cargo ").unwrap_or(line);
     let is_exact = !line.contains(['$', '{', '…']) && !line.contains("...");
     let is_command = is_exact && (line == "paddle" || line.starts_with("paddle "));
-    // Where the output goes is the shell's.
+    // An output redirection belongs to the shell.
     let line = line.split(" > ").next().unwrap_or(line);
     is_command.then(|| shlex::split(line)).flatten()
 }
 
-/// Every command of a page's blocks, written over several lines or one.
+/// All commands in the code blocks of a page, on one line or on several.
 fn in_blocks(text: &str) -> Vec<Vec<String>> {
     let blocks = text.split("```").skip(1).step_by(2);
     let lines = blocks.flat_map(|block| {
@@ -43,7 +43,7 @@ fn in_blocks(text: &str) -> Vec<Vec<String>> {
     lines.collect()
 }
 
-/// Every command that a page names within a sentence.
+/// All commands in the sentences of a page.
 fn in_sentences(text: &str) -> Vec<Vec<String>> {
     let sentences: String = text.split("```").step_by(2).collect();
     let quoted = sentences.split('`').skip(1).step_by(2);
@@ -52,7 +52,7 @@ fn in_sentences(text: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The first word that is no command or option of the program.
+/// The first word that is not a command or option of the program.
 fn unknown(words: &[String]) -> Option<&str> {
     let mut command = Cli::command();
     command.build();
@@ -74,7 +74,7 @@ fn unknown(words: &[String]) -> Option<&str> {
 }
 
 #[test]
-fn every_command_in_a_block_is_understood() {
+fn every_command_in_a_code_block_parses() {
     let mut seen = 0;
     for (page, text) in pages() {
         for words in in_blocks(&text) {
@@ -106,7 +106,7 @@ fn every_command_in_a_sentence_has_words_that_exist() {
 }
 
 #[test]
-fn every_example_of_the_help_is_understood() {
+fn every_example_in_the_help_parses() {
     fn check(command: &Command, seen: &mut usize) {
         let help = command.get_after_help().map(ToString::to_string);
         for line in help.unwrap_or_default().lines() {
@@ -126,7 +126,7 @@ fn every_example_of_the_help_is_understood() {
 }
 
 #[test]
-fn an_option_that_does_not_exist_is_noticed() {
+fn an_unknown_option_is_detected() {
     let words = ["paddle", "gap", "look", "--loud"].map(String::from);
     assert_eq!(unknown(&words), Some("--loud"));
 }

@@ -1,4 +1,4 @@
-//! The page of each effect in `docs/effects`, generated from the effect's own definition.
+//! Generates the page of each effect in `docs/effects` from the definition of the effect.
 
 use crate::failure::Failure;
 use crate::plot::{Cloud, Scatter};
@@ -14,24 +14,24 @@ use host_sim::experiment::{self, Experiment};
 use host_sim::presets;
 use std::fmt::Write;
 
-/// Units of the paddle.
+/// Unit of the paddle's position.
 const POSITION: &str = "rad";
 const INPUT: &str = "N m";
-/// Duration of the experiment of every picture, s.
+/// Duration of the experiment in each picture, s.
 const DURATION_S: f64 = 8.0;
 const LOG_HZ: f64 = 1000.0;
 /// Prediction window that the recording states, s.
 const HORIZON_S: f64 = 0.5;
-/// Points of either direction in a picture, which must stay small.
+/// Most points per direction of motion in a picture, so that the file stays small.
 const MOST_POINTS: usize = 60;
-/// Share of the largest missing torque from which on an effect explains some of it.
+/// Share of the largest missing torque that an effect must explain for its line to be drawn.
 const LEAST_EXPLAINED: f64 = 1e-3;
 const GENERATED: &str = "<!-- Generated: cargo paddle effects --docs docs/effects -->\n\n";
 
-/// All files, by their names in the folder.
+/// All files with their names in the folder.
 ///
 /// # Errors
-/// [`Failure`] if a picture cannot be drawn.
+/// Returns a [`Failure`] if a picture cannot be drawn.
 pub fn files() -> Result<Vec<(String, String)>, Failure> {
     let all: Vec<Description> = descriptions().collect();
     let mut files = vec![("index.md".to_owned(), index(&all))];
@@ -98,7 +98,7 @@ fn page(effect: &Description, has_line: bool) -> String {
     text
 }
 
-/// What the line of a picture is, or why there is none.
+/// Describes the line in a picture, or why there is none.
 fn line(has_line: bool) -> &'static str {
     match has_line {
         true => "The line is the mean of what the effect adds to the model.",
@@ -109,7 +109,7 @@ fn line(has_line: bool) -> &'static str {
     }
 }
 
-/// What moves the paddle of a picture, and the numbers of its effect.
+/// Describes the excitation in a picture, and the parameters of its effect.
 fn shown_by(kind: &Kind, demonstration: &Demonstration) -> String {
     let moved = match demonstration.multisine {
         Multisine::Position {
@@ -143,7 +143,7 @@ fn shown_by(kind: &Kind, demonstration: &Demonstration) -> String {
     )
 }
 
-/// What moves the paddle, as `paddle sim multisine` takes it.
+/// The excitation as options of `paddle sim multisine`.
 fn options(multisine: Multisine) -> String {
     match multisine {
         Multisine::Position {
@@ -186,7 +186,7 @@ fn experiment(multisine: Multisine) -> Experiment {
     }
 }
 
-/// The effect with the numbers of its demonstration or else its first number, as `--with` takes it.
+/// The effect with the parameters of its demonstration, or else with its first parameter, as an argument of `--with`.
 fn switched_in(kind: &Kind, demonstration: &Demonstration) -> String {
     let first = kind.parameters.first().map(|p| (p.name, p.default));
     let numbers = match demonstration.numbers {
@@ -223,7 +223,7 @@ fn allowed(range: [f64; 2]) -> String {
     }
 }
 
-/// Over what a picture shows the torque.
+/// Describes the horizontal axis of a picture.
 fn over(axis: Axis) -> &'static str {
     match axis {
         Axis::Position => "over the position",
@@ -237,7 +237,7 @@ fn over(axis: Axis) -> &'static str {
     }
 }
 
-/// The list of related effects; empty if there are none.
+/// The list of related effects. It is empty if there are none.
 fn confused_with(effect: &Description) -> String {
     let relations = [
         ("For some of its numbers it is", &effect.special_cases),
@@ -261,7 +261,7 @@ fn confused_with(effect: &Description) -> String {
     text
 }
 
-/// The torque that the nominal model lacks of a paddle with the effect; with a line if the effect explains some of it.
+/// The torque that the nominal model lacks for a paddle with the effect. A line is added if the effect explains part of it.
 fn picture(effect: &Description) -> Result<Scatter, Failure> {
     let kind = effect.kind;
     let value = |parameter: &Parameter| {

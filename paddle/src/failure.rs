@@ -1,11 +1,11 @@
-//! Why a command cannot do what it is asked, in one line with the mend.
+//! Reasons why a command fails, as one line with a remedy.
 
 use crate::plot::PlotError;
 use haptic_paddle::safety::Fault;
 use haptic_paddle::settings::{FIELDS, SettingError};
 use std::path::{Path, PathBuf};
 
-/// Why a command stops.
+/// Reason why a command fails.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// The recording cannot be used.
@@ -14,26 +14,26 @@ pub enum Failure {
     /// A log cannot be imported.
     #[error(transparent)]
     Import(#[from] import::ImportError),
-    /// The user does not agree with the roles that were guessed from a log.
+    /// The user did not accept the columns that were guessed from a log.
     #[error("nothing was written; say what the columns are by --time, --input and --position")]
     NotConfirmed,
-    /// A column of it is in another unit than its model.
+    /// The unit of a column differs from the unit of its model.
     #[error("{}: {mistake}", .folder.display())]
     Unit {
-        /// The recording.
+        /// Folder of the recording.
         folder: PathBuf,
-        /// Which.
+        /// The wrong unit.
         mistake: gap::UnitMistake,
     },
-    /// An effect cannot be understood.
+    /// The text of an effect cannot be parsed.
     #[error(transparent)]
     Effect(#[from] host_sim::effects::EffectError),
-    /// A file that is to define an effect.
+    /// A file does not define an effect correctly.
     #[error("{}: {cause}", .path.display())]
     OwnEffect {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and the mend.
+        /// The cause and a remedy.
         cause: gap::effects::OwnEffectError,
     },
     /// A chart cannot be drawn.
@@ -44,17 +44,17 @@ pub enum Failure {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A place named on the command line where nothing can be written.
+    /// A path on the command line cannot be written.
     #[error("{option} {}: {why}", .path.display())]
     Target {
-        /// The option.
+        /// The option that names the path.
         option: &'static str,
-        /// The place.
+        /// The path.
         path: PathBuf,
-        /// Why, and the mend.
+        /// The cause and a remedy.
         why: String,
     },
     /// A file cannot be written.
@@ -62,30 +62,30 @@ pub enum Failure {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Text after --set that sets nothing.
+    /// Text after --set without a name and a value.
     #[error("--set '{0}' is not NAME=VALUE; write for instance --set pid.setpoint_weight=0.5")]
     NotASetting(String),
-    /// A setting that the core refuses.
+    /// A setting that the control core refuses.
     #[error("{0}")]
     Setting(String),
-    /// A loop that cannot start.
+    /// A closed loop that cannot start.
     #[error(transparent)]
     Loop(#[from] host_sim::closed_loop::LoopError),
     /// An experiment that cannot be carried out.
     #[error(transparent)]
     Experiment(#[from] host_sim::experiment::ExperimentError),
-    /// The controller stopped an experiment whose end is needed.
+    /// The controller stopped an experiment before its required end.
     #[error("the paddle stopped at {:.0} ms: {fault}; ask for a smaller amplitude, or for lower gains", 1e3 * .time_s)]
     Stopped {
-        /// When, s.
+        /// Time of the stop, s.
         time_s: f64,
-        /// Why.
+        /// Cause of the stop.
         fault: Fault,
     },
-    /// A loop that no proportional gain keeps swinging.
+    /// No proportional gain sustains an oscillation of the loop.
     #[error(
         "no proportional gain up to {0} N m/deg keeps it swinging; raise --amplitude, or lower the friction"
     )]
@@ -95,24 +95,24 @@ pub enum Failure {
         "no gains were found that meet the specification; the best miss it as shown: ask for less, or narrow the spread"
     )]
     OutOfReach,
-    /// Rows of the reproduced report that miss their bars.
+    /// Rows of the reproduced report are outside their bars.
     #[error("{missed} of {barred} rows with a bar miss it")]
     Missed {
-        /// Number of rows that miss their bar.
+        /// Number of rows outside their bars.
         missed: usize,
-        /// All with a bar.
+        /// Number of rows with a bar.
         barred: usize,
     },
-    /// The blind check cannot go on.
+    /// The blind check cannot continue.
     #[error(transparent)]
     Blind(#[from] blind::CheckError),
-    /// What stands there may be a measurement.
+    /// The folder contains a recording, which may be a measurement.
     #[error("{} holds a recording already, which would be lost; name another folder", .0.display())]
     HoldsRecording(PathBuf),
-    /// No recording where one is looked for.
+    /// A folder contains no recording.
     #[error("{} holds no recording; name a folder with recording.toml in it or below it", .0.display())]
     NoRecording(PathBuf),
-    /// No lab recording where some are said to be.
+    /// A folder contains no recording of the lab.
     #[error("--recorded {} holds neither sine-0011 nor steps-encoder; name the folder that has them", .0.display())]
     NotRecorded(PathBuf),
     /// Some recordings of a batch could not be used.
@@ -120,7 +120,7 @@ pub enum Failure {
     Batch {
         /// Number of recordings that could not be used.
         failed: usize,
-        /// All.
+        /// Number of all recordings.
         all: usize,
     },
     /// The virtual board cannot be run as asked.
@@ -131,50 +131,50 @@ pub enum Failure {
     Image {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and the mend.
+        /// The cause and a remedy.
         source: virtual_board::image::ImageError,
     },
-    /// The virtual board can go no further.
+    /// The virtual board cannot continue.
     #[error(transparent)]
     Halt(#[from] virtual_board::board::Halt),
-    /// The board at the other end of the serial port.
+    /// The board at the serial port failed.
     #[error(transparent)]
     Device(#[from] remote::DeviceError),
-    /// The program is at fault.
+    /// The diagnosis stopped because of a defect of the program.
     #[error("the diagnosis broke off on a fault of the program; report it with the recording")]
     Fault,
-    /// A model in other units of position than those of simulators.
+    /// The unit of the model's positions is not one of the units of simulators.
     #[error("{}: its positions are neither in rad nor in m, as simulators take them; diagnose a recording in these", .0.display())]
     NotSi(PathBuf),
-    /// No diagnosis where some are looked for.
+    /// A folder contains no diagnosis.
     #[error("{} holds no diagnosis; name what `paddle gap diagnose --batch` left", .0.display())]
     NoResults(PathBuf),
-    /// A model file without numbers where there is no recording to take them from.
+    /// The model file has no numbers, and there is no recording to take them from.
     #[error(
         "{} holds effects alone; give a model that was saved without --effects-only, or use it with a recording: paddle gap measure RECORDING --model", .0.display()
     )]
     EffectsAlone(PathBuf),
-    /// A model file that is not as it should be.
+    /// A model file is invalid.
     #[error("{}: {cause}", .path.display())]
     ModelFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and the mend.
+        /// The cause and a remedy.
         cause: gap::model_file::ModelFileError,
     },
-    /// A device file that is not as it should be.
+    /// A device file is invalid.
     #[error("{}: {cause}", .path.display())]
     DeviceFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong, and the mend.
+        /// The cause and a remedy.
         cause: String,
     },
 }
 
 /// Exit status for input that could not be used.
 pub const BAD_INPUT: u8 = 2;
-/// Exit status of a check or a search that found something amiss.
+/// Exit status of a check that failed and of a search without a result.
 const CHECK_MISSED: u8 = 1;
 
 impl Failure {
@@ -186,7 +186,7 @@ impl Failure {
         }
     }
 
-    /// The setting called `name` was refused.
+    /// The setting `name` was refused.
     pub fn setting(name: &str, error: SettingError) -> Self {
         Self::Setting(match error {
             SettingError::Unknown => {
@@ -200,7 +200,7 @@ impl Failure {
         })
     }
 
-    /// For `map_err` after writing to `path`.
+    /// Error conversion for `map_err` after writing to `path`.
     pub fn write<P: AsRef<Path>>(path: P) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Write {
             path: path.as_ref().to_owned(),
@@ -208,7 +208,7 @@ impl Failure {
         }
     }
 
-    /// For `map_err` after reading from `path`.
+    /// Error conversion for `map_err` after reading from `path`.
     pub fn read<P: AsRef<Path>>(path: P) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Read {
             path: path.as_ref().to_owned(),

@@ -1,11 +1,12 @@
-//! Files that a command leaves behind.
+//! Output files of a command.
 
 use crate::failure::Failure;
 use crate::plot::PlotError;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// A folder to be filled, what was put there, and what could not be. What cannot be written costs nothing else.
+/// An output folder, the files written to it, and the files that could not be written. A file that cannot be written does
+/// not prevent the others.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -14,7 +15,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// The folder `path`, made as soon as a file is put into it.
+    /// The folder `path`, which is created when the first file is written.
     pub fn new(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
@@ -23,7 +24,7 @@ impl Folder {
         }
     }
 
-    /// Puts a file of this name and text into it; the name may lead through further folders.
+    /// Writes a file with this name and text. The name may contain subfolders.
     pub fn put(&mut self, name: impl AsRef<Path>, text: &str) {
         let path = self.path.join(name);
         match leave(&path, text) {
@@ -32,7 +33,7 @@ impl Folder {
         }
     }
 
-    /// Puts a drawing into it, if that could be drawn.
+    /// Writes a drawing, if it could be drawn.
     pub fn draw(&mut self, name: impl AsRef<Path>, drawing: Result<String, PlotError>) {
         match drawing {
             Ok(text) => self.put(name, &text),
@@ -40,26 +41,26 @@ impl Folder {
         }
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The files that were put there, in their order.
+    /// The written files, in the order of writing.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }
 
-    /// Why others are not there.
+    /// Failures of the files that could not be written.
     pub fn lost(self) -> Vec<Failure> {
         self.lost
     }
 }
 
-/// Writes `text` to the file `path`, in place of what there was; its folder is made if it is not there.
+/// Writes `text` to the file `path` and replaces an existing file. Creates the folder of the file if necessary.
 ///
 /// # Errors
-/// [`Failure::Write`].
+/// Returns [`Failure::Write`] if the file cannot be written.
 pub fn leave(path: &Path, text: &str) -> Result<(), Failure> {
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(Failure::write(parent))?;
@@ -67,7 +68,7 @@ pub fn leave(path: &Path, text: &str) -> Result<(), Failure> {
     std::fs::write(path, text).map_err(Failure::write(path))
 }
 
-/// Text of a CSV file of columns of one length.
+/// Text of a CSV file with columns of equal length.
 pub fn csv(columns: &[(&str, &[f64])]) -> String {
     let names: Vec<_> = columns.iter().map(|(name, _)| *name).collect();
     let mut text = names.join(",") + "\n";
@@ -83,11 +84,11 @@ pub fn csv(columns: &[(&str, &[f64])]) -> String {
     text
 }
 
-/// Steps of a logged number in its unit: finer than the noise of every sensor.
+/// Resolution of a logged number: steps per unit. The step is smaller than the noise of every sensor.
 const STEPS_PER_UNIT: f64 = 1e9;
 
-/// `value` without digits that mean nothing.
+/// Rounds `value` to the resolution of a logged number.
 pub fn logged(value: f64) -> f64 {
-    // Adding 0 makes -0 to 0.
+    // Adding 0 converts -0 to 0.
     (value * STEPS_PER_UNIT).round() / STEPS_PER_UNIT + 0.0
 }

@@ -1,4 +1,4 @@
-//! The user's wish to end: Ctrl-C, or a signal that asks for it.
+//! Interruption by the user: Ctrl-C, or a signal that asks the program to end.
 
 use crate::failure::Failure;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -6,30 +6,30 @@ use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Set once the user wants to end. Who asks a second time is served at once.
+/// A flag that is set when the user interrupts the program. A second interruption ends the program immediately.
 pub struct Interrupt(Arc<AtomicBool>);
 
-/// Exit status of a program that a second wish ends.
+/// Exit status after a second interruption.
 const ENDED: i32 = 130;
 
 impl Interrupt {
-    /// From now on a wish to end ends nothing by itself.
+    /// From now on a first interruption only sets the flag.
     ///
     /// # Errors
-    /// [`Failure::Board`] if the system has no signals.
+    /// Returns [`Failure::Board`] if the signal handlers cannot be installed.
     pub fn watched() -> Result<Self, Failure> {
-        let wished = Arc::new(AtomicBool::new(false));
+        let requested = Arc::new(AtomicBool::new(false));
         for signal in [SIGINT, SIGTERM, SIGHUP] {
-            // In this order: the first signal finds the flag unset.
-            flag::register_conditional_shutdown(signal, ENDED, Arc::clone(&wished))
-                .and_then(|_| flag::register(signal, Arc::clone(&wished)))
+            // The order matters: at the first signal the flag is not set yet.
+            flag::register_conditional_shutdown(signal, ENDED, Arc::clone(&requested))
+                .and_then(|_| flag::register(signal, Arc::clone(&requested)))
                 .map_err(|error| Failure::Board(format!("signals cannot be caught: {error}")))?;
         }
-        Ok(Self(wished))
+        Ok(Self(requested))
     }
 
-    /// Whether the user wants to end.
-    pub fn is_wished(&self) -> bool {
+    /// Whether the user has interrupted the program.
+    pub fn is_requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }

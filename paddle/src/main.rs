@@ -1,4 +1,4 @@
-//! Command line of the haptic paddle: simulate, measure the gap, diagnose it.
+//! Command line of the haptic paddle: simulates, measures the gap, and diagnoses it.
 
 mod answer;
 mod commands;
@@ -29,7 +29,7 @@ use std::io::Write;
 use std::process::ExitCode;
 use targets::{Target, Use};
 
-/// Place in the help of what all commands have.
+/// Position of the common options in the help.
 const LAST: usize = 900;
 
 /// Haptic paddle: simulate it, measure the gap between a simulation and a recording.
@@ -38,7 +38,7 @@ const LAST: usize = 900;
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Write the result as JSON to this file; `-` is standard output, and nothing else then goes there.
+    /// Write the result as JSON to this file; with `-`, write only the JSON to standard output.
     #[arg(long, global = true, value_name = "FILE|-", display_order = LAST)]
     json: Option<JsonTo>,
 }
@@ -48,15 +48,15 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(refusal) => return refuse(&refusal),
     };
-    let amiss = done(&cli).unwrap_or_else(|failure| vec![failure]);
-    for failure in &amiss {
+    let problems = done(&cli).unwrap_or_else(|failure| vec![failure]);
+    for failure in &problems {
         complain(&failure.to_string());
     }
-    let status = amiss.iter().map(Failure::status).max();
+    let status = problems.iter().map(Failure::status).max();
     status.map_or(ExitCode::SUCCESS, ExitCode::from)
 }
 
-/// Does what was asked; what of it is missing is returned.
+/// Runs the command. Returns the failures that left parts of the result missing.
 fn done(cli: &Cli) -> Result<Vec<Failure>, Failure> {
     let json = match &cli.json {
         Some(JsonTo::File(path)) => Target::of("--json", Use::File, path),
@@ -66,16 +66,16 @@ fn done(cli: &Cli) -> Result<Vec<Failure>, Failure> {
     let _held = targets::check(&targets.collect::<Vec<_>>())?;
     let mut answer = progress::shown(|| cli.command.run())?;
     answer.give(cli.json.as_ref());
-    Ok(answer.amiss)
+    Ok(answer.problems)
 }
 
-/// Shows help where it was asked for, else says in one line what is wrong with the command line.
+/// Prints help if it was requested, else a one-line message about the error in the command line.
 fn refuse(refusal: &clap::Error) -> ExitCode {
     use clap::error::ErrorKind::{
         DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion,
     };
     if matches!(refusal.kind(), DisplayHelp | DisplayVersion) {
-        // Nobody is left to be told if standard output is closed.
+        // If standard output is closed, there is no reader.
         let _ = refusal.print();
         return ExitCode::SUCCESS;
     }
@@ -95,6 +95,6 @@ fn refuse(refusal: &clap::Error) -> ExitCode {
 }
 
 fn complain(text: &str) {
-    // As above, of standard error.
+    // If standard error is closed, there is no reader.
     let _ = writeln!(std::io::stderr(), "paddle: {text}");
 }

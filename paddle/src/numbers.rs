@@ -1,18 +1,18 @@
-//! Numbers on the command line: read, or refused with what they must be.
+//! Parses numbers on the command line. The error message states the allowed values.
 
 use std::str::FromStr;
 
-/// Any number that is one.
+/// A finite number.
 pub fn finite(text: &str) -> Result<f64, String> {
     number(text, |_| true, "a number")
 }
 
-/// Above 0.
+/// A number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
     number(text, |value| value > 0.0, "a number above 0")
 }
 
-/// A setting of the control core, which has bounds of its own.
+/// A setting of the control core, which checks the range itself.
 pub fn setting(text: &str) -> Result<f32, String> {
     let value = finite(text)? as f32;
     if value.is_finite() {
@@ -22,12 +22,12 @@ pub fn setting(text: &str) -> Result<f32, String> {
     }
 }
 
-/// A seed.
+/// A non-negative integer, such as a seed.
 pub fn whole(text: &str) -> Result<u64, String> {
     whole_from(text, 0)
 }
 
-/// How many of something that there must be at least one of.
+/// A positive integer, such as a count.
 pub fn count(text: &str) -> Result<u64, String> {
     whole_from(text, 1)
 }

@@ -1,4 +1,4 @@
-//! Which paddle is simulated.
+//! Selects the simulated paddle.
 
 use crate::device_file::{self, DeviceFile};
 use crate::failure::Failure;
@@ -18,12 +18,12 @@ pub enum PlantChoice {
     Nominal,
     /// The model refitted to the lab's step logs.
     Refit,
-    /// A saved model, or what differs from the nominal one.
+    /// A saved model, or a file with the changes from the nominal model.
     File(PathBuf),
 }
 
 impl PlantChoice {
-    /// The file, if it is one.
+    /// The file, if the paddle is selected by file.
     pub fn file(&self) -> Option<&PathBuf> {
         match self {
             Self::File(path) => Some(path),
@@ -54,28 +54,28 @@ impl std::fmt::Display for PlantChoice {
     }
 }
 
-/// What a choice comes to.
+/// The selected paddle with its settings.
 #[derive(Debug)]
 pub struct Plant {
-    /// What is simulated.
+    /// The simulated device.
     pub device: Device,
-    /// What a recording of it states as its nominal model.
+    /// The nominal model of a recording of the device.
     pub model: Model,
     /// Settings of the control core.
     pub settings: Settings,
-    /// What of a file could not be used, lines ended.
+    /// Warnings about parts of the file that could not be used. Every line ends with a newline.
     pub warnings: String,
-    /// Effects that a file switches in.
+    /// Effects that the file adds.
     pub with: Vec<Effect>,
-    /// Whether a file had settings of the control core.
+    /// Whether the file has settings of the control core.
     pub has_settings: bool,
 }
 
 impl Plant {
-    /// Switches further effects in.
+    /// Adds further effects.
     ///
     /// # Errors
-    /// [`Failure::Effect`] if one is there twice.
+    /// Returns [`Failure::Effect`] if an effect is added twice.
     pub fn install(&mut self, effects: &[Effect]) -> Result<(), Failure> {
         check_distinct(self.with.iter().chain(effects))?;
         for effect in effects {
@@ -86,10 +86,10 @@ impl Plant {
 }
 
 impl PlantChoice {
-    /// The paddle and the settings that come with it.
+    /// Loads the paddle and its settings.
     ///
     /// # Errors
-    /// [`Failure`] for a file that cannot be used.
+    /// Returns a [`Failure`] if the file cannot be used.
     pub fn load(&self) -> Result<Plant, Failure> {
         let model = presets::nominal();
         let mut settings = Settings::default();

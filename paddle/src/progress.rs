@@ -1,4 +1,4 @@
-//! A sign of life on standard error: what is being done, for how long, and how long it may still take.
+//! Progress on standard error: the current stage, the elapsed time, and the estimated remaining time.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::Write;
@@ -7,11 +7,11 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Work that is done by then shows nothing.
+/// Work that takes less than this time shows no progress.
 const PATIENCE: Duration = Duration::from_secs(2);
 const TICK: Duration = Duration::from_millis(100);
 
-/// There is one standard error.
+/// The only progress line of the process, because there is one standard error.
 static SPINNER: LazyLock<ProgressBar> = LazyLock::new(|| {
     let style = ProgressStyle::with_template("{spinner} {prefix}{msg}, {elapsed}");
     ProgressBar::new_spinner()
@@ -19,20 +19,20 @@ static SPINNER: LazyLock<ProgressBar> = LazyLock::new(|| {
         .with_message("working")
 });
 
-/// A stage, the part of it that is done, and its start.
+/// The measurable work that is in progress.
 static WORK: Mutex<Option<Work>> = Mutex::new(None);
 
-/// Work of which it is known how much of it is done.
+/// Work whose completed share is known.
 #[derive(Clone, Copy)]
 struct Work {
     begun: Instant,
-    /// Share of the whole that was done at the time `seen`, 0 to 1.
+    /// Completed share of the work at the time `seen`, 0 to 1.
     done: f64,
     seen: Instant,
 }
 
 impl Work {
-    /// How long it will still take at the pace up to now; none as long as that says nothing.
+    /// Estimated remaining time at the mean speed so far. Returns `None` as long as the share is too small for an estimate.
     fn left(&self, now: Instant) -> Option<Duration> {
         let took_s = self.seen.duration_since(self.begun).as_secs_f64();
         if self.done < LEAST_DONE || took_s == 0.0 {
@@ -44,10 +44,10 @@ impl Work {
     }
 }
 
-/// Share of a work from which on it tells of the rest.
+/// Smallest completed share for an estimate of the remaining time.
 const LEAST_DONE: f64 = 0.03;
 
-/// Does `work`, with the time that it takes shown on a terminal once it takes long.
+/// Runs `work`. If it takes long, shows the elapsed time on a terminal.
 pub fn shown<T>(work: impl FnOnce() -> T) -> T {
     SPINNER.reset_elapsed();
     let (working, done) = channel::<()>();
@@ -72,7 +72,7 @@ pub fn shown<T>(work: impl FnOnce() -> T) -> T {
 /// The stage that was reported last.
 static DOING: Mutex<String> = Mutex::new(String::new());
 
-/// What is shown now.
+/// The text of the progress line.
 fn message() -> String {
     let doing = DOING.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let work = *WORK.lock().unwrap_or_else(PoisonError::into_inner);
@@ -87,17 +87,17 @@ fn message() -> String {
     }
 }
 
-/// Says on a terminal which of many things is worked on.
+/// Shows which of several items is in progress.
 pub fn within(which: &str) {
     SPINNER.set_prefix(format!("{which}: "));
 }
 
-/// Says on a terminal what is being done.
+/// Shows the current stage.
 pub fn doing(what: String) {
     *DOING.lock().unwrap_or_else(PoisonError::into_inner) = what;
 }
 
-/// Begins a work of which [`part_done`] will tell how much is done.
+/// Starts the time estimate of a work whose share is reported by [`part_done`].
 pub fn begin() {
     let now = Instant::now();
     let begun = Work {
@@ -108,7 +108,7 @@ pub fn begin() {
     *WORK.lock().unwrap_or_else(PoisonError::into_inner) = Some(begun);
 }
 
-/// Says how much of the work that was begun last is done, 0 to 1.
+/// Reports the completed share of the work, 0 to 1.
 pub fn part_done(done: f64) {
     let mut work = WORK.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(work) = work.as_mut() {
@@ -116,26 +116,26 @@ pub fn part_done(done: f64) {
     }
 }
 
-/// From now on shows nothing: the terminal is somebody else's.
+/// Stops the progress line, because another program part uses the terminal.
 pub fn hide() {
     SPINNER.set_draw_target(ProgressDrawTarget::hidden());
 }
 
-/// Leaves a line about a part that is done, once the whole takes long.
+/// Prints a line about a finished part, if the work takes long.
 pub fn done(line: &str) {
     if SPINNER.elapsed() >= PATIENCE {
         SPINNER.suspend(|| eprintln!("{line}"));
     }
 }
 
-/// Leaves a line on standard error, as something takes long.
+/// Prints a line on standard error.
 pub fn note(line: &str) {
     SPINNER.suspend(|| eprintln!("{line}"));
 }
 
-/// Leaves a line on standard output.
+/// Prints a line on standard output.
 pub fn say(line: &str) {
-    // Nobody is left to be told if standard output is closed.
+    // If standard output is closed, there is no reader.
     SPINNER.suspend(|| drop(writeln!(std::io::stdout(), "{line}")));
 }
 
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_time_left_goes_by_the_pace_and_runs_down_between_two_looks() {
+    fn the_remaining_time_follows_from_the_mean_speed_and_decreases_between_reports() {
         let begun = Instant::now();
         let seen = begun + Duration::from_secs(10);
         let work = |done| Work { begun, done, seen };

@@ -1,4 +1,4 @@
-//! Where a result comes from: which program, called how and when, on which bytes.
+//! Provenance of a result: program version, command, time, and checksums of the input files.
 
 use crate::failure::Failure;
 use chrono::{SecondsFormat, Utc};
@@ -10,28 +10,28 @@ use std::path::Path;
 
 const MANIFEST: &str = "recording.toml";
 
-/// Where a result comes from.
+/// Provenance of a result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Provenance {
     /// Version of this program.
     pub version: &'static str,
-    /// The commit from which the program was built, with `-dirty` behind it if files differed; `unknown` outside a
-    /// repository.
+    /// The commit from which the program was built, with the suffix `-dirty` if files differed from it. It is `unknown`
+    /// outside a repository.
     pub commit: &'static str,
     /// The command as it was typed, quoted for a shell.
     pub command: String,
     /// Time of the call, in UTC (RFC 3339).
     pub time: String,
-    /// What was read.
+    /// The input files.
     pub files: Vec<InputFile>,
 }
 
-/// A file that was read.
+/// An input file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct InputFile {
-    /// Its name within the folder of the recording.
+    /// Name of the file, relative to the folder of the recording.
     pub file: String,
-    /// SHA-256 of its bytes, in hexadecimal digits.
+    /// SHA-256 of the file's bytes, in hexadecimal digits.
     pub sha256: String,
 }
 
@@ -39,7 +39,7 @@ impl Provenance {
     /// The provenance of a result of this call on the recording in `folder`.
     ///
     /// # Errors
-    /// [`Failure::Read`] for a file that cannot be read.
+    /// Returns [`Failure::Read`] if a file cannot be read.
     pub fn of(folder: &Path, recording: &Recording) -> Result<Self, Failure> {
         let runs = recording.runs.iter().map(|run| run.file.as_str());
         let files = [MANIFEST].into_iter().chain(runs);
@@ -53,10 +53,10 @@ impl Provenance {
         })
     }
 
-    /// This provenance with a further file that was read.
+    /// Adds a further input file.
     ///
     /// # Errors
-    /// [`Failure::Read`] if it cannot be read.
+    /// Returns [`Failure::Read`] if the file cannot be read.
     pub fn and(mut self, path: &Path) -> Result<Self, Failure> {
         self.files
             .push(InputFile::read(&path.display().to_string(), path)?);
@@ -64,7 +64,7 @@ impl Provenance {
     }
 }
 
-/// Bytes of a file that are held at once.
+/// Bytes of a file that are in memory at once.
 const PART_BYTES: usize = 1 << 16;
 
 impl InputFile {
@@ -91,7 +91,7 @@ impl InputFile {
     }
 }
 
-/// The arguments as a shell would be given them, the program by its name alone.
+/// The command line quoted for a shell. The program is given by its name without its folder.
 fn command(arguments: impl Iterator<Item = String>) -> String {
     let words = arguments.enumerate().map(|(place, word)| match place {
         0 => Path::new(&word)
@@ -103,7 +103,7 @@ fn command(arguments: impl Iterator<Item = String>) -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// One made by hand, for tests.
+/// A provenance for tests.
 #[cfg(test)]
 pub fn example() -> Provenance {
     Provenance {

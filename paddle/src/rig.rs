@@ -1,4 +1,4 @@
-//! A board on a serial port, made ready for experiments.
+//! Prepares a board on a serial port for experiments.
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -9,39 +9,39 @@ use haptic_paddle::settings::Settings;
 use remote::{Device, DeviceError, Plan, Progress, SerialWire, Taken, Wire, take};
 use std::fmt::Write;
 
-/// Rows a second where nothing is said: 20 for the shortest time constant of the paddle that shows.
+/// Default rows per second: 20 per shortest visible time constant of the paddle.
 pub const ROWS_HZ: f64 = 1000.0;
 
-/// The board.
+/// A board that is ready for experiments.
 pub struct Rig<W: Wire = SerialWire> {
-    /// It.
+    /// The connection to the board.
     pub device: Device<W>,
-    /// Its settings when it was made ready.
+    /// The settings of the board when it was prepared.
     pub settings: Settings,
-    /// What it says of its firmware.
+    /// The firmware version that the board reports.
     version: String,
     port: String,
     begun: String,
-    /// What was done, for people.
+    /// The executed experiments as text.
     log: Vec<String>,
 }
 
 impl Rig {
-    /// As [`Self::on`], of the board on a serial port.
+    /// Opens the serial port and prepares the board as [`Self::on`] does.
     ///
     /// # Errors
-    /// [`Failure::Device`].
+    /// Returns [`Failure::Device`] if the board does not answer.
     pub fn open(port: &str) -> Result<Self, Failure> {
         Self::on(SerialWire::open(port)?, port)
     }
 }
 
 impl<W: Wire> Rig<W> {
-    /// Finds the board on `wire`, gives its encoder a zero by the Hall sensor if it has none, and from now on it disarms
-    /// where this program falls silent. `port` is what people call the wire.
+    /// Connects to the board on `wire`. If the encoder has no reference, calibrates it with the Hall sensor. Activates the
+    /// host watchdog, so that the board disarms if this program stops. `port` is the name of the connection for the user.
     ///
     /// # Errors
-    /// [`Failure::Device`].
+    /// Returns [`Failure::Device`] if the board does not answer.
     pub fn on(wire: W, port: &str) -> Result<Self, Failure> {
         progress::doing(format!("looking for the board on {port}"));
         let mut device = Device::find(wire)?;
@@ -69,10 +69,10 @@ impl<W: Wire> Rig<W> {
         })
     }
 
-    /// Carries an experiment out.
+    /// Runs an experiment.
     ///
     /// # Errors
-    /// [`DeviceError`].
+    /// Returns [`DeviceError`] if the board refuses the experiment or is lost.
     pub fn take(
         &mut self,
         plan: &Plan,
@@ -92,17 +92,17 @@ impl<W: Wire> Rig<W> {
         taken
     }
 
-    /// Leaves the board to a person at a terminal.
+    /// Hands the board over to a user at a terminal.
     ///
     /// # Errors
-    /// [`DeviceError`] if it is gone.
+    /// Returns [`DeviceError`] if the board does not answer.
     pub fn leave(&mut self) -> Result<(), DeviceError> {
         self.device.command("disarm")?;
         self.device.steer(false)?;
         self.device.slow_down()
     }
 
-    /// What was done with which board and settings, as TOML.
+    /// The board, its settings and the executed experiments, as TOML.
     pub fn account(&self) -> String {
         let mut text = String::new();
         let quoted = |text: &str| toml::Value::from(text).to_string();
@@ -124,7 +124,7 @@ impl<W: Wire> Rig<W> {
     }
 }
 
-/// The progress of a run, beside the user's wish to end.
+/// Shows the progress of a run and checks for an interruption by the user.
 struct Shown<'a>(&'a Interrupt);
 
 impl Progress for Shown<'_> {
@@ -133,6 +133,6 @@ impl Progress for Shown<'_> {
     }
 
     fn ends(&self) -> bool {
-        self.0.is_wished()
+        self.0.is_requested()
     }
 }

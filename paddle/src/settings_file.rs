@@ -1,9 +1,9 @@
-//! Settings of the control core as a TOML file: the `[settings]` of a device file, one line each.
+//! Settings of the control core as a TOML file: the `[settings]` of a device file, one setting per line.
 
 use haptic_paddle::settings::{FIELDS, Field, Settings};
 use std::fmt::Write;
 
-/// All settings, each with its unit as a remark.
+/// All settings, each with its unit in a comment.
 pub fn text(settings: &Settings) -> String {
     let mut text = "[settings]\n".to_owned();
     for field in FIELDS {
@@ -16,7 +16,7 @@ pub fn text(settings: &Settings) -> String {
     text
 }
 
-/// A setting as TOML has it: a choice is a text.
+/// The value of a setting in TOML syntax. A choice is a string.
 fn value(field: &'static Field, settings: &Settings) -> String {
     let value = field.shown(settings).value().to_string();
     match value.parse::<f64>() {
@@ -25,18 +25,18 @@ fn value(field: &'static Field, settings: &Settings) -> String {
     }
 }
 
-/// A setting that differs.
+/// A setting with two different values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Its name.
+    /// Name of the setting.
     pub name: &'static str,
-    /// Its unit, empty for none.
+    /// Unit of the setting. It is empty if there is none.
     pub unit: &'static str,
-    /// As the console writes it, before and after.
+    /// The two values in the syntax of the console.
     pub values: [String; 2],
 }
 
-/// What differs from one to the other, in the order of the console.
+/// The settings that differ, in the order of the console.
 pub fn differences(from: &Settings, to: &Settings) -> Vec<Difference> {
     FIELDS
         .iter()
@@ -49,7 +49,7 @@ pub fn differences(from: &Settings, to: &Settings) -> Vec<Difference> {
         .collect()
 }
 
-/// For people, a line each.
+/// The differences as text, one line each.
 pub fn told(differences: &[Difference]) -> String {
     let lines = differences.iter().map(|difference| {
         let [before, after] = &difference.values;
@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_differs_is_told_and_nothing_else() {
+    fn only_settings_that_differ_are_listed() {
         let mut changed = Settings::default();
         changed.set("pid.kp", "0.06").unwrap();
         changed.set("estimate.sensor", "hall").unwrap();

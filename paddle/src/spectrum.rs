@@ -1,10 +1,10 @@
-//! Spectrum of a signal by averaged periodograms.
+//! Spectrum of a signal by Welch's method.
 
 use std::f64::consts::TAU;
 
-/// Amplitude density, unit per root hertz, over frequency in Hz, one-sided and without the mean: Hann windows of
-/// `length` samples that overlap by half (P. D. Welch, IEEE Transactions on Audio and Electroacoustics 15, 1967).
-/// Empty if the signal is shorter than one window.
+/// One-sided amplitude density, in the unit of the signal per root hertz, over frequency in Hz, without the mean. The method
+/// averages Hann windows of `length` samples that overlap by half (P. D. Welch, IEEE Transactions on Audio and
+/// Electroacoustics 15, 1967). The result is empty if the signal is shorter than one window.
 pub fn amplitude_density(signal: &[f64], sample_hz: f64, length: usize) -> Vec<(f64, f64)> {
     let window: Vec<_> = (0..length)
         .map(|i| 0.5 - 0.5 * (TAU * i as f64 / length as f64).cos())
@@ -48,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_density_adds_up_to_the_variance() {
+    fn the_integral_of_the_density_is_the_variance() {
         let signal: Vec<_> = (0..4096)
             .map(|i| 3.0 + 2f64.sqrt() * (TAU * 50.3 * f64::from(i) / 1000.0).sin())
             .collect();

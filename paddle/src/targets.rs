@@ -1,4 +1,4 @@
-//! What a command is going to write, looked at before the work: nothing is lost for want of a place.
+//! Checks the output paths of a command before its work, so that no result is lost because a path cannot be written.
 
 use crate::failure::Failure;
 use rustix::fs::OFlags;
@@ -7,32 +7,32 @@ use std::io::{ErrorKind, Write};
 use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
-/// What a path on the command line is for.
+/// Purpose of a path on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Use {
-    /// It is read, so nothing may be written there.
+    /// The path is read, so it must not be overwritten.
     Read,
-    /// A file is written there, in place of what there was.
+    /// A file is written at the path and replaces an existing file.
     File,
-    /// Files are put into this folder.
+    /// Files are written into the folder.
     Folder,
-    /// Files are put into this folder, which must not hold a recording: that may be a measurement.
+    /// Files are written into the folder, which must not contain a recording, because a recording may be a measurement.
     NewFolder,
 }
 
 /// A path on the command line.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
-    /// The option that names it.
+    /// The option that names the path.
     pub option: &'static str,
-    /// For what.
+    /// Purpose of the path.
     pub purpose: Use,
     /// The path.
     pub path: &'a Path,
 }
 
 impl<'a> Target<'a> {
-    /// The path of an option, which may have been left out.
+    /// The path of an option. Returns `None` if the option was left out.
     pub fn of(
         option: &'static str,
         purpose: Use,
@@ -47,16 +47,16 @@ impl<'a> Target<'a> {
     }
 }
 
-/// Pipes, which are held open: who reads from one would take its closing for the end.
+/// Named pipes that stay open. A reader would take the closing of its pipe for the end of the data.
 pub struct Held {
     _pipes: Vec<File>,
 }
 
-/// Makes sure that every target can be written, and that no two are one. What must be kept until they are written is
-/// returned.
+/// Checks that every target can be written, and that no two targets are the same file. Returns the open pipes, which the
+/// caller keeps until the results are written.
 ///
 /// # Errors
-/// [`Failure::Target`] and [`Failure::HoldsRecording`] for the first that cannot be.
+/// Returns [`Failure::Target`] or [`Failure::HoldsRecording`] for the first target that fails.
 pub fn check(targets: &[Target]) -> Result<Held, Failure> {
     for (at, target) in targets.iter().enumerate() {
         let place = target.place();
@@ -84,7 +84,7 @@ impl Target<'_> {
         }
     }
 
-    /// Where the path leads, whatever it is called; none for a device, which several may share.
+    /// The canonical path of the target. Returns `None` for a device, which several targets may share.
     fn place(&self) -> Option<PathBuf> {
         if let Ok(metadata) = self.path.metadata()
             && metadata.file_type().is_char_device()
@@ -100,7 +100,7 @@ impl Target<'_> {
                 there
             };
             if let Ok(base) = base.canonicalize() {
-                // A path that is there has no rest; joining an empty one would add a slash.
+                // If the complete path exists, the rest is empty. Joining an empty path would add a slash.
                 let is_whole = rest.as_os_str().is_empty();
                 return Some(if is_whole { base } else { base.join(rest) });
             }
@@ -126,7 +126,7 @@ impl Target<'_> {
         }
     }
 
-    /// A pipe is returned open.
+    /// Returns a pipe as an open file.
     fn check_file(&self) -> Result<Option<File>, Failure> {
         let refused = |error: std::io::Error| self.refused(format!("{error}; name another place"));
         let folder = match self.path.parent() {
@@ -156,7 +156,7 @@ impl Target<'_> {
         let mut options = OpenOptions::new();
         options.write(true);
         if kind.is_fifo() {
-            // One that nobody reads is refused at once, where it would else hold the program.
+            // A pipe without a reader is refused at once; otherwise opening it would block the program.
             options.custom_flags(OFlags::NONBLOCK.bits().cast_signed());
         }
         let mut file = options.open(self.path).map_err(|error| {
@@ -167,7 +167,7 @@ impl Target<'_> {
             }
         })?;
         if kind.is_char_device() {
-            // A device that takes nothing says so of nothing at all.
+            // A device that cannot be written reports this even for an empty write.
             file.write(&[]).map_err(refused)?;
         }
         Ok(kind.is_fifo().then_some(file))
@@ -187,7 +187,7 @@ impl Target<'_> {
                     return Err(self.refused(format!("{file} is no folder; name another")));
                 }
                 Err(error) if error.kind() == ErrorKind::NotFound => {}
-                // A file stands where a folder would have to.
+                // A parent of the folder is a file.
                 Err(error) if error.kind() == ErrorKind::NotADirectory => {}
                 Err(error) => return Err(refused(error)),
             }
@@ -205,13 +205,13 @@ fn is_recorded(path: &Path, folder: &Path) -> bool {
     is_part && folder.join(RECORDING).exists()
 }
 
-/// Makes the file `path` and takes it away again.
+/// Creates the file `path` and removes it again.
 fn tried(path: &Path) -> std::io::Result<()> {
     OpenOptions::new()
         .write(true)
         .create(true)
         .truncate(false)
         .open(path)?;
-    // By its own name, where `path` is a link.
+    // If `path` is a link, the file that it points to is removed.
     std::fs::remove_file(path.canonicalize()?)
 }

@@ -1,15 +1,15 @@
-//! A small fixed set of the blind check: the diagnosis sees recordings of an independent reality and
-//! nothing else.
+//! Runs the blind check on a small fixed set of cases. The diagnosis receives only the recordings of an independent
+//! simulator.
 
 use std::process::Command;
 
-/// Cases of the set, and how many of them may be judged wrong: the large set, run by hand, is what says
-/// how good the diagnosis is; this one says that it still works.
+/// Number of cases, and number of cases that may be judged wrong. This test checks that the diagnosis works. Its accuracy is
+/// measured on the large set, which is run by hand.
 const CASES: usize = 8;
 const MOST_WRONG: usize = 3;
 
 #[test]
-fn most_of_a_small_set_is_diagnosed_right() {
+fn most_cases_of_a_small_set_are_diagnosed_correctly() {
     let folder = std::env::temp_dir().join(format!("paddle-blind-{}", std::process::id()));
     let output = Command::new(env!("CARGO_BIN_EXE_paddle"))
         .args(["gap", "blind", "--seed", "5", "--patience", "300"])

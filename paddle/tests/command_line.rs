@@ -1,4 +1,4 @@
-//! The command line as a user meets it.
+//! Tests of the command line.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ fn paddle(arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A folder of this test alone, empty.
+/// Creates an empty folder that only this test uses.
 fn folder(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&path);
@@ -23,7 +23,7 @@ fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()
 }
 
-/// What a successful command says as JSON, with nothing else on either stream.
+/// JSON that a successful command prints. The command must print nothing else on either stream.
 fn json(arguments: &[&str]) -> Value {
     let output = paddle(&[arguments, &["--json", "-"]].concat());
     assert_eq!(text(&output.stderr), "", "{arguments:?}");
@@ -31,7 +31,7 @@ fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The one line on standard error of a command that refuses its input.
+/// The single line on standard error of a command that refuses its input.
 fn refusal(arguments: &[&str]) -> String {
     let output = paddle(arguments);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -171,7 +171,7 @@ fn a_step_has_the_metrics_of_the_refitted_paddle() {
         out.to_str().unwrap(),
     ]);
     let metric = |name: &str| step["metrics"][name].as_f64().unwrap();
-    // The refit's own figures are 0.61°, 38.9 ms and 76.0 ms, at 351 µs.
+    // The refit has an overshoot of 0.61°, a rise time of 38.9 ms and a settling time of 76.0 ms at a period of 351 µs.
     assert!((metric("overshoot_deg") - 0.61).abs() < 0.2, "{step}");
     assert!((metric("rise_ms") / 38.9 - 1.0).abs() < 0.1, "{step}");
     assert!((metric("settling_ms") / 76.0 - 1.0).abs() < 0.1, "{step}");
@@ -207,13 +207,14 @@ fn json_in_a_file_leaves_the_text_on_standard_output() {
     ]);
     assert!(text(&output.stdout).contains("breaks away"));
     let ramp: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
-    // Forward level times static ratio of the refit, and 0.5° of gravity and motion on top.
+    // Breakaway torque of the refit: the forward level times the static ratio, plus the torques of gravity and motion over
+    // 0.5°.
     let breakaway_nm = ramp["breakaway_nm"].as_f64().unwrap();
     assert!((0.63e-3..0.9e-3).contains(&breakaway_nm), "{ramp}");
 }
 
 #[test]
-fn noise_is_that_of_the_seed() {
+fn the_seed_determines_the_noise() {
     let out = folder("seed");
     let log = |seed: &str| {
         let arguments = [
@@ -287,13 +288,13 @@ fn a_device_file_changes_model_and_settings() {
             .unwrap()
     };
     let heavy = step(&["--plant", file.to_str().unwrap()]);
-    // Four times the inertia, twice the time.
+    // Four times the inertia doubles the time.
     let ratio = heavy / step(&["--kd", "0"]);
     assert!((1.6..2.4).contains(&ratio), "{ratio}");
 }
 
 #[test]
-fn predictions_have_the_gap_that_is_stated() {
+fn the_exported_predictions_have_the_reported_gap() {
     let out = folder("predictions");
     let recording = Path::new(env!("CARGO_MANIFEST_DIR")).join("demo");
     let gap = json(&[
@@ -322,7 +323,7 @@ fn predictions_have_the_gap_that_is_stated() {
 }
 
 #[test]
-fn a_recording_is_never_written_over() {
+fn a_recording_is_never_overwritten() {
     let out = folder("kept");
     let manifest = out.join("recording.toml");
     std::fs::write(&manifest, "measured").unwrap();
@@ -345,7 +346,7 @@ fn a_recording_is_never_written_over() {
 }
 
 #[test]
-fn a_damaged_recording_is_refused_by_file_and_line() {
+fn an_error_in_a_recording_names_file_and_line() {
     let whole = Path::new(env!("CARGO_MANIFEST_DIR")).join("demo");
     let out = folder("damaged");
     for name in ["recording.toml", "multisine.csv"] {
@@ -373,7 +374,7 @@ fn a_damaged_recording_is_refused_by_file_and_line() {
 }
 
 #[test]
-fn the_demo_leaves_the_files_that_it_names_and_closes_a_gap() {
+fn the_demo_writes_the_files_that_it_names_and_closes_a_gap() {
     let out = folder("demo");
     let output = paddle(&["demo", "--out", out.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
@@ -412,7 +413,7 @@ fn the_demo_leaves_the_files_that_it_names_and_closes_a_gap() {
 }
 
 #[test]
-fn the_report_comes_out_on_one_plant_and_not_on_a_heavier_one() {
+fn the_report_is_reproduced_on_the_refit_and_not_on_a_heavier_plant() {
     let out = folder("reproduce");
     let check = |with: &[&str]| {
         let plain = [
@@ -449,7 +450,7 @@ fn the_report_comes_out_on_one_plant_and_not_on_a_heavier_one() {
 }
 
 #[test]
-fn ziegler_nichols_on_the_firmware_comes_near_the_labs_ultimate_gain() {
+fn ziegler_nichols_on_the_firmware_finds_nearly_the_ultimate_gain_of_the_lab() {
     let out = folder("zn");
     let arguments = [
         "sim",
@@ -461,7 +462,7 @@ fn ziegler_nichols_on_the_firmware_comes_near_the_labs_ultimate_gain() {
         out.to_str().unwrap(),
     ];
     let found = json(&arguments);
-    // The lab found 0.05 N m/° and 86.7 ms by hand, with half the rate.
+    // The lab found 0.05 N m/° and 86.7 ms by hand, at half the sampling rate.
     assert!(
         (found["ku_nm_per_deg"].as_f64().unwrap() / 0.05 - 1.0).abs() < 0.1,
         "{found}"
@@ -511,7 +512,7 @@ fn tuned_gains_meet_the_reports_specification_when_typed() {
 }
 
 #[test]
-fn a_specification_out_of_reach_ends_with_status_1_and_shows_what_is_missed() {
+fn a_specification_that_cannot_be_met_ends_with_status_1_and_lists_the_missed_bounds() {
     let out = folder("tune-out-of-reach");
     let out = out.to_str().unwrap();
     let output = paddle(&["sim", "tune", "--rise", "10", "--out", out]);
@@ -523,7 +524,7 @@ fn a_specification_out_of_reach_ends_with_status_1_and_shows_what_is_missed() {
 }
 
 #[test]
-fn a_saved_model_is_a_plant_apart_from_what_belongs_to_a_moment() {
+fn a_saved_model_is_a_plant_without_effects_of_one_time() {
     let out = folder("saved-model");
     let file = out.join("corrected.toml");
     let model = "format = 1\n[model]\ninertia = 1.2e-3\nratio = 15.0\n[[effects]]\nname = \"viscous\"\n\
@@ -552,7 +553,7 @@ fn the_filter_lowers_the_noise_and_allows_a_larger_derivative_gain() {
     }
 }
 
-/// A short recording with `with` hidden in it, below `out`.
+/// Simulates a short recording with the effects `with`, in a folder below `out`.
 fn recorded(out: &Path, name: &str, with: &[&str]) -> PathBuf {
     let recording = out.join(name);
     let plain = [
@@ -574,7 +575,7 @@ fn recorded(out: &Path, name: &str, with: &[&str]) -> PathBuf {
 }
 
 #[test]
-fn a_diagnosis_has_the_keys_of_the_format_and_leaves_the_files_that_were_asked_for() {
+fn a_diagnosis_has_the_keys_of_the_format_and_writes_the_requested_files() {
     let out = folder("diagnosis");
     let recording = recorded(&out, "hidden", &["--with", "stribeck:static_ratio=1.8"]);
     let [model, page] = ["corrected.toml", "report.html"].map(|name| out.join(name));
@@ -630,7 +631,7 @@ fn a_diagnosis_has_the_keys_of_the_format_and_leaves_the_files_that_were_asked_f
 }
 
 #[test]
-fn a_gap_that_nothing_explains_has_the_floor_that_measuring_gives() {
+fn an_unexplained_gap_has_the_same_floor_in_measure_and_diagnose() {
     let out = folder("one-floor");
     let recording = recorded(&out, "hidden", &["--with", "stribeck:static_ratio=1.8"]);
     let recording = recording.to_str().unwrap();
@@ -653,7 +654,7 @@ fn a_gap_that_nothing_explains_has_the_floor_that_measuring_gives() {
 }
 
 #[test]
-fn a_result_says_which_program_made_it_from_which_bytes() {
+fn a_result_states_the_program_version_and_the_input_checksums() {
     let out = folder("provenance");
     let recording = recorded(&out, "plain", &[]);
     let csv = std::fs::read_dir(&recording).unwrap().count();
@@ -691,7 +692,7 @@ fn a_result_says_which_program_made_it_from_which_bytes() {
             );
         }
     }
-    // By `sha256sum`.
+    // Computed with `sha256sum`.
     let with_model = [&calls[1][..], &["--model", model.to_str().unwrap()]].concat();
     let files = &json(&with_model)["provenance"]["files"];
     let sum = "57c9255453cd4883fb09e3a07c765c784acd7f0737fbea920174fdba22adfcf0";
@@ -701,7 +702,7 @@ fn a_result_says_which_program_made_it_from_which_bytes() {
 }
 
 #[test]
-fn the_labs_simulink_model_is_told_that_its_dry_friction_does_not_act() {
+fn the_diagnosis_finds_that_the_dry_friction_of_the_labs_simulink_model_has_no_effect() {
     let out = folder("lab");
     let recording = out.join("recording");
     let [out, recording] = [&out, &recording].map(|path| path.to_str().unwrap());
@@ -711,12 +712,12 @@ fn the_labs_simulink_model_is_told_that_its_dry_friction_does_not_act() {
     assert_eq!(diagnosis["verdict"], "explained");
     let effect = &diagnosis["effects"][0];
     assert_eq!(effect["name"], "coulomb");
-    // Of the 15 mN m at the joint that the model was meant to have.
+    // The model was meant to have a dry friction of 15 mN m at the joint.
     assert!(effect["parameters"]["level"]["value"].as_f64().unwrap() < 1e-3);
 }
 
 #[test]
-fn an_effect_that_is_left_out_is_not_named() {
+fn an_excluded_effect_is_not_named() {
     let out = folder("without");
     let recording = recorded(&out, "hidden", &["--with", "viscous:coefficient=4e-3"]);
     let diagnosis = json(&[
@@ -730,7 +731,7 @@ fn an_effect_that_is_left_out_is_not_named() {
 }
 
 #[test]
-fn a_model_of_one_moment_warns_on_another_recording() {
+fn a_model_with_an_effect_of_one_time_warns_on_another_recording() {
     let out = folder("moment");
     let recording = recorded(&out, "hidden", &[]);
     let file = out.join("model.toml");
@@ -763,7 +764,7 @@ fn a_model_of_one_moment_warns_on_another_recording() {
 }
 
 #[test]
-fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_again() {
+fn a_batch_continues_after_a_failure_and_a_second_call_does_only_the_missing_recordings() {
     let out = folder("batch");
     let cases = out.join("cases");
     std::fs::create_dir_all(cases.join("broken")).unwrap();
@@ -822,7 +823,7 @@ fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_aga
             );
         }
     }
-    // A second diagnosis would take another time to the last digit.
+    // A second diagnosis would change the measured time in the output.
     assert_eq!(lines(), first);
 
     let touched = std::fs::read(hidden.join("recording.toml")).unwrap();
@@ -834,7 +835,7 @@ fn a_batch_goes_on_after_a_failure_and_does_only_what_is_missing_when_called_aga
 
 #[cfg(unix)]
 #[test]
-fn a_batch_follows_links_and_not_in_circles() {
+fn a_batch_follows_links_without_looping() {
     use std::os::unix::fs::symlink;
     let out = folder("linked-batch");
     let elsewhere = out.join("elsewhere");
@@ -850,7 +851,7 @@ fn a_batch_follows_links_and_not_in_circles() {
 }
 
 #[test]
-fn a_batch_of_nothing_is_refused() {
+fn a_batch_without_recordings_is_refused() {
     let out = folder("empty-batch");
     let line = refusal(&["gap", "diagnose", "--batch", out.to_str().unwrap()]);
     assert!(line.contains("no recording") && line.contains("recording.toml"));
@@ -859,7 +860,7 @@ fn a_batch_of_nothing_is_refused() {
 }
 
 #[test]
-fn a_board_that_cannot_run_says_why() {
+fn a_board_that_cannot_run_reports_the_cause() {
     let folder = folder("board");
     let script = folder.join("script.txt");
     std::fs::write(&script, "0.2 arm\n0.1 zero\n").unwrap();

@@ -1,10 +1,10 @@
-//! From anybody's log to a verdict, and from a verdict to anybody's simulator.
+//! Tests from the log of another program to a diagnosis, and from a diagnosis to another simulator.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder that is gone after the test.
+/// A folder that is deleted after the test.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -32,7 +32,7 @@ impl Folder {
             .expect("a program")
     }
 
-    /// What it wrote to standard output; it must end well.
+    /// Text on standard output of a command that must succeed.
     fn said(&self, words: &str) -> String {
         let output = self.paddle(words);
         let [out, err] = [&output.stdout, &output.stderr]
@@ -44,14 +44,14 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // What stays behind is in the system's folder for such things.
+        // A folder that cannot be deleted remains in the system's folder for temporary files.
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
 const INERTIA: f64 = 5.8e-4;
 
-/// A paddle with a dry friction under two sines, as a logger in Central Europe might write it.
+/// A simulated paddle with dry friction under two torque sines, as a CSV with semicolons and German column names.
 fn log(seconds: f64, dry: f64) -> String {
     let mut text = "Zeit [ms];Torque [mNm];Encoder Angle [deg];Temperature Board\n".to_owned();
     let period = 2e-3;
@@ -87,7 +87,7 @@ fn known() -> String {
 }
 
 #[test]
-fn a_log_is_one_command_from_its_verdict_and_two_from_a_simulator() {
+fn a_log_can_be_diagnosed_and_exported_to_a_simulator() {
     let folder = Folder::new("verdict");
     let name = folder.put("log.csv", &log(6.0, 4e-3));
     let said = folder.said(&format!("gap import {name} --out swing {}", known()));
@@ -117,7 +117,7 @@ fn a_log_is_one_command_from_its_verdict_and_two_from_a_simulator() {
     };
     let (nominal, whole) = (gap(""), gap("--model whole.toml"));
     assert!(whole < 0.3 * nominal, "{whole} {nominal}");
-    // The effects alone, laid over the recording's own model.
+    // The effects alone, applied to the recording's own model.
     folder.said("gap diagnose swing --save-model alone.toml --effects-only");
     let alone = std::fs::read_to_string(folder.0.join("alone.toml")).expect("a model");
     assert!(
@@ -139,7 +139,8 @@ fn a_log_is_one_command_from_its_verdict_and_two_from_a_simulator() {
             std::fs::read_to_string(folder.0.join(format!("model.{format}"))).expect("a model");
         assert!(text.contains("whole"), "{format}: {text}");
     }
-    // Both ways to the same model; the name at its head is the recording's title, or the file's.
+    // Both exports contain the same model. The name in the file is the title of the recording, or the name of the model
+    // file.
     for (own, saved, [title, stem]) in [
         ("own.xml", "model.mjcf", ["log", "whole"]),
         ("corrected.py", "model.python", ["log", "whole"]),
@@ -151,7 +152,7 @@ fn a_log_is_one_command_from_its_verdict_and_two_from_a_simulator() {
 }
 
 #[test]
-fn an_export_that_cannot_be_made_is_refused_before_the_work() {
+fn an_impossible_export_is_refused_before_the_work() {
     let folder = Folder::new("refused");
     let name = folder.put("log.csv", &log(1.5, 4e-3));
     folder.said(&format!("gap import {name} --out swing {}", known()));
@@ -180,7 +181,8 @@ fn an_export_that_cannot_be_made_is_refused_before_the_work() {
     );
 }
 
-/// Runs the exported Python module over the recording, restarted as little as once: it must stay near the paddle.
+/// Runs the exported Python module over the recording with few restarts. The prediction must stay near the measured
+/// position.
 fn agrees_in_python(folder: &Folder, gap: f64) {
     let script = "
 import csv, math, sys
@@ -214,7 +216,7 @@ print(worst)
 }
 
 #[test]
-fn shards_do_each_recording_once_and_go_on_where_they_stopped() {
+fn shards_diagnose_each_recording_once_and_continue_after_an_interruption() {
     let folder = Folder::new("shards");
     let name = folder.put("log.csv", &log(1.5, 4e-3));
     for unit in 0..5 {
@@ -260,7 +262,7 @@ fn shards_do_each_recording_once_and_go_on_where_they_stopped() {
 }
 
 #[test]
-fn a_manifest_is_written_for_files_that_are_in_the_format() {
+fn a_manifest_is_written_for_files_in_the_recording_format() {
     let folder = Folder::new("init");
     let name = folder.put("log.csv", &log(2.0, 1e-3));
     folder.said(&format!("gap import {name} --out swing {}", known()));

@@ -1,4 +1,4 @@
-//! `paddle record` and a board at the other end of a pseudo-terminal.
+//! Tests of `paddle record` with a virtual board at the other end of a pseudo-terminal.
 
 use std::io::{BufRead, BufReader, Lines};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use recording::{Drive, Recording};
 
 const PADDLE: &str = env!("CARGO_BIN_EXE_paddle");
 
-/// The image that `cargo fw` left, if it did.
+/// The image that `cargo fw` built, if there is one.
 fn image(test: &str) -> Option<PathBuf> {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent()?;
     let path = target.join("thumbv7em-none-eabihf/firmware/firmware");
@@ -21,10 +21,10 @@ fn image(test: &str) -> Option<PathBuf> {
     Some(path)
 }
 
-/// Boards keep pace with the clock on the wall, which several at once would not.
+/// Only one board runs at a time, because several boards could not run in real time.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
-/// A live virtual board, ended with the test.
+/// A live virtual board. Dropping it ends its process.
 struct Board {
     _alone: MutexGuard<'static, ()>,
     child: Child,
@@ -87,7 +87,7 @@ fn said(output: &Output) -> String {
 }
 
 #[test]
-fn experiments_become_a_recording_and_the_board_is_left_to_a_person() {
+fn experiments_are_recorded_and_the_board_is_handed_back_to_the_console() {
     let Some(image) = image("experiments_become_a_recording") else {
         return;
     };
@@ -109,7 +109,7 @@ fn experiments_become_a_recording_and_the_board_is_left_to_a_person() {
         ] {
             assert!(session.contains(part), "{session}");
         }
-        // What stands there is a measurement.
+        // The folder contains a measurement.
         let again = board.record(&out, &runs).output().unwrap();
         assert_eq!(again.status.code(), Some(2));
         assert!(
@@ -121,7 +121,7 @@ fn experiments_become_a_recording_and_the_board_is_left_to_a_person() {
 }
 
 #[test]
-fn settings_are_pulled_changed_and_pushed_with_what_differs() {
+fn pulled_settings_can_be_changed_and_pushed_with_a_list_of_changes() {
     let Some(image) = image("settings_are_pulled") else {
         return;
     };
@@ -149,7 +149,7 @@ fn settings_are_pulled_changed_and_pushed_with_what_differs() {
 }
 
 #[test]
-fn experiments_on_a_paddle_as_it_is_modelled_find_no_gap() {
+fn experiments_on_a_paddle_that_equals_its_model_find_no_gap() {
     let Some(image) = image("experiments_on_a_paddle_as_it_is_modelled") else {
         return;
     };
@@ -174,7 +174,7 @@ fn experiments_on_a_paddle_as_it_is_modelled_find_no_gap() {
 }
 
 #[test]
-fn ctrl_c_disarms_and_keeps_the_runs_that_are_complete() {
+fn ctrl_c_disarms_and_keeps_the_complete_runs() {
     let Some(image) = image("ctrl_c_disarms_and_keeps") else {
         return;
     };
@@ -204,7 +204,7 @@ fn ctrl_c_disarms_and_keeps_the_runs_that_are_complete() {
 }
 
 #[test]
-fn a_port_that_is_none_and_an_experiment_that_is_none_are_told() {
+fn an_invalid_port_and_an_invalid_experiment_are_reported() {
     let out = folder("none");
     for (arguments, part) in [
         (

@@ -1,4 +1,4 @@
-//! `paddle completions`: the words that a shell may complete.
+//! `paddle completions`: prints the completion script of a shell.
 
 use crate::Cli;
 use crate::answer::Answer;
@@ -6,18 +6,18 @@ use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 use serde_json::json;
 
-/// For which shell.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle completions bash > ~/.local/share/bash-completion/completions/paddle
   paddle completions zsh > ~/.zfunc/_paddle
   paddle completions fish > ~/.config/fish/completions/paddle.fish")]
 pub struct Arguments {
-    /// The shell.
+    /// Shell for which the script is made.
     shell: Shell,
 }
 
-/// Writes the script.
+/// Generates the completion script.
 pub fn run(arguments: &Arguments) -> Answer {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut Cli::command(), "paddle", &mut script);

@@ -1,4 +1,4 @@
-//! `paddle effects`: what can be switched into the simulated paddle.
+//! `paddle effects`: lists the effects that can be added to the simulated paddle.
 
 use crate::answer::Answer;
 use crate::effect_page;
@@ -11,33 +11,33 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Which effects.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:\n  paddle effects\n  paddle effects stribeck")]
 pub struct Arguments {
-    /// Only this one.
+    /// List only the effect with this name.
     name: Option<String>,
-    /// Write the page and the picture of each effect into this folder, as in the documentation.
+    /// Write the documentation page and the picture of each effect to this folder.
     #[arg(long, value_name = "DIR", hide = true, conflicts_with = "name")]
     docs: Option<PathBuf>,
 }
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let docs = Target::of("--docs", Use::Folder, self.docs.as_ref());
         docs.into_iter().collect()
     }
 }
 
-/// Units of the paddle.
+/// Unit of the paddle's position.
 const POSITION: &str = "rad";
 const INPUT: &str = "N m";
 
 /// Lists the effects, or writes their pages.
 ///
 /// # Errors
-/// If there is none of that name, or if a page cannot be written.
+/// Returns a [`Failure`] if no effect has the given name, or if a page cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     if let Some(folder) = &arguments.docs {
         return write_pages(folder);
@@ -69,7 +69,7 @@ fn write_pages(folder: &Path) -> Result<Answer, Failure> {
             folder.path().display()
         ),
         json: json!({ "files": folder.files() }),
-        amiss: folder.lost(),
+        problems: folder.lost(),
     })
 }
 

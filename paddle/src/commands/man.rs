@@ -1,4 +1,4 @@
-//! `paddle man`: a manual page for each command.
+//! `paddle man`: writes a manual page for each command.
 
 use crate::Cli;
 use crate::answer::Answer;
@@ -8,14 +8,14 @@ use clap::{Args, CommandFactory};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Where to.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Example:
   paddle man ~/.local/share/man/man1
 
 Read them with `man paddle` or `man paddle-gap-diagnose`.")]
 pub struct Arguments {
-    /// Folder of the pages.
+    /// Folder for the pages.
     #[arg(value_name = "DIR")]
     folder: PathBuf,
 }
@@ -23,7 +23,7 @@ pub struct Arguments {
 /// Writes the pages.
 ///
 /// # Errors
-/// [`Failure`] for a folder that cannot be filled.
+/// Returns a [`Failure`] if the folder cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let folder = &arguments.folder;
     std::fs::create_dir_all(folder).map_err(Failure::write(folder))?;
@@ -36,7 +36,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 }
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let folder = Target::of("DIR", Use::Folder, &self.folder);
         folder.into_iter().collect()

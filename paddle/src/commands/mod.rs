@@ -1,4 +1,4 @@
-//! The commands, one file each.
+//! The commands, one module each.
 
 pub mod board;
 pub mod completions;
@@ -18,40 +18,40 @@ use crate::failure::Failure;
 use crate::targets::Target;
 use clap::Subcommand;
 
-/// What can be asked.
+/// Commands of the program.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Show a step response, and a gap with its diagnosis, in seconds.
+    /// Demonstrate a step response, and a gap with its diagnosis, in seconds.
     Demo(demo::Arguments),
-    /// Run the control core on the simulated paddle.
+    /// Simulate the control core with the paddle.
     #[command(subcommand)]
     Sim(sim::Command),
-    /// Run the flashed image on a virtual board that is wired to the simulated paddle.
+    /// Run the firmware image on a virtual board that is connected to the simulated paddle.
     Board(board::Arguments),
-    /// Drive a board through experiments, and write a recording.
+    /// Run experiments on a board and write a recording.
     Record(record::Arguments),
-    /// Record and diagnose in turn until only one answer is left.
+    /// Record and diagnose alternately until only one answer is left.
     Experiment(experiment::Arguments),
-    /// Draw what a board's loop does in the terminal, as it happens.
+    /// Plot the signals of a board's control loop live in the terminal.
     Scope(scope::Arguments),
     /// Read a board's settings into a file, or write them to a board.
     #[command(subcommand)]
     Settings(settings::Command),
-    /// Measure the gap between a simulation and a recording.
+    /// Measure the gap between a simulation and a recording, and diagnose its cause.
     #[command(subcommand)]
     Gap(gap::Command),
-    /// Compare every number and figure of the lab report with ours.
+    /// Compare every number and figure of the lab report with the simulation.
     Reproduce(reproduce::Arguments),
-    /// List the effects that can be switched into the simulated paddle.
+    /// List the effects that can be added to the simulated paddle.
     Effects(effects::Arguments),
-    /// Print a script by which a shell completes commands and options.
+    /// Print the completion script of a shell.
     Completions(completions::Arguments),
     /// Write a manual page for each command.
     Man(man::Arguments),
 }
 
 impl Command {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         match self {
             Self::Demo(arguments) => arguments.targets(),
@@ -69,10 +69,10 @@ impl Command {
         }
     }
 
-    /// Does it.
+    /// Runs the command.
     ///
     /// # Errors
-    /// [`Failure`] with cause and mend.
+    /// Returns a [`Failure`] with the cause and a remedy.
     pub fn run(&self) -> Result<Answer, Failure> {
         let mut answer = match self {
             Self::Demo(arguments) => demo::run(arguments),
@@ -82,7 +82,7 @@ impl Command {
             Self::Experiment(arguments) => experiment::run(arguments),
             Self::Scope(arguments) => scope::run(arguments),
             Self::Settings(command) => command.run(),
-            // Its JSON is the recording format's.
+            // The JSON of these commands follows the recording format.
             Self::Gap(command) => return command.run(),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Effects(arguments) => effects::run(arguments),

@@ -1,4 +1,4 @@
-//! `paddle record`: a board's experiments as a recording.
+//! `paddle record`: records experiments on a board.
 
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -16,7 +16,7 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Which board, and what it is to do.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle record --port /dev/ttyUSB0 --run step:10 --run multisine:0.0036,2,4 --out my-recording
@@ -29,18 +29,18 @@ says otherwise. Before each the paddle is brought to the middle.
 Ctrl-C disarms the paddle, and keeps the runs that are complete. If this program or the line dies, the board disarms by
 itself after host.heartbeat. The paddle must be free to move, and hang as it always does.")]
 pub struct Arguments {
-    /// The serial port, or what `paddle board` says.
+    /// Serial port of the board, or the terminal that `paddle board` prints.
     #[arg(long)]
     port: String,
-    /// An experiment; may be repeated.
+    /// Experiment to run; may be repeated.
     #[arg(long = "run", required = true, value_name = "SHAPE:NUMBERS")]
     runs: Vec<Plan>,
-    /// Leave the recording in this folder.
+    /// Write the recording to this folder.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     nominal: Nominal,
-    /// Rows a second.
+    /// Rows per second.
     #[arg(long, default_value_t = ROWS_HZ, value_name = "Hz", value_parser = numbers::positive)]
     rate: f64,
 }
@@ -48,16 +48,16 @@ pub struct Arguments {
 const HORIZON_S: f64 = 0.3;
 const TITLE: &str = "A paddle";
 
-/// What a recording states beside its runs.
+/// Data that a recording states in addition to its runs.
 #[derive(Args)]
 pub struct Nominal {
-    /// The model whose gap is asked about: `nominal`, `refit`, or a TOML file with what differs from nominal.
+    /// Nominal model, whose gap is to be measured: `nominal`, `refit`, or a TOML file with the changes from nominal.
     #[arg(long, default_value = "nominal", value_name = "nominal|FILE.toml")]
     model: PlantChoice,
     /// Prediction window that the recording states.
     #[arg(long, default_value_t = HORIZON_S, value_name = "s", value_parser = numbers::positive)]
     horizon: f64,
-    /// A line for people.
+    /// Title of the recording.
     #[arg(long, default_value = TITLE, value_name = "TEXT")]
     title: String,
 }
@@ -72,7 +72,7 @@ impl Default for Nominal {
     }
 }
 
-/// How well the nominal model's numbers are known, as the lab states them of its paddle.
+/// Relative standard deviations of the nominal model's numbers, as the lab states them for its paddle.
 const TOLERANCE: [(&str, f64); 4] = [
     ("inertia", 0.02),
     ("gravity", 0.05),
@@ -81,15 +81,15 @@ const TOLERANCE: [(&str, f64); 4] = [
 ];
 
 impl Nominal {
-    /// The file that it reads.
+    /// The file that the option names.
     pub fn target(&self) -> Option<Target<'_>> {
         Target::of("--model", Use::Read, self.model.file())
     }
 
-    /// A recording without runs, of a board with these settings.
+    /// Creates a recording without runs for a board with these settings.
     ///
     /// # Errors
-    /// [`Failure`] for a file that cannot be used.
+    /// Returns a [`Failure`] if the model file cannot be used.
     pub fn recorder(&self, settings: &Settings) -> Result<Recorder, Failure> {
         let mut tolerance = Tolerance::default();
         for (name, relative) in TOLERANCE {
@@ -105,36 +105,36 @@ impl Nominal {
     }
 }
 
-/// Records.
+/// Records the experiments.
 ///
 /// # Errors
-/// [`Failure`] for a board that does not do as it is asked, and files that cannot be written.
+/// Returns a [`Failure`] if the board refuses a command, and if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let interrupt = Interrupt::watched()?;
     let mut rig = Rig::open(&arguments.port)?;
     let mut recorder = arguments.nominal.recorder(&rig.settings)?;
-    let mut amiss = Vec::new();
+    let mut problems = Vec::new();
     for (at, plan) in arguments.runs.iter().enumerate() {
         progress::within(&format!("run {} of {}", at + 1, arguments.runs.len()));
         match rig.take(plan, arguments.rate, &interrupt) {
             Ok(taken) => {
                 if let Some(fault) = &taken.fault {
-                    amiss.push(Failure::Device(remote::DeviceError::Fault(format!(
+                    problems.push(Failure::Device(remote::DeviceError::Fault(format!(
                         "{fault}; {plan} is kept up to then"
                     ))));
                 }
                 recorder.add(&taken);
             }
             Err(error) => {
-                amiss.push(error.into());
+                problems.push(error.into());
                 break;
             }
         }
     }
     if recorder.recording().runs.is_empty() {
-        return Err(amiss.pop().unwrap_or(Failure::Fault));
+        return Err(problems.pop().unwrap_or(Failure::Fault));
     }
-    amiss.extend(rig.leave().err().map(Failure::from));
+    problems.extend(rig.leave().err().map(Failure::from));
     leave(&recorder, &rig, &arguments.out)?;
 
     let mut text = String::new();
@@ -154,14 +154,14 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
                 "file": run.file, "seconds": run.duration_s(), "rows": run.len(),
             })).collect::<Vec<_>>(),
         }),
-        amiss,
+        problems,
     })
 }
 
-/// Leaves the recording so far, and beside it what was done with which settings.
+/// Writes the recording so far, and beside it an account of the experiments and settings.
 ///
 /// # Errors
-/// [`Failure`] for what cannot be written, or used.
+/// Returns a [`Failure`] if the recording cannot be written or used.
 pub fn leave(recorder: &Recorder, rig: &Rig<impl Wire>, folder: &Path) -> Result<(), Failure> {
     recorder.recording().write(folder)?;
     let path = folder.join("session.toml");
@@ -170,7 +170,7 @@ pub fn leave(recorder: &Recorder, rig: &Rig<impl Wire>, folder: &Path) -> Result
 }
 
 impl Arguments {
-    /// Where it will write, and what it reads.
+    /// Paths that the command writes and reads.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let out = Target::of("--out", Use::NewFolder, &self.out);
         [self.nominal.target(), out].into_iter().flatten().collect()

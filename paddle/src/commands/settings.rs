@@ -1,4 +1,4 @@
-//! `paddle settings`: a board's settings as a file, and back.
+//! `paddle settings`: reads a board's settings into a file, and writes them back.
 
 use crate::answer::Answer;
 use crate::device_file::DeviceFile;
@@ -11,7 +11,7 @@ use remote::{Device, SerialWire, Wire};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Which way.
+/// Subcommands of `paddle settings`.
 #[derive(Subcommand)]
 pub enum Command {
     /// Write the board's settings to a file.
@@ -21,7 +21,7 @@ pub enum Command {
 The file can be given to `paddle sim` as --plant, too. It says what it would replace."
     )]
     Pull(Way),
-    /// Give the board the settings of a file, and say what changes.
+    /// Write the settings of a file to the board, and list the changes.
     #[command(after_help = "Examples:
   paddle settings push --port /dev/ttyUSB0 my-paddle.toml --dry-run
   paddle settings push --port /dev/ttyUSB0 my-paddle.toml --save
@@ -30,31 +30,31 @@ Settings that the file does not name stay as they are. What the board refuses en
     Push(Push),
 }
 
-/// Which board, which file.
+/// The board and the file.
 #[derive(Args)]
 pub struct Way {
-    /// The serial port, or what `paddle board` says.
+    /// Serial port of the board, or the terminal that `paddle board` prints.
     #[arg(long)]
     port: String,
-    /// TOML with a table [settings].
+    /// TOML file with a table [settings].
     file: PathBuf,
 }
 
-/// What to do with the board.
+/// Options of `paddle settings push`.
 #[derive(Args)]
 pub struct Push {
     #[command(flatten)]
     way: Way,
-    /// Say what would change, and change nothing.
+    /// List the changes without making them.
     #[arg(long)]
     dry_run: bool,
-    /// Store them on the board, which must be disarmed.
+    /// Store the settings in the board's flash; the board must be disarmed.
     #[arg(long, conflicts_with = "dry_run")]
     save: bool,
 }
 
 impl Command {
-    /// Where it will write, and what it reads.
+    /// Paths that the command writes and reads.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let target = match self {
             Self::Pull(way) => Target::of("FILE", Use::File, &way.file),
@@ -63,10 +63,10 @@ impl Command {
         target.into_iter().collect()
     }
 
-    /// Does it.
+    /// Runs the command.
     ///
     /// # Errors
-    /// [`Failure`] for a board that does not answer, and a file that cannot be used.
+    /// Returns a [`Failure`] if the board does not answer, and if the file cannot be used.
     pub fn run(&self) -> Result<Answer, Failure> {
         match self {
             Self::Pull(way) => pull(way),
@@ -77,7 +77,7 @@ impl Command {
 
 fn pull(way: &Way) -> Result<Answer, Failure> {
     let settings = Device::find(SerialWire::open(&way.port)?)?.settings()?;
-    // A file that is no settings file is replaced without a word on what was in it.
+    // A file that is not a settings file is overwritten, and no changes are listed.
     let before = std::fs::metadata(&way.file)
         .ok()
         .filter(|there| there.len() > 0)
@@ -112,10 +112,10 @@ impl Push {
     }
 }
 
-/// Gives a board settings, one after the other, and makes sure that it has them.
+/// Writes settings to a board one by one, and reads them back.
 ///
 /// # Errors
-/// [`remote::DeviceError::Refused`] for the first that it does not take.
+/// Returns [`remote::DeviceError::Refused`] for the first setting that the board refuses.
 pub fn push<W: Wire>(
     device: &mut Device<W>,
     changes: &[Difference],
@@ -130,7 +130,7 @@ pub fn push<W: Wire>(
     Ok(())
 }
 
-/// The settings of a file on top of `base`.
+/// Applies the settings of a file to `base`.
 fn applied(path: &std::path::Path, base: &Settings) -> Result<Settings, Failure> {
     let mut settings = *base;
     DeviceFile::read(path)?.apply(&mut settings)?;

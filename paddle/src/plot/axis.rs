@@ -1,20 +1,20 @@
-//! Ranges, ticks and their labels.
+//! Ranges of axes, ticks and tick labels.
 
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
 
-/// How values are laid out along an axis.
+/// Layout of values along an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal distances for equal differences.
+    /// Linear: equal differences have equal distances.
     #[default]
     Linear,
-    /// Equal distances for equal ratios; values that are not positive are left out.
+    /// Logarithmic: equal ratios have equal distances. Values that are not positive are left out.
     Logarithmic,
 }
 
 impl Scale {
-    /// Place of a value along the axis; not finite if it has none.
+    /// Position of a value along the axis. It is not finite if the axis cannot show the value.
     pub fn place(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
@@ -23,7 +23,7 @@ impl Scale {
         }
     }
 
-    /// The value at a place.
+    /// The value at a position.
     pub fn value(self, place: f64) -> f64 {
         match self {
             Self::Linear => place,
@@ -32,24 +32,25 @@ impl Scale {
     }
 }
 
-/// Places that an axis shows, and those that are labelled.
+/// The range of an axis, and its ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     pub scale: Scale,
     pub range: Range<f64>,
     pub ticks: Vec<f64>,
-    /// What is written at them, if it is not their values.
+    /// Labels of the ticks, if they are not the values.
     names: Vec<String>,
 }
 
-/// Share of the range that is left free at either end of the values.
+/// Free share of the range at both ends of the values.
 const MARGIN: f64 = 0.06;
 
-/// Share of the range by which even a tight axis goes on, so that the round number just after the last sample shows.
+/// Share of the range by which a tight axis is extended, so that the round number just after the last sample is visible.
 const HAIR: f64 = 0.003;
 
 impl Axis {
-    /// Around `places`, with `margin` at either end and about `ticks` ticks; 0..1 if there are none.
+    /// Creates an axis around `places`, with `margin` at both ends and about `ticks` ticks. Without places the range is 0 to
+    /// 1.
     fn around(places: impl Iterator<Item = f64>, scale: Scale, margin: f64, ticks: usize) -> Self {
         let (low, high) = places
             .filter(|place| place.is_finite())
@@ -78,7 +79,7 @@ impl Axis {
         }
     }
 
-    /// This axis with these ticks, each with its label.
+    /// Replaces the ticks of the axis by these, each with its label.
     pub fn with_ticks(self, ticks: &[(f64, String)]) -> Self {
         let (ticks, names) = ticks.iter().cloned().unzip();
         Self {
@@ -88,17 +89,17 @@ impl Axis {
         }
     }
 
-    /// The axis from the lowest to the highest of `values`.
+    /// Creates an axis from the lowest to the highest of `values`.
     pub fn tight(values: impl Iterator<Item = f64>, scale: Scale, ticks: usize) -> Self {
         Self::around(values.map(|v| scale.place(v)), scale, 0.0, ticks)
     }
 
-    /// The axis of `values`, with some room at either end.
+    /// Creates an axis of `values` with a margin at both ends.
     pub fn roomy(values: impl Iterator<Item = f64>, scale: Scale, ticks: usize) -> Self {
         Self::around(values.map(|v| scale.place(v)), scale, MARGIN, ticks)
     }
 
-    /// Text at a tick.
+    /// Label of a tick.
     pub fn label(&self, tick: f64) -> String {
         let named = self.ticks.iter().position(|t| *t == tick);
         if let Some(name) = named.and_then(|place| self.names.get(place)) {
@@ -126,7 +127,7 @@ impl Ranged for Axis {
     }
 }
 
-/// At multiples of 1, 2 or 5 times a power of ten, at most about `count`.
+/// Ticks at multiples of 1, 2 or 5 times a power of ten, about `count` at most.
 fn linear_ticks(range: &Range<f64>, count: usize) -> Vec<f64> {
     let least = (range.end - range.start) / count as f64;
     let power = 10f64.powf(least.log10().floor());
@@ -142,7 +143,7 @@ fn linear_ticks(range: &Range<f64>, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// At powers of ten, every one or every second and so on; within less than two decades at 1, 2 and 5 as well.
+/// Ticks at powers of ten. A wide range skips powers; a range of less than two decades also has ticks at 2 and 5.
 fn decades(range: &Range<f64>, count: usize) -> Vec<f64> {
     let (first, last) = (range.start.floor() as i32, range.end.ceil() as i32);
     let stride = ((last - first) as usize).div_ceil(count).max(1);
@@ -158,17 +159,17 @@ fn decades(range: &Range<f64>, count: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Digits of a tick's label; more are rounding.
+/// Significant digits of a tick label. Further digits are rounding errors.
 const TICK_DIGITS: i32 = 6;
-/// Digits of a value that is to be read.
+/// Significant digits of a printed value.
 const VALUE_DIGITS: i32 = 3;
 
-/// Three significant digits.
+/// Formats a value with three significant digits.
 pub fn rounded(value: f64) -> String {
     significant(value, VALUE_DIGITS)
 }
 
-/// Up to `digits` significant digits, no trailing zeros, a true minus sign.
+/// Formats a value with up to `digits` significant digits, without trailing zeros, and with a Unicode minus sign.
 fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 || !value.is_finite() {
         return value.to_string();
@@ -203,14 +204,14 @@ mod tests {
     }
 
     #[test]
-    fn decades_carry_the_values_and_not_the_exponents() {
+    fn a_logarithmic_axis_is_labelled_with_values_and_not_with_exponents() {
         let axis = Axis::tight([0.02, 900.0].into_iter(), Scale::Logarithmic, 8);
         let labels: Vec<_> = axis.ticks.iter().map(|t| axis.label(*t)).collect();
         assert_eq!(labels, ["0.1", "1", "10", "100"]);
     }
 
     #[test]
-    fn one_value_or_none_still_makes_an_axis() {
+    fn an_axis_can_be_made_from_one_value_or_none() {
         for values in [&[][..], &[0.0], &[3.5], &[f64::NAN]] {
             let axis = Axis::roomy(values.iter().copied(), Scale::Linear, 5);
             assert!(axis.range.end > axis.range.start && !axis.ticks.is_empty());

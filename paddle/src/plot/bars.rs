@@ -1,4 +1,4 @@
-//! Horizontal bars with their values.
+//! Horizontal bar charts with printed values.
 
 use super::axis;
 use super::ink::Ink;
@@ -9,26 +9,26 @@ use plotters::style::text_anchor::HPos;
 /// One bar.
 #[derive(Clone, Debug)]
 pub struct Bar {
-    /// To the left of the bar.
+    /// Label to the left of the bar.
     pub label: String,
-    /// Its length, 0 or more.
+    /// Length of the bar, 0 or more.
     pub value: f64,
-    /// What it stands for.
+    /// Meaning of the bar, which sets its colour.
     pub ink: Ink,
 }
 
-/// Bars under one title, all from zero.
+/// A bar chart. All bars start at zero.
 #[derive(Clone, Debug)]
 pub struct Bars {
-    /// Quantity, in one line.
+    /// Title in one line, which names the quantity.
     pub title: String,
     /// Unit of the values.
     pub unit: String,
-    /// From top to bottom.
+    /// Bars from top to bottom.
     pub bars: Vec<Bar>,
 }
 
-// All in pixels.
+// All lengths are in pixels.
 const TOP: i32 = 34;
 const ROW: i32 = 24;
 const THICKNESS: i32 = 14;
@@ -39,7 +39,7 @@ impl Bars {
     /// The chart as SVG text.
     ///
     /// # Errors
-    /// [`PlotError`] if the drawing library refuses.
+    /// Returns [`PlotError`] if the drawing library reports an error.
     pub fn svg(&self) -> Result<String, PlotError> {
         let longest = |texts: &mut dyn Iterator<Item = String>| {
             texts

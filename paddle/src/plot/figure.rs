@@ -1,4 +1,4 @@
-//! Lines over a common abscissa, in one panel or several.
+//! Line charts over a common abscissa, with one panel or several.
 
 use super::axis::{self, Axis, Scale};
 use super::ink::Ink;
@@ -12,16 +12,16 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 /// One line.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// As in the legend.
+    /// Label in the legend.
     pub label: String,
-    /// What it stands for.
+    /// Meaning of the line, which sets its colour.
     pub ink: Ink,
-    /// Abscissa and ordinate, the abscissa not falling; an ordinate that is not a number interrupts the line.
+    /// Abscissa and ordinate. The abscissas are in ascending order. An ordinate that is NaN interrupts the line.
     pub points: Vec<(f64, f64)>,
 }
 
 impl Line {
-    /// A line through `y` over `x`.
+    /// Creates a line of `y` over `x`.
     pub fn new(label: impl Into<String>, ink: Ink, x: &[f64], y: &[f64]) -> Self {
         Self {
             label: label.into(),
@@ -31,7 +31,7 @@ impl Line {
     }
 }
 
-/// A range along an axis that is shaded.
+/// A shaded range along an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Band {
     /// Lower end.
@@ -40,21 +40,21 @@ pub struct Band {
     pub to: f64,
 }
 
-/// A moment or a peak that is named.
+/// A labelled time or peak.
 #[derive(Clone, Debug)]
 pub enum Mark {
     /// A vertical line.
     At {
-        /// Abscissa.
+        /// Abscissa of the line.
         x: f64,
-        /// What happens there.
+        /// Label of the line.
         label: String,
     },
     /// A small circle.
     Peak {
-        /// Abscissa and ordinate.
+        /// Abscissa and ordinate of the peak.
         at: (f64, f64),
-        /// What it is.
+        /// Label of the peak.
         label: String,
     },
 }
@@ -66,32 +66,32 @@ pub struct Panel {
     pub y_label: String,
     /// Layout of the ordinate.
     pub y_scale: Scale,
-    /// The lines, the last on top.
+    /// Lines in drawing order; the last is on top.
     pub lines: Vec<Line>,
     /// Shaded range of ordinates, if any.
     pub band: Option<Band>,
     /// Shaded ranges of abscissas.
     pub regions: Vec<Band>,
-    /// What is named.
+    /// Labelled times and peaks.
     pub marks: Vec<Mark>,
 }
 
-/// A chart of panels one above the other.
+/// A chart of one or more panels, arranged vertically.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
-    /// In one line.
+    /// Title in one line.
     pub title: String,
     /// Quantity and unit of the abscissa.
     pub x_label: String,
     /// Layout of the abscissa.
     pub x_scale: Scale,
-    /// Where ticks are and what is written at them; none for ticks at round values.
+    /// Positions and labels of the ticks. If the list is empty, ticks are at round values.
     pub x_ticks: Vec<(f64, String)>,
-    /// From top to bottom; the first is the tallest.
+    /// Panels from top to bottom; the first is the tallest.
     pub panels: Vec<Panel>,
 }
 
-// All in pixels.
+// All lengths are in pixels.
 const LEFT: i32 = 58;
 const RIGHT: i32 = 14;
 const TITLE: i32 = 30;
@@ -135,7 +135,7 @@ impl Panel {
         chart.draw_series(self.regions.iter().filter_map(|region| {
             let [from, to] = [region.from, region.to].map(|end| {
                 let place = x.scale.place(end);
-                // A logarithmic axis has no zero.
+                // A logarithmic axis cannot show zero.
                 let place = if place.is_nan() {
                     f64::NEG_INFINITY
                 } else {
@@ -144,7 +144,7 @@ impl Panel {
                 place.clamp(x.range.start, x.range.end)
             });
             let corners = [(from, y.range.start), (to, y.range.end)];
-            (to > from).then(|| Rectangle::new(corners, Ink::Guilty.color().mix(0.22).filled()))
+            (to > from).then(|| Rectangle::new(corners, Ink::GapRegion.color().mix(0.22).filled()))
         }))?;
         if let Some(band) = self.band {
             chart.draw_series([Rectangle::new(
@@ -185,7 +185,7 @@ impl Panel {
             match mark {
                 Mark::At { x: at, label } => {
                     let at = x.scale.place(*at);
-                    // The line begins at its label, above those of the marks before.
+                    // The vertical line begins at its label, above the labels of the previous marks.
                     let foot = y.range.start + f64::from(MARK_ROW * (2 * row + 1) / 2) * per_pixel;
                     let line =
                         PathElement::new([(at, foot), (at, top)], AXIS.stroke_width(UNIT as u32));
@@ -233,7 +233,7 @@ fn text(size: f64, vertical: VPos) -> TextStyle<'static> {
 }
 
 impl Panel {
-    /// What it shows, in a sentence; with the places that are shaded, if the abscissa `has_values`.
+    /// Describes the chart in a sentence. If the abscissa `has_values`, the sentence includes the shaded ranges.
     fn in_words(&self, has_values: bool) -> String {
         let lines: Vec<_> = self.lines.iter().map(|line| line.label.as_str()).collect();
         let ends = |values: &mut dyn Iterator<Item = f64>| {
@@ -258,7 +258,7 @@ impl Panel {
 }
 
 impl Figure {
-    /// A description for readers who do not see the picture.
+    /// A text description of the chart, for screen readers.
     fn words(&self) -> Words {
         let has_values = self.x_ticks.is_empty();
         let panels = self.panels.iter().map(|panel| panel.in_words(has_values));
@@ -272,7 +272,7 @@ impl Figure {
     /// The chart as SVG text.
     ///
     /// # Errors
-    /// [`PlotError`] if the drawing library refuses.
+    /// Returns [`PlotError`] if the drawing library reports an error.
     pub fn svg(&self) -> Result<String, PlotError> {
         let lines = || self.panels.iter().flat_map(|panel| &panel.lines);
         let x = Axis::tight(
@@ -315,7 +315,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_chart_says_what_it_shows_to_those_who_do_not_see_it() {
+    fn a_chart_has_a_text_description_for_screen_readers() {
         let figure = Figure {
             title: "run <1> & more".into(),
             x_label: "time, s".into(),

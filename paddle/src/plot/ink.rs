@@ -1,21 +1,21 @@
-//! Colours that people with any colour vision tell apart (Okabe and Ito, 2008), and what each is for.
+//! Colours of the charts. People with any colour vision can distinguish them (Okabe and Ito, 2008).
 
 use plotters::style::RGBColor;
 
-/// What a line stands for; the same thing has the same colour in all charts.
+/// Meaning of a line. The same meaning has the same colour in all charts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// What was asked for.
+    /// Setpoint.
     Setpoint,
-    /// What was measured, or what is true.
+    /// Measured or true value.
     Measured,
-    /// What the nominal model says.
+    /// Prediction of the nominal model.
     Model,
-    /// What the corrected model says.
+    /// Prediction of the corrected model.
     Corrected,
-    /// The part of the data that carries the gap.
-    Guilty,
-    /// Any other line, by its place.
+    /// The part of the data in which the gap lies.
+    GapRegion,
+    /// Any other line, by its number.
     Other(usize),
 }
 
@@ -33,7 +33,7 @@ impl Ink {
             Self::Measured => RGBColor(0x22, 0x22, 0x22),
             Self::Model => RGBColor(0x00, 0x72, 0xB2),
             Self::Corrected => RGBColor(0xD5, 0x5E, 0x00),
-            Self::Guilty => RGBColor(0xE6, 0x9F, 0x00),
+            Self::GapRegion => RGBColor(0xE6, 0x9F, 0x00),
             Self::Other(place) => OTHERS[place % OTHERS.len()],
         }
     }
@@ -41,7 +41,7 @@ impl Ink {
     /// Width of a line, px.
     pub(super) fn width(self) -> f64 {
         match self {
-            // It shows behind a model that is right.
+            // The measured line is wide, so that it stays visible behind a correct model.
             Self::Measured => 3.0,
             _ => 1.4,
         }

@@ -1,4 +1,4 @@
-//! Plain charts as SVG text, all in one style.
+//! Charts as SVG text in a common style.
 
 mod axis;
 mod bars;

@@ -1,4 +1,4 @@
-//! Points over one axis, with what explains them drawn through, and what is left of them beside.
+//! Scatter charts: points over an axis, a line of the values that are explained, and a second panel with the remainder.
 
 use super::axis::{Axis, Scale};
 use super::ink::Ink;
@@ -9,32 +9,32 @@ use plotters::style::text_anchor::HPos;
 /// Points of one kind.
 #[derive(Clone, Debug, Default)]
 pub struct Cloud {
-    /// As in the legend.
+    /// Label in the legend.
     pub label: String,
-    /// Abscissa and ordinate.
+    /// Abscissa and ordinate of the points.
     pub points: Vec<(f64, f64)>,
-    /// What explains them, as a line.
+    /// Explained values, as a line.
     pub explained: Vec<(f64, f64)>,
-    /// What is left of the points; empty for nothing beside.
+    /// Remainder of the points after the explained values are subtracted. It is empty if there is no second panel.
     pub rest: Vec<(f64, f64)>,
 }
 
-/// Clouds over one axis, and what is left of them on the same scale.
+/// Groups of points over one axis, and their remainders on the same scale.
 #[derive(Clone, Debug, Default)]
 pub struct Scatter {
-    /// In one line.
+    /// Title in one line.
     pub title: String,
     /// Quantity and unit of the abscissa.
     pub x_label: String,
     /// Quantity and unit of the ordinate.
     pub y_label: String,
-    /// What the lines are, as in the legend; empty for no lines and nothing beside.
+    /// Label of the lines in the legend. It is empty if there are no lines and no second panel.
     pub explained_by: String,
-    /// Two at most are told apart.
+    /// Groups of points. The colours distinguish at most two groups.
     pub clouds: Vec<Cloud>,
 }
 
-// All in pixels.
+// All lengths are in pixels.
 const LEFT: i32 = 58;
 const RIGHT: i32 = 12;
 const TITLE: i32 = 28;
@@ -44,18 +44,18 @@ const HEIGHT: i32 = 300;
 const X_TICKS: i32 = 18;
 const X_LABEL: i32 = 24;
 const DOT: f64 = 1.5;
-/// Width of the part with the points, where what is left is beside.
+/// Width of the panel with the points, if there is a second panel.
 const MAIN: i32 = 440;
-/// Points of a cloud that are drawn; more hide each other.
+/// Largest number of drawn points per group. More points would hide each other.
 const MOST_DOTS: usize = 240;
-/// Rarest ordinates at either end that may lie outside.
+/// Share of the lowest and of the highest ordinates that may lie outside the chart.
 const RAREST: f64 = 0.002;
 
 impl Scatter {
     /// The chart as SVG text.
     ///
     /// # Errors
-    /// [`PlotError`] if the drawing library refuses.
+    /// Returns [`PlotError`] if the drawing library reports an error.
     pub fn svg(&self) -> Result<String, PlotError> {
         let points = || self.clouds.iter().flat_map(|cloud| &cloud.points);
         let x = points().map(|point| point.0);
@@ -174,14 +174,14 @@ fn ink(place: usize) -> Ink {
     [Ink::Model, Ink::Other(0)][place % 2]
 }
 
-/// Evenly taken points, so many at most.
+/// At most so many points, taken at even intervals.
 fn some<T>(points: &[T]) -> impl Iterator<Item = &T> {
     points
         .iter()
         .step_by(points.len().div_ceil(MOST_DOTS).max(1))
 }
 
-/// All but the rarest values at either end.
+/// The values without the rarest values at both ends.
 fn inner(mut values: Vec<f64>) -> Vec<f64> {
     values.retain(|value| value.is_finite());
     values.sort_by(f64::total_cmp);

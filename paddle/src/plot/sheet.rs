@@ -1,16 +1,16 @@
-//! The paper: size, type, and the SVG text that comes out.
+//! Common base of the charts: size, fonts, and the SVG text.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Drawing units in a pixel: plotters draws on whole units, which would show in thin lines.
+/// Drawing units per pixel. The library plotters draws on integer units, which would be visible in thin lines.
 pub const UNIT: i32 = 10;
 /// Width of every chart, pixels.
 pub const WIDTH: i32 = 720;
-/// Size of the small type, pixels.
+/// Size of the small font, pixels.
 pub const SMALL: f64 = 11.5;
-/// Size of the title, pixels.
+/// Size of the font of titles, pixels.
 pub const LARGE: f64 = 14.0;
 /// Colour of all text.
 pub const TEXT: RGBColor = RGBColor(0x33, 0x33, 0x33);
@@ -19,9 +19,9 @@ pub const GRID: RGBColor = RGBColor(0xE6, 0xE6, 0xE6);
 /// Colour of axes.
 pub const AXIS: RGBColor = RGBColor(0x88, 0x88, 0x88);
 
-/// plotters sets type at 1/1.24 of the size that it is told.
+/// plotters sets fonts at 1/1.24 of the requested size.
 const PLOTTERS_TYPE: f64 = 1.24;
-/// Mean width of a character relative to its size.
+/// Mean width of a character relative to the font size.
 const CHARACTER_WIDTH: f64 = 0.56;
 
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -32,15 +32,15 @@ pub type Failure = DrawingAreaErrorKind<std::io::Error>;
 #[error("cannot draw the plot: {0}; report it with the command that you typed")]
 pub struct PlotError(String);
 
-/// What a chart says to those who do not see it.
+/// Text description of a chart, for screen readers.
 pub struct Words {
-    /// Its title.
+    /// Title of the chart.
     pub title: String,
-    /// What is drawn, in sentences.
+    /// Description of the chart in sentences.
     pub description: String,
 }
 
-/// The SVG text of what `draw` puts on white paper `height` pixels high, with the same in `words`.
+/// The SVG text of the drawing by `draw` on a white sheet that is `height` pixels high, with the description `words`.
 pub fn draw(
     height: i32,
     words: &Words,
@@ -68,7 +68,7 @@ pub fn draw(
     })
 }
 
-/// Text that is safe within XML.
+/// Escapes text for XML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
@@ -76,19 +76,19 @@ fn escaped(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// Type of `size` pixels.
+/// Font of `size` pixels.
 pub fn font(size: f64) -> TextStyle<'static> {
     ("sans-serif", size * PLOTTERS_TYPE * f64::from(UNIT))
         .into_font()
         .color(&TEXT)
 }
 
-/// Width that `text` will about have, pixels.
+/// Estimated width of `text`, pixels.
 pub fn width_of(text: &str, size: f64) -> i32 {
     (text.chars().count() as f64 * size * CHARACTER_WIDTH).ceil() as i32
 }
 
-/// Puts `text` at a place in pixels, vertically centred.
+/// Writes `text` at a position in pixels, vertically centred.
 pub fn write(
     area: &Area<'_>,
     text: &str,

@@ -1,11 +1,11 @@
-//! A step response with what the metrics say of it.
+//! Plots a step response with its metrics.
 
 use super::figure::{Band, Line, Mark, Panel};
 use super::ink::Ink;
 use haptic_paddle::metrics::StepReport;
 
-/// Position over time (ms and degrees) of a step to `target_deg` at time 0, with the band of half width
-/// `band_deg`, rise, settling and overshoot.
+/// Plots position in degrees over time in ms for a step to `target_deg` at time 0. Marks the settling band of half width
+/// `band_deg`, the rise time, the settling time and the overshoot.
 pub fn step_response(
     position: Vec<(f64, f64)>,
     target_deg: f64,

@@ -1,7 +1,7 @@
-//! Fewer points without a visible difference.
+//! Reduces the number of points without a visible difference.
 
-/// Of the points in each of `columns` equal columns of `[from, to]`, the first, lowest, highest and last, in
-/// the order of the data. Points outside the range or not finite are left out.
+/// Divides `[from, to]` into `columns` equal columns. Returns the first, lowest, highest and last point of each column, in
+/// the order of the data. Points outside the range and points that are not finite are left out.
 pub fn envelope(points: &[(f64, f64)], [from, to]: [f64; 2], columns: usize) -> Vec<(f64, f64)> {
     let column = |x: f64| ((x - from) / (to - from) * columns as f64) as usize;
     let inside: Vec<_> = points
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_spike_survives_and_the_count_is_bounded() {
+    fn a_spike_is_kept_and_the_number_of_points_is_bounded() {
         let mut points: Vec<_> = (0..100_000).map(|i| (f64::from(i), 0.0)).collect();
         points[54_321].1 = 7.0;
         let thin = envelope(&points, [0.0, 99_999.0], 500);
@@ -40,7 +40,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_is_left_out() {
+    fn points_that_are_not_finite_are_left_out() {
         let points = [(0.0, 1.0), (1.0, f64::NAN), (2.0, 3.0)];
         assert_eq!(envelope(&points, [0.0, 2.0], 10), [(0.0, 1.0), (2.0, 3.0)]);
     }

@@ -1,15 +1,15 @@
-//! Bars that stand in the cell of a table and shrink with it.
+//! Bars in table cells, which scale with the cell.
 
 /// Colour of a bar, as in the plots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// The nominal model, and what is not better.
+    /// The nominal model, and models that are not better.
     Model,
     /// The corrected model.
     Corrected,
-    /// What no model can undercut.
+    /// The floor, which no model can improve on.
     Floor,
-    /// What was tried and not named.
+    /// A candidate that was tried and not named.
     Other,
 }
 
@@ -24,8 +24,8 @@ impl Tone {
     }
 }
 
-/// A bar from zero to `value` on a scale from zero to `most`, with whiskers over `interval`. What is below zero has no bar: its
-/// length would pass for that of what is above.
+/// A bar from zero to `value` on a scale from zero to `most`, with an error bar over `interval`. A negative value has no
+/// bar, because its length would look like a positive value.
 pub fn bar(value: f64, most: f64, interval: Option<[f64; 2]>, tone: Tone) -> String {
     let place = |value: f64| match (100.0 * value / most).clamp(0.0, 100.0) {
         place if place.is_finite() => place,
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_negative_has_no_bar() {
+    fn a_negative_value_has_no_bar() {
         let worse = bar(-0.5, 1.0, Some([-0.8, -0.2]), Tone::Corrected);
         assert!(
             worse.contains("width=\"0.0\"") && !worse.contains("#222"),

@@ -1,43 +1,43 @@
 //! The plots of a report.
 
-use super::course::{Course, worst};
+use super::predicted_run::{PredictedRun, worst};
 use super::quantity::{Display, percent};
 use super::region::{self, Labels};
 use crate::plot::{Band, Bar, Bars, Figure, Ink, Line, Panel, PlotError, Scale};
 use gap::diagnosis::{AFTER_REST, MeasuredBy, Profile, Region};
 use std::ops::Range;
 
-/// Windows that the telling stretch shows.
+/// Number of prediction windows in the plot of the worst interval.
 const WINDOWS: f64 = 4.0;
-/// Runs whose residual is shown over time.
+/// Number of runs whose residual is plotted over time.
 pub const RUNS: usize = 4;
-/// Share of a horizon by which rounding may put a sample before its restart.
+/// Tolerance of a restart time, as a share of the horizon. Rounding may place the first sample slightly before the restart.
 const HAIR: f64 = 1e-6;
-/// Ticks along an axis whose widths are shares.
+/// Number of ticks along an axis whose widths are shares.
 const TICKS: f64 = 9.0;
-/// Runs of which the share of the gap is shown.
+/// Number of runs in the bar chart of the shares.
 const BARS: usize = 20;
 
-/// A plot with what is to be seen in it.
+/// A plot with a caption.
 pub struct Captioned {
     /// The plot.
     pub svg: String,
-    /// In sentences.
+    /// Caption in sentences.
     pub caption: String,
 }
 
-/// One value a sample.
+/// One value per sample.
 struct Trace {
     label: &'static str,
     ink: Ink,
     values: Vec<f64>,
 }
 
-/// What all plots are made from.
+/// Data of all plots.
 pub struct Charts<'a> {
-    /// The runs.
-    pub courses: &'a [Course],
-    /// Where the gap lies.
+    /// Runs with their predictions.
+    pub predicted_runs: &'a [PredictedRun],
+    /// Regions of the data in which the gap lies.
     pub regions: &'a [Region],
     /// Units and names.
     pub labels: &'a Labels,
@@ -46,12 +46,12 @@ pub struct Charts<'a> {
 }
 
 impl Charts<'_> {
-    /// Measured, nominal and corrected where the nominal model is worst.
+    /// Measured, nominal and corrected position in the interval in which the nominal model is worst.
     pub fn stretch(&self) -> Option<Result<String, PlotError>> {
         let span_s = WINDOWS * self.horizon_s;
-        let (index, rows) = worst(self.courses, self.horizon_s, span_s)?;
-        let course = &self.courses[index];
-        let residuals = self.residuals(course);
+        let (index, rows) = worst(self.predicted_runs, self.horizon_s, span_s)?;
+        let predicted = &self.predicted_runs[index];
+        let residuals = self.residuals(predicted);
         let display = self.position();
         let trace = |label, ink, values: &[f64]| Trace {
             label,
@@ -59,17 +59,17 @@ impl Charts<'_> {
             values: values.to_vec(),
         };
         let mut traces = vec![
-            trace("measured", Ink::Measured, &course.measured),
-            trace("nominal model", Ink::Model, &course.nominal),
+            trace("measured", Ink::Measured, &predicted.measured),
+            trace("nominal model", Ink::Model, &predicted.nominal),
         ];
-        if let Some(corrected) = &course.corrected {
+        if let Some(corrected) = &predicted.corrected {
             traces.push(trace("corrected model", Ink::Corrected, corrected));
         }
         let lines = traces
             .iter()
-            .map(|trace| self.line(trace, course, rows.clone(), &display));
+            .map(|trace| self.line(trace, predicted, rows.clone(), &display));
         let figure = Figure {
-            title: format!("{}, where the nominal model is worst", course.file),
+            title: format!("{}, where the nominal model is worst", predicted.file),
             x_label: "time, s".into(),
             panels: vec![
                 Panel {
@@ -77,33 +77,36 @@ impl Charts<'_> {
                     lines: lines.collect(),
                     ..Panel::default()
                 },
-                self.residual_panel(course, rows.clone(), &residuals),
+                self.residual_panel(predicted, rows.clone(), &residuals),
             ],
             ..Figure::default()
         };
         Some(figure.svg())
     }
 
-    /// Residuals over time of the runs that carry most, in their order, with their files.
+    /// Residuals over time of the runs with the largest shares of the gap, in the order of the recording, with their files.
     pub fn over_time(&self) -> Result<Vec<(String, String)>, PlotError> {
-        let mut worst: Vec<&Course> = self.courses.iter().collect();
-        worst.sort_by(|a, b| b.badness().total_cmp(&a.badness()));
+        let mut worst: Vec<&PredictedRun> = self.predicted_runs.iter().collect();
+        worst.sort_by(|a, b| {
+            b.nominal_squared_error()
+                .total_cmp(&a.nominal_squared_error())
+        });
         worst.truncate(RUNS);
-        worst.sort_by_key(|course| course.run);
-        let figures = worst.into_iter().map(|course| {
-            let rows = 0..course.time.len();
+        worst.sort_by_key(|predicted| predicted.run);
+        let figures = worst.into_iter().map(|predicted| {
+            let rows = 0..predicted.time.len();
             let figure = Figure {
-                title: course.file.clone(),
+                title: predicted.file.clone(),
                 x_label: "time, s".into(),
-                panels: vec![self.residual_panel(course, rows, &self.residuals(course))],
+                panels: vec![self.residual_panel(predicted, rows, &self.residuals(predicted))],
                 ..Figure::default()
             };
-            figure.svg().map(|svg| (svg, course.file.clone()))
+            figure.svg().map(|svg| (svg, predicted.file.clone()))
         });
         figures.collect()
     }
 
-    /// For each axis on which a part of the gap is told, the shares by which it was chosen.
+    /// For each axis with a reported region: the shares of the gap along the axis, from which the region was chosen.
     pub fn shares(&self) -> Result<Vec<Captioned>, PlotError> {
         let mut groups: Vec<Vec<(&Region, &Profile)>> = Vec::new();
         let all = self.regions.iter();
@@ -127,8 +130,8 @@ impl Charts<'_> {
         captioned.collect()
     }
 
-    /// Share of the gap over share of the samples along an axis, the told regions marked. Equal widths are equal shares of the
-    /// samples, so that areas are shares of the gap; frequencies are as wide as they are on a logarithmic scale.
+    /// Plots the share of the gap divided by the share of the samples along an axis, with the reported regions marked. Equal
+    /// widths are equal shares of the samples, so an area is a share of the gap. A frequency axis is logarithmic instead.
     fn share_figure(&self, group: &[(&Region, &Profile)]) -> Figure {
         let (region, profile) = group[0];
         let across = self.across(region, profile);
@@ -143,7 +146,7 @@ impl Charts<'_> {
         };
         let steps = profile.parts.iter().flat_map(|part| {
             let density = part.density();
-            // A part without samples has no width either.
+            // A part without samples has zero width.
             let shown = if density.is_finite() { density } else { 0.0 };
             [part.from, part.to].map(|end| (place(end), shown))
         });
@@ -187,10 +190,10 @@ impl Charts<'_> {
         }
     }
 
-    /// The unit in which places on the axis of a region are said.
+    /// The unit of the axis of a region.
     fn across(&self, region: &Region, profile: &Profile) -> Display {
         let size = match region.axis {
-            // Seconds on a clock stay seconds.
+            // Time axes stay in seconds.
             "time" => 1.0,
             _ => edges(profile)
                 .iter()
@@ -228,11 +231,16 @@ impl Charts<'_> {
         )
     }
 
-    fn residual_panel(&self, course: &Course, rows: Range<usize>, residuals: &[Trace]) -> Panel {
-        let display = residual_display(self.courses, &self.labels.position);
+    fn residual_panel(
+        &self,
+        predicted: &PredictedRun,
+        rows: Range<usize>,
+        residuals: &[Trace],
+    ) -> Panel {
+        let display = residual_display(self.predicted_runs, &self.labels.position);
         let lines = residuals
             .iter()
-            .map(|trace| self.line(trace, course, rows.clone(), &display));
+            .map(|trace| self.line(trace, predicted, rows.clone(), &display));
         Panel {
             y_label: format!("measured minus model, {}", display.unit()),
             lines: lines.collect(),
@@ -240,13 +248,13 @@ impl Charts<'_> {
         }
     }
 
-    fn residuals(&self, course: &Course) -> Vec<Trace> {
+    fn residuals(&self, predicted: &PredictedRun) -> Vec<Trace> {
         let nominal = Trace {
             label: "nominal model",
             ink: Ink::Model,
-            values: course.nominal_residual(),
+            values: predicted.nominal_residual(),
         };
-        let corrected = course.corrected_residual().map(|values| Trace {
+        let corrected = predicted.corrected_residual().map(|values| Trace {
             label: "corrected model",
             ink: Ink::Corrected,
             values,
@@ -254,16 +262,22 @@ impl Charts<'_> {
         [Some(nominal), corrected].into_iter().flatten().collect()
     }
 
-    /// A trace over time; a prediction is interrupted where it is re-started.
-    fn line(&self, trace: &Trace, course: &Course, rows: Range<usize>, display: &Display) -> Line {
-        let start = course.time.first().copied().unwrap_or(0.0);
-        let window = |i: usize| ((course.time[i] - start) / self.horizon_s + HAIR).floor();
+    /// A trace over time. A prediction is interrupted at each restart.
+    fn line(
+        &self,
+        trace: &Trace,
+        predicted: &PredictedRun,
+        rows: Range<usize>,
+        display: &Display,
+    ) -> Line {
+        let start = predicted.time.first().copied().unwrap_or(0.0);
+        let window = |i: usize| ((predicted.time[i] - start) / self.horizon_s + HAIR).floor();
         let mut points = Vec::with_capacity(rows.len());
         for i in rows.clone() {
             if trace.ink != Ink::Measured && i > rows.start && window(i) > window(i - 1) {
-                points.push((course.time[i], f64::NAN));
+                points.push((predicted.time[i], f64::NAN));
             }
-            points.push((course.time[i], trace.values[i] * display.factor));
+            points.push((predicted.time[i], trace.values[i] * display.factor));
         }
         Line {
             label: trace.label.into(),
@@ -273,7 +287,10 @@ impl Charts<'_> {
     }
 
     fn position(&self) -> Display {
-        let all = self.courses.iter().flat_map(|course| &course.measured);
+        let all = self
+            .predicted_runs
+            .iter()
+            .flat_map(|predicted| &predicted.measured);
         Display::of(
             &self.labels.position,
             all.fold(0.0, |most, x| x.abs().max(most)),
@@ -281,19 +298,21 @@ impl Charts<'_> {
     }
 }
 
-fn residual_display(courses: &[Course], unit: &str) -> Display {
-    let all = courses.iter().flat_map(Course::nominal_residual);
+fn residual_display(predicted_runs: &[PredictedRun], unit: &str) -> Display {
+    let all = predicted_runs
+        .iter()
+        .flat_map(PredictedRun::nominal_residual);
     Display::of(unit, all.fold(0.0, |most, x| x.abs().max(most)))
 }
 
-/// Where the parts of an axis begin and end.
+/// Limits of the parts of an axis.
 fn edges(profile: &Profile) -> Vec<f64> {
     let first = profile.parts.first().map(|part| part.from);
     let ends = profile.parts.iter().map(|part| part.to);
     first.into_iter().chain(ends).collect()
 }
 
-/// Some of the `edges`, those about equally far from one another in their `place`.
+/// Selects some of the `edges` at about equal distances in their `place`.
 fn ticks(edges: &[f64], place: impl Fn(f64) -> f64) -> Vec<f64> {
     let Some(&last) = edges.last() else {
         return Vec::new();
@@ -309,7 +328,7 @@ fn ticks(edges: &[f64], place: impl Fn(f64) -> f64) -> Vec<f64> {
     kept
 }
 
-/// What the share of the gap is held against.
+/// Quantity by which the share of the gap is divided.
 fn share_of_what(region: &Region) -> &'static str {
     match region.measured_by {
         MeasuredBy::Spectrum => "share of the power of motion and input",
@@ -317,7 +336,7 @@ fn share_of_what(region: &Region) -> &'static str {
     }
 }
 
-/// What the gap is measured by along an axis.
+/// Name of the measure of the gap along an axis.
 fn measure_in_words(measured_by: MeasuredBy) -> &'static str {
     match measured_by {
         MeasuredBy::ShortPredictions => {
@@ -334,7 +353,7 @@ fn measure_in_words(measured_by: MeasuredBy) -> &'static str {
     }
 }
 
-/// Bars by run, for the runs that stand out most.
+/// Bars per run, for the runs that differ most from an even share.
 fn run_bars(profile: &Profile) -> Bars {
     let [from, to] = profile.marked;
     let mut parts: Vec<_> = profile.parts.iter().collect();
@@ -344,7 +363,7 @@ fn run_bars(profile: &Profile) -> Bars {
         label: part.run.clone().unwrap_or_default(),
         value: part.density(),
         ink: match part.from >= from && part.to <= to {
-            true => Ink::Guilty,
+            true => Ink::GapRegion,
             false => Ink::Model,
         },
     });
@@ -361,10 +380,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_plotted_along_an_axis_is_what_was_scored_and_the_band_is_where_it_is_highest() {
+    fn the_plot_along_an_axis_shows_the_scored_shares_and_marks_the_highest() {
         let diagnosis = example::stribeck();
         let charts = Charts {
-            courses: &[],
+            predicted_runs: &[],
             regions: &diagnosis.regions,
             labels: &example::labels(),
             horizon_s: 0.5,

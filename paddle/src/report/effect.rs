@@ -1,4 +1,4 @@
-//! What an effect is called in a sentence.
+//! Describes an effect in a sentence.
 
 use super::quantity::{Display, show};
 use super::region::Labels;
@@ -8,7 +8,7 @@ use host_sim::effects;
 
 pub use gap::effects::noun;
 
-/// What was found, with its numbers.
+/// The effect with its parameters, as a phrase.
 pub fn phrase(finding: &Finding, labels: &Labels) -> String {
     let nominal = Nominal {
         coulomb: labels.coulomb,
@@ -31,27 +31,27 @@ fn written(part: &Part) -> String {
     }
 }
 
-/// Of an instant.
+/// Largest number of decimals of a time.
 const MOST_DECIMALS: f64 = 6.0;
 
 fn shown(estimate: &Estimate) -> String {
-    // Of a factor it is the difference from 1 that counts.
+    // For a factor, the difference from 1 matters.
     if estimate.unit == "1" && (estimate.value - 1.0).abs() < NEAR_ONE {
         return format!("{:.2}", estimate.value);
     }
     show(estimate.value, &estimate.unit)
 }
 
-/// Difference up to which two digits of a factor do not tell it from 1.
+/// Difference from 1 below which two digits of a factor would round to 1.
 const NEAR_ONE: f64 = 0.1;
 
-/// What was found, with its standard deviation where that is known.
+/// An estimate with its standard deviation, if that is known.
 pub fn with_std(estimate: &Estimate) -> String {
     let display = Display::of(&estimate.unit, estimate.value);
     display.show_with_std(estimate.value, estimate.std)
 }
 
-/// Why a number has no standard deviation, if it has none.
+/// Reason why an estimate has no standard deviation. `None` if it has one.
 pub fn why_no_std(estimate: &Estimate) -> Option<&'static str> {
     match (estimate.std, estimate.is_fitted) {
         (Some(_), _) => None,
@@ -60,8 +60,8 @@ pub fn why_no_std(estimate: &Estimate) -> Option<&'static str> {
     }
 }
 
-/// The parameters that say something, in the order of the finding, and the rest: those that were held where they do
-/// nothing or where they are by default.
+/// Divides the parameters into those that were estimated, in the order of the finding, and the rest. The rest was held at a
+/// value without effect, or at its default.
 pub fn parameters(finding: &Finding) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
     let known = effects::kind(finding.name).map_or(&[][..], |kind| kind.parameters);
     let place = |name: &str| known.iter().position(|p| p.name == name);
@@ -72,10 +72,10 @@ pub fn parameters(finding: &Finding) -> (Vec<Named<'_>>, Vec<Named<'_>>) {
     })
 }
 
-/// A parameter's name, and what it was found to be.
+/// Name and estimate of a parameter.
 pub type Named<'a> = (&'a String, &'a Estimate);
 
-/// What the parameter `name` of the effect `effect` means.
+/// Meaning of the parameter `name` of the effect `effect`.
 pub fn parameter(effect: &str, name: &str) -> &'static str {
     let Some(kind) = effects::kind(effect) else {
         return "";
@@ -86,7 +86,7 @@ pub fn parameter(effect: &str, name: &str) -> &'static str {
         .map_or("", |parameter| parameter.about)
 }
 
-/// What the effect does, in a sentence, and its equation.
+/// Description of the effect in a sentence, and its equation.
 pub fn explained(name: &str) -> (&'static str, &'static str) {
     effects::kind(name).map_or(("", ""), |kind| (kind.about, kind.equation))
 }
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn another_form_is_said_as_what_it_is() {
+    fn a_parameter_that_selects_another_form_changes_the_phrase() {
         let carried = finding(
             "load_dependent_friction",
             &[("share", 0.54, 0.04, "1"), ("passive", -0.87, 0.04, "1")],
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_model_has_too_much_is_said_so() {
+    fn a_negative_parameter_is_reported_as_an_excess_of_the_model() {
         let shorter = |name| finding(name, &[("time", -0.004, 1e-4, "s")]);
         assert_eq!(
             phrase(&shorter("delay"), &labels()),
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn only_the_stop_that_was_met_is_named() {
+    fn only_the_stop_that_was_reached_is_named() {
         let numbers = [("lower", -2.0, 0.0, "rad"), ("upper", 0.576, 0.001, "rad")];
         assert_eq!(
             phrase(&finding("end_stop", &numbers), &labels()),
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_holds_or_pushes_back() {
+    fn a_hand_contact_is_described_by_its_side() {
         let phrase = |side| {
             let numbers = [
                 ("side", side, 0.0, "1"),
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_comes_back_is_counted() {
+    fn repeated_hand_contacts_are_counted() {
         let numbers = ["from_1", "to_1", "from_2", "to_2"].map(|name| (name, 1.0, 0.1, "s"));
         assert_eq!(
             phrase(&finding("contact", &numbers), &labels()),
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn when_a_hand_comes_and_goes_is_told_to_a_tenth_of_its_stay() {
+    fn times_of_a_hand_contact_are_rounded_to_a_tenth_of_its_duration() {
         let phrase = |from, to| {
             let numbers = [("from", from, 1e-4, "s"), ("to", to, 1e-4, "s")];
             phrase(&finding("contact", &numbers), &labels())
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_say_nothing_are_left_out_and_the_others_keep_their_order() {
+    fn parameters_without_information_are_left_out_and_the_others_keep_their_order() {
         let numbers = [
             ("slope", -0.5, 0.0, "1/rad"),
             ("level", 1.0, 0.1, "1"),
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn dry_friction_is_held_against_that_of_the_model() {
+    fn dry_friction_is_compared_with_that_of_the_model() {
         let labels = Labels {
             coulomb: 0.015,
             ..labels()
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_factor_near_one_is_told_from_it() {
+    fn a_factor_near_one_keeps_enough_digits() {
         let phrase = |gain| {
             phrase(
                 &finding("torque_gain", &[("gain", gain, 1e-3, "1")]),

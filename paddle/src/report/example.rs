@@ -1,4 +1,4 @@
-//! A diagnosis made by hand, for tests.
+//! An example diagnosis for tests.
 
 use super::region::Labels;
 use gap::diagnosis::{
@@ -37,7 +37,7 @@ pub fn profile(along: &'static str, edges: [f64; 4]) -> Profile {
     }
 }
 
-/// Static friction that could as well be presliding.
+/// A diagnosis of static friction that presliding would explain equally well.
 pub fn stribeck() -> Diagnosis {
     let ratio = Estimate {
         value: 1.4,

@@ -1,4 +1,4 @@
-//! The torque that the nominal model lacks: drawn over the axis that carries it, and said in a sentence.
+//! Plots and describes the torque that the nominal model lacks, over the quantity on which it depends.
 
 use crate::plot::{Cloud, PlotError, Scatter};
 use gap::diagnosis::Verdict;
@@ -6,30 +6,30 @@ use gap::missing_torque::{Axis, Look, Point};
 use gap::{Device, MissingTorque, Outcome};
 use recording::Recording;
 
-/// Stretches of the axis over which what explains the torque is averaged for its line.
+/// Number of intervals of the axis over which the explained torque is averaged for its line.
 const STRETCHES: usize = 48;
-/// Fewest points of a stretch that has a place on the line.
+/// Fewest points of an interval that contributes to the line.
 const FEWEST: usize = 2;
-/// Share of the missing torque from which on an axis carries it.
+/// Smallest share of the missing torque that an axis must explain to be named.
 const CARRIES: f64 = 0.2;
-/// Part of the points at either end of an axis that is averaged for a sentence.
+/// Share of the points at each end of an axis that is averaged for a sentence.
 const ENDS: f64 = 0.2;
 
-/// Under every picture.
+/// Caption of every picture.
 pub const CAPTION: &str = "Each point is an instant at which the axis slides, by a smoother with an unknown torque. The line is what the \
                            named effects, or the best proposal of the library, would give there; what is left is beside.";
 
-/// How the points lie in a picture.
+/// Arrangement of the points in a picture.
 struct View {
     x_label: String,
     y_label: &'static str,
     /// Labels of the two colours.
     labels: [&'static str; 2],
-    /// Which of them a point has.
+    /// Whether a point has the second colour.
     second: fn(&Point) -> bool,
-    /// Place of a point on the axis.
+    /// Abscissa of a point.
     place: Box<dyn Fn(&Point) -> f64>,
-    /// Factor of the torque: 1, or against the motion.
+    /// Factor of the torque: 1, or the negative sign of the velocity.
     sign: fn(&Point) -> f64,
 }
 
@@ -37,11 +37,11 @@ fn backwards(point: &Point) -> bool {
     point.velocity < 0.0
 }
 
-fn as_it_is(_: &Point) -> f64 {
+fn unchanged(_: &Point) -> f64 {
     1.0
 }
 
-fn against(point: &Point) -> f64 {
+fn against_motion(point: &Point) -> f64 {
     -point.velocity.signum()
 }
 
@@ -54,7 +54,7 @@ impl View {
             labels: ["forwards", "backwards"],
             second: backwards,
             place: Box::new(place),
-            sign: as_it_is,
+            sign: unchanged,
         };
         match (look.axis, look.orders.first()) {
             (Axis::Position, _) => over(format!("position, {position_unit}"), |p| p.position),
@@ -69,11 +69,11 @@ impl View {
                 labels: ["the motor drives", "the load drives"],
                 second: |p| p.drive * p.velocity < 0.0,
                 place: Box::new(|p| p.drive.abs()),
-                sign: against,
+                sign: against_motion,
             },
             (Axis::DirectionAndPosition, _) => Self {
                 y_label: "missing torque against the motion",
-                sign: against,
+                sign: against_motion,
                 ..over(format!("position, {position_unit}"), |p| p.position)
             },
             (Axis::Wave, Some(order)) => {
@@ -92,15 +92,15 @@ impl View {
     }
 }
 
-/// The missing torque over the axis that carries it, with what explains it drawn over, and the rest beside.
+/// Plots the missing torque over its axis, with the explained torque as a line and the remainder in a second panel.
 ///
 /// # Errors
-/// [`PlotError`] if it cannot be drawn.
+/// Returns [`PlotError`] if the picture cannot be drawn.
 pub fn picture(look: &Look, title: &str, position_unit: &str) -> Result<String, PlotError> {
     scatter(look, title, position_unit).svg()
 }
 
-/// The picture as data, before it is drawn.
+/// The data of the picture.
 pub fn scatter(look: &Look, title: &str, position_unit: &str) -> Scatter {
     let view = View::of(look, position_unit);
     let is_explained = !look.explained_by.is_empty();
@@ -135,7 +135,7 @@ pub fn scatter(look: &Look, title: &str, position_unit: &str) -> Scatter {
     }
 }
 
-/// Means over equal stretches of the axis.
+/// Means over equal intervals of the axis.
 fn averaged(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let ends = |(low, high): (f64, f64), point: &(f64, f64)| (low.min(point.0), high.max(point.0));
     let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
@@ -151,10 +151,11 @@ fn averaged(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The picture that comes first in the report of a diagnosis: with what its effects explain, or else the best proposal.
+/// The first picture in the report of a diagnosis. It shows the torque that the named effects explain, or else the best
+/// proposal.
 ///
 /// # Errors
-/// [`PlotError`] if it cannot be drawn.
+/// Returns [`PlotError`] if the picture cannot be drawn.
 pub fn first(recording: &Recording, outcome: &Outcome) -> Result<(String, String), PlotError> {
     let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
     let effects = &outcome.diagnosis.effects;
@@ -173,7 +174,7 @@ pub fn first(recording: &Recording, outcome: &Outcome) -> Result<(String, String
     Ok((said, picture))
 }
 
-/// What is said of a gap that no effect explains, a line.
+/// One line about a gap that no effect explains.
 pub fn unexplained(recording: &Recording) -> String {
     let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
     format!("{}\n", without_name(&missing.look(None)))
@@ -189,7 +190,7 @@ fn without_name(look: &Look) -> String {
     }
 }
 
-/// What is missing, in one or two sentences.
+/// Describes the missing torque in one or two sentences.
 pub fn sentence(look: &Look) -> String {
     let summary = &look.summary;
     let unit = &summary.unit;
@@ -227,7 +228,7 @@ pub fn sentence(look: &Look) -> String {
     format!("{missing} {carried}: {}.", values(look))
 }
 
-/// The torque in either direction, or at the ends of the axis.
+/// Mean torque in each direction, or at both ends of the axis.
 fn values(look: &Look) -> String {
     let unit = &look.summary.unit;
     let mean = |points: &[&Point], sign: fn(&Point) -> f64| {
@@ -245,8 +246,8 @@ fn values(look: &Look) -> String {
         let [low, high] = [&sorted[..count], &sorted[sorted.len() - count..]];
         return format!(
             "{} {unit} on the average at its lower end, {} {unit} at its upper end",
-            mean(low, as_it_is),
-            mean(high, as_it_is)
+            mean(low, unchanged),
+            mean(high, unchanged)
         );
     }
     let (mut second, mut first): (Vec<&Point>, Vec<&Point>) =
@@ -257,9 +258,9 @@ fn values(look: &Look) -> String {
             let count = ((ENDS * points.len() as f64) as usize)
                 .max(1)
                 .min(points.len());
-            // The slowest are at reversals, where the smoother blurs a step.
+            // The slowest points are at reversals, where the smoother blurs a step, so they are skipped.
             let slow = &points[points.len().min(count / 2)..points.len().min(count / 2 + count)];
-            [slow, &points[points.len() - count..]].map(|some| mean(some, against))
+            [slow, &points[points.len() - count..]].map(|some| mean(some, against_motion))
         });
         let [[slow, fast], [slow_back, fast_back]] = ends;
         return format!(
@@ -273,12 +274,12 @@ fn values(look: &Look) -> String {
     };
     format!(
         "{} {unit} against the motion {a}, {} {unit} {b}",
-        mean(&first, against),
-        mean(&second, against)
+        mean(&first, against_motion),
+        mean(&second, against_motion)
     )
 }
 
-/// An axis in a sentence.
+/// Name of an axis in a sentence.
 fn said(axis: Axis) -> &'static str {
     match axis {
         Axis::Velocity => "velocity",
@@ -297,7 +298,7 @@ fn percent(share: f64) -> String {
     format!("{:.0} %", 100.0 * share)
 }
 
-/// Two significant digits.
+/// Formats a value with two significant digits.
 fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
@@ -308,7 +309,7 @@ fn significant(value: f64) -> String {
 
 const STYLE: &str = include_str!("page.css");
 
-/// A page with the picture alone.
+/// An HTML page with the picture only.
 pub fn page(title: &str, sentence: &str, picture: &str) -> String {
     let [title, sentence] = [title, sentence].map(escaped);
     format!(
@@ -321,7 +322,7 @@ pub fn page(title: &str, sentence: &str, picture: &str) -> String {
     )
 }
 
-/// Text that is safe within HTML.
+/// Escapes text for HTML.
 fn escaped(text: &str) -> String {
     let text = text.replace('&', "&amp;").replace('<', "&lt;");
     text.replace('>', "&gt;").replace('"', "&quot;")

@@ -1,8 +1,7 @@
-//! A diagnosis for people: in words, on a terminal, and as a page with plots.
+//! Reports a diagnosis: in words, on a terminal, and as a page with plots.
 
 mod bar;
 mod charts;
-mod course;
 mod effect;
 #[cfg(test)]
 mod example;
@@ -10,6 +9,7 @@ pub mod missing_torque;
 mod number;
 mod page;
 mod paragraph;
+mod predicted_run;
 mod quantity;
 mod region;
 mod terminal;

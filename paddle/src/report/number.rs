@@ -1,10 +1,10 @@
-//! The model's own numbers that had to move, in words.
+//! Describes the numbers of the nominal model that the fit changed.
 
 use super::quantity::{Display, percent, show};
 use gap::diagnosis::{Diagnosis, NumberFinding};
 
-/// The sentences about all numbers that had to move, those that close most first: beyond the stated tolerance, within it, or not
-/// stated at all.
+/// One sentence per changed number, the number that closes most of the gap first. The sentence states whether the change is
+/// beyond the stated tolerance, within it, or without a stated tolerance.
 pub fn sentences(diagnosis: &Diagnosis) -> Vec<String> {
     diagnosis.numbers.iter().map(sentence).collect()
 }
@@ -47,7 +47,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_moved_is_said_with_its_distance() {
+    fn a_changed_number_is_reported_with_its_distance_in_standard_deviations() {
         let text = sentence(&number(Some(0.02), Some(2.1)));
         for part in ["`coulomb`", "57", "20", "2.1 of its", "71 %"] {
             assert!(text.contains(part), "{text}");

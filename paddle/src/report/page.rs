@@ -1,11 +1,11 @@
-//! The report as one page that needs nothing else.
+//! The report as a self-contained HTML page.
 
 use super::bar::{Tone, bar};
 use super::charts::{Charts, RUNS};
-use super::course::courses;
 use super::effect;
 use super::missing_torque;
 use super::paragraph::{experiment, floors, headline, on_which_data, paragraph};
+use super::predicted_run::predicted_runs;
 use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
 use crate::plot::PlotError;
@@ -15,13 +15,13 @@ use gap::diagnosis::{Diagnosis, Finding};
 use recording::{Model, Recording};
 
 const STYLE: &str = include_str!("page.css");
-/// Rivals that are listed.
+/// Number of rejected candidates in the table.
 const CANDIDATES: usize = 12;
 
-/// The page of a diagnosis, with where it comes from.
+/// The page of a diagnosis, with its provenance.
 ///
 /// # Errors
-/// [`PlotError`] if a plot cannot be drawn.
+/// Returns [`PlotError`] if a plot cannot be drawn.
 pub fn page(
     recording: &Recording,
     outcome: &Outcome,
@@ -59,7 +59,7 @@ pub fn page(
     ))
 }
 
-/// The numbers that matter, with the gaps of two predictors that know no model.
+/// The main results, with the gaps of two predictors that use no model.
 fn tiles(diagnosis: &Diagnosis) -> String {
     let gap = &diagnosis.gap;
     let display = Display::of(&gap.unit, gap.before);
@@ -196,7 +196,7 @@ fn shrinks(diagnosis: &Diagnosis) -> String {
     )
 }
 
-/// The torque that the nominal model lacks.
+/// Section about the torque that the nominal model lacks.
 fn missing(recording: &Recording, outcome: &Outcome) -> Result<String, PlotError> {
     let (said, svg) = missing_torque::first(recording, outcome)?;
     let body = format!(
@@ -215,9 +215,9 @@ fn figure(svg: &str, caption: &str) -> String {
 }
 
 fn plots(recording: &Recording, outcome: &Outcome, labels: &Labels) -> Result<String, PlotError> {
-    let courses = courses(recording, outcome);
+    let predicted_runs = predicted_runs(recording, outcome);
     let charts = Charts {
-        courses: &courses,
+        predicted_runs: &predicted_runs,
         regions: &outcome.diagnosis.regions,
         labels,
         horizon_s: recording.horizon,
@@ -233,14 +233,14 @@ fn plots(recording: &Recording, outcome: &Outcome, labels: &Labels) -> Result<St
         seen = legend.clone() + &figure(&svg?, &caption);
     }
     let mut missed = legend;
-    for (svg, course) in charts.over_time()? {
-        let caption = format!("What the models miss over all of {course}.");
+    for (svg, file) in charts.over_time()? {
+        let caption = format!("What the models miss over all of {file}.");
         missed.push_str(&figure(&svg, &caption));
     }
-    if courses.len() > RUNS {
+    if predicted_runs.len() > RUNS {
         missed.push_str(&format!(
             "<p class=\"note\">The {RUNS} of {} runs that carry most of the gap.</p>\n",
-            courses.len()
+            predicted_runs.len()
         ));
     }
     let mut shares = String::new();
@@ -255,7 +255,7 @@ fn plots(recording: &Recording, outcome: &Outcome, labels: &Labels) -> Result<St
     )
 }
 
-/// For screens too narrow for that of the plots.
+/// Legend for screens that are too narrow for the legend in the plots.
 fn legend(corrected: bool) -> String {
     let corrected = match corrected {
         true => ", <b class=\"corrected\">corrected model</b>",
@@ -355,7 +355,7 @@ fn candidates(diagnosis: &Diagnosis) -> String {
     section("What else was tried", &body)
 }
 
-/// Numbers of the nominal model that moved within their tolerances.
+/// Numbers of the nominal model that changed within their tolerances.
 fn numbers(recording: &Recording, corrected: &Model) -> String {
     let moved = Model::NAMES.into_iter().filter_map(|name| {
         let (stated, now) = (recording.model.get(name)?, corrected.get(name)?);
@@ -413,7 +413,7 @@ fn warnings(diagnosis: &Diagnosis) -> String {
     }
 }
 
-/// Which program made it, when, and from what.
+/// Provenance of the page: program, time and input files.
 fn origin(provenance: &Provenance) -> String {
     let files = provenance.files.iter().map(|file| {
         format!(
@@ -457,14 +457,14 @@ fn method(recording: &Recording, diagnosis: &Diagnosis) -> String {
     section("What was done", &body)
 }
 
-/// An equation with its indices below the line and its powers above.
+/// An equation with HTML subscripts and superscripts.
 fn equation_in_html(equation: &str) -> String {
     let safe = escaped(equation);
     let indices = shifted(&safe, '_', "sub");
     shifted(&indices, '^', "sup")
 }
 
-/// What follows on each `mark`, as far as it is one word, in an element of its own.
+/// Puts the word after each `mark` into an HTML element.
 fn shifted(text: &str, mark: char, element: &str) -> String {
     let mut parts = text.split(mark);
     let first = parts.next().unwrap_or_default().to_owned();
@@ -477,7 +477,7 @@ fn shifted(text: &str, mark: char, element: &str) -> String {
     })
 }
 
-/// Text that is safe within HTML.
+/// Escapes text for HTML.
 fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -543,7 +543,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_needs_nothing_else_and_is_well_formed() {
+    fn the_page_is_self_contained_and_well_formed() {
         let mut diagnosis = example::stribeck();
         let time = Region {
             axis: "time",
@@ -590,7 +590,8 @@ mod tests {
                 + html.matches(&format!("<{tag} ")).count();
             assert_eq!(opened, html.matches(&format!("</{tag}>")).count(), "{tag}");
         }
-        // Missing torque, stretch, two runs over time, and shares along velocity, time and frequency.
+        // The figures are: missing torque, worst interval, two runs over time, and shares along velocity, time and
+        // frequency.
         let count = |text: &str| html.matches(text).count();
         assert_eq!(count("<figure>"), 7);
         for of_each in ["<figcaption>", "role=\"img\" aria-label=", "<desc>"] {
@@ -600,7 +601,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_says_where_it_comes_from() {
+    fn the_page_states_its_provenance() {
         let html = page(
             &recording(),
             &outcome(example::stribeck()),
@@ -620,7 +621,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_given_no_interval() {
+    fn an_unknown_deviation_gives_no_interval() {
         let mut diagnosis = example::stribeck();
         let parameters = &mut diagnosis.effects[0].parameters;
         let ratio = parameters.get_mut("static_ratio").unwrap();
@@ -649,7 +650,7 @@ mod tests {
     }
 
     #[test]
-    fn without_effects_there_is_no_corrected_model_to_show() {
+    fn without_effects_no_corrected_model_is_shown() {
         let mut diagnosis = example::stribeck();
         diagnosis.verdict = Verdict::Unexplained;
         diagnosis.effects.clear();

@@ -1,4 +1,4 @@
-//! A diagnosis in a paragraph of plain words.
+//! Describes a diagnosis in one paragraph.
 
 use super::effect::{noun, phrase};
 use super::number;
@@ -6,17 +6,17 @@ use super::quantity::{Display, percent, show};
 use super::region::{self, Labels};
 use gap::diagnosis::{Diagnosis, Finding, FloorOf, NextExperiment, Region, Verdict};
 
-/// Candidates that are said not to explain it.
+/// Number of candidates that the paragraph rules out.
 const RULED_OUT: usize = 2;
-/// Share of what was closed that they leave open at least.
+/// Share of the closed gap that a candidate must leave open to be ruled out.
 const LEFT_BY_RULED_OUT: f64 = 0.3;
-/// From this share on, "most of the gap".
+/// Smallest share that is called "most of the gap".
 const MOST: f64 = 0.5;
-/// An effect that closes less than this share of the gap and is given with less than this confidence is named aside.
+/// An effect that closes less than this share of the gap with less than this confidence is mentioned separately.
 const LITTLE: f64 = 0.05;
 const SURE: f64 = 0.9;
 
-/// The verdict in a few words.
+/// The verdict as a headline.
 pub fn headline(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::NoGap => "No gap: the model predicts what the sensor can show",
@@ -26,7 +26,8 @@ pub fn headline(verdict: Verdict) -> &'static str {
     }
 }
 
-/// Where the gap lies, what explains it, how far it shrinks, what does not, and what to do next.
+/// States where the gap lies, which effects explain it, how far it shrinks, which effects do not explain it, and the next
+/// step.
 pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     let gap = &diagnosis.gap;
     let display = Display::of(&gap.unit, gap.before);
@@ -35,7 +36,7 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     let mut sentences = Vec::new();
     sentences.extend(labels.turned.map(|column| {
         format!(
-            "Input and position go against each other, so {column} is taken with the other sign: mend the log."
+            "Input and position have opposite signs, so the sign of {column} is reversed: correct the log."
         )
     }));
     sentences.extend(number::sentences(diagnosis));
@@ -119,7 +120,7 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
     sentences.join(" ")
 }
 
-/// The model of the floor, if the nominal model has another floor.
+/// States the floor of the corrected model, if the nominal model has another floor.
 pub fn floors(diagnosis: &Diagnosis) -> Option<String> {
     let gap = &diagnosis.gap;
     let display = Display::of(&gap.unit, gap.before);
@@ -133,7 +134,7 @@ pub fn floors(diagnosis: &Diagnosis) -> Option<String> {
     })
 }
 
-/// That the gap was seen to fall on data the fit has not seen, if all of it was.
+/// States that the gap fell on held-out data, if all of that data was held out.
 pub fn on_which_data(diagnosis: &Diagnosis) -> &'static str {
     match diagnosis.effects.iter().all(|effect| effect.held_out) {
         true => " on data the fit has not seen",
@@ -149,14 +150,15 @@ fn located(region: &Region, labels: &Labels) -> String {
     };
     let place = region::phrase(region, labels);
     let samples = match region.axis {
-        // The spectrum has no samples of its own.
+        // The regions of these axes have no share of the samples.
         "frequency" | "channel" => String::new(),
         _ => format!(", in {} of the samples", percent(region.share_of_samples)),
     };
     format!("{part} sits {place}{samples}.")
 }
 
-/// The next best candidates that are not tied with what was found. Those that leave little were tried on top of it.
+/// Lists the next best candidates that are not tied with the finding. Candidates that were tried in addition to the finding
+/// are not ruled out.
 fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
     let tied = |name: &str| {
         diagnosis
@@ -183,7 +185,7 @@ fn ruled_out(diagnosis: &Diagnosis) -> Option<String> {
     ))
 }
 
-/// The effects that cannot be told apart, and the experiment that would separate them.
+/// Lists the effects that the data cannot distinguish, and the experiment that would distinguish them.
 fn open_ends(diagnosis: &Diagnosis, labels: &Labels) -> Vec<String> {
     let next = diagnosis.next_experiment.as_ref();
     let mut sentences = Vec::new();
@@ -228,7 +230,7 @@ fn open_ends(diagnosis: &Diagnosis, labels: &Labels) -> Vec<String> {
     sentences
 }
 
-/// An excitation in words, its amplitude in the unit of the input as it is typed.
+/// Describes an excitation, with its amplitude in the unit of the input.
 pub fn experiment(next: &NextExperiment, labels: &Labels) -> String {
     let settings: Vec<_> = next
         .settings
@@ -247,7 +249,7 @@ pub fn experiment(next: &NextExperiment, labels: &Labels) -> String {
     }
 }
 
-/// A setting without its unit, and the unit.
+/// Splits the name of a setting into the name and the unit.
 fn with_unit(name: &str) -> (&str, &str) {
     const UNITS: [(&str, &str); 5] = [
         ("_hz", "Hz"),
@@ -262,7 +264,7 @@ fn with_unit(name: &str) -> (&str, &str) {
     known.unwrap_or((name, ""))
 }
 
-/// "a", "a and b", "a, b and c".
+/// Joins items: "a", "a and b", "a, b and c".
 fn listed(items: &[impl AsRef<str>], last: &str) -> String {
     match items {
         [] => String::new(),
@@ -287,7 +289,7 @@ mod tests {
     use gap::diagnosis::{MeasuredBy, Tried};
 
     #[test]
-    fn the_paragraph_says_where_which_and_how_far() {
+    fn the_paragraph_states_location_effect_and_shrinkage() {
         assert_eq!(
             paragraph(&example::stribeck(), &example::labels()),
             "Most of the gap (71 %) sits at low speed (velocities of −2.9 to 2.9 °/s), in 12 % of the samples. \
@@ -298,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_that_is_everywhere_has_no_place() {
+    fn a_gap_that_is_spread_evenly_has_no_location() {
         let mut diagnosis = example::stribeck();
         diagnosis.regions.clear();
         let text = paragraph(&diagnosis, &example::labels());
@@ -309,20 +311,22 @@ mod tests {
     }
 
     #[test]
-    fn a_sign_that_was_turned_comes_first() {
+    fn a_reversed_sign_is_reported_first() {
         let labels = Labels {
             turned: Some("position"),
             ..example::labels()
         };
         let text = paragraph(&example::stribeck(), &labels);
         assert!(
-            text.starts_with("Input and position go against each other, so position is taken"),
+            text.starts_with(
+                "Input and position have opposite signs, so the sign of position is reversed"
+            ),
             "{text}"
         );
     }
 
     #[test]
-    fn what_was_not_held_out_is_not_said_to_be() {
+    fn data_that_was_not_held_out_is_not_called_held_out() {
         let mut diagnosis = example::stribeck();
         diagnosis.effects[0].held_out = false;
         let text = paragraph(&diagnosis, &example::labels());
@@ -333,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_wrong_names_nothing() {
+    fn without_a_gap_nothing_is_named() {
         let mut diagnosis = example::stribeck();
         diagnosis.verdict = Verdict::NoGap;
         diagnosis.effects.clear();
@@ -345,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_explained_still_has_a_place() {
+    fn an_unexplained_gap_still_has_a_location() {
         let mut diagnosis = example::stribeck();
         diagnosis.verdict = Verdict::Unexplained;
         diagnosis.effects.clear();
@@ -358,7 +362,7 @@ mod tests {
         );
     }
 
-    /// A delay besides.
+    /// Adds a delay to the example.
     fn with_a_delay() -> Diagnosis {
         let mut diagnosis = example::stribeck();
         let mut delay = diagnosis.effects[0].clone();
@@ -376,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_closes_little_and_is_not_sure_is_named_aside() {
+    fn an_uncertain_effect_that_closes_little_is_mentioned_separately() {
         let mut diagnosis = with_a_delay();
         diagnosis.effects[1].shrink = 0.02;
         let both = "sliding level and a torque that comes 3.0 ms late explain it";
@@ -391,7 +395,7 @@ mod tests {
     }
 
     #[test]
-    fn two_effects_share_a_verb_and_what_is_left_is_said() {
+    fn two_effects_share_a_sentence_and_the_remainder_is_stated() {
         let mut diagnosis = with_a_delay();
         diagnosis.verdict = Verdict::PartlyExplained;
         diagnosis.candidates.truncate(1);
@@ -408,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rival_that_is_tied_is_not_ruled_out() {
+    fn a_tied_candidate_is_not_ruled_out() {
         let mut diagnosis = example::stribeck();
         let tied = Tried {
             name: "presliding",
@@ -426,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn rivals_that_no_experiment_separates_are_said_too() {
+    fn candidates_that_no_experiment_separates_are_listed_too() {
         let mut diagnosis = example::stribeck();
         diagnosis.effects[0]
             .not_separable_from
@@ -441,7 +445,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_tried_on_top_of_the_finding_is_not_ruled_out() {
+    fn candidates_tried_in_addition_to_the_finding_are_not_ruled_out() {
         let mut diagnosis = example::stribeck();
         let on_top = Tried {
             name: "lag",
@@ -457,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moment_of_one_of_several_runs_names_the_run() {
+    fn a_time_in_one_of_several_runs_names_the_run() {
         let mut diagnosis = example::stribeck();
         diagnosis.regions[0] = Region {
             axis: "time",

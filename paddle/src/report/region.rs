@@ -1,10 +1,10 @@
-//! A part of the data in words.
+//! Describes a region of the data in words.
 
 use super::quantity::{Display, show};
 use gap::diagnosis::{AFTER_REST, Region};
 use recording::{Oddity, Recording};
 
-/// What the words of a diagnosis need to know of its recording.
+/// Units and names of a recording that the text of a diagnosis uses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labels {
     /// Unit of position.
@@ -13,13 +13,13 @@ pub struct Labels {
     pub input: String,
     /// Files of the runs.
     pub runs: Vec<String>,
-    /// Dry friction of the nominal model, torque at the joint.
+    /// Dry friction of the nominal model as a torque at the joint.
     pub coulomb: f64,
-    /// Largest input of the nominal model, in units of the input.
+    /// Largest input of the nominal model, in the unit of the input.
     pub input_limit: Option<f64>,
     /// True if the nominal model has hard stops.
     pub has_stops: bool,
-    /// The column whose sign is taken the other way round, if one is.
+    /// The column whose sign is reversed, if there is one.
     pub turned: Option<&'static str>,
 }
 
@@ -40,7 +40,7 @@ impl Labels {
         }
     }
 
-    /// Unit of an axis along which the gap is looked at.
+    /// Unit of an axis along which the gap is analysed.
     pub fn unit(&self, axis: &str) -> String {
         match axis {
             "position" => self.position.clone(),
@@ -59,7 +59,7 @@ pub fn range(region: &Region, labels: &Labels) -> String {
     match (region.from, region.to, &region.name) {
         (Some(from), Some(to), _) => {
             let unit = labels.unit(region.axis);
-            // Seconds on a clock stay seconds.
+            // Time axes stay in seconds.
             let size = match region.axis {
                 "time" => 1.0,
                 _ => from.abs().max(to.abs()),
@@ -76,7 +76,7 @@ pub fn range(region: &Region, labels: &Labels) -> String {
     }
 }
 
-/// Least reach to one side of zero over that to the other for a range to be around it.
+/// A range counts as around zero if the shorter side reaches at least this share of the longer side.
 const ABOUT_AS_FAR: f64 = 0.5;
 
 fn is_around_zero(region: &Region) -> bool {
@@ -86,7 +86,7 @@ fn is_around_zero(region: &Region) -> bool {
     (-from).min(to) >= ABOUT_AS_FAR * (-from).max(to)
 }
 
-/// The region as it follows "the gap sits".
+/// The region as a phrase after "the gap sits".
 pub fn phrase(region: &Region, labels: &Labels) -> String {
     let range = range(region, labels);
     let place = match region.axis {
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn speeds_to_one_side_are_not_called_low() {
+    fn a_range_of_speeds_in_one_direction_is_not_called_low_speed() {
         let mut region = example::stribeck().regions.remove(0);
         let labels = example::labels();
         let mut said = |from, to| {

@@ -1,4 +1,4 @@
-//! A diagnosis for a terminal.
+//! Formats a diagnosis for a terminal.
 
 use super::effect;
 use super::paragraph::{experiment, floors, headline, paragraph};
@@ -8,10 +8,10 @@ use gap::diagnosis::{Diagnosis, Finding};
 use std::fmt::Write;
 
 const COLUMNS: usize = 96;
-/// Regions and rivals that are shown.
+/// Largest number of listed regions and of listed candidates.
 const MOST: usize = 4;
 
-/// Verdict, paragraph, effects with their numbers, where, rivals and warnings.
+/// The complete text: verdict, paragraph, effects with their parameters, regions, candidates and warnings.
 pub fn text(diagnosis: &Diagnosis, labels: &Labels) -> String {
     let mut text = String::new();
     for warning in &diagnosis.warnings {
@@ -119,7 +119,7 @@ fn line(text: &mut String, line: std::fmt::Arguments<'_>) {
     let _ = writeln!(text, "{line}");
 }
 
-/// Lines of at most [`COLUMNS`], broken between words.
+/// Wraps text at [`COLUMNS`] columns, between words.
 fn wrapped(text: &str) -> String {
     let mut lines = String::new();
     let mut width = 0;
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn everything_that_was_found_is_said_and_lines_stay_short() {
+    fn the_text_contains_all_findings_and_its_lines_are_short() {
         let text = text(&example::stribeck(), &example::labels());
         for said in [
             "warning: sine.csv: 3 gaps in time",

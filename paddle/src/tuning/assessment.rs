@@ -1,4 +1,4 @@
-//! Gains on all paddles of a spread, against a specification.
+//! Evaluates gains on all paddles of a parameter range, against a specification.
 
 use super::core_response::CoreResponse;
 use super::gains::Gains;
@@ -12,7 +12,7 @@ use host_sim::closed_loop::LoopSetup;
 use host_sim::device::Device;
 use num_complex::Complex64;
 
-/// What gains are tried on.
+/// The paddles and the specification for the evaluation of gains.
 #[derive(Clone, Debug)]
 pub struct Bench {
     specification: Specification,
@@ -25,41 +25,41 @@ pub struct Bench {
 struct BenchCase {
     variant: Variant,
     setup: LoopSetup,
-    /// Response of the plant at the core's frequencies.
+    /// Frequency response of the plant at the frequencies of the core's response.
     plant: Vec<Complex64>,
-    /// What can hold the paddle at the target, N m.
+    /// Largest torque that can hold the paddle away from the target at rest, N m.
     held_nm: f64,
 }
 
-/// One paddle under some gains.
+/// Result of one paddle with given gains.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Which one.
+    /// Parameters of the paddle.
     pub variant: Variant,
-    /// Its step.
+    /// Its step response.
     pub trial: Trial,
-    /// `None` if the loop gain is never 1.
+    /// Stability margins. `None` if the loop gain is never 1.
     pub margins: Option<Margins>,
-    /// As far off as dry friction and weight may hold it at the end of the settling time, degrees.
+    /// Largest position error at which dry friction and weight can hold the paddle at the end of the settling time, degrees.
     pub rest_error_deg: f64,
-    /// How much of the tightest bound it takes.
+    /// Utilization of the tightest bound; above 1 the bound is exceeded.
     pub load: f64,
 }
 
-/// Watched for this many settling times.
+/// Duration of a simulated step, in settling times.
 const WATCHED: f64 = 3.0;
-/// Beyond this load no more is learnt from further paddles.
+/// Utilization above which the remaining paddles are not simulated.
 const HOPELESS: f64 = 1.5;
-/// Share of every bound that gains may take.
+/// Utilization that gains may reach on every bound.
 const RESERVE: f64 = 0.9;
-/// Above every noise gain, for gains that take more.
+/// Cost offset of gains that exceed this utilization. It is larger than every noise gain.
 const TOO_MUCH: f64 = 1e6;
 
 impl Bench {
-    /// Steps of `step_deg` on `variants` of `setup`, the first of them the known paddle.
+    /// Creates steps of `step_deg` on `variants` of `setup`. The first variant is the known paddle.
     ///
     /// # Errors
-    /// [`Failure`] if the controller refuses.
+    /// Returns a [`Failure`] if the controller refuses.
     pub fn new(
         setup: &LoopSetup,
         specification: Specification,
@@ -90,7 +90,7 @@ impl Bench {
     }
 
     fn margins(&self, case: &BenchCase, gains: &Gains) -> Option<Margins> {
-        // The core answers a position with the torque that leads back.
+        // The core answers a positive position with a negative torque, so the open loop has a minus sign.
         let open = self.core.of(gains).zip(&case.plant).map(|(c, p)| -c * p);
         Margins::of(&self.core.omega_rad_s, open)
     }
@@ -110,7 +110,7 @@ impl Bench {
         })
     }
 
-    /// The load of what needs no step.
+    /// Utilization of the bounds that can be computed without a simulation.
     fn load_at_sight(&self, case: &BenchCase, gains: &Gains) -> f64 {
         let margins = self.margins(case, gains);
         let specification = &self.specification;
@@ -118,20 +118,20 @@ impl Bench {
         rest.max(specification.load_of_margins(margins.as_ref()))
     }
 
-    /// All paddles under `gains`, the known one first.
+    /// Simulates all paddles with `gains`, the known paddle first.
     ///
     /// # Errors
-    /// [`Failure`] if the controller refuses.
+    /// Returns a [`Failure`] if the controller refuses.
     pub fn cases(&self, gains: &Gains) -> Result<Vec<Case>, Failure> {
         let cases = self.cases.iter().map(|case| self.case(case, gains));
         cases.collect()
     }
 
-    /// The cost of gains: what they make of noise, where all paddles keep a tenth of every bound in reserve; else, and
-    /// always more, the load of the worst paddle.
+    /// The cost of gains. If all paddles use at most 90 % of every bound, the cost is the noise gain. Otherwise it is larger
+    /// and increases with the utilization of the worst paddle.
     ///
     /// # Errors
-    /// [`Failure`] if the controller refuses.
+    /// Returns a [`Failure`] if the controller refuses.
     pub fn cost(&self, gains: &Gains) -> Result<f64, Failure> {
         if gains
             .put(&mut self.cases[0].setup.settings.clone())
@@ -162,7 +162,7 @@ pub fn met(cases: &[Case]) -> bool {
     cases.iter().all(|case| case.load <= 1.0)
 }
 
-/// The most that dry friction, weight, spring and a constant torque can hold at an angle, N m.
+/// Largest torque with which dry friction, weight, spring and a constant torque can hold the paddle at an angle, N m.
 fn held_nm(device: &Device, at_rad: f64) -> f64 {
     let m = &device.mechanics;
     let friction = [1.0, -1.0].map(|direction| m.friction.holding(direction, at_rad, 0.0, 0.0));
@@ -185,7 +185,7 @@ mod tests {
         kd: 0.0008,
     };
 
-    /// Without dry friction, with an encoder so fine that its steps do not excite the loop.
+    /// A linear loop without dry friction. The encoder is so fine that its quantization does not excite the loop.
     fn linear() -> LoopSetup {
         let mut settings = Settings::default();
         settings.mechanism.counts_per_turn = 2e5;
@@ -208,8 +208,8 @@ mod tests {
         bench.cases(&GAINS).unwrap()[0].margins.unwrap()
     }
 
-    /// Whether a small step still swings after 3 s, by the torque that it takes.
-    fn swings(setup: &LoopSetup) -> bool {
+    /// Whether a small step still oscillates after 3 s, judged by the torque.
+    fn oscillates(setup: &LoopSetup) -> bool {
         let trial = trial::step(setup, &GAINS, 0.1, 3.0).unwrap();
         let torque_nm = trial.trace.input_nm;
         let end = &torque_nm[torque_nm.len() - 300..];
@@ -221,24 +221,24 @@ mod tests {
     }
 
     #[test]
-    fn the_loop_begins_to_swing_where_its_gain_margin_is_used_up() {
+    fn the_loop_oscillates_when_its_gain_margin_is_used_up() {
         let margins = margins(&linear());
         let with = |db: f64| {
             let mut setup = linear();
             setup.paddle.device.drive.ratio *= 10f64.powf((margins.gain_db + db) / 20.0);
-            swings(&setup)
+            oscillates(&setup)
         };
         assert!(with(0.5) && !with(-0.5));
     }
 
     #[test]
-    fn the_loop_begins_to_swing_where_a_delay_uses_up_its_phase_margin() {
+    fn the_loop_oscillates_when_a_delay_uses_up_its_phase_margin() {
         let margins = margins(&linear());
         let with = |share: f64| {
             let mut setup = linear();
             let delay_s = margins.phase_deg / 360.0 / margins.crossover_hz;
             setup.paddle.device.drive.delay_s = share * delay_s;
-            swings(&setup)
+            oscillates(&setup)
         };
         assert!(with(1.05) && !with(0.95));
     }

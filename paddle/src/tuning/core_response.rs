@@ -1,5 +1,5 @@
-//! Frequency response of the control core and of the actuator, measured on them: the control law stands in the core
-//! alone.
+//! Frequency response of the control core and of the actuator. It is measured on the core itself, so that the control law is
+//! implemented only there.
 
 use super::gains::Gains;
 use crate::failure::Failure;
@@ -13,41 +13,41 @@ use host_sim::sensors::{CurrentAmplifier, Encoder, Noise};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// From position to the torque that acts, at some frequencies, for any gains.
+/// Frequency response from position to actual torque at a set of frequencies, for any gains.
 #[derive(Clone, Debug)]
 pub struct CoreResponse {
-    /// True ones, rising, rad/s.
+    /// Angular frequencies of the true signal in ascending order, rad/s.
     pub omega_rad_s: Vec<f64>,
-    /// Torque at the motor per position of the paddle, N m/rad, of a proportional, an integral and a derivative gain
-    /// of 1, actuator and hold included.
+    /// Torque at the motor per position of the paddle, N m/rad, for unit proportional, integral and derivative gain. It
+    /// includes the actuator and the hold.
     unit: Vec<[Complex64; 3]>,
 }
 
 /// Lowest frequency, Hz.
 const FROM_HZ: f64 = 0.5;
-/// Frequencies in a decade.
+/// Frequencies per decade.
 const PER_DECADE: f64 = 24.0;
-/// Highest frequency as a share of the rate of the position loop.
+/// Highest frequency as a share of the sampling rate of the position loop.
 const UP_TO: f64 = 0.4;
-/// Before the measurement, s: filters and current loop have then forgotten their start.
+/// Time before the measurement, s. The initial transients of filters and current loop have then decayed.
 const WARM_UP_S: f64 = 0.05;
 
-/// Of the measured motion, rad.
+/// Amplitude of the test motion, rad.
 const AMPLITUDE_RAD: f64 = 0.05;
-/// Gain with which each term is measured.
+/// Gain at which each term is measured.
 const PROBE: f64 = 0.01;
-/// Finer steps than any encoder has, so that quantising does not show.
+/// Counts per turn of the test encoder. Its steps are finer than those of any encoder, so quantization is negligible.
 const COUNTS_PER_TURN: f32 = 2e6;
-/// Of the torque through the actuator, N m at the motor: far from any limit.
+/// Amplitude of the test torque of the actuator, N m at the motor. It is far below every limit.
 const TORQUE_NM: f32 = 0.005;
-/// So heavy a paddle that it does not move, kg m².
+/// Inertia of a paddle that does not move, kg m².
 const BLOCKED: f64 = 1e9;
 
 impl CoreResponse {
-    /// Measures it.
+    /// Measures the frequency response.
     ///
     /// # Errors
-    /// [`Failure`] if the controller refuses.
+    /// Returns a [`Failure`] if the controller refuses.
     pub fn measure(setup: &LoopSetup) -> Result<Self, Failure> {
         let period_s = setup.rates.position_tick_s();
         let decades = (UP_TO / (FROM_HZ * period_s)).log10();
@@ -75,26 +75,26 @@ impl CoreResponse {
         Ok(response)
     }
 
-    /// N m at the motor per rad of the paddle, with these gains, at each frequency.
+    /// Torque at the motor per position of the paddle with these gains, N m/rad, at each frequency.
     pub fn of(&self, gains: &Gains) -> impl Iterator<Item = Complex64> {
         let Gains { kp, ki, kd } = *gains;
         let each = self.unit.iter();
         each.map(move |[p, i, d]| p * kp + i * ki + d * kd)
     }
 
-    /// Torque at the motor per position at the highest frequency, N m/rad: what the regulator makes of noise.
+    /// Torque at the motor per position at the highest frequency, N m/rad: the gain for sensor noise.
     pub fn noise_gain(&self, gains: &Gains) -> f64 {
         self.of(gains).last().map_or(0.0, |torque| torque.norm())
     }
 }
 
-/// Of a value that is held over an angle of `radians`.
+/// Frequency response of a zero-order hold over an angle of `radians`.
 fn hold(radians: f64) -> Complex64 {
     let half = 0.5 * radians;
     Complex64::from_polar(half.sin() / half, -half)
 }
 
-/// Sums up a wave over whole periods.
+/// Correlates input and output with a sinusoid over whole periods.
 #[derive(Default)]
 struct Wave([Complex64; 2]);
 
@@ -114,7 +114,7 @@ fn warm_up_ticks(setup: &LoopSetup) -> usize {
     (WARM_UP_S / setup.rates.tick_s) as usize
 }
 
-/// Torque command per position, N m/rad, for a motion of so many ticks a period.
+/// Torque command per position, N m/rad, for a sinusoidal motion with a period of `ticks` control periods.
 fn core(setup: &LoopSetup, gains: &Gains, ticks: usize) -> Result<Complex64, Failure> {
     let mut settings = Settings {
         compensation: CompensationSettings::default(),
@@ -130,7 +130,7 @@ fn core(setup: &LoopSetup, gains: &Gains, ticks: usize) -> Result<Complex64, Fai
         &mut settings.limit.speed_deg_s,
         &mut settings.limit.disagreement_deg,
         &mut settings.limit.travel_deg,
-        // No current follows here.
+        // This measurement has no current loop, so the mismatch limit is disabled.
         &mut settings.limit.mismatch_v,
     ];
     for bound in unbounded {
@@ -171,7 +171,7 @@ fn core(setup: &LoopSetup, gains: &Gains, ticks: usize) -> Result<Complex64, Fai
 
 const MIDDLE_OF_THE_HALL_RANGE: u16 = 2048;
 
-/// Torque that acts per torque command, mean over a tick, with the shaft blocked.
+/// Actual torque per torque command, averaged over a control period, with a blocked shaft.
 fn actuator(setup: &LoopSetup, ticks: usize) -> Result<Complex64, Failure> {
     let Actuator::Bridge(motor) = setup.paddle.actuator else {
         return Ok(Complex64::ONE);

@@ -1,25 +1,25 @@
-//! Gains of the position regulator, as people type them.
+//! Gains of the position regulator with the digits of a typed number.
 
 use haptic_paddle::settings::SettingError;
 use haptic_paddle::settings::Settings;
 use serde_json::{Value, json};
 
-/// A PID in the console's units, torque at the paddle.
+/// PID gains in the units of the console, for torque at the paddle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gains {
-    /// N m per degree.
+    /// Proportional gain, N m per degree.
     pub kp: f64,
-    /// N m per degree and second.
+    /// Integral gain, N m per degree and second.
     pub ki: f64,
-    /// N m s per degree.
+    /// Derivative gain, N m s per degree.
     pub kd: f64,
 }
 
-/// Digits that are worth typing.
+/// Significant digits of a gain.
 const DIGITS: i32 = 3;
 
 impl Gains {
-    /// A proportional gain alone.
+    /// Gains with proportional action only.
     pub fn proportional(kp: f64) -> Self {
         Self {
             kp,
@@ -27,7 +27,7 @@ impl Gains {
         }
     }
 
-    /// A gain on the term at `place` alone: proportional, integral, derivative.
+    /// Gains with only one term: `place` 0 is proportional, 1 is integral, 2 is derivative.
     pub fn only(place: usize, gain: f64) -> Self {
         let at = |other| if place == other { gain } else { 0.0 };
         Self {
@@ -37,7 +37,7 @@ impl Gains {
         }
     }
 
-    /// With as many digits as are worth typing.
+    /// Rounds the gains to [`DIGITS`] significant digits.
     pub fn rounded(self) -> Self {
         let Self { kp, ki, kd } = self;
         let [kp, ki, kd] = [kp, ki, kd].map(rounded);
@@ -48,7 +48,7 @@ impl Gains {
         [("kp", self.kp), ("ki", self.ki), ("kd", self.kd)]
     }
 
-    /// Lines for the console.
+    /// The gains as commands of the console.
     pub fn lines(&self) -> String {
         let lines = self.named();
         lines
@@ -56,10 +56,10 @@ impl Gains {
             .concat()
     }
 
-    /// Puts them into `settings` by way of the text that the console gets.
+    /// Writes the gains to `settings`, with the text that the console would receive.
     ///
     /// # Errors
-    /// [`SettingError`] for gains beyond the console's bounds.
+    /// Returns [`SettingError`] for gains outside the limits of the console.
     pub fn put(&self, settings: &mut Settings) -> Result<(), SettingError> {
         for (name, value) in self.named() {
             settings.set(name, &value.to_string())?;
@@ -67,7 +67,7 @@ impl Gains {
         Ok(())
     }
 
-    /// For programs.
+    /// The gains as JSON.
     pub fn json(&self) -> Value {
         json!({
             "kp_nm_per_deg": self.kp,
@@ -79,7 +79,7 @@ impl Gains {
 
 fn rounded(value: f64) -> f64 {
     let digits = (DIGITS - 1) as usize;
-    // A number that was just written as one is one.
+    // A number that was just formatted always parses.
     format!("{value:.digits$e}").parse().unwrap_or(value)
 }
 
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_console_takes_the_lines_as_they_are() {
+    fn the_console_accepts_the_commands_unchanged() {
         let gains = Gains {
             kp: 0.031_415_9,
             ki: 0.692,

@@ -3,30 +3,32 @@
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// How far a loop is from swinging by itself.
+/// Distance of a loop from instability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
-    /// Factor by which the loop gain may grow, in decibels; infinite if it may grow for ever.
+    /// Gain margin: factor by which the loop gain may increase, in decibels. It is infinite if the loop is stable at any
+    /// gain.
     pub gain_db: f64,
-    /// Least phase that may be lost where the loop gain is 1, degrees; negative for a loop that is not stable.
+    /// Phase margin: smallest phase loss that makes the loop unstable, at unity loop gain, degrees. It is negative for an
+    /// unstable loop.
     pub phase_deg: f64,
     /// Highest frequency at which the loop gain is 1, Hz.
     pub crossover_hz: f64,
 }
 
 impl Margins {
-    /// The margins of the open loop `L` (the closed one is `L / (1 + L)`) at rising frequencies; `None` if its gain is
-    /// never 1.
+    /// The margins of the open loop `L` at ascending frequencies. The closed loop is `L / (1 + L)`. Returns `None` if the
+    /// loop gain is never 1.
     pub fn of(omega_rad_s: &[f64], open: impl Iterator<Item = Complex64>) -> Option<Self> {
         let mut unwrapped = f64::NAN;
-        // Logarithm of frequency and gain, and phase.
+        // Each point has the logarithm of the frequency, the logarithm of the gain, and the phase.
         let points: Vec<[f64; 3]> = omega_rad_s
             .iter()
             .zip(open)
             .map(|(omega, value)| {
                 let phase = value.arg();
                 unwrapped = match unwrapped.is_nan() {
-                    // The first phase of a loop that holds at low frequency: between −360° and 0°.
+                    // The first phase is between −360° and 0°, as in a loop that holds the position at low frequency.
                     true => phase - TAU * (phase / TAU).ceil(),
                     false => phase + TAU * ((unwrapped - phase) / TAU).round(),
                 };
@@ -74,8 +76,9 @@ mod tests {
     }
 
     #[test]
-    fn the_margins_of_a_triple_lag_are_those_of_the_textbook() {
-        // 4 / (s + 1)³: phase −180° at √3, where the gain is 1/2; gain 1 at √(4^(2/3) − 1), phase −3 atan of that.
+    fn the_margins_of_a_triple_lag_agree_with_the_closed_form() {
+        // The loop is 4 / (s + 1)³. Its phase is −180° at ω = √3, where its gain is 1/2. Its gain is 1 at ω = √(4^(2/3) −
+        // 1), where its phase is −3 atan ω.
         let omega = grid();
         let open = omega.iter().map(|w| 4.0 / Complex64::new(1.0, *w).powi(3));
         let margins = Margins::of(&omega, open).unwrap();

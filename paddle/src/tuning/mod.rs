@@ -1,4 +1,4 @@
-//! Methods that find gains of the position regulator, on a simulated paddle.
+//! Methods that find gains of the position regulator on a simulated paddle.
 
 pub mod assessment;
 pub mod core_response;

@@ -1,19 +1,19 @@
-//! A loop that swings about its setpoint, cycle by cycle.
+//! Analyses the oscillation of a loop about its setpoint, cycle by cycle.
 
-/// The cycles between upward crossings.
+/// Cycles between upward crossings of a level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Oscillation {
     /// Period of each cycle, s.
     pub periods_s: Vec<f64>,
-    /// Highest minus lowest position within each cycle, in the unit of the position.
+    /// Peak-to-peak position of each cycle, in the unit of the position.
     pub swings: Vec<f64>,
 }
 
-/// Share of the first swing that the last one must still have for the oscillation to count as sustained.
+/// Smallest ratio of the last to the first peak-to-peak value of a sustained oscillation.
 pub const SUSTAINED: f64 = 0.9;
 
 impl Oscillation {
-    /// The oscillation of `position` over `time_s` about a level. Crossings are interpolated between samples.
+    /// The oscillation of `position` over `time_s` about `level`. Crossing times are interpolated between samples.
     pub fn about(level: f64, time_s: &[f64], position: &[f64]) -> Self {
         let beyond: Vec<_> = position.iter().map(|x| x - level).collect();
         let upward: Vec<_> = (1..beyond.len().min(time_s.len()))
@@ -37,7 +37,7 @@ impl Oscillation {
         }
     }
 
-    /// What is left of it after `count` cycles.
+    /// The first `count` cycles.
     pub fn first(&self, count: usize) -> Self {
         let count = count.min(self.swings.len());
         Self {
@@ -46,13 +46,13 @@ impl Oscillation {
         }
     }
 
-    /// Mean period, s; `None` without a cycle.
+    /// Mean period, s. Returns `None` without a cycle.
     pub fn period_s(&self) -> Option<f64> {
         let count = self.periods_s.len();
         (count > 0).then(|| self.periods_s.iter().sum::<f64>() / count as f64)
     }
 
-    /// Last swing over the first; 0 without a cycle.
+    /// Last peak-to-peak value divided by the first. Returns 0 without a cycle.
     pub fn kept(&self) -> f64 {
         match (self.swings.first(), self.swings.last()) {
             (Some(first), Some(last)) if *first > 0.0 => last / first,
@@ -60,7 +60,7 @@ impl Oscillation {
         }
     }
 
-    /// Whether it goes through at least `cycles` and does not die down in the first of them.
+    /// Whether there are at least `cycles` cycles, and the first `cycles` of them do not decay.
     pub fn is_sustained(&self, cycles: usize) -> bool {
         self.swings.len() >= cycles && self.first(cycles).kept() >= SUSTAINED
     }
@@ -80,13 +80,13 @@ mod tests {
     }
 
     #[test]
-    fn the_period_is_that_of_the_wave() {
+    fn the_period_of_a_sine_is_found() {
         let period_s = swinging(0.0).period_s().unwrap();
         assert!((period_s / (std::f64::consts::TAU / 70.0) - 1.0).abs() < 1e-5);
     }
 
     #[test]
-    fn only_what_does_not_die_down_is_sustained() {
+    fn a_decaying_oscillation_is_not_sustained() {
         assert!(swinging(0.0).is_sustained(10) && swinging(-1.0).is_sustained(10));
         assert!(!swinging(0.5).is_sustained(10));
         assert!(!swinging(0.0).is_sustained(1000));

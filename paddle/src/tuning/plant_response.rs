@@ -1,11 +1,11 @@
-//! Linear response of a device: dry friction, play, stops and cogging left out.
+//! Linear frequency response of a device, without dry friction, backlash, stops and cogging.
 
 use haptic_paddle::settings::Sensor;
 use host_sim::closed_loop::LoopSetup;
 use host_sim::device::Device;
 use num_complex::Complex64;
 
-/// Reading of the regulating sensor per torque told at the motor, rad/(N m), about the angle `at_rad`.
+/// Reading of the regulating sensor per torque command at the motor, rad/(N m), linearized at the angle `at_rad`.
 pub fn response(setup: &LoopSetup, at_rad: f64, omega_rad_s: f64) -> Complex64 {
     let s = Complex64::new(0.0, omega_rad_s);
     let device = &setup.paddle.device;
@@ -24,7 +24,7 @@ pub fn response(setup: &LoopSetup, at_rad: f64, omega_rad_s: f64) -> Complex64 {
     drive * mechanics(device, at_rad, s) * sensing * own
 }
 
-/// Position where the sensor sits per torque at the joint, rad/(N m).
+/// Position at the sensor's location per torque at the joint, rad/(N m).
 fn mechanics(device: &Device, at_rad: f64, s: Complex64) -> Complex64 {
     let m = &device.mechanics;
     let hardened = 1.0 + 3.0 * m.hardening * (at_rad - m.stiffness_zero).powi(2);

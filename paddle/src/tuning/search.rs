@@ -1,24 +1,24 @@
-//! The gains with the least cost: a grid, then a compass search from its best points (R. Hooke and T. A. Jeeves, Journal
-//! of the ACM 8, 1961).
+//! Finds the gains with the smallest cost: a grid search, then a compass search from its best points (R. Hooke and T. A.
+//! Jeeves, Journal of the ACM 8, 1961).
 
 use super::gains::Gains;
 use rayon::prelude::*;
 
-/// In which the search goes in equal ratios: proportional gain in N m/°, derivative time and reciprocal integral time,
-/// s and 1/s. No integral gain is a plane of its own.
+/// Coordinates of the search, which changes them by equal ratios: proportional gain in N m/°, derivative time in s, and
+/// reciprocal integral time in 1/s. Gains without integral action form a separate plane.
 type Point = [f64; 3];
 
 const KP: [f64; 2] = [0.005, 0.8];
 const DERIVATIVE_S: [f64; 2] = [0.002, 0.1];
 const INTEGRAL_PER_S: [f64; 2] = [0.3, 60.0];
-/// Points of the grid along each.
+/// Number of grid points along each coordinate.
 const GRID: [usize; 3] = [11, 8, 4];
 /// Number of points of each plane that are refined.
 const STARTS: usize = 2;
-/// Ratios of the compass steps.
+/// First step ratio and last step ratio of the compass search.
 const FIRST_RATIO: f64 = 1.25;
 const LAST_RATIO: f64 = 1.01;
-/// Share of the cost that a step must save.
+/// Smallest relative decrease of the cost for a step to be accepted.
 const WORTH_IT: f64 = 1e-4;
 
 fn gains([kp, derivative_s, integral_per_s]: Point) -> Gains {
@@ -34,10 +34,10 @@ fn along([from, to]: [f64; 2], count: usize) -> impl Iterator<Item = f64> + Clon
     (0..count).map(move |i| from * ratio.powi(i as i32))
 }
 
-/// The best gains under `cost`.
+/// Finds the gains with the smallest `cost`.
 ///
 /// # Errors
-/// An error of `cost`.
+/// Returns an error of `cost`.
 pub fn least<E: Send>(cost: impl Fn(&Gains) -> Result<f64, E> + Sync) -> Result<Gains, E> {
     let plane = |rates: &[f64]| {
         let rates = rates.iter().copied();
@@ -63,7 +63,7 @@ pub fn least<E: Send>(cost: impl Fn(&Gains) -> Result<f64, E> + Sync) -> Result<
     Ok(best.map_or_else(Gains::default, |(_, point)| gains(point)))
 }
 
-/// To where no step along an axis is better.
+/// Moves from `start` until no step along a coordinate reduces the cost.
 fn descend<E>(
     start: (f64, Point),
     cost: &impl Fn(&Gains) -> Result<f64, E>,
@@ -98,7 +98,7 @@ mod tests {
     use std::convert::Infallible;
 
     #[test]
-    fn the_bottom_of_a_bowl_is_found() {
+    fn the_minimum_of_a_convex_cost_is_found() {
         let off = |value: f64, at: f64| (value / at).ln().powi(2);
         let bowl = |g: &Gains| {
             Ok::<_, Infallible>(1.0 + off(g.kp, 0.07) + off(g.kd, 0.001) + (g.ki - 0.4).powi(2))

@@ -1,32 +1,33 @@
-//! What a step response must be.
+//! Specification of a step response.
 
 use super::gains::Gains;
 use super::margins::Margins;
 use haptic_paddle::metrics::StepReport;
 
-/// Upper bounds on a step, lower bounds on margins.
+/// Upper bounds on a step response and lower bounds on margins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specification {
-    /// Share of the height of the step.
+    /// Largest overshoot as a share of the step height.
     pub overshoot_share: f64,
-    /// s.
+    /// Largest rise time, s.
     pub rise_s: f64,
-    /// s.
+    /// Largest settling time, s.
     pub settling_s: f64,
-    /// Within which it must stay to be settled, degrees.
+    /// Half width of the settling band, degrees.
     pub band_deg: f64,
-    /// dB.
+    /// Smallest gain margin, dB.
     pub gain_margin_db: f64,
-    /// Degrees.
+    /// Smallest phase margin, degrees.
     pub phase_margin_deg: f64,
 }
 
-/// Load of a bound that is missed beyond measure; what is asked and what is had then tell how far.
+/// Utilization of a bound without a finite ratio, such as a time that is never reached. A measure of the deviation is added
+/// to it.
 const BEYOND: f64 = 10.0;
 
 impl Specification {
-    /// How much of the tightest bound a step of `height_rad` takes, 1 = all of it. A time that is never reached counts
-    /// more than any that is.
+    /// Utilization of the tightest bound by a step of `height_rad`; 1 means that the bound is just met. A time that is never
+    /// reached counts more than any finite time.
     pub fn load_of_step(&self, metrics: &StepReport, height_rad: f64) -> f64 {
         let off = (f64::from(metrics.steady_state_error_rad) / height_rad).abs();
         let share = |time_s: Option<f32>, bound_s: f64| match time_s {
@@ -43,12 +44,12 @@ impl Specification {
         .fold(0.0, f64::max)
     }
 
-    /// The same of where the paddle may be held; see [`rest_error_deg`].
+    /// Utilization of the settling band by the position error at rest; see [`rest_error_deg`].
     pub fn load_of_rest(&self, held_nm: f64, gains: &Gains) -> f64 {
         rest_error_deg(held_nm, gains, self.settling_s) / self.band_deg
     }
 
-    /// The same of margins; a loop whose gain is never 1 has all the margin there is.
+    /// Utilization of the margins' bounds. A loop whose gain is never 1 has utilization 0.
     pub fn load_of_margins(&self, margins: Option<&Margins>) -> f64 {
         let Some(margins) = margins else {
             return 0.0;
@@ -62,8 +63,8 @@ impl Specification {
     }
 }
 
-/// How far from the target a torque `held_nm` at the paddle can hold it against proportional and integral action after
-/// `seconds` there, degrees.
+/// Largest distance from the target, in degrees, at which a torque of `held_nm` at the paddle can hold it after `seconds`,
+/// against proportional and integral action.
 pub fn rest_error_deg(held_nm: f64, gains: &Gains, seconds: f64) -> f64 {
     held_nm / (gains.kp + gains.ki * seconds)
 }

@@ -1,18 +1,18 @@
-//! Paddles that differ from the one that is known.
+//! Paddles that differ from the known paddle.
 
 use host_sim::device::Device;
 
-/// Factors on what is known least.
+/// Factors on the least known parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Variant {
-    /// On dry and viscous friction.
+    /// Factor on dry and viscous friction.
     pub friction: f64,
-    /// On the inertia.
+    /// Factor on the inertia.
     pub inertia: f64,
 }
 
 impl Variant {
-    /// The known paddle, then the corners of the spread; each is relative, 0.3 = 30 % either way.
+    /// The known paddle, then the corners of the parameter range. Both arguments are relative: 0.3 means ± 30 %.
     pub fn of(friction: f64, inertia: f64) -> Vec<Self> {
         let mut all = vec![Self {
             friction: 1.0,
@@ -30,7 +30,7 @@ impl Variant {
         all
     }
 
-    /// Makes `device` this one.
+    /// Applies the factors to `device`.
     pub fn apply(&self, device: &mut Device) {
         let mechanics = &mut device.mechanics;
         mechanics.inertia *= self.inertia;

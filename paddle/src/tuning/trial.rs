@@ -1,4 +1,4 @@
-//! A step of one loop with one set of gains.
+//! Simulates a step of one loop with one set of gains.
 
 use super::gains::Gains;
 use crate::failure::Failure;
@@ -9,19 +9,20 @@ use host_sim::closed_loop::{ClosedLoop, LoopSetup};
 use host_sim::experiment::{Experiment, ExperimentError, Trace};
 use host_sim::paddle::Actuator;
 
-/// What came of it.
+/// Result of a step.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// The log.
+    /// Log of the step.
     pub trace: Trace,
-    /// By the control core.
+    /// Metrics that the control core computed.
     pub metrics: StepReport,
 }
 
-/// Makes a step of `amplitude_deg` with `gains` on `setup` and watches it for `seconds`.
+/// Simulates a step of `amplitude_deg` with `gains` on `setup`, for `seconds`.
 ///
 /// # Errors
-/// [`Failure`] for gains beyond the console's bounds, or if the controller refuses; not if it stops.
+/// Returns a [`Failure`] for gains outside the limits of the console, and if the controller refuses. A controller that stops
+/// during the step is not a failure.
 pub fn step(
     setup: &LoopSetup,
     gains: &Gains,
@@ -32,23 +33,23 @@ pub fn step(
     gains
         .put(&mut setup.settings)
         .map_err(|error| Failure::setting("pid", error))?;
-    // What a paddle that sticks means is for the caller to say.
+    // The stall monitor is off, because the caller judges a paddle that does not move.
     setup.settings.limit.stall_s = 0.0;
     if setup.paddle.actuator == Actuator::Ideal {
-        // A torque that is there at once has no voltage.
+        // An ideal torque actuator has no voltage, so the mismatch limit is disabled.
         setup.settings.limit.mismatch_v = f32::INFINITY;
     }
     let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
     let step = Excitation::step(amplitude_deg.to_radians() as f32);
     let trace = Experiment::position(step, seconds).run(&mut closed_loop)?;
-    // A step without metrics is one that never began.
+    // A step without metrics never began.
     let metrics = closed_loop.controller().metrics();
     let metrics = metrics.ok_or(ExperimentError::Excitation(ExcitationError::Disarmed))?;
     Ok(Trial { trace, metrics })
 }
 
 impl Trial {
-    /// Time and filtered position, ms and degrees.
+    /// Time in ms and filtered position in degrees.
     pub fn points(&self) -> Vec<(f64, f64)> {
         let samples = self.trace.time_s.iter().zip(&self.trace.regulated_rad);
         samples.map(|(t, x)| (1e3 * t, x.to_degrees())).collect()

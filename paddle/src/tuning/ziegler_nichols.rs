@@ -1,5 +1,5 @@
-//! The ultimate-cycle method of J. G. Ziegler and N. B. Nichols (Transactions of the ASME 64, 1942), as the report does
-//! it: raise the proportional gain alone until the loop keeps swinging, and derive the gains from that swing.
+//! The ultimate-cycle method of J. G. Ziegler and N. B. Nichols (Transactions of the ASME 64, 1942), as in the report. The
+//! proportional gain is raised until the loop sustains an oscillation, and the gains follow from that oscillation.
 
 use super::gains::Gains;
 use super::oscillation::Oscillation;
@@ -7,37 +7,37 @@ use super::trial::{self, Trial};
 use crate::failure::Failure;
 use host_sim::closed_loop::LoopSetup;
 
-/// The loop on the verge.
+/// The loop at its stability limit.
 #[derive(Clone, Debug)]
 pub struct Ultimate {
-    /// Ku, N m per degree at the paddle.
+    /// Ultimate gain Ku, N m per degree at the paddle.
     pub gain: f64,
-    /// Tu, s.
+    /// Ultimate period Tu, s.
     pub period_s: f64,
-    /// The step that showed it.
+    /// The step that showed the oscillation.
     pub trial: Trial,
-    /// Gains that were tried, the last of them Ku.
+    /// Number of gains that were tried; the last one is Ku.
     pub tried: usize,
 }
 
-/// Least gain that is tried, N m per degree at the paddle.
+/// Smallest gain that is tried, N m per degree at the paddle.
 const FROM: f64 = 0.002;
-/// Greatest, that of the console.
+/// Largest gain that is tried; it is the limit of the console, N m per degree at the paddle.
 const TO: f64 = 2.0;
-/// Ratio of one gain to the one before.
+/// Ratio of consecutive gains.
 const RAISE: f64 = 1.05;
-/// Swings that must not die down.
+/// Number of cycles that must not decay.
 const CYCLES: usize = 20;
-/// The same where it grows until the controller stops it.
+/// Number of such cycles if the oscillation grows until the controller stops it.
 const CYCLES_TO_THE_STOP: usize = 5;
-/// Enough for them at the least gain, s.
+/// Duration of a step, s. It is long enough for these cycles at the smallest gain.
 const WATCHED_S: f64 = 6.0;
 
 impl Ultimate {
-    /// Raises the gain on `setup` until a step of `amplitude_deg` keeps the loop swinging.
+    /// Raises the gain on `setup` until a step of `amplitude_deg` sustains an oscillation.
     ///
     /// # Errors
-    /// [`Failure`] if it never does, or swings out of its travel first.
+    /// Returns a [`Failure`] if no gain sustains an oscillation, or if the paddle exceeds its travel first.
     pub fn find(setup: &LoopSetup, amplitude_deg: f64) -> Result<Self, Failure> {
         let mut gain = FROM;
         for tried in 1.. {
@@ -70,7 +70,7 @@ impl Ultimate {
         Err(Failure::NeverSwings(TO))
     }
 
-    /// Kp = 0.6 Ku, Ki = Kp / (Tu / 2), Kd = Kp Tu / 8.
+    /// PID gains: Kp = 0.6 Ku, Ki = Kp / (Tu / 2), Kd = Kp Tu / 8.
     pub fn pid(&self) -> Gains {
         let kp = 0.6 * self.gain;
         Gains {
@@ -82,7 +82,7 @@ impl Ultimate {
     }
 }
 
-/// About the setpoint, until the controller stopped it.
+/// The oscillation about the setpoint up to the end, or up to the time at which the controller stopped.
 fn swings(trial: &Trial, level_rad: f64) -> Oscillation {
     let trace = &trial.trace;
     let end_s = trace.fault.map_or(f64::INFINITY, |(time_s, _)| time_s);
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_below_the_ultimate_one_dies_down() {
+    fn a_gain_below_the_ultimate_gain_gives_a_decaying_oscillation() {
         let setup = presets::lab(Settings::default());
         let ultimate = Ultimate::find(&setup, 10.0).unwrap();
         let below = Gains::proportional(0.8 * ultimate.gain);

@@ -1,4 +1,4 @@
-//! A live board that the user ends, and the firmware that is built for it.
+//! Tests of a live board that the user interrupts, and of the build of its firmware.
 
 use crate::support::{assert_says, command, file, folder, text};
 use std::io::{BufRead, BufReader};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// The image that `cargo fw` left, if it did.
+/// The image that `cargo fw` built, if there is one.
 fn image(test: &str) -> Option<PathBuf> {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent()?;
     let path = target.join("thumbv7em-none-eabihf/firmware/firmware");
@@ -22,7 +22,7 @@ fn image(test: &str) -> Option<PathBuf> {
 }
 
 #[test]
-fn a_live_board_that_is_ended_leaves_recording_and_trace_and_exits_with_0() {
+fn a_live_board_that_is_interrupted_writes_recording_and_trace_and_exits_with_0() {
     let Some(image) = image("ended_board") else {
         return;
     };
@@ -48,7 +48,7 @@ fn a_live_board_that_is_ended_leaves_recording_and_trace_and_exits_with_0() {
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let port = lines.find(|line| line.as_ref().unwrap().starts_with("serial port: "));
         assert!(port.is_some());
-        // It has booted once it logs, 70 ms after power-on, however slow this machine is.
+        // Log entries appear once the firmware has booted, 70 ms after power-on in simulated time.
         assert!(lines.any(|line| line.unwrap().starts_with("log ")));
         std::thread::sleep(Duration::from_millis(300));
         let id = child.id().to_string();
@@ -76,11 +76,11 @@ fn a_live_board_that_is_ended_leaves_recording_and_trace_and_exits_with_0() {
 }
 
 #[test]
-fn the_compilers_target_is_installed_before_the_firmware_is_built_and_told_beforehand() {
+fn the_compiler_target_is_announced_and_installed_before_the_firmware_is_built() {
     let out = folder("no-target");
     let library = out.join("library");
     std::fs::create_dir_all(&library).unwrap();
-    // A compiler without the target, a rustup that has it, and a cargo that needs it.
+    // The test provides a compiler without the target, a rustup that has the target, and a cargo that needs it.
     let program = |name: &str, body: String| {
         let path = file(&out, name, &format!("#!/bin/sh\n{body}\n"));
         std::fs::set_permissions(&path, PermissionsExt::from_mode(0o755)).unwrap();
@@ -122,6 +122,6 @@ fn the_compilers_target_is_installed_before_the_firmware_is_built_and_told_befor
             "minute",
         ],
     );
-    // What this cargo built is no image, of which the end tells.
+    // The file that this cargo built is not an image; the last line of the output says so.
     assert_says(said, &["firmware/firmware", "32-bit ELF"]);
 }

@@ -1,4 +1,4 @@
-//! What a first use meets: places that cannot be written, nonsense, words, and an end by Ctrl-C.
+//! Tests of typical first uses: paths that cannot be written, invalid input, messages, and an interruption by Ctrl-C.
 
 mod ended_board;
 mod nonsense;

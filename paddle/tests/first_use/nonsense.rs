@@ -1,4 +1,4 @@
-//! Input that means nothing is refused by name, never taken in silence.
+//! Invalid input is refused with the name of the invalid item, and is never ignored.
 
 use crate::support::{
     DEMO, assert_says, file, folder, json, paddle, pipe, recording, refusal, text,
@@ -32,7 +32,7 @@ fn a_simulator_writes_no_recording_that_the_diagnosis_refuses() {
         assert_says(&refusal(&arguments), &[named]);
         assert!(!out.join("recording").exists(), "{arguments:?}");
     }
-    // What only shows at the end is told then, and the rest of the result is there.
+    // An error that appears only at the end is reported then, and the rest of the result is written.
     let still = [&["sim", "sine", "--torque", "--amplitude", "0"], &plain[..]].concat();
     let output = paddle(&still);
     assert_eq!(output.status.code(), Some(2));
@@ -48,7 +48,7 @@ fn a_simulator_writes_no_recording_that_the_diagnosis_refuses() {
 }
 
 #[test]
-fn a_folder_of_lab_recordings_that_is_not_there_is_refused() {
+fn a_missing_folder_of_lab_recordings_is_refused() {
     let out = folder("recorded");
     let empty = out.to_str().unwrap();
     for place in ["nowhere-at-all", empty] {
@@ -60,7 +60,7 @@ fn a_folder_of_lab_recordings_that_is_not_there_is_refused() {
 }
 
 #[test]
-fn a_model_that_says_nothing_is_refused() {
+fn an_empty_model_is_refused() {
     let out = folder("says-nothing");
     let empty = file(&out, "empty.toml", "");
     let comment = file(&out, "comment.toml", "# later\n[model]\n");
@@ -82,7 +82,7 @@ fn a_model_that_says_nothing_is_refused() {
 }
 
 #[test]
-fn counts_of_nothing_and_twice_the_same_are_refused() {
+fn zero_counts_and_duplicates_are_refused() {
     for (arguments, named) in [
         (&["gap", "blind", "--jobs", "0"][..], "--jobs"),
         (&["gap", "blind", "--cases", "0"], "--cases"),
@@ -129,7 +129,7 @@ fn counts_of_nothing_and_twice_the_same_are_refused() {
 }
 
 #[test]
-fn numbers_that_no_device_has_are_refused_in_every_model_file() {
+fn impossible_device_parameters_are_refused_in_every_model_file() {
     let out = folder("no-device");
     for (wrong, name) in [
         ("coulomb = -0.01", "coulomb"),
@@ -153,7 +153,7 @@ fn numbers_that_no_device_has_are_refused_in_every_model_file() {
 }
 
 #[test]
-fn numbers_that_are_none_are_refused_by_every_option_that_takes_one() {
+fn text_is_refused_by_every_option_that_takes_a_number() {
     for (command, options) in [
         (
             &["sim", "step"][..],
@@ -205,7 +205,7 @@ fn numbers_that_are_none_are_refused_by_every_option_that_takes_one() {
 }
 
 #[test]
-fn a_script_that_goes_on_after_the_end_is_refused() {
+fn a_script_that_is_longer_than_the_run_is_refused() {
     let out = folder("long-script");
     let script = file(&out, "script.txt", "0.1 zero hall\n3.0 step 10\n");
     let line = refusal(&[
@@ -221,7 +221,7 @@ fn a_script_that_goes_on_after_the_end_is_refused() {
 }
 
 #[test]
-fn a_pipe_that_nobody_writes_to_is_refused_by_every_option_that_reads() {
+fn a_pipe_without_a_writer_is_refused_by_every_option_that_reads() {
     let out = folder("pipe");
     let pipe = pipe(&out);
     for arguments in [
@@ -239,7 +239,7 @@ fn a_pipe_that_nobody_writes_to_is_refused_by_every_option_that_reads() {
 }
 
 #[test]
-fn a_unit_that_nobody_knows_is_told() {
+fn an_unknown_unit_is_reported() {
     let out = folder("furlong");
     let measured = recording(&out);
     let manifest = format!("{measured}/recording.toml");

@@ -1,4 +1,4 @@
-//! Where results go is looked at before the work, and the result is printed whatever becomes of files.
+//! Output paths are checked before the work, and the result is printed even if its files cannot be written.
 
 use crate::support::{
     DEMO, assert_says, command, file, folder, paddle, pipe, recording, refusal, text,
@@ -6,14 +6,14 @@ use crate::support::{
 use std::process::Stdio;
 
 #[test]
-fn a_target_that_cannot_be_written_is_refused_before_the_work_by_every_command() {
+fn every_command_refuses_an_unwritable_target_before_its_work() {
     let out = folder("unwritable");
     let inside = out.to_str().unwrap();
     let nowhere = out.join("nowhere/file").to_str().unwrap().to_owned();
     let taken = file(&out, "taken", "");
     let below = format!("{taken}/below");
     let pipe = pipe(&out);
-    // Nothing of this recording can be read: a command that began its work would complain of it.
+    // This recording does not exist, so a command that began its work would report it.
     let unread = "no-such-recording";
     for (arguments, named) in [
         (
@@ -98,7 +98,7 @@ fn a_target_that_cannot_be_written_is_refused_before_the_work_by_every_command()
 }
 
 #[test]
-fn one_place_for_two_results_is_refused() {
+fn one_path_for_two_results_is_refused() {
     let out = folder("twice");
     let page = out.join("page").to_str().unwrap().to_owned();
     let detour = out.join("./page").to_str().unwrap().to_owned();
@@ -122,7 +122,7 @@ fn one_place_for_two_results_is_refused() {
     ] {
         assert_says(&refusal(&arguments), &["names the same"]);
     }
-    // A device takes what several have to say.
+    // Several outputs may go to the same device.
     let output = paddle(&["effects", "backlash", "--json", "/dev/null"]);
     assert_eq!(output.status.code(), Some(0));
     let kept = std::fs::read_to_string(&plant).unwrap();
@@ -130,7 +130,7 @@ fn one_place_for_two_results_is_refused() {
 }
 
 #[test]
-fn a_measurement_is_never_the_place_of_a_result() {
+fn a_result_never_overwrites_a_measurement() {
     let out = folder("measured");
     let measured = recording(&out);
     let files = ["recording.toml", "multisine.csv"].map(|name| format!("{measured}/{name}"));
@@ -153,9 +153,9 @@ fn a_measurement_is_never_the_place_of_a_result() {
 }
 
 #[test]
-fn the_result_is_printed_whatever_becomes_of_its_files() {
+fn the_result_is_printed_even_if_its_files_cannot_be_written() {
     let out = folder("gone");
-    // The folder of the plots is fine; a folder stands in the way of one of them.
+    // The folder for the plots can be created, but a folder has the name of one of the plots.
     for name in ["step.svg", "step.csv"] {
         std::fs::create_dir_all(out.join("plots").join(name)).unwrap();
     }
@@ -188,7 +188,7 @@ fn the_result_is_printed_whatever_becomes_of_its_files() {
 }
 
 #[test]
-fn a_pipe_with_a_reader_takes_a_result() {
+fn a_result_can_be_written_to_a_pipe_with_a_reader() {
     let out = folder("read-pipe");
     let pipe = pipe(&out);
     let reader = std::process::Command::new("cat")
@@ -196,7 +196,7 @@ fn a_pipe_with_a_reader_takes_a_result() {
         .stdout(Stdio::piped())
         .spawn()
         .unwrap();
-    // The reader opens its end in its own time.
+    // The reader opens its end of the pipe after an unknown delay.
     std::thread::sleep(std::time::Duration::from_millis(300));
     let output = command(&["effects", "backlash", "--json", &pipe])
         .output()

@@ -1,4 +1,4 @@
-//! The program, folders and recordings for the tests.
+//! Runs the program, and creates folders and recordings for the tests.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ pub fn paddle(arguments: &[&str]) -> Output {
     command(arguments).output().unwrap()
 }
 
-/// A folder of this test alone, empty.
+/// Creates an empty folder that only this test uses.
 pub fn folder(name: &str) -> PathBuf {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("first-use-{name}"));
     let _ = std::fs::remove_dir_all(&path);
@@ -26,14 +26,14 @@ pub fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()
 }
 
-/// A file in `folder`, and how it is named on a command line.
+/// Creates a file in `folder` and returns its path as a command-line argument.
 pub fn file(folder: &Path, name: &str, content: &str) -> String {
     let path = folder.join(name);
     std::fs::write(&path, content).unwrap();
     path.to_str().unwrap().to_owned()
 }
 
-/// What a successful command says as JSON.
+/// The JSON that a successful command prints.
 pub fn json(arguments: &[&str]) -> Value {
     let output = paddle(&[arguments, &["--json", "-"]].concat());
     let said = text(&output.stderr);
@@ -41,7 +41,7 @@ pub fn json(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The one line with which a command refuses its input, having done nothing.
+/// The single line with which a command refuses its input before any work.
 pub fn refusal(arguments: &[&str]) -> String {
     let output = paddle(arguments);
     let line = text(&output.stderr);
@@ -61,7 +61,7 @@ pub fn assert_says(said: &str, parts: &[&str]) {
 /// The bundled recording.
 pub const DEMO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/demo");
 
-/// A copy of it in `folder`.
+/// Copies the bundled recording to `folder`.
 pub fn recording(folder: &Path) -> String {
     let path = folder.join("recording");
     std::fs::create_dir_all(&path).unwrap();
@@ -71,7 +71,7 @@ pub fn recording(folder: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// A pipe that nobody uses.
+/// Creates a named pipe that no other program uses.
 pub fn pipe(folder: &Path) -> String {
     let path = folder.join("pipe");
     let made = Command::new("mkfifo").arg(&path).status().unwrap();

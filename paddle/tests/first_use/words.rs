@@ -1,10 +1,10 @@
-//! Small messages and small numbers.
+//! Tests of error messages and of the formatting of numbers.
 
 use crate::support::{DEMO, assert_says, file, folder, json, refusal};
 use serde_json::Value;
 
 #[test]
-fn a_whole_number_that_is_none_is_refused_in_plain_words() {
+fn text_in_place_of_an_integer_is_refused_in_plain_words() {
     for (arguments, option) in [
         (&["sim", "step", "--seed", "x"][..], "--seed"),
         (&["sim", "step", "--seed", "1.5"], "--seed"),
@@ -24,7 +24,7 @@ fn a_whole_number_that_is_none_is_refused_in_plain_words() {
 }
 
 #[test]
-fn text_where_a_number_belongs_is_named_without_a_programmers_types() {
+fn text_in_place_of_a_number_is_reported_without_rust_types() {
     let out = folder("types");
     let differs = file(&out, "differs.toml", "[model]\ninertia = \"heavy\"\n");
     let line = refusal(&["gap", "measure", DEMO, "--model", &differs]);
@@ -64,7 +64,7 @@ fn text_where_a_number_belongs_is_named_without_a_programmers_types() {
 }
 
 #[test]
-fn a_file_that_is_no_image_is_named() {
+fn a_file_that_is_not_an_image_is_named() {
     let out = folder("no-image");
     let bad = file(&out, "bad.elf", "not an image");
     assert_says(
@@ -85,8 +85,8 @@ fn a_file_that_is_no_image_is_named() {
     );
 }
 
-/// The numbers in `value` that have more digits than anything is known to.
-fn dusty(value: &Value) -> Vec<String> {
+/// Lists the numbers in `value` with more digits than the program should print.
+fn overlong_numbers(value: &Value) -> Vec<String> {
     let digits = |text: &str| {
         let mantissa = text.split(['e', 'E']).next().unwrap_or(text);
         let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
@@ -96,14 +96,14 @@ fn dusty(value: &Value) -> Vec<String> {
         Value::Number(number) if number.is_f64() && digits(&number.to_string()) > 12 => {
             vec![number.to_string()]
         }
-        Value::Array(values) => values.iter().flat_map(dusty).collect(),
-        Value::Object(values) => values.values().flat_map(dusty).collect(),
+        Value::Array(values) => values.iter().flat_map(overlong_numbers).collect(),
+        Value::Object(values) => values.values().flat_map(overlong_numbers).collect(),
         _ => Vec::new(),
     }
 }
 
 #[test]
-fn numbers_in_json_have_no_dust() {
+fn numbers_in_json_have_no_rounding_digits() {
     let out = folder("dust");
     let out = out.to_str().unwrap();
     for arguments in [
@@ -114,15 +114,19 @@ fn numbers_in_json_have_no_dust() {
         &["effects"],
     ] {
         let said = json(arguments);
-        assert_eq!(dusty(&said), Vec::<String>::new(), "{arguments:?}");
+        assert_eq!(
+            overlong_numbers(&said),
+            Vec::<String>::new(),
+            "{arguments:?}"
+        );
     }
-    // A number of single precision is as it was typed.
+    // A number of single precision is printed as it was typed.
     let said = json(&["sim", "step", "--kd", "0.0008", "--out", out]);
     assert_eq!(said["gains"]["kd_nm_s_per_deg"].to_string(), "0.0008");
 }
 
 #[test]
-fn a_simulation_says_with_which_gains_and_by_which_version_it_was_made() {
+fn the_output_of_a_simulation_states_gains_and_version() {
     let out = folder("provenance");
     let out = out.to_str().unwrap();
     let said = json(&[

@@ -1,15 +1,15 @@
-//! The firmware of this repository, built.
+//! Builds the firmware of this repository.
 
 use crate::failure::Failure;
 use crate::progress;
 use firmware_build::{ensure, firmware, image_path};
 use std::path::PathBuf;
 
-/// Builds it, which takes a moment if it is there already. The compiler's target is installed if it is not there; what takes
-/// long is told beforehand.
+/// Builds the firmware; this is quick if the build is up to date. The function installs the compiler target if it is
+/// missing, and prints a message before each long step.
 ///
 /// # Errors
-/// [`Failure::Board`] if that does not work; cargo's own message stands above.
+/// Returns [`Failure::Board`] if the build fails. Cargo prints its own message before that.
 pub fn build() -> Result<PathBuf, Failure> {
     ensure(progress::note).map_err(|error| {
         Failure::Board(format!(
@@ -25,7 +25,7 @@ pub fn build() -> Result<PathBuf, Failure> {
         return Ok(image);
     }
     Err(Failure::Board(
-        "the firmware cannot be built here; mend what stands above, or give an image with --elf"
+        "the firmware cannot be built here; correct the error above, or give an image with --elf"
             .into(),
     ))
 }

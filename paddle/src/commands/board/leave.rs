@@ -1,4 +1,4 @@
-//! What a run of the board leaves: a trace of what the firmware saw, a recording of what the paddle did.
+//! Output files of a board run: a trace of the firmware's measurements, and a recording of the true motion of the paddle.
 
 use crate::failure::Failure;
 use crate::files::{self, csv};
@@ -9,32 +9,32 @@ use virtual_board::board::{Board, Step};
 use virtual_board::log::Entry;
 use virtual_board::wiring::STEP_S;
 
-/// What there is to leave, taken from the board as it runs.
+/// Data collected from the board while it runs.
 pub struct Session {
-    /// Control periods a row.
+    /// Number of control periods per row.
     steps_per_row: usize,
     rows: Vec<Row>,
-    /// Of the row that is not complete yet: its periods, and the sum of their torques.
+    /// Number of periods, and sum of their torques, in the row that is not complete yet.
     begun: (usize, f64),
-    /// What the firmware said on its terminal.
+    /// Bytes that the firmware sent to its terminal.
     console: Vec<u8>,
-    /// What it logged.
+    /// Entries that the firmware logged.
     pub log: Vec<Entry>,
 }
 
-/// Some control periods in a row.
+/// Mean over a number of consecutive control periods.
 struct Row {
-    /// The last of them.
+    /// The last period of the row.
     last: Step,
-    /// Mean torque of the motor over them, N m.
+    /// Mean motor torque over the periods of the row, N m.
     torque_nm: f64,
 }
 
 impl Session {
-    /// Nothing yet, of which `log_hz` rows a second are kept.
+    /// Creates an empty session that stores `log_hz` rows per second.
     ///
     /// # Errors
-    /// [`Failure::Board`] for more than a row a control period, which there is not.
+    /// Returns [`Failure::Board`] if `log_hz` exceeds the control rate.
     pub fn new(log_hz: f64) -> Result<Self, Failure> {
         if log_hz * STEP_S > 1.0 + ROUNDING {
             let most = 1.0 / STEP_S;
@@ -51,7 +51,7 @@ impl Session {
         })
     }
 
-    /// Takes from `board` what has come since the last call; what it said on its terminal and logged is given back.
+    /// Collects the data that `board` produced since the last call. Returns the new terminal bytes and the new log entries.
     pub fn take(&mut self, board: &mut Board) -> (Vec<u8>, Vec<Entry>) {
         for step in board.take_steps() {
             let (periods, sum_nm) = (self.begun.0 + 1, self.begun.1 + step.torque_nm);
@@ -71,12 +71,12 @@ impl Session {
         (said, logged)
     }
 
-    /// What the firmware said on its terminal.
+    /// The text that the firmware sent to its terminal.
     pub fn console(&self) -> String {
         String::from_utf8_lossy(&self.console).replace("\r\n", "\n")
     }
 
-    /// What the firmware saw and did, as CSV.
+    /// The quantities that the firmware measured and commanded, as CSV.
     pub fn trace(&self) -> String {
         let column = |value: fn(&Step) -> f64| -> Vec<f64> {
             self.rows.iter().map(|row| value(&row.last)).collect()
@@ -103,12 +103,12 @@ impl Session {
         ])
     }
 
-    /// A recording: true position against the torque that the motor really made.
+    /// A recording with the true position as output and the true motor torque as input.
     pub fn recording(&self, horizon: f64, model: Model, setup: &LoopSetup) -> Recording {
         let mut run = Run::new("board.csv", Drive::ClosedLoop, vec![], vec![], vec![]);
         let mut currents = Vec::new();
         let constant = f64::from(setup.settings.motor.torque_constant_nm_per_a);
-        // A row's input is what acts until the next, which the following steps tell.
+        // The input of a row acts until the next row, so it is the torque averaged over the steps that follow.
         for pair in self.rows.windows(2) {
             let at = &pair[0].last;
             run.time.push(files::logged(at.time_s));
@@ -127,10 +127,10 @@ impl Session {
     }
 }
 
-/// Relative rounding of a rate that was typed.
+/// Relative rounding error that is allowed in a rate typed on the command line.
 const ROUNDING: f64 = 1e-6;
 
-/// A line of the log for people.
+/// Formats a log entry as a line of text.
 pub fn log_line(entry: &Entry) -> String {
     format!(
         "log {:.4} s {} {}",

@@ -1,4 +1,4 @@
-//! The board at the pace of the clock on the wall, with its serial port as a terminal device.
+//! Runs the board in real time, with its serial port as a pseudo-terminal.
 
 use super::leave::{Session, log_line};
 use crate::failure::Failure;
@@ -14,18 +14,18 @@ use std::thread;
 use std::time::{Duration, Instant};
 use virtual_board::board::Board;
 
-/// Between two looks at the terminal.
+/// Wall-clock time between two polls of the terminal.
 const PACE: Duration = Duration::from_millis(2);
-/// A computer that is later than this does not catch up: the board's time then stands still for it, s. A program that
-/// steers the board falls behind with it.
+/// Largest lag behind the wall clock that is caught up, s. If the computer falls further behind, the simulated time is
+/// delayed by the rest. A program that controls the board is then delayed by the same time.
 const PATIENCE_S: f64 = 0.05;
-/// The board runs for so long at most between two looks at the terminal, s.
+/// Longest simulated time between two polls of the terminal, s.
 const SLICE_S: f64 = 0.005;
 
-/// A pseudo-terminal: the board's side, and the name of the user's.
+/// A pseudo-terminal: the file of the board's side, and the device name of the user's side.
 struct Terminal {
     board: File,
-    /// Held open, so that a user who leaves can come back.
+    /// The user's side stays open, so that a user can disconnect and connect again.
     _user: File,
     name: PathBuf,
 }
@@ -37,7 +37,7 @@ impl Terminal {
         unlockpt(&board)?;
         let name = ptsname(&board, Vec::new())?;
         let user = rustix::fs::open(&name, OFlags::RDWR | OFlags::NOCTTY, Mode::empty())?;
-        // Bytes as they are, echoed by the board alone.
+        // The terminal passes bytes unchanged and does not echo them, because the board echoes.
         let mut settings = tcgetattr(&user)?;
         settings.make_raw();
         tcsetattr(&user, OptionalActions::Now, &settings)?;
@@ -50,11 +50,11 @@ impl Terminal {
     }
 }
 
-/// Runs `board` until the user wants to end, `pace` times as fast as the clock on the wall if the computer is as fast, and
-/// tells `session` all along.
+/// Runs `board` until the user interrupts it, at `pace` times real time if the computer is fast enough. Passes the board's
+/// output to `session` throughout.
 ///
 /// # Errors
-/// [`Failure`] if there is no terminal device, or when the board stops.
+/// Returns a [`Failure`] if no pseudo-terminal is available, or when the board stops.
 pub fn run(
     board: &mut Board,
     header: &str,
@@ -73,13 +73,13 @@ pub fn run(
     let mut began_s = board.time_s();
     let mut typed = [0; 256];
     let mut answer = Vec::new();
-    while !interrupt.is_wished() {
+    while !interrupt.is_requested() {
         let mut due_s = began_s + pace * began.elapsed().as_secs_f64();
         if due_s - board.time_s() > PATIENCE_S {
             (began, began_s) = (Instant::now(), board.time_s());
             due_s = began_s;
         }
-        // A pseudo-terminal has no rate of its own.
+        // A pseudo-terminal has no baud rate, so the terminal takes the baud rate of the board.
         board.terminal.baud = board.baud();
         let next_s = due_s.min(board.time_s() + SLICE_S);
         board.run_until(next_s)?;
@@ -93,7 +93,8 @@ pub fn run(
         }
         let (said, logged) = session.take(board);
         answer.extend(said);
-        // What nobody reads is lost, as on a serial line; what is read slowly waits.
+        // If no program has opened the terminal, the bytes are lost, as on a serial line. If the program reads slowly, the
+        // bytes wait.
         match terminal.board.write(&answer) {
             Ok(length) => drop(answer.drain(..length)),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
@@ -111,5 +112,5 @@ pub fn run(
     Ok(())
 }
 
-/// Bytes kept for a terminal that reads slowly.
+/// Largest number of bytes that wait for a slow reader.
 const MOST_WAITING: usize = 64 * 1024;

@@ -1,4 +1,4 @@
-//! `paddle board`: the flashed image on a virtual board, wired to the simulated paddle.
+//! `paddle board`: runs the firmware image on a virtual board that is connected to the simulated paddle.
 
 pub mod firmware;
 mod leave;
@@ -31,7 +31,7 @@ use virtual_board::image::Image;
 use virtual_board::script::Script;
 use virtual_board::wiring::Wires;
 
-/// Which board, and what to do with it.
+/// Options that select the board, its inputs and its outputs.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle board                                # a terminal device, at the pace of the clock on the wall
@@ -47,28 +47,28 @@ and, after an exclamation mark, for what else happens to the board: !bridge-faul
 At the pace of the clock on the wall it runs until Ctrl-C, or a signal that asks it to end, and then leaves what --out and
 --recording ask for. Up to then these take 0.4 GB of memory an hour, at 1000 rows a second.")]
 pub struct Arguments {
-    /// The image, ready to be flashed [default: the firmware of this repository, built if need be].
+    /// Firmware image [default: the firmware of this repository, which is built if necessary].
     #[arg(long, value_name = "FILE")]
     elf: Option<PathBuf>,
-    /// Type what this file says, as fast as the computer can.
+    /// Run without real-time pacing and type the lines of this script at the terminal.
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
-    /// Run for so long, as fast as the computer can [default with --script: half a second beyond its last line].
+    /// Run for this simulated time without real-time pacing [default with --script: half a second beyond its last line].
     #[arg(long, value_name = "s", value_parser = numbers::positive)]
     seconds: Option<f64>,
-    /// `nominal`, `refit`, or a TOML file with what differs from nominal: [model] and with = ["effect"].
+    /// Paddle model: `nominal`, `refit`, or a TOML file with the changes from nominal: [model] and with = ["effect"].
     #[arg(long, default_value = "refit", value_name = "nominal|refit|FILE.toml")]
     plant: PlantChoice,
-    /// Switch an effect into the paddle; may be repeated. `paddle effects` lists them.
+    /// Add this effect to the paddle; may be repeated. `paddle effects` lists the effects.
     #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
     with: Vec<Effect>,
-    /// Sensor that effects of sensing act on.
+    /// Sensor on which sensing effects act.
     #[arg(long, value_enum, default_value = "encoder")]
     sensor: SensorChoice,
-    /// Wire the paddle wrongly; may be repeated.
+    /// Add a wiring fault; may be repeated.
     #[arg(long, value_name = "FAULT", value_parser = PossibleValuesParser::new(Wires::NAMED.map(|(name, _)| name)))]
     wire: Vec<String>,
-    /// Where the paddle stands at power-on, degrees.
+    /// Paddle angle at power-on, degrees.
     #[arg(
         long,
         default_value_t = 0.0,
@@ -77,19 +77,19 @@ pub struct Arguments {
         value_name = "deg"
     )]
     start: f64,
-    /// Times as fast as the clock on the wall, as far as the computer can.
+    /// Simulated time per wall-clock time. The computer's speed limits it.
     #[arg(long, default_value_t = 1.0, value_name = "TIMES", value_parser = numbers::positive)]
     pace: f64,
-    /// Seed of all noise.
+    /// Seed of the random noise.
     #[arg(long, default_value_t = 0, value_parser = numbers::whole)]
     seed: u64,
-    /// Leave what the firmware saw, and what it said, in this folder.
+    /// Write the firmware's measurements and its terminal output to this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Leave a recording of what the paddle really did in this folder, for `paddle gap`.
+    /// Write a recording of the true motion to this folder, for `paddle gap`.
     #[arg(long, value_name = "DIR")]
     recording: Option<PathBuf>,
-    /// Rows a second of both.
+    /// Rows per second of the trace and of the recording.
     #[arg(long, default_value_t = 1000.0, value_name = "Hz", value_parser = numbers::positive)]
     log_rate: f64,
     /// Prediction window that the recording states.
@@ -97,16 +97,15 @@ pub struct Arguments {
     horizon: f64,
 }
 
-/// Beyond the last line of a script, s.
+/// Simulated time after the last line of a script, s.
 const AFTER_SCRIPT_S: f64 = 0.5;
-/// Longest run as fast as the computer can, s.
+/// Longest simulated run without real-time pacing, s.
 const LONGEST_S: f64 = 3600.0;
 
 /// Runs the board.
 ///
-/// # Errors
-/// [`Failure`] for an image, a script or options that cannot be used, files that cannot be written, and a board that
-/// can go no further.
+/// Returns a [`Failure`] if the image, the script or the options cannot be used, if a file cannot be written, or if the
+/// virtual board cannot continue.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let (setup, model, warnings) = arguments.assemble()?;
     let script = arguments.read_script()?;
@@ -138,7 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         Some(seconds) => {
             let mut go_on = |board: &mut Board| {
                 session.take(board);
-                !interrupt.is_wished()
+                !interrupt.is_requested()
             };
             script
                 .unwrap_or_default()
@@ -155,12 +154,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     };
     let took_s = began.elapsed().as_secs_f64();
     session.take(&mut board);
-    // A board that stopped has told all that it did up to then.
-    let mut amiss: Vec<Failure> = ended.err().into_iter().collect();
+    // The data up to the time at which the board stopped is valid.
+    let mut problems: Vec<Failure> = ended.err().into_iter().collect();
     let ran_s = board.time_s();
-    if let Some(seconds) = seconds.filter(|_| interrupt.is_wished()) {
-        amiss.push(Failure::Board(format!(
-            "ended at {ran_s:.3} s of {seconds} s, as was wished; what it did up to then is kept"
+    if let Some(seconds) = seconds.filter(|_| interrupt.is_requested()) {
+        problems.push(Failure::Board(format!(
+            "the user stopped the run at {ran_s:.3} s of {seconds} s; the data up to this time is kept"
         )));
     }
 
@@ -200,7 +199,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             let _ = writeln!(text, "{}", file.display());
         }
         result["files"] = json!(folder.files());
-        amiss.extend(folder.lost());
+        problems.extend(folder.lost());
     }
     if let Some(path) = &arguments.recording {
         let recording = session.recording(arguments.horizon, model, &setup);
@@ -208,22 +207,22 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             Ok(()) => {
                 let _ = writeln!(text, "recording in {}", path.display());
                 result["recording"] = json!(path);
-                // It is kept all the same: it is what the paddle did.
+                // An invalid recording is written all the same, because it shows the true motion.
                 if let Err(refusal) = recording.validate() {
                     let _ = writeln!(text, "warning: `paddle gap` would refuse it: {refusal}");
                 }
             }
-            Err(failure) => amiss.push(failure.into()),
+            Err(failure) => problems.push(failure.into()),
         }
     }
     Ok(Answer {
         text,
         json: result,
-        amiss,
+        problems,
     })
 }
 
-/// The bytes of a file.
+/// Reads the bytes of a file.
 fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     open_file(path, "build the image with `cargo fw`")?
@@ -233,7 +232,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let elf = Target::of("--elf", Use::Read, self.elf.as_ref());
         let script = Target::of("--script", Use::Read, self.script.as_ref());
@@ -244,7 +243,7 @@ impl Arguments {
         all.into_iter().flatten().collect()
     }
 
-    /// For how long it runs as fast as the computer can, s; none at the pace of the clock on the wall.
+    /// Duration of a run without real-time pacing, s. `None` for a run in real time.
     fn duration_s(&self, script: Option<&Script>) -> Result<Option<f64>, Failure> {
         let end_s = script.map(Script::end_s);
         let Some(seconds) = self.seconds.or(end_s.map(|end_s| end_s + AFTER_SCRIPT_S)) else {
@@ -269,7 +268,7 @@ impl Arguments {
         Ok(Some(seconds))
     }
 
-    /// What the board is wired to, and the model that a recording of it states as nominal.
+    /// The loop to which the board is connected, and the model that its recording states as nominal.
     fn assemble(&self) -> Result<(LoopSetup, Model, String), Failure> {
         let mut plant = self.plant.load()?;
         plant.install(&self.with)?;
@@ -286,7 +285,8 @@ impl Arguments {
                 self.plant
             ));
         }
-        // The firmware boots with its defaults, whatever a file says; the sensors are those that they expect.
+        // The firmware boots with its default settings, so settings in a file have no effect. The sensors match these
+        // defaults.
         let mut settings = Settings::default();
         settings.estimate.sensor = match self.sensor {
             SensorChoice::Encoder => Sensor::Encoder,

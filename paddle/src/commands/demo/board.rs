@@ -1,5 +1,5 @@
-//! The loop closed without hardware: a paddle with something hidden in it on the virtual board, experiments until it is
-//! named, gains for the corrected model, and the step before and after.
+//! Demonstration without hardware. A virtual board runs a paddle with a hidden effect; experiments identify the effect;
+//! gains are tuned on the corrected model; and a step response is recorded before and after.
 
 use crate::answer::Answer;
 use crate::commands::{experiment, settings};
@@ -18,16 +18,16 @@ use std::io::{BufRead, BufReader, Lines};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// The step that is shown, degrees and s.
+/// The experiment that is plotted: a position step in degrees and s.
 const STEP: &str = "position:step:10,0.6";
 const TARGET_DEG: f64 = 10.0;
-/// Most time of the paddle's for experiments, s.
+/// Most paddle time for experiments, s.
 const SECONDS: f64 = 60.0;
 
-/// Demonstrates on a board with `hidden` in its paddle.
+/// Runs the demonstration with the effect `hidden` in the paddle.
 ///
 /// # Errors
-/// [`Failure`] for an effect that is none, a board that cannot be had, and files that cannot be written.
+/// Returns a [`Failure`] if the effect is unknown, if the board does not start, or if a file cannot be written.
 pub fn run(out: &Path, hidden: &str) -> Result<Answer, Failure> {
     hidden.parse::<Effect>()?;
     let board = VirtualBoard::start(hidden)?;
@@ -68,11 +68,11 @@ pub fn run(out: &Path, hidden: &str) -> Result<Answer, Failure> {
     Ok(Answer {
         text,
         json: json!({ "hidden": hidden, "diagnosis": found.json, "gains": gains, "files": folder.files() }),
-        amiss: found.amiss.into_iter().chain(folder.lost()).collect(),
+        problems: found.problems.into_iter().chain(folder.lost()).collect(),
     })
 }
 
-/// A virtual board in a process of its own, as a user starts it; ended with this.
+/// A virtual board in a process of its own, as a user would start it. Dropping the value ends the process.
 struct VirtualBoard {
     child: Child,
     _lines: Lines<BufReader<ChildStdout>>,
@@ -114,13 +114,13 @@ impl VirtualBoard {
 
 impl Drop for VirtualBoard {
     fn drop(&mut self) {
-        // It has nothing to leave.
+        // The board's process has no output to save.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// The board's answer to a step: time since it, ms, and position, degrees.
+/// Records the step response of the board: time since the step, ms, and position, degrees.
 fn step(port: &str) -> Result<Vec<(f64, f64)>, Failure> {
     let plan: Plan = STEP
         .parse()
@@ -151,7 +151,7 @@ fn points(taken: &Taken) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Gains for the paddle of a saved model, as `paddle sim tune` finds them.
+/// Runs `paddle sim tune` on the saved model and returns its JSON.
 fn tuned(model: &Path, out: &Path) -> Result<Value, Failure> {
     progress::doing("tuning on the corrected model".into());
     let failed = |error: std::io::Error| Failure::Board(format!("tuning failed: {error}"));
@@ -163,13 +163,13 @@ fn tuned(model: &Path, out: &Path) -> Result<Value, Failure> {
         .stderr(Stdio::inherit())
         .output()
         .map_err(failed)?;
-    // Status 1: no gains meet the specification; the best are told all the same.
+    // Exit status 1 means that no gains meet the specification. The best gains are then printed all the same.
     let told: Value = serde_json::from_slice(&output.stdout)
         .map_err(|error| Failure::Board(format!("tuning failed: {error}")))?;
     Ok(told["gains"].clone())
 }
 
-/// Gives the board gains; what changed, for people.
+/// Writes gains to the board. Returns the changed settings as text.
 fn push(port: &str, gains: &Value) -> Result<String, Failure> {
     let mut rig = Rig::open(port)?;
     let mut wanted = rig.settings;
@@ -214,7 +214,7 @@ fn figure(hidden: &str, before: &[(f64, f64)], after: &[(f64, f64)]) -> Figure {
     }
 }
 
-/// Where the board's files go.
+/// Folder of the board's files.
 pub fn folder(out: &Path) -> PathBuf {
     out.join("board")
 }

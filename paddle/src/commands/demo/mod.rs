@@ -1,4 +1,4 @@
-//! `paddle demo`: a step response, and a gap with its diagnosis; or the whole way on the virtual board.
+//! `paddle demo`: simulates a step response and diagnoses a gap. With `--board` it does all steps on the virtual board.
 
 mod board;
 
@@ -17,7 +17,7 @@ use recording::Recording;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Where to.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle demo
@@ -31,10 +31,10 @@ With --board the loop is closed, without hardware: a virtual board whose paddle 
 its serial port until the diagnosis names it, gains for the corrected model, and a step with the old and the new gains. That
 takes some minutes.")]
 pub struct Arguments {
-    /// Write plots, CSVs, the recording and its report to this folder.
+    /// Write the plots, the CSV files, the recording and its report to this folder.
     #[arg(long, default_value = "paddle-out/demo", value_name = "DIR")]
     out: PathBuf,
-    /// Close the loop on the virtual board.
+    /// Run the complete procedure on the virtual board: experiments, diagnosis, tuning and step responses.
     #[arg(long)]
     board: bool,
     /// Effect that is hidden in the board's paddle.
@@ -47,7 +47,7 @@ pub struct Arguments {
     with: String,
 }
 
-/// The recording, as files of its folder.
+/// Names and contents of the files of the bundled recording.
 const RECORDING: [(&str, &str); 2] = [
     (
         "recording.toml",
@@ -56,10 +56,10 @@ const RECORDING: [(&str, &str); 2] = [
     ("multisine.csv", include_str!("../../../demo/multisine.csv")),
 ];
 
-/// Demonstrates.
+/// Runs the demonstration.
 ///
 /// # Errors
-/// [`Failure`] for files that cannot be written.
+/// Returns a [`Failure`] if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let out = &arguments.out;
     if arguments.board {
@@ -111,16 +111,16 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "files": files,
             "folder": out,
         }),
-        amiss: [folder, predictions, diagnosis]
+        problems: [folder, predictions, diagnosis]
             .into_iter()
             .flat_map(Folder::lost)
-            .chain(step.amiss)
+            .chain(step.problems)
             .collect(),
     })
 }
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         Target::of("--out", Use::Folder, &self.out)
             .into_iter()

@@ -1,6 +1,6 @@
-//! `paddle experiment`: record, diagnose, and record what the diagnosis asks for.
+//! `paddle experiment`: records experiments, diagnoses, and records what the diagnosis asks for.
 
-mod course;
+mod exploration;
 
 use super::gap::results;
 use super::record::Nominal;
@@ -16,9 +16,9 @@ use clap::Args;
 use remote::Plan;
 use std::path::PathBuf;
 
-pub use course::{Found, explore, is_unique};
+pub use exploration::{Found, explore, is_unique};
 
-/// Which board, and for how long.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle experiment --port /dev/ttyUSB0 --out my-paddle
@@ -28,55 +28,54 @@ pub use course::{Found, explore, is_unique};
 It ends when the diagnosis names what explains the gap and nothing else could be it, when there is no gap, or when the
 time is over. The recording, the last diagnosis, its report and the corrected model stay in --out.")]
 pub struct Arguments {
-    /// The serial port, or what `paddle board` says.
+    /// Serial port of the board, or the terminal that `paddle board` prints.
     #[arg(long)]
     port: String,
     #[command(flatten)]
     how: How,
 }
 
-/// Which experiments come into question, and what is kept.
+/// Options of the experiments and of their output.
 #[derive(Args)]
 pub struct How {
-    /// Begin with these instead of a multisine of the torque and slow motion of the position; may be repeated.
+    /// First experiment, in place of a torque multisine and a slow position motion; may be repeated.
     #[arg(long = "run", value_name = "SHAPE:NUMBERS")]
     runs: Vec<Plan>,
-    /// Most time of the paddle's.
+    /// Longest total time of the experiments on the paddle.
     #[arg(long, default_value_t = 180.0, value_name = "s", value_parser = numbers::positive)]
     seconds: f64,
-    /// Leave recording and diagnosis in this folder.
+    /// Write the recording and the diagnosis to this folder.
     #[arg(long, default_value = "paddle-out/experiment", value_name = "DIR")]
     pub out: PathBuf,
     #[command(flatten)]
     nominal: Nominal,
-    /// Rows a second.
+    /// Rows per second.
     #[arg(long, default_value_t = ROWS_HZ, value_name = "Hz", value_parser = numbers::positive)]
     rate: f64,
 }
 
-/// Experiments.
+/// Runs the experiments.
 ///
 /// # Errors
-/// [`Failure`] for a board that does not do as it is asked, a recording that cannot be used, and files that cannot be
-/// written.
+/// Returns a [`Failure`] if the board refuses a command, if the recording cannot be used, or if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let interrupt = Interrupt::watched()?;
     let mut rig = Rig::open(&arguments.port)?;
     let found = explore(&mut rig, &arguments.how, &interrupt);
     let left = rig.leave();
     let mut answer = arguments.how.answer(found?)?;
-    answer.amiss.extend(left.err().map(Failure::from));
+    answer.problems.extend(left.err().map(Failure::from));
     Ok(answer)
 }
 
 impl Arguments {
-    /// With what else there is by default.
+    /// Creates arguments with the default values for all other options.
     pub fn on(port: String, out: PathBuf, seconds: f64) -> Self {
         let how = How::new(out, seconds);
         Self { port, how }
     }
 
-    /// Where it will write, and what it reads.
+    /// Paths that the command writes and reads.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let out = Target::of("--out", Use::Folder, &self.how.out);
         [self.how.nominal.target(), out]
@@ -87,7 +86,7 @@ impl Arguments {
 }
 
 impl How {
-    /// With what else there is by default.
+    /// Creates options with the default values for the rest.
     pub fn new(out: PathBuf, seconds: f64) -> Self {
         Self {
             runs: Vec::new(),
@@ -98,21 +97,21 @@ impl How {
         }
     }
 
-    /// Where the recording stays.
+    /// Folder of the recording.
     pub fn recording(&self) -> PathBuf {
         self.out.join("recording")
     }
 
-    /// Leaves the diagnosis, its report and the corrected model beside the recording.
+    /// Writes the diagnosis, its report and the corrected model to the folder of the recording.
     ///
     /// # Errors
-    /// [`Failure`] for a recording that cannot be read again.
+    /// Returns a [`Failure`] if the recording cannot be read back.
     pub fn answer(&self, found: Found) -> Result<Answer, Failure> {
         let Found {
             recording,
             outcome,
             told,
-            mut amiss,
+            mut problems,
             ..
         } = found;
         let folder = self.recording();
@@ -124,7 +123,7 @@ impl How {
         );
         let mut say = |what: &str, path: PathBuf, saved: Result<(), Failure>| match saved {
             Ok(()) => text.push_str(&format!("{what} in {}\n", path.display())),
-            Err(failure) => amiss.push(failure),
+            Err(failure) => problems.push(failure),
         };
         let path = self.out.join("corrected.toml");
         let saved = results::save_model(&path, &recording, &outcome, false);
@@ -136,6 +135,10 @@ impl How {
         let saved = std::fs::write(&path, format!("{json:#}\n")).map_err(Failure::write(&path));
         say("diagnosis", path, saved);
         say("recording", folder, Ok(()));
-        Ok(Answer { text, json, amiss })
+        Ok(Answer {
+            text,
+            json,
+            problems,
+        })
     }
 }

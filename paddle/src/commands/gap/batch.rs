@@ -1,4 +1,4 @@
-//! `paddle gap diagnose --batch`: many recordings in one call, begun again where it stopped.
+//! `paddle gap diagnose --batch`: diagnoses many recordings in one call, and continues an interrupted batch.
 
 use super::results::{json, save_model, save_report};
 use super::usable;
@@ -16,10 +16,10 @@ use std::time::SystemTime;
 
 const MANIFEST: &str = "recording.toml";
 
-/// A part of a batch: every `of_all`-th recording from the `place`-th on.
+/// A part of a batch: every `of_all`-th recording, beginning with recording number `place`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// From 1.
+    /// Number of the part, from 1.
     place: usize,
     of_all: usize,
 }
@@ -50,18 +50,18 @@ impl std::str::FromStr for Shard {
 /// A recording of the batch.
 struct Case {
     folder: PathBuf,
-    /// Where its results go, less the extension.
+    /// Path of its results, without extension.
     results: PathBuf,
 }
 
-/// A folder in which no recording can be found, and why.
+/// A folder without recordings, and the failure.
 type Refused = (PathBuf, Failure);
 
-/// Diagnoses all recordings in `folders` and below.
+/// Diagnoses all recordings in `folders` and their subfolders.
 ///
 /// # Errors
-/// [`Failure`] where no folder has a recording; a recording that cannot be used, a folder without any and results that
-/// cannot be written are a part of the answer.
+/// Returns a [`Failure`] if no folder contains a recording. Recordings that cannot be used, folders without recordings, and
+/// results that cannot be written are reported in the answer.
 pub fn run(
     folders: &[PathBuf],
     out: &Path,
@@ -71,7 +71,7 @@ pub fn run(
     let (mut cases, mut refused) = cases(folders, out)?;
     if let Some(shard) = shard {
         cases = shard.part(cases);
-        // A folder without recordings is told once.
+        // A folder without recordings is reported by the first shard only.
         refused.retain(|_| shard.of_all == 1 || shard.place == 1);
     }
     let all = cases.len() + refused.len();
@@ -81,7 +81,7 @@ pub fn run(
         "recording", "verdict", "shrink"
     );
     let mut failed = refused.len();
-    let mut amiss = Vec::new();
+    let mut problems = Vec::new();
     for (folder, failure) in refused {
         let line = not_used(&folder, &failure);
         // Writing to a String cannot fail.
@@ -96,7 +96,7 @@ pub fn run(
             Some(line) => line,
             None => match diagnosed(case, options) {
                 Ok((line, saved)) => {
-                    amiss.extend(saved.err());
+                    problems.extend(saved.err());
                     line
                 }
                 Err(failure) => {
@@ -111,15 +111,16 @@ pub fn run(
         lines.push(line);
     }
     let _ = writeln!(table, "\n{}\nresults in {}", tally(&lines), out.display());
-    amiss.extend((failed > 0).then_some(Failure::Batch { failed, all }));
+    problems.extend((failed > 0).then_some(Failure::Batch { failed, all }));
     Ok(Answer {
         text: table,
         json: Value::Array(lines),
-        amiss,
+        problems,
     })
 }
 
-/// The recordings in `folders` and below, each once, in the order of their names; and the folders without any.
+/// Lists the recordings in `folders` and their subfolders, each once, sorted by name. Also lists the folders without
+/// recordings.
 fn cases(folders: &[PathBuf], out: &Path) -> Result<(Vec<Case>, Vec<Refused>), Failure> {
     let mut all = Vec::new();
     let mut refused = Vec::new();
@@ -150,7 +151,8 @@ fn cases(folders: &[PathBuf], out: &Path) -> Result<(Vec<Case>, Vec<Refused>), F
     Ok((cases, refused))
 }
 
-/// Adds the recordings in `folder` and below; `entered` are the folders that were looked into, as links could lead in circles.
+/// Adds the recordings in `folder` and its subfolders. `entered` lists the folders already visited, because links can form
+/// loops.
 fn collect(
     folder: &Path,
     entered: &mut BTreeSet<PathBuf>,
@@ -173,7 +175,7 @@ fn collect(
     Ok(())
 }
 
-/// `folder` as seen from the working folder, else from the root: no two recordings share a place.
+/// Path of `folder` relative to the working folder, or else from the root. Two recordings never have the same path.
 fn relative(folder: &Path) -> PathBuf {
     let here = std::env::current_dir().and_then(|here| here.canonicalize());
     let below = here.ok().and_then(|here| folder.strip_prefix(here).ok());
@@ -184,7 +186,7 @@ fn relative(folder: &Path) -> PathBuf {
         .collect()
 }
 
-/// `path` with an extension added, whatever dots its name has.
+/// Appends an extension to `path`, even if the name contains dots.
 fn with(path: &Path, extension: &str) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
     name.push(".");
@@ -192,7 +194,7 @@ fn with(path: &Path, extension: &str) -> PathBuf {
     name.into()
 }
 
-/// Diagnoses one recording and leaves its results, if that is possible.
+/// Diagnoses one recording and writes its results.
 fn diagnosed(case: &Case, options: &Options) -> Result<(Value, Result<(), Failure>), Failure> {
     let recording = usable::read(&case.folder)?;
     let provenance = Provenance::of(&case.folder, &recording)?;
@@ -204,7 +206,8 @@ fn diagnosed(case: &Case, options: &Options) -> Result<(Value, Result<(), Failur
     Ok((line, saved))
 }
 
-/// Leaves the results of one recording; the JSON comes last, as it says that the others are there.
+/// Writes the results of one recording. The JSON file is written last, because its presence means that the others are
+/// complete.
 fn save(
     case: &Case,
     recording: &Recording,
@@ -226,7 +229,7 @@ fn save(
     std::fs::rename(&begun, &whole).map_err(Failure::write(&whole))
 }
 
-/// A diagnosis with what it is of.
+/// Adds the name of the recording and the options to a diagnosis.
 fn stamped(mut diagnosis: Value, case: &Case, options: &Options) -> Value {
     if let Value::Object(keys) = &mut diagnosis {
         keys.insert("recording".into(), json!(case.folder));
@@ -235,7 +238,7 @@ fn stamped(mut diagnosis: Value, case: &Case, options: &Options) -> Value {
     diagnosis
 }
 
-/// The result of an earlier call, if it is still what a new one would be.
+/// Reads the result of an earlier call, if a new call would give the same result.
 fn kept(case: &Case, options: &Options) -> Option<Value> {
     let path = with(&case.results, "json");
     let line: Value = serde_json::from_str(&std::fs::read_to_string(&path).ok()?).ok()?;
@@ -252,12 +255,12 @@ fn changed(path: &Path) -> Option<SystemTime> {
     path.metadata().ok()?.modified().ok()
 }
 
-/// What is said of a folder that could not be diagnosed.
+/// JSON for a folder that could not be diagnosed.
 fn not_used(folder: &Path, failure: &Failure) -> Value {
     json!({ "recording": folder, "error": failure.to_string() })
 }
 
-/// A recording in one line of the table.
+/// Formats a recording as one line of the table.
 fn row(folder: &Path, line: &Value) -> String {
     let name = relative(folder).display().to_string();
     if let Some(error) = line["error"].as_str() {
@@ -277,7 +280,7 @@ fn row(folder: &Path, line: &Value) -> String {
         .to_owned()
 }
 
-/// How many of which verdict.
+/// Counts the recordings per verdict.
 fn tally(lines: &[Value]) -> String {
     const VERDICTS: [&str; 4] = ["no_gap", "explained", "partly_explained", "unexplained"];
     let count = |verdict: &str| {

@@ -1,4 +1,4 @@
-//! `paddle gap diagnose`: where a gap lies, which effect causes it, how far it shrinks.
+//! `paddle gap diagnose`: locates a gap, names the effect that causes it, and reports how much the effect reduces it.
 
 use super::batch::{self, Shard};
 use super::own_effects::OwnEffects;
@@ -18,7 +18,7 @@ use gap::{Options, Outcome, Recording, Stage, Tabulated, tabulated};
 use host_sim::effects::{self, EffectError};
 use std::path::{Path, PathBuf};
 
-/// Which recording, and what to leave behind.
+/// Options of the diagnosis and of its output.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap diagnose my-recording
@@ -38,32 +38,33 @@ pub struct Arguments {
     /// Folder of the recording.
     #[arg(required_unless_present = "batch", conflicts_with = "batch")]
     recording: Option<PathBuf>,
-    /// Write a page with plots to this file, one file that needs nothing else.
+    /// Write a report with plots to this file. The page is self-contained.
     #[arg(long, value_name = "FILE.html", conflicts_with = "batch")]
     report: Option<PathBuf>,
     /// Write the corrected model to this file, for `paddle gap measure --model`.
     #[arg(long, value_name = "FILE.toml", conflicts_with = "batch")]
     save_model: Option<PathBuf>,
-    /// Leave the numbers of the nominal model out of the corrected one, so that its effects can be laid over another: a
-    /// model that was found with one load, on a recording with another.
+    /// Save only the effects, without the numbers of the nominal model. The effects can then be applied to another nominal
+    /// model, for instance one with another load.
     #[arg(long, requires = "save_model")]
     effects_only: bool,
-    /// Add a table of the torque that is still missing to the saved model, if that predicts held-out data better.
+    /// Add a table of the remaining torque error to the saved model, if the table improves the prediction of held-out data.
     #[arg(long, requires = "save_model")]
     with_tables: bool,
     #[command(flatten)]
     own_effects: OwnEffects,
-    /// Leave the corrected model for a simulator: mjcf, urdf, usd, simulink-m, python or console; may be repeated. Without
-    /// a file it is `corrected` in the working folder, with the format's extension.
+    /// Write the corrected model for a simulator: mjcf, urdf, usd, simulink-m, python or console; may be repeated. The
+    /// default file is `corrected` in the working folder, with the extension of the format.
     #[arg(long, value_name = "FORMAT[=FILE]", conflicts_with = "batch")]
     export: Vec<Destination>,
-    /// Do not try this effect; may be repeated.
+    /// Exclude this effect from the search; may be repeated.
     #[arg(long, value_name = "NAME")]
     without: Vec<String>,
-    /// Diagnose all recordings in these folders and below; one that fails stops none.
+    /// Diagnose all recordings in these folders and their subfolders. A recording that fails does not stop the batch.
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     batch: Vec<PathBuf>,
-    /// Diagnose the part K of N of a batch: every N-th recording from the K-th on, so that N machines share it.
+    /// Diagnose part K of N of a batch: every N-th recording, beginning with the K-th, so that N machines can share the
+    /// work.
     #[arg(long, value_name = "K/N", requires = "batch")]
     shard: Option<Shard>,
     /// Folder for the results of a batch.
@@ -76,10 +77,10 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Diagnoses.
+/// Runs the diagnosis.
 ///
 /// # Errors
-/// [`Failure`] for a recording that cannot be used, and for files that cannot be written.
+/// Returns a [`Failure`] if a recording cannot be used, and if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.own_effects.add()?;
     let options = options(&arguments.without)?;
@@ -99,10 +100,10 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     if arguments.with_tables {
         text.push_str(&with_table(&recording, &mut outcome));
     }
-    let mut amiss = Vec::new();
+    let mut problems = Vec::new();
     let mut say = |what: &str, path: &Path, saved: Result<(), Failure>| match saved {
         Ok(()) => text.push_str(&format!("{what} in {}\n", path.display())),
-        Err(failure) => amiss.push(failure),
+        Err(failure) => problems.push(failure),
     };
     if let Some(path) = &arguments.save_model {
         say(
@@ -129,11 +130,11 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(Answer {
         text,
         json: json(&recording, &outcome, &provenance),
-        amiss,
+        problems,
     })
 }
 
-/// Adds a table to the corrected model, if one closes something; says what came of it.
+/// Adds a table to the corrected model if it reduces the gap. Returns a sentence about the result.
 fn with_table(recording: &Recording, outcome: &mut Outcome) -> String {
     match tabulated(recording, &outcome.model) {
         Tabulated::Closes { table, shrink } => {
@@ -154,7 +155,7 @@ fn with_table(recording: &Recording, outcome: &mut Outcome) -> String {
 }
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let report = Target::of("--report", Use::File, self.report.as_ref());
         let model = Target::of("--save-model", Use::File, self.save_model.as_ref());
@@ -170,7 +171,7 @@ impl Arguments {
     }
 }
 
-/// The options, unless a name is misspelt.
+/// Options of the diagnosis. Fails if the name of an effect is unknown.
 pub fn options(without: &[String]) -> Result<Options, Failure> {
     match without.iter().find(|name| effects::kind(name).is_none()) {
         Some(unknown) => Err(EffectError::Kind(unknown.clone()).into()),
@@ -187,9 +188,8 @@ pub fn options(without: &[String]) -> Result<Options, Failure> {
     }
 }
 
-/// Share of the time of a diagnosis that has usually passed when a stage begins, for a time left that is a guess: how many
-/// effects will be looked for, nobody knows. Of one that named one effect in 3.75 million rows; with each further effect the
-/// search begins anew, and so does the guess.
+/// Typical share of the diagnosis time that has passed when a stage begins. The estimate of the remaining time is rough,
+/// because the number of effects is not known in advance. Each further effect repeats the search and restarts the estimate.
 fn usually_done(stage: Stage) -> f64 {
     match stage {
         Stage::Windows => 0.0,

@@ -1,4 +1,4 @@
-//! `paddle gap export`: a saved model for the simulators that people use.
+//! `paddle gap export`: converts a saved model to the format of a simulator.
 
 use super::own_effects::OwnEffects;
 use super::simulator::{self, Corrected};
@@ -11,7 +11,7 @@ use clap::Args;
 use export::Format;
 use std::path::PathBuf;
 
-/// Which model, for what.
+/// Options of the export.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap diagnose my-recording --save-model corrected.toml
@@ -21,25 +21,25 @@ use std::path::PathBuf;
 
 What a format cannot express is named, here and at the head of the file. docs/export.md lists what each can.")]
 pub struct Arguments {
-    /// What `paddle gap diagnose --save-model` wrote.
+    /// Model file that `paddle gap diagnose --save-model` wrote.
     model: PathBuf,
-    /// For which simulator.
+    /// Format of the simulator.
     #[arg(value_parser = simulator::format())]
     format: Format,
     #[command(flatten)]
     own_effects: OwnEffects,
-    /// Leave it here; without, it goes to standard output.
+    /// Write to this file [default: standard output].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// The device slides rather than turns.
+    /// The device moves linearly.
     #[arg(long)]
     linear: bool,
 }
 
-/// Exports.
+/// Exports the model.
 ///
 /// # Errors
-/// [`Failure`] for a model that cannot be used and a file that cannot be written.
+/// Returns a [`Failure`] if the model cannot be used or the file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.own_effects.add()?;
     let path = &arguments.model;
@@ -50,18 +50,18 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             files::leave(out, &written.exported.text)?;
             format!("{}model in {}\n", written.lacks(), out.display())
         }
-        // The file has the same at its head.
+        // The exported text contains the same remarks at its beginning.
         None => written.exported.text.clone(),
     };
     Ok(Answer {
         text,
         json: written.json(),
-        amiss: Vec::new(),
+        problems: Vec::new(),
     })
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let model = Target::of("MODEL", Use::Read, &self.model);
         let out = Target::of("--out", Use::File, self.out.as_ref());

@@ -1,4 +1,4 @@
-//! `paddle gap fleet`: what many diagnoses have in common.
+//! `paddle gap fleet`: compares the diagnoses of many recordings.
 
 use crate::answer::Answer;
 use crate::failure::Failure;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Which diagnoses.
+/// Options of the comparison.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap fleet paddle-out/diagnoses
@@ -17,22 +17,22 @@ use std::path::{Path, PathBuf};
 A recording belongs to the device that its folder's parent names: fleet/paddle-07/2026-01-02 to paddle-07. --device N takes
 the N-th folder from the end instead, 0 the recording's own. Recordings of a device are in the order of their names.")]
 pub struct Arguments {
-    /// Folders of a batch's results, and files of JSON lines.
+    /// Folders of batch results, and files of JSON lines.
     #[arg(required = true, value_name = "RESULTS")]
     results: Vec<PathBuf>,
-    /// Which folder of a recording's path names its device, counted from the end.
+    /// Position of the device name in a recording's path: the number of the folder, counted from the end.
     #[arg(long, value_name = "N", default_value_t = 1)]
     device: usize,
 }
 
-/// A diagnosis that differs from its siblings' median by so many of their median deviations is named.
+/// A device is reported if its value differs from the median of the other devices by this many median absolute deviations.
 const APART: f64 = 5.0;
-/// Siblings that make a fleet.
+/// Fewest other devices for a comparison.
 const LEAST_SIBLINGS: usize = 4;
-/// Least relative difference that is named, whatever the siblings' spread.
+/// Smallest relative difference that is reported, even if the spread of the other devices is smaller.
 const LEAST_SHARE: f64 = 0.1;
 
-/// A number of an effect on one recording.
+/// A parameter of an effect on one recording.
 struct Size {
     device: String,
     recording: String,
@@ -40,16 +40,16 @@ struct Size {
     unit: String,
 }
 
-/// Summarises.
+/// Summarises the diagnoses.
 ///
 /// # Errors
-/// [`Failure`] for results that cannot be read, and where there are none.
+/// Returns a [`Failure`] if a result cannot be read, and if there are no results.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let mut lines = Vec::new();
     for path in &arguments.results {
         collect(path, &mut lines)?;
     }
-    // A recording that was diagnosed twice counts once, as it was diagnosed last.
+    // If a recording was diagnosed several times, the last diagnosis counts.
     let mut by_recording: BTreeMap<String, Value> = BTreeMap::new();
     for line in lines {
         let name = line["recording"].as_str().unwrap_or_default().to_owned();
@@ -110,11 +110,11 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(Answer {
         text,
         json: json!({ "format": 1, "recordings": by_recording.len(), "devices": table, "drifts": drifts, "apart": apart }),
-        amiss: Vec::new(),
+        problems: Vec::new(),
     })
 }
 
-/// Adds the diagnoses in a file or in a folder and below.
+/// Adds the diagnoses in a file, or in a folder and its subfolders.
 fn collect(path: &Path, lines: &mut Vec<Value>) -> Result<(), Failure> {
     if path.is_dir() {
         let mut inside: Vec<PathBuf> = std::fs::read_dir(path)
@@ -134,7 +134,7 @@ fn collect(path: &Path, lines: &mut Vec<Value>) -> Result<(), Failure> {
     }
     let text = recording::read_text(path, "give a file that can be read")?;
     let values = serde_json::Deserializer::from_str(&text).into_iter::<Value>();
-    // A line that was cut off in its middle is diagnosed again by the batch.
+    // An incomplete line is skipped; the batch diagnoses that recording again.
     lines.extend(
         values
             .map_while(Result::ok)
@@ -143,7 +143,7 @@ fn collect(path: &Path, lines: &mut Vec<Value>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The folder of a recording's path that names its device.
+/// The folder in a recording's path that names its device.
 fn device(recording: &str, from_end: usize) -> String {
     let names: Vec<&str> = recording
         .split('/')
@@ -158,7 +158,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Which effect on which device, as text and as JSON.
+/// Table of effects per device, as text and as JSON.
 fn effects_by_device(devices: &BTreeMap<String, Vec<&Value>>) -> (String, Value) {
     let mut text = format!(
         "{:<28}{:>10}{:>9}  effects\n",
@@ -202,7 +202,8 @@ fn effects_by_device(devices: &BTreeMap<String, Vec<&Value>>) -> (String, Value)
     (text, Value::Object(table))
 }
 
-/// Numbers that go one way over the recordings of a device: by more than their steps spread.
+/// Finds parameters that increase or decrease steadily over the recordings of a device, by more than the spread of their
+/// steps.
 fn drifts(sizes: &BTreeMap<(String, String), Vec<Size>>) -> Vec<Value> {
     let mut drifts = Vec::new();
     for ((effect, parameter), sizes) in sizes {
@@ -219,7 +220,7 @@ fn drifts(sizes: &BTreeMap<(String, String), Vec<Size>>) -> Vec<Value> {
             if values.len() < LEAST_SIBLINGS {
                 continue;
             }
-            // Of a drift nearly all pairs are in order (M. G. Kendall, Biometrika 30, 1938).
+            // In a drift almost all pairs of values have the same order (M. G. Kendall, Biometrika 30, 1938).
             let pairs = (0..values.len()).flat_map(|i| (i + 1..values.len()).map(move |j| (i, j)));
             let signs = pairs.map(|(i, j)| (values[j] - values[i]).signum());
             let (sum, count) =
@@ -240,7 +241,7 @@ fn drifts(sizes: &BTreeMap<(String, String), Vec<Size>>) -> Vec<Value> {
     drifts
 }
 
-/// Devices whose number is far from that of their siblings.
+/// Finds devices whose parameter is far from that of the other devices.
 fn apart(sizes: &BTreeMap<(String, String), Vec<Size>>) -> Vec<Value> {
     let mut apart = Vec::new();
     for ((effect, parameter), sizes) in sizes {

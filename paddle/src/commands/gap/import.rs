@@ -1,4 +1,4 @@
-//! `paddle gap import`: logs of other programs to a recording.
+//! `paddle gap import`: converts logs of other programs to a recording.
 
 use super::known::KnownArguments;
 use crate::answer::Answer;
@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Which logs, and what their columns are.
+/// Options that select the logs and their columns.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap import run.csv --out my-recording
@@ -23,13 +23,13 @@ A column is NAME or NAME:UNIT; a formula may stand wherever a column may, and ta
 is left out is told from names, units and numbers, and shown. The recording is in rad, m, s, N m; the format is described
 in docs/recording-format.md.")]
 pub struct Arguments {
-    /// Logs: text in columns of any delimiter, packed or not; .npz, .mat, Parquet and MCAP if they were built in.
+    /// Log files: delimited text, plain or compressed. The formats .npz, .mat, Parquet and MCAP need a build with them.
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Folder of the recording.
+    /// Folder for the recording.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Do not ask whether the guesses are right.
+    /// Accept the guessed columns without a question.
     #[arg(long)]
     yes: bool,
     #[command(flatten)]
@@ -38,95 +38,96 @@ pub struct Arguments {
     known: KnownArguments,
 }
 
-/// What the columns are.
+/// Meaning of the columns.
 #[derive(Args)]
 struct Columns {
-    /// Time: a column, in s, ms, us, ns or as date and time, or a formula in s.
+    /// Time: a column in s, ms, us, ns or as date and time, or a formula in s.
     #[arg(long, value_name = "COLUMN")]
     time: Option<String>,
-    /// Rows per second of a log without a column of time.
+    /// Rows per second of a log without a time column.
     #[arg(long, value_name = "HZ", conflicts_with = "time")]
     rate: Option<f64>,
-    /// What the actuator was told.
+    /// Input: the command of the actuator.
     #[arg(long, value_name = "COLUMN")]
     input: Option<String>,
-    /// Where the device was.
+    /// Measured position.
     #[arg(long, value_name = "COLUMN", conflicts_with = "velocity")]
     position: Option<String>,
-    /// Its velocity, where no position was logged: the position is made as the integral.
+    /// Measured velocity, if no position was logged. The position is its integral.
     #[arg(long, value_name = "COLUMN")]
     velocity: Option<String>,
-    /// Where it was to be.
+    /// Setpoint of the position.
     #[arg(long, value_name = "COLUMN")]
     setpoint: Option<String>,
-    /// A further column of the recording: position_NAME, current, supply or temperature; may be repeated.
+    /// Further column of the recording: position_NAME, current, supply or temperature; may be repeated.
     #[arg(long, value_name = "NAME=COLUMN", value_parser = super::known::pair)]
     column: Vec<(String, String)>,
-    /// Counts of the position in one turn.
+    /// Encoder counts per turn of the position.
     #[arg(long, value_name = "COUNTS")]
     counts_per_turn: Option<f64>,
-    /// Quantum of the position, in its logged unit; left out, it is told from the readings.
+    /// Resolution of the position in its logged unit [default: estimated from the readings].
     #[arg(long, value_name = "STEP")]
     resolution: Option<f64>,
-    /// Standard deviation of the position's noise, in its logged unit; likewise.
+    /// Standard deviation of the position noise in its logged unit [default: estimated from the readings].
     #[arg(long, value_name = "STD")]
     noise: Option<f64>,
-    /// The position wraps around this span, in its logged unit; 0 if it does not.
+    /// Span at which the position wraps around, in its logged unit; 0 if it does not wrap.
     #[arg(long, value_name = "SPAN")]
     wrap: Option<f64>,
-    /// Bit, from 0, that is the sign of the words of the position.
+    /// Number of the sign bit in the position words, counted from 0.
     #[arg(long, value_name = "BIT")]
     position_sign_bit: Option<u32>,
-    /// Bit, from 0, that is the sign of the words of the input, as 10 in a load of 0 to 2047.
+    /// Number of the sign bit in the input words, counted from 0; 10 for loads from 0 to 2047.
     #[arg(long, value_name = "BIT")]
     input_sign_bit: Option<u32>,
-    /// The words of the input are two's complement of so many bits.
+    /// Width of the input words in bits; the words are two's complement.
     #[arg(long, value_name = "BITS")]
     input_bits: Option<u32>,
-    /// The input of a row is that of its instant, not the one that is held until the next row.
+    /// The input of a row is the value at that time, not a value that is held until the next row.
     #[arg(long)]
     input_of_instant: bool,
-    /// Period of the device's own loop, s: formulas are averaged over its ticks until the next row.
+    /// Period of the device's control loop, s. Formulas are averaged over the loop periods until the next row.
     #[arg(long, value_name = "S")]
     tick: Option<f64>,
-    /// The device applied a first-order low-pass of this corner to the logged position; undo it.
+    /// Corner frequency of a first-order low-pass that the device applied to the logged position. The import inverts the
+    /// low-pass.
     #[arg(long, value_name = "HZ", requires = "tick")]
     undo_low_pass: Option<f64>,
-    /// The input was not logged, but it is a PID's on the logged position: 'kp=0.05/15,ki=0,kd=Kd/15', per unit of the
-    /// logged position, numbers or formulas of columns.
+    /// Compute the input, which was not logged, as the output of a PID on the logged position: 'kp=0.05/15,ki=0,kd=Kd/15'.
+    /// The gains are numbers or formulas of columns, per unit of the logged position.
     #[arg(long, value_name = "GAINS", requires = "tick")]
     pid: Option<String>,
-    /// The command of the PID is clipped at ± this.
+    /// Limit of the PID's output: it is clipped to ± this value.
     #[arg(long, value_name = "LIMIT", requires = "pid")]
     limit: Option<f64>,
-    /// When the PID was switched on, log by log: times of the log's clock in s, or `found` for where the motion follows it
-    /// best, which is uncertain by a tick or two.
+    /// Time at which the PID was switched on, one per log: s on the log's clock, or `found`. With `found` the import takes
+    /// the time that fits the motion best, which is uncertain by one or two loop periods.
     #[arg(long, value_name = "S|found", requires = "pid", value_delimiter = ',')]
     on: Vec<String>,
-    /// Part of each run that is kept, in s from its begin, or from when the PID was switched on.
+    /// Part of each run to keep, in s from the start of the run, or from the time at which the PID was switched on.
     #[arg(long, value_name = "FROM..TO", allow_hyphen_values = true, value_parser = span)]
     keep: Option<[f64; 2]>,
-    /// A new run begins after a gap of so many seconds.
+    /// Start a new run after a time gap longer than this.
     #[arg(long, value_name = "S")]
     split_gap: Option<f64>,
-    /// A new run begins where this column changes.
+    /// Start a new run where the value of this column changes.
     #[arg(long, value_name = "COLUMN")]
     split_by: Option<String>,
-    /// The input is a controller's.
+    /// The input is the output of a feedback controller.
     #[arg(long)]
     closed_loop: bool,
     /// Length of a prediction window, s.
     #[arg(long, value_name = "S")]
     horizon: Option<f64>,
-    /// A line for people.
+    /// Title of the recording.
     #[arg(long)]
     title: Option<String>,
 }
 
-/// Imports.
+/// Imports the logs.
 ///
 /// # Errors
-/// [`Failure`] for logs that cannot be understood and a recording that cannot be used or written.
+/// Returns a [`Failure`] if a log cannot be parsed, or if the recording cannot be used or written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let recipe = arguments.columns.recipe()?;
     let logs = arguments.logs.iter().map(|path| import::read_log(path));
@@ -149,17 +150,17 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(answer(shown, &imported, warnings, &arguments.out))
 }
 
-/// Puts a manifest beside its runs, and reads the whole; what is odd about it is returned.
+/// Writes the manifest beside the runs and reads the complete recording back. Returns the warnings about it.
 ///
 /// # Errors
-/// [`Failure`] if it cannot be written or used.
+/// Returns a [`Failure`] if the recording cannot be written or used.
 pub fn leave_manifest(folder: &Path, text: &str) -> Result<Vec<String>, Failure> {
     let path = folder.join("recording.toml");
     std::fs::write(&path, text).map_err(Failure::write(&path))?;
     Ok(recording::Recording::read(folder)?.warnings())
 }
 
-/// What is said of an import.
+/// The answer of an import, with its warnings.
 pub fn answer(mut shown: String, imported: &Imported, warnings: Vec<String>, out: &Path) -> Answer {
     for warning in &warnings {
         // Writing to a String cannot fail.
@@ -186,11 +187,11 @@ pub fn answer(mut shown: String, imported: &Imported, warnings: Vec<String>, out
     Answer {
         text: shown,
         json,
-        amiss: Vec::new(),
+        problems: Vec::new(),
     }
 }
 
-/// The guesses and what came of them, for people.
+/// The guessed columns and the resulting recording, as text.
 pub fn shown(imported: &Imported) -> String {
     let mut text = String::new();
     let how = if imported.is_guessed {
@@ -229,7 +230,7 @@ pub fn shown(imported: &Imported) -> String {
     text
 }
 
-/// Whether a person at a terminal agrees; without one nobody is asked.
+/// Asks the user at a terminal for confirmation. Without a terminal there is no question.
 fn is_confirmed(shown: &str) -> bool {
     let input = std::io::stdin();
     if !input.is_terminal() {
@@ -237,14 +238,14 @@ fn is_confirmed(shown: &str) -> bool {
     }
     let mut out = std::io::stderr();
     let mut reply = String::new();
-    // Who cannot be asked or does not reply has not agreed.
+    // A user who cannot be asked or does not reply has not agreed.
     let asked = write!(out, "{shown}Is that right? [Y/n] ").and_then(|()| out.flush());
     let read = asked.and_then(|()| input.read_line(&mut reply));
     read.is_ok_and(|bytes| bytes > 0) && !reply.trim().to_lowercase().starts_with('n')
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let logs = self
             .logs

@@ -1,4 +1,4 @@
-//! `paddle gap init`: a commented `recording.toml` for CSV files that are in the format already.
+//! `paddle gap init`: writes a commented `recording.toml` for CSV files that already have the columns of the format.
 
 use super::import::{answer, leave_manifest, shown};
 use super::known::{DeviceKind, KnownArguments};
@@ -10,7 +10,7 @@ use import::{ImportError, Recipe};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
-/// Which folder, and what is known of its device.
+/// Options that describe the device.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap init my-recording
@@ -20,24 +20,24 @@ use std::path::PathBuf;
 The folder holds CSV files with the columns time, input and position; logs with other columns go through `paddle gap
 import`. What is not known is left out, and the diagnosis estimates it. The format: docs/recording-format.md")]
 pub struct Arguments {
-    /// Folder with CSV files.
+    /// Folder with the CSV files.
     folder: PathBuf,
     /// Unit of the input: 'N m', A, V or duty.
     #[arg(long, value_name = "UNIT")]
     unit: Option<String>,
-    /// Ask nothing.
+    /// Ask no questions.
     #[arg(long)]
     yes: bool,
-    /// Write over a recording.toml that is there.
+    /// Overwrite an existing recording.toml.
     #[arg(long)]
     force: bool,
-    /// The input is a controller's.
+    /// The input is the output of a feedback controller.
     #[arg(long)]
     closed_loop: bool,
     /// Length of a prediction window, s.
     #[arg(long, value_name = "S")]
     horizon: Option<f64>,
-    /// A line for people.
+    /// Title of the recording.
     #[arg(long)]
     title: Option<String>,
     #[command(flatten)]
@@ -47,7 +47,7 @@ pub struct Arguments {
 /// Writes the manifest.
 ///
 /// # Errors
-/// [`Failure`] for files that are not in the format, and for what contradicts itself.
+/// Returns a [`Failure`] if a file does not follow the format, or if the options contradict each other.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let folder = &arguments.folder;
     let manifest = folder.join("recording.toml");
@@ -95,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         is_closed_loop: arguments.closed_loop,
         horizon_s: arguments.horizon,
         title: arguments.title.clone(),
-        // A file is a run as it is.
+        // Each file is one run; it is not split.
         split_gap_s: Some(f64::INFINITY),
         ..Recipe::default()
     };
@@ -120,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     Ok(answer(shown(&imported), &imported, warnings, folder))
 }
 
-/// Asks a person at a terminal; an empty reply means that it is not known.
+/// Asks the user at a terminal. An empty reply means that the value is not known.
 fn ask(known: &mut import::Known, unit: &mut String) {
     let kind = asked("What moves: rotary, pendulum, linear or servo?");
     if let Some(kind) = kind.and_then(|kind| DeviceKind::from_str(&kind, true).ok()) {
@@ -162,7 +162,7 @@ fn asked(question: &str) -> Option<String> {
 }
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         Target::of("FOLDER", Use::Folder, &self.folder)
             .into_iter()

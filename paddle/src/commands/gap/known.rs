@@ -1,33 +1,33 @@
-//! Options that say what is known of a device.
+//! Options that state the known data of a device.
 
 use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use import::{ImportError, Kind, Known};
 use recording::Motor;
 
-/// What `--motor` says beside the numbers of `[motor]`.
+/// Name that `--motor` accepts in addition to the keys of `[motor]`.
 const ROTOR_INERTIA: &str = "rotor_inertia";
 
-/// What is known of a device; what is left out is estimated.
+/// Known data of a device. Values that are not given are estimated.
 #[derive(Args, Default)]
 pub struct KnownArguments {
-    /// What moves.
+    /// Kind of device.
     #[arg(long, value_enum)]
     pub kind: Option<DeviceKind>,
-    /// Turns of the motor per turn of the joint.
+    /// Gear ratio: turns of the motor per turn of the joint.
     #[arg(long, value_name = "RATIO")]
     gear: Option<f64>,
-    /// Mass that moves, kg.
+    /// Moving mass, kg.
     #[arg(long, value_name = "KG")]
     mass: Option<f64>,
-    /// From the axis to the centre of that mass, m.
+    /// Distance from the axis to the centre of the moving mass, m.
     #[arg(long, value_name = "M")]
     lever: Option<f64>,
-    /// The motor's data sheet: kt in N m/A, resistance in Ohm, gear, supply in V, which become [motor]; rotor_inertia in kg m2;
-    /// may be repeated.
+    /// Motor data sheet: kt in N m/A, resistance in Ohm, gear, and supply in V, which become [motor]; rotor_inertia in kg
+    /// m2; may be repeated.
     #[arg(long, value_name = "NAME=VALUE", value_parser = number, value_delimiter = ',')]
     motor: Vec<(String, f64)>,
-    /// A number of [model], such as inertia=5.8e-4; may be repeated.
+    /// Value of a number of [model], such as inertia=5.8e-4; may be repeated.
     #[arg(long = "model", value_name = "NAME=VALUE", value_parser = number, value_delimiter = ',')]
     numbers: Vec<(String, f64)>,
     /// Relative standard deviation of a number of [model], such as inertia=0.02; may be repeated.
@@ -35,24 +35,24 @@ pub struct KnownArguments {
     tolerance: Vec<(String, f64)>,
 }
 
-/// What moves.
+/// Kind of device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DeviceKind {
-    /// It turns.
+    /// A rotating device.
     Rotary,
-    /// It turns, and its weight pulls it towards hanging.
+    /// A rotating device with gravity: its weight pulls it towards the hanging position.
     Pendulum,
-    /// It slides.
+    /// A device that moves linearly.
     Linear,
-    /// It follows a position that it is told, which is the input.
+    /// A position servo, whose input is the commanded position.
     Servo,
 }
 
 impl KnownArguments {
-    /// What they say.
+    /// Converts the options to the known data.
     ///
     /// # Errors
-    /// [`ImportError::Option`] for names that no motor has.
+    /// Returns [`ImportError::Option`] for a name that is not a motor parameter.
     pub fn known(&self) -> Result<Known, Failure> {
         let mut motor = Motor::default();
         let mut rotor_inertia = None;
@@ -84,7 +84,7 @@ impl KnownArguments {
         })
     }
 
-    /// Whether nothing is said.
+    /// Whether no option is given.
     pub fn is_empty(&self) -> bool {
         self.kind.is_none()
             && [self.gear, self.mass, self.lever]
@@ -95,7 +95,7 @@ impl KnownArguments {
     }
 }
 
-/// `NAME=TEXT`.
+/// Parses `NAME=TEXT`.
 pub fn pair(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
@@ -105,7 +105,7 @@ pub fn pair(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// `NAME=NUMBER`.
+/// Parses `NAME=NUMBER`.
 fn number(text: &str) -> Result<(String, f64), String> {
     let (name, value) = pair(text)?;
     let value: f64 = value

@@ -1,4 +1,4 @@
-//! `paddle gap look`: the torque that the nominal model lacks, and what it goes with.
+//! `paddle gap look`: shows the torque that the nominal model lacks, and the quantity on which it depends.
 
 use super::usable;
 use crate::answer::Answer;
@@ -13,7 +13,7 @@ use gap::{Device, MissingTorque};
 use serde_json::json;
 use std::path::PathBuf;
 
-/// The recording, and where the result goes.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap look my-recording
@@ -28,15 +28,15 @@ pub struct Arguments {
     /// Write a page with the picture to this file.
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Write the picture as SVG, and a CSV of time, torque and standard deviation for each run, to this folder.
+    /// Write the picture as SVG, and a CSV of time, torque and standard deviation per run, to this folder.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-/// Looks.
+/// Estimates the missing torque.
 ///
 /// # Errors
-/// [`Failure`] for a recording that cannot be used, and for files that cannot be written.
+/// Returns a [`Failure`] if the recording cannot be used, and if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let recording = usable::read(&arguments.recording)?;
     let provenance = Provenance::of(&arguments.recording, &recording)?;
@@ -57,12 +57,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         text.push_str(&format!("proposal {:>5.2}  {names}\n", proposal.share));
     }
     let picture = missing_torque::picture(&look, &recording.title, &recording.units.position)?;
-    let mut amiss = Vec::new();
+    let mut problems = Vec::new();
     if let Some(path) = &arguments.report {
         let page = missing_torque::page(&recording.title, &sentence, &picture);
         match std::fs::write(path, page) {
             Ok(()) => text.push_str(&format!("report in {}\n", path.display())),
-            Err(error) => amiss.push(Failure::write(path)(error)),
+            Err(error) => problems.push(Failure::write(path)(error)),
         }
     }
     if let Some(folder) = &arguments.out {
@@ -79,17 +79,17 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         if !folder.files().is_empty() {
             text.push_str(&format!("picture and CSV in {}\n", folder.path().display()));
         }
-        amiss.extend(folder.lost());
+        problems.extend(folder.lost());
     }
     Ok(Answer {
         text,
         json: json(&look, &provenance),
-        amiss,
+        problems,
     })
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let report = Target::of("--report", Use::File, self.report.as_ref());
         let out = Target::of("--out", Use::NewFolder, self.out.as_ref());
@@ -97,7 +97,7 @@ impl Arguments {
     }
 }
 
-/// What was seen, for programs.
+/// The result as JSON.
 fn json(look: &Look, provenance: &Provenance) -> serde_json::Value {
     let proposals = look.proposals.iter().map(|proposal| {
         let effects = proposal.effects.iter();

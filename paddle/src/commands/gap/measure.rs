@@ -1,4 +1,4 @@
-//! `paddle gap measure`: the gap of one model on one recording.
+//! `paddle gap measure`: measures the gap of one model on one recording.
 
 use super::own_effects::OwnEffects;
 use super::usable;
@@ -17,7 +17,7 @@ use recording::Recording;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// The model and the recording.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap measure my-recording
@@ -28,13 +28,13 @@ measured minus predicted; the floor is what sensor noise, quantising and the res
 pub struct Arguments {
     /// Folder of the recording.
     recording: PathBuf,
-    /// Use this model in place of the recording's own: what `paddle gap diagnose --save-model` wrote, or a device file
-    /// with what differs from the recording's.
+    /// Use this model instead of the recording's own: a file that `paddle gap diagnose --save-model` wrote, or a device file
+    /// with the changes from the recording's model.
     #[arg(long, value_name = "FILE.toml")]
     model: Option<PathBuf>,
     #[command(flatten)]
     own_effects: OwnEffects,
-    /// Write one CSV of time, measured and predicted for each run to this folder, with its plot.
+    /// Write a CSV of time, measured and predicted position per run, with a plot, to this folder.
     #[arg(long, value_name = "DIR")]
     predictions: Option<PathBuf>,
 }
@@ -44,10 +44,10 @@ const FLOOR_OF_GIVEN: &str =
 const FLOOR_OF_NOMINAL: &str = "the floor is what noise, quantising and restarts alone would leave if the nominal model were \
      right; `paddle gap diagnose` gives that of the corrected model, and this one beside it\n";
 
-/// Measures.
+/// Measures the gap.
 ///
 /// # Errors
-/// [`Failure`] for a recording or a model that cannot be used.
+/// Returns a [`Failure`] if the recording or the model cannot be used.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.own_effects.add()?;
     let recording = usable::read(&arguments.recording)?;
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         Some(_) => FLOOR_OF_GIVEN,
         None => FLOOR_OF_NOMINAL,
     });
-    let mut amiss = Vec::new();
+    let mut problems = Vec::new();
     if let Some(folder) = &arguments.predictions {
         let mut folder = Folder::new(folder);
         for run in &runs {
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         if !folder.files().is_empty() {
             text.push_str(&format!("predictions in {}\n", folder.path().display()));
         }
-        amiss = folder.lost();
+        problems = folder.lost();
     }
     Ok(Answer {
         text,
@@ -102,12 +102,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "warnings": warnings,
             "provenance": provenance,
         }),
-        amiss,
+        problems,
     })
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let model = Target::of("--model", Use::Read, self.model.as_ref());
         let predictions = Target::of("--predictions", Use::NewFolder, self.predictions.as_ref());
@@ -115,8 +115,9 @@ impl Arguments {
     }
 }
 
-/// The device of a file, and what of it belongs to a moment of another recording. A file with `format` is what
-/// `paddle gap diagnose --save-model` wrote and stands alone; any other says what differs from the recording's model.
+/// Reads the device of a file. Also lists the parts of it that apply only at one time of another recording. A file with
+/// `format` was written by `paddle gap diagnose --save-model` and is complete. Any other file states the changes from the
+/// recording's model.
 fn device(path: &Path, recording: &Recording) -> Result<(Device, Vec<LeftOut>), Failure> {
     if !device_file::stands_alone(path)? {
         let file = DeviceFile::read(path)?;
@@ -137,7 +138,7 @@ fn device(path: &Path, recording: &Recording) -> Result<(Device, Vec<LeftOut>), 
     Ok((corrected.device(), left_out))
 }
 
-/// The gap in one line.
+/// The gap as one line of text.
 pub fn sentence(gap: &Gap) -> String {
     let shown = |value: f64| match gap.unit.as_str() {
         "rad" => format!("{:.4}°", value.to_degrees()),
@@ -154,7 +155,7 @@ pub fn sentence(gap: &Gap) -> String {
     )
 }
 
-/// Leaves CSV and plot of a run in `folder`.
+/// Writes the CSV and the plot of a run to `folder`.
 pub fn leave(folder: &mut Folder, run: &PredictedRun, gap: &Gap) {
     let columns = [
         ("time", run.time.as_slice()),
@@ -166,7 +167,7 @@ pub fn leave(folder: &mut Folder, run: &PredictedRun, gap: &Gap) {
     folder.draw(plot, figure(run, gap).svg());
 }
 
-/// Measured and predicted position above what lies between them.
+/// Plots the measured and the predicted position above their difference.
 fn figure(run: &PredictedRun, gap: &Gap) -> Figure {
     let (unit, scale) = match gap.unit.as_str() {
         "rad" => ("degrees", 1f64.to_degrees()),

@@ -1,4 +1,4 @@
-//! `paddle gap`: how far a simulation is from a recording, and why.
+//! `paddle gap`: measures how far a simulation is from a recording, and why.
 
 mod batch;
 pub mod blind;
@@ -20,29 +20,29 @@ use crate::failure::Failure;
 use crate::targets::Target;
 use clap::Subcommand;
 
-/// What can be asked of a recording.
+/// Subcommands of `paddle gap`.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Make a recording of logs of other programs.
+    /// Convert logs of other programs to a recording.
     Import(Box<import::Arguments>),
-    /// Write a commented recording.toml for CSV files that are in the format.
+    /// Write a commented recording.toml for CSV files that already have the columns of the format.
     Init(Box<init::Arguments>),
-    /// Measure the gap, and the floor that sensor noise and restarts alone would leave.
+    /// Measure the gap, and the floor: the gap that sensor noise and restarts alone would cause.
     Measure(measure::Arguments),
-    /// Show the torque that the nominal model lacks, over the axis that carries it.
+    /// Show the torque that the nominal model lacks, over the quantity on which it depends.
     Look(look::Arguments),
-    /// Say where the gap lies, which effect causes it, and how far it shrinks.
+    /// Locate the gap, name the effect that causes it, and report how much the effect reduces it.
     Diagnose(diagnose::Arguments),
-    /// Say what many diagnoses have in common: which effect on which device, and how it changes.
+    /// Compare many diagnoses: list the effects per device, and how they change.
     Fleet(fleet::Arguments),
-    /// Write a corrected model for a simulator: MuJoCo, URDF, USD, Simulink, Python; or as settings of the console.
+    /// Export a corrected model for a simulator (MuJoCo, URDF, USD, Simulink, Python), or as settings of the console.
     Export(export::Arguments),
-    /// Score the diagnosis on recordings with something hidden in them.
+    /// Score the diagnosis on recordings with hidden effects.
     Blind(blind::Arguments),
 }
 
 impl Command {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         match self {
             Self::Import(arguments) => arguments.targets(),
@@ -56,10 +56,10 @@ impl Command {
         }
     }
 
-    /// Does it.
+    /// Runs the command.
     ///
     /// # Errors
-    /// [`Failure`] with cause and mend.
+    /// Returns a [`Failure`] with the cause and a remedy.
     pub fn run(&self) -> Result<Answer, Failure> {
         match self {
             Self::Import(arguments) => import::run(arguments),

@@ -1,24 +1,24 @@
-//! Effects that a user writes down in files of his own.
+//! Effects that the user defines in files.
 
 use crate::failure::Failure;
 use clap::Args;
 use gap::effects::add_own;
 use std::path::PathBuf;
 
-/// Which files.
+/// Files that define effects.
 #[derive(Args)]
 pub struct OwnEffects {
-    /// Know the effect that this file defines as well: a torque as an expression of position, velocity, input and time, see
-    /// docs/own-effects.md; may be repeated.
+    /// Add the effect that this file defines to the library; may be repeated. The file states a torque as an expression of
+    /// position, velocity, input and time, see docs/own-effects.md.
     #[arg(long = "effect", value_name = "FILE.toml")]
     files: Vec<PathBuf>,
 }
 
 impl OwnEffects {
-    /// Adds them to the vocabulary of this program.
+    /// Adds the effects to the library of this process.
     ///
     /// # Errors
-    /// [`Failure`] for a file that cannot be read or defines no effect.
+    /// Returns a [`Failure`] for a file that cannot be read or defines no effect.
     pub fn add(&self) -> Result<(), Failure> {
         for path in &self.files {
             let text = std::fs::read_to_string(path).map_err(|source| Failure::Read {

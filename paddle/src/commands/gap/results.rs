@@ -1,4 +1,4 @@
-//! What a diagnosis leaves behind: JSON, the corrected model and the report.
+//! Output files of a diagnosis: JSON, the corrected model and the report.
 
 use crate::device_file;
 use crate::failure::Failure;
@@ -9,9 +9,9 @@ use recording::Recording;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The diagnosis in the recording format's JSON.
+/// The diagnosis as JSON, with the keys that the recording format defines.
 pub fn json(recording: &Recording, outcome: &Outcome, provenance: &Provenance) -> Value {
-    // Keys are text and numbers are numbers: this cannot fail.
+    // All keys are strings and all values are serializable, so this cannot fail.
     let mut whole = serde_json::to_value(&outcome.diagnosis).unwrap_or_default();
     if let Value::Object(keys) = &mut whole {
         let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
@@ -21,7 +21,7 @@ pub fn json(recording: &Recording, outcome: &Outcome, provenance: &Provenance) -
     whole
 }
 
-/// Leaves the corrected model in a file, or its effects alone.
+/// Writes the corrected model, or only its effects, to a file.
 pub fn save_model(
     path: &Path,
     recording: &Recording,
@@ -37,7 +37,7 @@ pub fn save_model(
     std::fs::write(path, text).map_err(Failure::write(path))
 }
 
-/// Leaves the page in a file.
+/// Writes the report to a file.
 pub fn save_report(
     path: &Path,
     recording: &Recording,

@@ -1,4 +1,4 @@
-//! A corrected model as a file for another simulator.
+//! Writes a corrected model as a file for another simulator.
 
 use crate::failure::Failure;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -11,19 +11,19 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// A format by its name, with all of them in the help.
+/// Parser of a format's name. The help lists all formats.
 pub fn format() -> impl TypedValueParser<Value = Format> {
     let known =
         Format::ALL.map(|format| PossibleValue::new(format.name()).help(format.description()));
     PossibleValuesParser::new(known).try_map(|name| name.parse::<Format>())
 }
 
-/// A file in a format: `FORMAT=FILE`, or `FORMAT` for one that is called `corrected` in the working folder.
+/// A destination: `FORMAT=FILE`, or `FORMAT` for a file called `corrected` in the working folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Destination {
-    /// In which format.
+    /// Format of the file.
     pub format: Format,
-    /// Where to.
+    /// Path of the file.
     pub path: PathBuf,
 }
 
@@ -44,17 +44,18 @@ impl FromStr for Destination {
     }
 }
 
-/// A corrected model that simulators can take.
+/// A corrected model in the units of simulators.
 pub struct Corrected {
     model: Model,
     of_moments: Vec<LeftOut>,
 }
 
 impl Corrected {
-    /// The model of `file`, which was read from `path`.
+    /// Converts the model of `file`, which was read from `path`.
     ///
     /// # Errors
-    /// [`Failure::ModelFile`] for effects and numbers that no model has, [`Failure::NotSi`] for positions in degrees.
+    /// Returns [`Failure::ModelFile`] for unknown effects and invalid numbers, and [`Failure::NotSi`] for positions in
+    /// degrees.
     pub fn of_file(file: &ModelFile, path: &Path, is_linear: bool) -> Result<Self, Failure> {
         let apart = file.apart();
         let (corrected, of_moments) = apart.map_err(|cause| Failure::ModelFile {
@@ -73,10 +74,10 @@ impl Corrected {
         Ok(Self { model, of_moments })
     }
 
-    /// The model that a diagnosis of `recording` in `folder` found.
+    /// Converts the model that a diagnosis of `recording` in `folder` found.
     ///
     /// # Errors
-    /// As [`Self::of_file`], and as [`check_units`].
+    /// Returns the errors of [`Self::of_file`] and of [`check_units`].
     pub fn of_outcome(
         folder: &Path,
         recording: &Recording,
@@ -91,7 +92,7 @@ impl Corrected {
         Ok(found)
     }
 
-    /// The model in `format`.
+    /// Writes the model in `format`.
     pub fn written(&self, format: Format) -> Written {
         let of_moments = self.of_moments.iter().map(ToString::to_string).collect();
         Written {
@@ -101,10 +102,10 @@ impl Corrected {
     }
 }
 
-/// Makes sure that a model of `recording` is in the units of simulators.
+/// Checks that a model of `recording` has the units of simulators.
 ///
 /// # Errors
-/// [`Failure::NotSi`] where positions are neither in rad nor in m.
+/// Returns [`Failure::NotSi`] if positions are neither in rad nor in m.
 pub fn check_units(folder: &Path, recording: &Recording) -> Result<(), Failure> {
     match recording.units.is_si() {
         true => Ok(()),
@@ -112,16 +113,16 @@ pub fn check_units(folder: &Path, recording: &Recording) -> Result<(), Failure> 
     }
 }
 
-/// A model in a format, and what of it is not in the file.
+/// An exported model, and the parts that the file does not contain.
 pub struct Written {
-    /// The file and what it lacks.
+    /// The exported file and the parts that it omits or approximates.
     pub exported: Exported,
-    /// What belongs to a moment of a recording.
+    /// Effects that apply only at one time of a recording.
     of_moments: Vec<String>,
 }
 
 impl Written {
-    /// What the file lacks, for people: one line each.
+    /// The omitted and approximated parts as text, one line each.
     pub fn lacks(&self) -> String {
         let mut said = String::new();
         // Writing to a String cannot fail.
@@ -138,7 +139,7 @@ impl Written {
         said
     }
 
-    /// The same with the file's text, for scripts.
+    /// The same list as JSON, with the text of the file.
     pub fn json(&self) -> Value {
         let Exported {
             text, approximated, ..

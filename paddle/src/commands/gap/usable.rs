@@ -1,14 +1,14 @@
-//! Recordings that can be worked with.
+//! Reads recordings that can be used.
 
 use crate::failure::Failure;
 use crate::progress;
 use gap::{Recording, inspected};
 use std::path::Path;
 
-/// Reads a recording whose columns mean what its model takes them for.
+/// Reads a recording and checks that its columns agree with its model.
 ///
 /// # Errors
-/// [`Failure`] for a recording that cannot be read, or whose signs or units contradict its model.
+/// Returns a [`Failure`] if the recording cannot be read, or if its signs or units contradict its model.
 pub fn read(folder: &Path) -> Result<Recording, Failure> {
     progress::begin();
     progress::doing("reading".into());

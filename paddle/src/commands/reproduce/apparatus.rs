@@ -1,4 +1,4 @@
-//! The paddle on which all closed-loop rows are run.
+//! The paddle and board of all closed-loop rows.
 
 use crate::failure::Failure;
 use haptic_paddle::controller::Mode;
@@ -10,42 +10,43 @@ use host_sim::effects::Effect;
 use host_sim::experiment::{Experiment, ExperimentError};
 use host_sim::presets;
 
-/// The refitted paddle on the lab's board, and what is switched into it.
+/// The refitted paddle on the lab's board, with the added effects.
 #[derive(Clone, Debug)]
 pub struct Apparatus {
-    /// In this order.
+    /// Effects, in the order in which they are added.
     pub with: Vec<Effect>,
 }
 
-/// A step to 10°, as the lab made it.
+/// A position step to 10°, as in the lab.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
-    /// That regulates.
+    /// Sensor that feeds the regulator.
     pub sensor: Sensor,
-    /// Proportional, integral and derivative, N m per degree at the paddle.
+    /// Proportional, integral and derivative gain: N m per degree, N m per degree and second, and N m s per degree, at the
+    /// paddle.
     pub gains: [f32; 3],
-    /// What the sensor reads at rest before, degrees.
+    /// Sensor reading at rest before the step, degrees.
     pub start_deg: f64,
-    /// How long it is watched, s.
+    /// Duration after the step, s.
     pub seconds: f64,
 }
 
-/// What came of it.
+/// Response to a step.
 #[derive(Clone, Debug)]
 pub struct Response {
-    /// Since the step by the board's clock, s.
+    /// Time since the step on the board's clock, s.
     pub time_s: Vec<f64>,
-    /// Filtered, as the regulator sees it and the lab logged it, degrees.
+    /// Filtered position as the regulator uses it and as the lab logged it, degrees.
     pub position_deg: Vec<f64>,
-    /// By the control core.
+    /// Metrics that the control core computed.
     pub metrics: StepReport,
 }
 
-/// Where all steps of the report go, degrees.
+/// Target of all steps of the report, degrees.
 pub const TARGET_DEG: f64 = 10.0;
 
 impl Apparatus {
-    /// The loop, with the paddle where the step starts.
+    /// The closed loop, with the paddle at the start angle of the step.
     pub fn setup(&self, step: &Step) -> LoopSetup {
         let [kp_nm_per_deg, ki_nm_per_deg_s, kd_nm_s_per_deg] = step.gains;
         let mut settings = Settings {
@@ -70,10 +71,10 @@ impl Apparatus {
         setup
     }
 
-    /// Makes the step.
+    /// Simulates the step.
     ///
     /// # Errors
-    /// [`Failure`] if the controller refuses, as it may with effects switched in.
+    /// Returns a [`Failure`] if the controller refuses, which can happen with added effects.
     pub fn step(&self, step: &Step) -> Result<Response, Failure> {
         let setup = self.setup(step);
         let mut closed_loop = ClosedLoop::armed(&setup, Mode::Position)?;
@@ -88,7 +89,7 @@ impl Apparatus {
         if let Some((time_s, fault)) = trace.fault {
             return Err(Failure::Stopped { time_s, fault });
         }
-        // A step without metrics is one that never began.
+        // A step without metrics never began.
         let metrics = closed_loop.controller().metrics();
         let metrics = metrics.ok_or(ExperimentError::Excitation(ExcitationError::Disarmed))?;
         Ok(Response {

@@ -1,4 +1,4 @@
-//! Table 1 and the gains of Ziegler and Nichols: figures 7, 8 and 9.
+//! Table 1 of the report and the gains of Ziegler and Nichols: figures 7, 8 and 9.
 
 use super::apparatus::{Apparatus, Response, Step, TARGET_DEG};
 use super::row::Row;
@@ -7,18 +7,18 @@ use crate::plot::{Band, Figure, Ink, Line, Panel, step_response};
 use haptic_paddle::settings::Sensor;
 use recording::{Recording, Run};
 
-/// What ours is held against.
+/// The reference value of a row.
 #[derive(Clone, Copy)]
 enum Bar {
-    /// The number of the report.
+    /// The number in the report.
     Report,
-    /// What an independent simulation of the refitted paddle gives.
+    /// The result of an independent simulation of the refitted paddle.
     Refit(f64),
-    /// Nothing, and why.
+    /// No reference, and the reason.
     None(&'static str),
 }
 
-/// Overshoot, rise and settling in degrees and ms; what is never reached is infinite.
+/// A row of the table: overshoot in degrees, rise and settling time in ms. A time that is never reached is infinite.
 struct Setting {
     name: &'static str,
     step: Step,
@@ -35,7 +35,7 @@ const fn step(sensor: Sensor, gains: [f32; 3], start_deg: f64) -> Step {
     }
 }
 
-/// The report's integral gain is 0.0001 a sample.
+/// Integral gain of the report: 0.0001 per sample of 350 µs.
 const KI: f32 = 0.0001 / 350e-6;
 const NEVER: f64 = f64::INFINITY;
 
@@ -47,7 +47,7 @@ const KNIFE_EDGE: Bar = Bar::None(
 const REFITTED: &str =
     "the bar is what an independent simulation of the same refitted paddle gives, not the report";
 
-/// Each starts where its log does; where no log is left, at 0.
+/// Each step starts at the angle at which its log starts, or at 0 if there is no log.
 const SETTINGS: [Setting; 9] = [
     Setting {
         name: "Hall 1",
@@ -110,27 +110,27 @@ const ENCODER: std::ops::Range<usize> = 4..8;
 const ENCODER_1: usize = 4;
 const ZIEGLER_NICHOLS: usize = 8;
 
-/// Encoder 2 from 0°, for the rest error of its log, degrees.
+/// Step from 0° with encoder 2, for the steady-state error of its log, degrees.
 const FROM_ZERO: Step = step(Sensor::Encoder, [0.05, 0.0, 0.0003], 0.0);
 const REST_ERROR_DEG: f64 = 0.208;
 const REST_ERROR_BAR_DEG: f64 = 0.03;
 
 const OVERSHOOT_BAR_DEG: f64 = 0.2;
 const TIME_BAR_SHARE: f64 = 0.1;
-/// Half width of the band in which the paddle counts as settled, degrees.
+/// Half width of the settling band, degrees.
 const BAND_DEG: f64 = 0.2;
 
-/// The steps, made.
+/// Simulated steps of the table.
 pub struct Gains {
     responses: Vec<Response>,
     from_zero: Response,
 }
 
 impl Gains {
-    /// Makes them on `apparatus`.
+    /// Simulates the steps on `apparatus`.
     ///
     /// # Errors
-    /// [`Failure`] if the controller refuses or stops.
+    /// Returns a [`Failure`] if the controller refuses a step or stops.
     pub fn run(apparatus: &Apparatus) -> Result<Self, Failure> {
         let responses = SETTINGS.iter().map(|setting| apparatus.step(&setting.step));
         Ok(Self {
@@ -139,7 +139,7 @@ impl Gains {
         })
     }
 
-    /// Overshoot, rise and settling of each, then rest errors.
+    /// Rows with the overshoot, rise and settling time of each step, then the steady-state errors.
     pub fn rows(&self) -> Vec<Row> {
         let steps = SETTINGS.iter().zip(&self.responses);
         let rest_error =
@@ -161,7 +161,7 @@ impl Gains {
             .collect()
     }
 
-    /// Figures 7, 8 and 9; `recorded` are the lab's steps by the encoder.
+    /// Figures 7, 8 and 9. `recorded` contains the lab's steps with the encoder.
     pub fn figures(&self, recorded: Option<&Recording>) -> [(&'static str, Figure); 3] {
         let runs = recorded.iter().flat_map(|recording| &recording.runs);
         let recorded: Vec<_> = runs.filter_map(since_switched_on).collect();
@@ -216,10 +216,11 @@ impl Gains {
     }
 }
 
-/// Of a step, in the figures, s.
+/// Time axis of a step in the figures, s.
 const SHOWN_S: f64 = 0.5;
 
-/// The measured line of a run whose setpoint jumps, from that jump on. The recordings have the board's filter undone.
+/// The measured position of a run from the time at which its setpoint changes. The effect of the board's filter was removed
+/// from the recordings.
 fn since_switched_on(run: &Run) -> Option<Line> {
     let setpoint = run.setpoint.as_ref()?;
     let jump = setpoint.windows(2).position(|pair| pair[0] != pair[1])? + 1;
@@ -260,7 +261,7 @@ fn rows(setting: &Setting, response: &Response) -> [Row; 3] {
 }
 
 impl Setting {
-    /// Its gains.
+    /// The gains as text.
     fn label(&self) -> String {
         let [kp, ki, kd] = self.step.gains;
         match ki > 0.0 {

@@ -1,4 +1,4 @@
-//! `paddle reproduce`: the lab report, row by row.
+//! `paddle reproduce`: compares the numbers of the lab report with the simulation, row by row.
 
 mod apparatus;
 mod gains;
@@ -22,7 +22,7 @@ use sinusoid::Sinusoids;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Where to, and how strictly.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Example: paddle reproduce --check --json report.json
 
@@ -30,14 +30,14 @@ Every number of the lab report against ours. The closed-loop rows are all run on
 encoder logs, on the lab's board, whose 350 µs take 351, through the control core. Each step starts where its log does.
 Times are the board's, metrics those of the filtered position. Torque sines run on the lab's own Simulink model.")]
 pub struct Arguments {
-    /// End with status 1 if a row with a bar misses it.
+    /// End with status 1 if a row is outside its bar.
     #[arg(long)]
     check: bool,
-    /// Add an effect to the plant, to see how the rows change; may be repeated.
+    /// Add this effect to the plant, to see how the rows change; may be repeated.
     #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
     with: Vec<Effect>,
-    /// Folder of the lab's recordings `sine-0011` and `steps-encoder`, shown beside ours [default:
-    /// ../shared/data/epfl-paddle, if that is there].
+    /// Folder of the lab's recordings `sine-0011` and `steps-encoder`, which are plotted beside the simulation [default:
+    /// ../shared/data/epfl-paddle, if it exists].
     #[arg(long, value_name = "DIR")]
     recorded: Option<PathBuf>,
     /// Write the figures to this folder.
@@ -45,10 +45,10 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Reproduces.
+/// Reproduces the report.
 ///
 /// # Errors
-/// [`Failure`] for a recording that cannot be used, or files that cannot be written.
+/// Returns a [`Failure`] if a recording cannot be used, or if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     check_distinct(&arguments.with)?;
     let folder = arguments.recorded.as_deref();
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "rows": rows.iter().map(row::Row::json).collect::<Vec<_>>(),
             "files": folder.files(),
         }),
-        amiss: (arguments.check && missed > 0)
+        problems: (arguments.check && missed > 0)
             .then_some(Failure::Missed { missed, barred })
             .into_iter()
             .chain(folder.lost())
@@ -107,11 +107,11 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     })
 }
 
-/// Where the lab's recordings are by default.
+/// Default folder of the lab's recordings.
 const RECORDED: &str = "../shared/data/epfl-paddle";
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         Target::of("--out", Use::NewFolder, &self.out)
             .into_iter()

@@ -1,27 +1,27 @@
-//! A number of the report against ours.
+//! A number of the report and the simulated number.
 
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// One row. A time that is never reached is infinite.
+/// One row of the table. A time that is never reached is infinite.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Experiment and quantity.
+    /// Name of the experiment and of the quantity.
     pub name: String,
-    /// What the report says, if it does.
+    /// Number in the report, if the report states it.
     pub report: Option<f64>,
-    /// What comes out here.
+    /// Simulated number.
     pub ours: f64,
-    /// Unit of both.
+    /// Unit of both numbers.
     pub unit: &'static str,
-    /// Between which ours must be, if there is a bar.
+    /// Limits of the simulated number, if there are any.
     pub bar: Option<[f64; 2]>,
-    /// What a reader must know.
+    /// Remark for the reader.
     pub remark: Option<&'static str>,
 }
 
 impl Row {
-    /// A row without a bar.
+    /// Creates a row without a bar.
     pub fn new(
         name: impl Into<String>,
         report: Option<f64>,
@@ -38,12 +38,13 @@ impl Row {
         }
     }
 
-    /// Ours must be within `half` of `centre`.
+    /// Sets the bar to `centre` ± `half`.
     pub fn within(self, half: f64, centre: f64) -> Self {
         self.between([centre - half, centre + half])
     }
 
-    /// Ours must be within this share of `centre`; never reached if that is infinite.
+    /// Sets the bar to this relative deviation from `centre`. If `centre` is infinite, the simulated time must be infinite
+    /// too.
     pub fn within_share(self, share: f64, centre: f64) -> Self {
         let half = if centre.is_finite() {
             (share * centre).abs()
@@ -53,25 +54,25 @@ impl Row {
         self.within(half, centre)
     }
 
-    /// Ours must be between these, both included.
+    /// Sets the bar to these limits, both included.
     pub fn between(mut self, bar: [f64; 2]) -> Self {
         self.bar = Some(bar);
         self
     }
 
-    /// With a remark.
+    /// Adds a remark.
     pub fn remarked(mut self, remark: &'static str) -> Self {
         self.remark = Some(remark);
         self
     }
 
-    /// Whether ours clears the bar; `None` without one.
+    /// Whether the simulated number is within the bar. Returns `None` without a bar.
     pub fn ok(&self) -> Option<bool> {
         self.bar
             .map(|[low, high]| (low..=high).contains(&self.ours))
     }
 
-    /// As an object; what is never reached is "∞".
+    /// The row as a JSON object. An infinite number is written as "∞".
     pub fn json(&self) -> Value {
         json!({
             "name": self.name,
@@ -92,7 +93,7 @@ fn number(value: f64) -> Value {
     }
 }
 
-/// The rows for people, with the difference and the verdict, and the remarks below.
+/// The table as text, with the differences and verdicts, and the remarks below.
 pub fn table(rows: &[Row]) -> String {
     let longest = rows.iter().map(|row| row.name.chars().count()).max();
     let width = longest.unwrap_or(0);
@@ -140,12 +141,12 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-/// Four digits, or the sign of what is never reached.
+/// Formats a number with four digits, or as an infinity sign.
 fn shown(value: f64) -> String {
     if !value.is_finite() {
         return "∞".into();
     }
-    // Rounded away, a zero has no sign.
+    // A number that rounds to zero has no sign.
     let decimals = match value.abs() {
         size if size >= 1000.0 => 0,
         size if size >= 100.0 => 1,
@@ -168,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn never_is_met_by_never_alone() {
+    fn an_infinite_time_satisfies_only_an_infinite_bar() {
         let row = |ours| Row::new("settling", None, ours, "ms").within_share(0.1, f64::INFINITY);
         assert_eq!(row(f64::INFINITY).ok(), Some(true));
         assert_eq!(row(1e9).ok(), Some(false));
@@ -178,13 +179,13 @@ mod tests {
     }
 
     #[test]
-    fn a_row_without_a_bar_cannot_miss_it() {
+    fn a_row_without_a_bar_has_no_verdict() {
         let row = Row::new("overshoot", Some(0.82), 1.3, "°");
         assert_eq!((row.ok(), &row.json()["bar"]), (None, &Value::Null));
     }
 
     #[test]
-    fn a_remark_stands_once_below_the_table() {
+    fn a_remark_is_printed_once_below_the_table() {
         let row = |ours| Row::new("a", Some(1.0), ours, "°").remarked("knife-edge");
         let text = table(&[row(1.0), row(2.0)]);
         assert_eq!(text.matches("[1]").count(), 3);

@@ -1,4 +1,4 @@
-//! The regulator on the lab's own model: figure 6.
+//! Simulates the regulator on the lab's own model: figure 6.
 
 use super::apparatus::TARGET_DEG;
 use super::row::Row;
@@ -6,20 +6,20 @@ use crate::plot::{Band, Figure, Ink, Line, Panel};
 use host_sim::lab_model::{LabDrive, LabModel, LabPid};
 use host_sim::presets;
 
-/// With which the figure is captioned.
+/// Gains in the caption of the figure.
 const CAPTIONED: LabPid = LabPid {
     p: 0.01,
     i: 0.1,
     d: 0.0001,
 };
-/// With which 1.3° of overshoot come out.
+/// Gains that give the overshoot of 1.3° in the text.
 const SAVED: LabPid = LabPid {
     p: 0.0025,
     i: 0.003,
     d: 0.0001,
 };
 const SECONDS: f64 = 1.0;
-/// Half width of the figure's band, degrees.
+/// Half width of the band in the figure, degrees.
 const BAND_DEG: f64 = 0.15;
 const OVERSHOOT_BAR_DEG: f64 = 0.2;
 
@@ -27,17 +27,17 @@ const ANOTHER: &str = "0.82°, 46 ms and 228 ms come out with neither set of gai
                        captioned 0.01, 0.1, 0.0001 the lab's model swings over by 20°, with those below by 1.3°; it is \
                        a third simulation, and steps of 10 ms cannot resolve 46 ms";
 
-/// Time and angle, ms and degrees.
+/// Time in ms and angle in degrees.
 type Points = Vec<(f64, f64)>;
 
-/// The two steps, simulated.
+/// The two simulated steps.
 pub struct SimulatedSteps {
     captioned: Points,
     saved: Points,
 }
 
 impl SimulatedSteps {
-    /// Simulates them.
+    /// Simulates both steps.
     pub fn run() -> Self {
         let step = |pid| {
             let target_rad = TARGET_DEG.to_radians();
@@ -54,7 +54,7 @@ impl SimulatedSteps {
         }
     }
 
-    /// Figure 6, and the overshoot that the text has instead.
+    /// Rows of figure 6, and the overshoot that the text states.
     pub fn rows(&self) -> [Row; 4] {
         let [overshoot, rise, settling] = metrics(&self.captioned);
         [
@@ -98,7 +98,7 @@ impl SimulatedSteps {
     }
 }
 
-/// Overshoot, rise and settling, degrees and ms; infinite where never reached.
+/// Overshoot, degrees, and rise and settling time, ms. A time that is never reached is infinite.
 fn metrics(points: &Points) -> [f64; 3] {
     let beyond = || points.iter().map(|p| p.1 - TARGET_DEG);
     let rise = points.iter().find(|p| p.1 >= TARGET_DEG).map(|p| p.0);

@@ -1,4 +1,4 @@
-//! Breakaway, and torque sines of 1 Hz: figures 3 and 4.
+//! Breakaway torque, and torque sines of 1 Hz: figures 3 and 4.
 
 use super::row::Row;
 use crate::failure::Failure;
@@ -16,21 +16,21 @@ use std::f64::consts::TAU;
 
 const FREQUENCY_HZ: f64 = 1.0;
 const SECONDS: f64 = 30.0;
-/// Of figure 3, and of figure 4, N m at the motor.
+/// Torque amplitudes of figure 3 (low) and of figure 4 (high), N m at the motor.
 const LOW_NM: f64 = 0.00101;
 const HIGH_NM: f64 = 0.0011;
-/// More torque, N m at the motor.
+/// Larger torque amplitudes, N m at the motor.
 const MORE_NM: [f64; 2] = [0.002, 0.005];
 const PEAK_BAR_SHARE: f64 = 0.1;
-/// A swing has settled once its peaks stay within this share of the last one.
+/// Relative tolerance of the settling time: all later peaks are within this share of the last peak.
 const SETTLED_SHARE: f64 = 0.15;
-/// In the figures, s.
+/// Time axis of the figures, s.
 const SHOWN_S: f64 = 20.0;
 
-/// The lab's measured dry friction, N m at the motor.
+/// Dry friction that the lab measured, N m at the motor.
 const BREAKAWAY_NM: f64 = 0.001;
 const BREAKAWAY_BAR_SHARE: f64 = 0.05;
-/// Slow enough for the torque to gain little while the paddle begins to move.
+/// The ramp is slow, so that the torque increases little while the paddle begins to move.
 const RAMP_NM: f32 = 0.002;
 const RAMP_S: f32 = 40.0;
 
@@ -41,26 +41,26 @@ const NOT_READ: &str = "\"45°\" is read off a figure whose first peaks are 49.5
 const OTHER_DAY: &str =
     "the paddle of the step logs has 0.63 mN m; cable tension changes it from day to day";
 
-/// Time and angle, s and degrees.
+/// Time in s and angle in degrees.
 type Points = Vec<(f64, f64)>;
 
-/// The sines, simulated, and the recorded one.
+/// The simulated sines and the recorded one.
 pub struct Sinusoids {
     low: Vec<LabSample>,
     high: Vec<LabSample>,
     more_deg: [f64; 2],
-    /// Of the nominal paddle with dry friction that acts, under the lower and the higher.
+    /// The nominal paddle with effective dry friction, at the lower and at the higher amplitude.
     genuine: [Points; 2],
-    /// Of the paddle itself.
+    /// Recorded position of the real paddle.
     recorded: Option<Points>,
     breakaway_nm: [f64; 2],
 }
 
 impl Sinusoids {
-    /// Simulates them; `recorded` is the lab's recording of the higher one.
+    /// Simulates the sines. `recorded` is the lab's recording at the higher amplitude.
     ///
     /// # Errors
-    /// [`Failure`] if the controller refuses.
+    /// Returns a [`Failure`] if the controller refuses.
     pub fn run(recorded: Option<&Recording>) -> Result<Self, Failure> {
         let sine = |amplitude_nm| {
             let drive = LabDrive::Sine {
@@ -84,7 +84,7 @@ impl Sinusoids {
         })
     }
 
-    /// Breakaway and swings.
+    /// Rows of the breakaway torque and of the peak-to-peak positions.
     pub fn rows(&self) -> Vec<Row> {
         let [breakaway_nm, refit_nm] = self.breakaway_nm;
         let [lowest, highest] = range(&positions(&self.high));
@@ -250,7 +250,7 @@ impl Sinusoids {
     }
 }
 
-/// From this to ten times this.
+/// A bar from `size` to ten times `size`.
 fn order_of(size: f64) -> [f64; 2] {
     [size, 10.0 * size]
 }
@@ -274,7 +274,7 @@ fn largest(points: &[(f64, f64)]) -> f64 {
     points.iter().map(|p| p.1.abs()).fold(0.0, f64::max)
 }
 
-/// Time of the first peak from which on all are within [`SETTLED_SHARE`] of the last.
+/// Time of the first peak after which all peaks are within [`SETTLED_SHARE`] of the last peak.
 fn settling_s(samples: &[LabSample]) -> f64 {
     let peaks: Vec<_> = samples
         .windows(3)
@@ -291,7 +291,7 @@ fn settling_s(samples: &[LabSample]) -> f64 {
         .map_or(f64::INFINITY, |(time_s, _)| *time_s)
 }
 
-/// The torque at which a rising one first moves it by 0.5°, N m at the motor.
+/// Torque of a ramp at which the paddle has moved by 0.5°, N m at the motor.
 fn breakaway_nm(device: Device) -> Result<f64, Failure> {
     let ramp = Excitation {
         shape: Shape::Ramp,
@@ -305,7 +305,7 @@ fn breakaway_nm(device: Device) -> Result<f64, Failure> {
     Ok(breakaway_nm.map_or(f64::INFINITY, f64::from))
 }
 
-/// A sine on a device whose friction acts.
+/// Simulates a sine on a device with effective dry friction.
 fn genuine(device: &Device, amplitude_nm: f64) -> Result<Points, Failure> {
     let sine = Excitation::sine(amplitude_nm as f32, FREQUENCY_HZ as f32);
     let setup = LoopSetup::ideal(device.clone(), Settings::default());
@@ -315,14 +315,14 @@ fn genuine(device: &Device, amplitude_nm: f64) -> Result<Points, Failure> {
     Ok(points.map(|(t, x)| (*t, x.to_degrees())).collect())
 }
 
-/// A recorded run with time 0 where its torque starts a period, by the phase of the fundamental.
+/// A recorded run with its time origin at the start of a torque period. The phase of the fundamental gives the origin.
 fn aligned(run: &Run) -> Points {
     let products = run.time.iter().zip(&run.input).map(|(t, input)| {
         let (sin, cos) = (TAU * FREQUENCY_HZ * t).sin_cos();
         [input * cos, input * sin]
     });
     let [cos, sin] = products.fold([0.0; 2], |sum, p| [sum[0] + p[0], sum[1] + p[1]]);
-    // The torque goes as sin(2 π f t + phase).
+    // The torque is sin(2 π f t + phase) times the amplitude.
     let phase = cos.atan2(sin).rem_euclid(TAU);
     let begins_s = (TAU - phase) / (TAU * FREQUENCY_HZ);
     let points = run.time.iter().zip(&run.position);

@@ -7,7 +7,7 @@ use crate::tuning::oscillation::{Oscillation, SUSTAINED};
 use crate::tuning::ziegler_nichols::Ultimate;
 use haptic_paddle::settings::Sensor;
 
-/// The lab's ultimate gain alone, from where its log starts.
+/// A step at the lab's ultimate gain, without integral and derivative action, from the angle at which its log starts.
 const STEP: Step = Step {
     sensor: Sensor::Hall,
     gains: [0.05, 0.0, 0.0],
@@ -17,16 +17,16 @@ const STEP: Step = Step {
 const KU: f64 = 0.05;
 const TU_MS: f64 = 86.7;
 const TU_BAR_SHARE: f64 = 0.05;
-/// The lab's period is a mean over this many.
+/// Number of cycles over which the lab averaged the period.
 const CYCLES: usize = 20;
 
 const BY_HAND: &str =
     "raised by 5 % until 20 swings do not die down; the lab raised it by hand until it saw swings";
 
-/// Rows of the oscillation at the lab's ultimate gain, and the gain that `paddle sim zn` finds.
+/// Rows of the oscillation at the lab's ultimate gain, and of the gain that `paddle sim zn` finds.
 ///
 /// # Errors
-/// [`Failure`] if the controller refuses or stops.
+/// Returns a [`Failure`] if the controller refuses or stops.
 pub fn rows(apparatus: &Apparatus) -> Result<[Row; 3], Failure> {
     let response = apparatus.step(&STEP)?;
     let all = Oscillation::about(TARGET_DEG, &response.time_s, &response.position_deg);

@@ -1,4 +1,4 @@
-//! `paddle scope`: what a board's loop does, drawn in the terminal as it happens.
+//! `paddle scope`: plots the signals of a board's control loop live in the terminal.
 
 mod state;
 mod view;
@@ -15,11 +15,11 @@ use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event};
 use remote::DeviceError;
 use serde_json::json;
-use state::{Scope, Wish};
+use state::{Request, Scope};
 use std::io::{IsTerminal, stdout};
 use std::time::{Duration, Instant};
 
-/// Which board, and what of it.
+/// Options of the command.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle scope --port /dev/ttyUSB0
@@ -29,19 +29,19 @@ Keys: 1 to 7 show or hide a channel, + and - zoom, space holds the picture. Tab 
 tenth. c waits for the trigger and shows 150 ms at 20 kHz around it, l goes back to the stream. After : a line of the
 console can be typed, such as `arm` or `step 10`. x stops everything. q and Ctrl-C disarm the paddle and leave.")]
 pub struct Arguments {
-    /// The serial port, or what `paddle board` says.
+    /// Serial port of the board, or the terminal that `paddle board` prints.
     #[arg(long)]
     port: String,
-    /// What is shown at first, with commas between.
+    /// Channels shown at the start, separated by commas.
     #[arg(long, default_value = "setpoint,encoder,torque", value_name = "NAMES", value_parser = channels)]
     channels: Channels,
-    /// Time across the picture.
+    /// Length of the time axis.
     #[arg(long, default_value_t = 4.0, value_name = "s", value_parser = numbers::positive)]
     window: f64,
-    /// What a capture waits for, as after the console's `capture`: step, now, fault, or a channel and its level.
+    /// Trigger of a capture, as in the console's `capture`: step, now, fault, or a channel and its level.
     #[arg(long, default_value = "step 20", value_name = "TRIGGER")]
     trigger: String,
-    /// Rows a second.
+    /// Rows per second.
     #[arg(long, default_value_t = 500.0, value_name = "Hz", value_parser = numbers::positive)]
     rate: f64,
 }
@@ -50,17 +50,17 @@ fn channels(text: &str) -> Result<Channels, ChannelsError> {
     Channels::parse(text)
 }
 
-/// Between two pictures.
+/// Time between two frames.
 const PICTURE: Duration = Duration::from_millis(50);
-/// A stream that says nothing for so long is a lost link.
+/// If the stream sends nothing for this time, the link counts as lost.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// How often the board is asked whether the capture is complete.
+/// Interval at which the program asks the board whether the capture is complete.
 const LOOK: Duration = Duration::from_millis(300);
 
-/// Shows it until the user leaves.
+/// Runs the scope until the user leaves it.
 ///
 /// # Errors
-/// [`Failure`] for a board that does not answer, a link that is lost, and standard output that is no terminal.
+/// Returns a [`Failure`] if the board does not answer, if the link is lost, and if standard output is not a terminal.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     if !stdout().is_terminal() {
         return Err(Failure::Board(
@@ -91,14 +91,14 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     })
 }
 
-/// Ends the stream and leaves the board disarmed to a person at a terminal.
+/// Stops the stream and hands the disarmed board back to the console.
 fn leave(rig: &mut Rig) -> Result<(), DeviceError> {
     rig.device.stop()?;
     rig.device.end_stream()?;
     rig.leave()
 }
 
-/// Board, state and terminal, put together.
+/// The board, the state of the scope, and the terminal.
 struct Screen<'a> {
     arguments: &'a Arguments,
     rig: &'a mut Rig,
@@ -112,7 +112,7 @@ impl Screen<'_> {
         let mut drawn = Instant::now();
         let mut heard = Instant::now();
         let mut looked = Instant::now();
-        while !interrupt.is_wished() {
+        while !interrupt.is_requested() {
             self.rig.device.listen()?;
             let rows = self.rig.device.take_rows();
             if !rows.is_empty() {
@@ -130,7 +130,7 @@ impl Screen<'_> {
             while event::poll(Duration::ZERO).map_err(no_key)? {
                 if let Event::Key(key) = event::read().map_err(no_key)?
                     && key.is_press()
-                    && !self.obey(key)?
+                    && !self.handle_key(key)?
                 {
                     return Ok(());
                 }
@@ -157,18 +157,18 @@ impl Screen<'_> {
             .stream(self.scope.streamed(), self.arguments.rate)
     }
 
-    /// Does what a key asks; false if the user leaves.
-    fn obey(&mut self, key: event::KeyEvent) -> Result<bool, Failure> {
+    /// Executes the request of a key. Returns false if the user leaves.
+    fn handle_key(&mut self, key: event::KeyEvent) -> Result<bool, Failure> {
         match self.scope.press(key) {
-            Wish::Nothing => {}
-            Wish::Leave => return Ok(false),
-            Wish::Stop => self.rig.device.stop()?,
-            Wish::Stream => self.stream()?,
-            Wish::Send(line) => {
+            Request::Nothing => {}
+            Request::Leave => return Ok(false),
+            Request::Stop => self.rig.device.stop()?,
+            Request::Stream => self.stream()?,
+            Request::Send(line) => {
                 let answer = self.rig.device.command(&line)?;
                 self.scope.answered(&answer);
             }
-            Wish::Capture => {
+            Request::Capture => {
                 let line = format!("capture {}", self.arguments.trigger);
                 let answer = self.rig.device.command(&line)?;
                 self.scope.awaits = answer.starts_with("capture ");

@@ -1,4 +1,4 @@
-//! What the scope shows and what a key makes of it: no terminal, no board.
+//! State of the scope and the effect of each key. This module uses neither the terminal nor the board.
 
 use haptic_paddle::safety::Fault;
 use haptic_paddle::settings::Settings;
@@ -7,32 +7,32 @@ use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use remote::{Captured, Row};
 use std::collections::VecDeque;
 
-/// Control periods a second.
+/// Control periods per second.
 const PERIODS_PER_S: f64 = 20_000.0;
-/// Shortest and longest time across the picture, s.
+/// Shortest and longest time axis, s.
 const WINDOW_S: [f64; 2] = [0.1, 30.0];
-/// A key changes a gain by this.
+/// Factor by which a key changes a gain.
 const GAIN_FACTOR: f32 = 1.1;
-/// The torque mode of the controller, in which the setpoint is a torque.
+/// Number of the controller's torque mode, in which the setpoint is a torque.
 const TORQUE_MODE: f32 = 2.0;
 
-/// Quantities of one unit, which share a plot.
+/// A plot of all quantities with the same unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Panel {
-    /// Degrees.
+    /// Angle, degrees.
     Angle,
-    /// Degrees a second.
+    /// Speed, degrees per second.
     Speed,
-    /// mN m at the motor.
+    /// Torque, mN m at the motor.
     Torque,
-    /// A.
+    /// Current, A.
     Current,
-    /// Per cent of the supply.
+    /// Duty cycle, per cent of the supply.
     Duty,
 }
 
 impl Panel {
-    /// From top to bottom.
+    /// All plots, from top to bottom.
     pub const ALL: [Self; 5] = [
         Self::Angle,
         Self::Speed,
@@ -41,7 +41,7 @@ impl Panel {
         Self::Duty,
     ];
 
-    /// Unit of its axis.
+    /// Unit of the vertical axis.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Angle => "deg",
@@ -52,7 +52,7 @@ impl Panel {
         }
     }
 
-    /// What a value in the unit of its channel is multiplied by.
+    /// Factor from the unit of the channel to the unit of the plot.
     fn factor(self) -> f64 {
         match self {
             Self::Angle | Self::Speed => 180.0 / std::f64::consts::PI,
@@ -62,7 +62,7 @@ impl Panel {
         }
     }
 
-    /// The panel of a channel; the setpoint's depends on the mode.
+    /// The plot of a channel. The plot of the setpoint depends on the mode.
     fn of(channel: Channel, mode: f32) -> Option<Self> {
         Some(match channel {
             Channel::Setpoint if mode == TORQUE_MODE => Self::Torque,
@@ -76,14 +76,14 @@ impl Panel {
     }
 }
 
-/// A channel in a panel: time and value in the panel's unit.
+/// A channel in a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// Which.
+    /// Channel of the trace.
     pub channel: Channel,
-    /// Where.
+    /// Plot of the trace.
     pub panel: Panel,
-    /// Time, s since the newest row or the trigger, and value.
+    /// Time, s since the newest row or since the trigger, and value in the unit of the plot.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -92,57 +92,57 @@ pub struct Trace {
 pub struct Gain {
     /// Name of the setting.
     pub name: &'static str,
-    /// In the setting's unit.
+    /// Value in the unit of the setting.
     pub value: f32,
-    /// The first value above 0.
+    /// The smallest value above 0.
     least: f32,
 }
 
-/// What a key asks of the board.
+/// A request of a key to the program.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wish {
-    /// Nothing.
+pub enum Request {
+    /// No request.
     Nothing,
-    /// End the scope.
+    /// Leave the scope.
     Leave,
-    /// Stop everything at once.
+    /// Stop the motor immediately.
     Stop,
-    /// Other channels.
+    /// Restart the stream with other channels.
     Stream,
-    /// A line for the console.
+    /// Send a line to the console.
     Send(String),
-    /// A capture that waits for the trigger.
+    /// Start a capture that waits for the trigger.
     Capture,
 }
 
-/// The scope.
+/// State of the scope.
 pub struct Scope {
     /// Channels that are shown.
     pub channels: Channels,
-    /// Time across the picture, s.
+    /// Length of the time axis, s.
     pub window_s: f64,
-    /// The picture stands still.
+    /// Whether the plots are paused.
     pub held: bool,
-    /// The gains, and which of them the keys change.
+    /// The gains that keys can change.
     pub gains: [Gain; 3],
-    /// Index in `gains` of the one that the keys change.
+    /// Index in `gains` of the selected gain.
     pub chosen: usize,
-    /// A line for the console that is being typed.
+    /// The console line that the user is typing.
     pub line: Option<String>,
-    /// What the board said last, or what is to be known.
+    /// Last answer of the board, or a hint to the user.
     pub said: String,
-    /// Rows that were lost since the stream began.
+    /// Number of rows lost since the stream began.
     pub lost: u64,
-    /// A capture is awaited.
+    /// Whether a capture is pending.
     pub awaits: bool,
     rows: VecDeque<Row>,
-    /// Rows that came while the picture stood still.
+    /// Rows received while the plots are paused.
     waiting: Vec<Row>,
     captured: Option<Captured>,
 }
 
 impl Scope {
-    /// One that shows `channels` of a board with these `settings`.
+    /// Creates the state that shows `channels` of a board with these `settings`.
     pub fn new(channels: Channels, window_s: f64, settings: &Settings) -> Self {
         let gain = |name, value, least| Gain { name, value, least };
         Self {
@@ -165,23 +165,23 @@ impl Scope {
         }
     }
 
-    /// What is asked of the board: those that are shown, mode and fault.
+    /// Channels requested from the board: the shown channels, the mode and the fault.
     pub fn streamed(&self) -> Channels {
         self.channels.with(Channel::Mode).with(Channel::Fault)
     }
 
-    /// What a key does.
-    pub fn press(&mut self, key: KeyEvent) -> Wish {
+    /// Handles a key.
+    pub fn press(&mut self, key: KeyEvent) -> Request {
         let control = key.modifiers.contains(KeyModifiers::CONTROL);
         if control && matches!(key.code, KeyCode::Char('c' | 'd')) {
-            return Wish::Leave;
+            return Request::Leave;
         }
         if self.line.is_some() {
             return self.type_key(key.code);
         }
         match key.code {
-            KeyCode::Char('q') => return Wish::Leave,
-            KeyCode::Char('x') => return Wish::Stop,
+            KeyCode::Char('q') => return Request::Leave,
+            KeyCode::Char('x') => return Request::Stop,
             KeyCode::Char(':') => self.line = Some(String::new()),
             KeyCode::Char(' ') => self.hold(!self.held),
             KeyCode::Char('+') => self.zoom(0.5),
@@ -192,7 +192,7 @@ impl Scope {
             KeyCode::Char('c') => {
                 self.awaits = true;
                 self.captured = None;
-                return Wish::Capture;
+                return Request::Capture;
             }
             KeyCode::Char('l') | KeyCode::Esc => {
                 self.captured = None;
@@ -204,18 +204,18 @@ impl Scope {
             }
             _ => {}
         }
-        Wish::Nothing
+        Request::Nothing
     }
 
-    fn type_key(&mut self, code: KeyCode) -> Wish {
+    fn type_key(&mut self, code: KeyCode) -> Request {
         let Some(line) = &mut self.line else {
-            return Wish::Nothing;
+            return Request::Nothing;
         };
         match code {
             KeyCode::Enter => {
                 let line = self.line.take().unwrap_or_default();
                 if !line.trim().is_empty() {
-                    return Wish::Send(line.trim().to_owned());
+                    return Request::Send(line.trim().to_owned());
                 }
             }
             KeyCode::Esc => self.line = None,
@@ -223,7 +223,7 @@ impl Scope {
             KeyCode::Char(letter) if letter.is_ascii() => line.push(letter),
             _ => {}
         }
-        Wish::Nothing
+        Request::Nothing
     }
 
     fn hold(&mut self, held: bool) {
@@ -238,31 +238,31 @@ impl Scope {
         self.window_s = (self.window_s * factor).clamp(WINDOW_S[0], WINDOW_S[1]);
     }
 
-    fn change_gain(&mut self, factor: f32) -> Wish {
+    fn change_gain(&mut self, factor: f32) -> Request {
         let Gain { name, value, least } = self.gains[self.chosen];
         let value = match value * factor {
             changed if changed >= least => changed,
             _ if factor > 1.0 => least,
             _ => 0.0,
         };
-        Wish::Send(format!("set {name} {}", three_digits(value)))
+        Request::Send(format!("set {name} {}", three_digits(value)))
     }
 
-    fn toggle(&mut self, channel: Channel) -> Wish {
+    fn toggle(&mut self, channel: Channel) -> Request {
         let all = Channel::ALL.into_iter();
         let wanted = all
             .filter(|other| self.channels.has(*other) != (*other == channel))
             .fold(Channels::NONE, Channels::with);
         if wanted.is_empty() {
-            return Wish::Nothing;
+            return Request::Nothing;
         }
         self.channels = wanted;
         self.rows.clear();
         self.waiting.clear();
-        Wish::Stream
+        Request::Stream
     }
 
-    /// What the board answered to a line; a gain is what the board says that it is.
+    /// Handles the board's answer to a line. If the answer states a gain, the scope adopts its value.
     pub fn answered(&mut self, answer: &str) {
         for gain in &mut self.gains {
             let told = answer.lines().find_map(|line| {
@@ -275,7 +275,7 @@ impl Scope {
         self.said = answer.lines().next().unwrap_or_default().to_owned();
     }
 
-    /// New rows of the stream.
+    /// Appends new rows of the stream.
     pub fn take(&mut self, rows: Vec<Row>) {
         if self.held {
             self.waiting.extend(rows);
@@ -291,7 +291,7 @@ impl Scope {
         }
     }
 
-    /// A capture came; it is shown until a key brings the stream back.
+    /// Shows a capture until a key restarts the stream.
     pub fn show(&mut self, captured: Captured) {
         self.awaits = false;
         self.captured = Some(captured);
@@ -302,7 +302,7 @@ impl Scope {
         self.captured.is_some()
     }
 
-    /// What the controller does.
+    /// Name of the controller's mode.
     pub fn mode(&self) -> &'static str {
         match self.latest(Channel::Mode) as u8 {
             0 => "off",
@@ -325,7 +325,7 @@ impl Scope {
         newest.map_or(0.0, |row| row.value(channel))
     }
 
-    /// From and to which time the picture goes, s.
+    /// Start and end of the time axis, s.
     pub fn span_s(&self) -> [f64; 2] {
         match &self.captured {
             Some(captured) => {
@@ -336,7 +336,7 @@ impl Scope {
         }
     }
 
-    /// What is drawn, in the order of the channels.
+    /// The plotted traces, in the order of the channels.
     pub fn traces(&self) -> Vec<Trace> {
         let mode = match &self.captured {
             Some(captured) => captured
@@ -379,7 +379,7 @@ fn captured_s(captured: &Captured, at: usize) -> f64 {
     (at as f64 - captured.triggered_at() as f64) / PERIODS_PER_S
 }
 
-/// As few digits as a gain deserves.
+/// Rounds a gain to three significant digits.
 fn three_digits(value: f32) -> f32 {
     format!("{value:.2e}").parse().unwrap_or(value)
 }
@@ -409,15 +409,15 @@ mod tests {
         KeyEvent::new(code, KeyModifiers::NONE)
     }
 
-    fn typed(scope: &mut Scope, text: &str) -> Wish {
+    fn typed(scope: &mut Scope, text: &str) -> Request {
         for letter in text.chars() {
-            assert_eq!(scope.press(key(KeyCode::Char(letter))), Wish::Nothing);
+            assert_eq!(scope.press(key(KeyCode::Char(letter))), Request::Nothing);
         }
         scope.press(key(KeyCode::Enter))
     }
 
     #[test]
-    fn rows_are_drawn_in_people_s_units_before_the_newest_one() {
+    fn rows_are_plotted_in_display_units_against_time_before_the_newest_row() {
         let mut scope = scope();
         scope.take(vec![
             row(0, 0.0),
@@ -442,13 +442,13 @@ mod tests {
     }
 
     #[test]
-    fn a_gain_goes_up_and_down_and_is_what_the_board_says() {
+    fn a_gain_changes_by_key_and_takes_the_value_that_the_board_confirms() {
         let mut scope = scope();
         assert_eq!(
             scope.press(key(KeyCode::Up)),
-            Wish::Send("set pid.kp 0.055".into())
+            Request::Send("set pid.kp 0.055".into())
         );
-        // The board has not said so yet.
+        // The board has not confirmed the new gain yet.
         assert_eq!(scope.gains[0].value, 0.05);
         scope.answered("pid.kp = 0.055 N m/deg at the paddle");
         assert_eq!(scope.gains[0].value, 0.055);
@@ -457,23 +457,23 @@ mod tests {
             (scope.gains[0].value, scope.said.as_str()),
             (0.055, "pid.kp is 0 to 2")
         );
-        // The integral gain is off: the first step turns it on, the way back off.
+        // The integral gain is 0. The first step up sets the smallest value, and the step back sets 0 again.
         scope.press(key(KeyCode::Tab));
         assert_eq!(
             scope.press(key(KeyCode::Up)),
-            Wish::Send("set pid.ki 0.01".into())
+            Request::Send("set pid.ki 0.01".into())
         );
         scope.answered("pid.ki = 0.01 N m/(deg s)");
         assert_eq!(
             scope.press(key(KeyCode::Down)),
-            Wish::Send("set pid.ki 0".into())
+            Request::Send("set pid.ki 0".into())
         );
     }
 
     #[test]
-    fn channels_come_and_go_and_one_stays() {
+    fn channels_can_be_switched_on_and_off_but_one_always_stays() {
         let mut scope = scope();
-        assert_eq!(scope.press(key(KeyCode::Char('4'))), Wish::Stream);
+        assert_eq!(scope.press(key(KeyCode::Char('4'))), Request::Stream);
         assert_eq!(
             scope.streamed().to_string(),
             "encoder,velocity,torque,mode,fault"
@@ -481,34 +481,34 @@ mod tests {
         for digit in ['4', '5'] {
             scope.press(key(KeyCode::Char(digit)));
         }
-        assert_eq!(scope.press(key(KeyCode::Char('2'))), Wish::Nothing);
+        assert_eq!(scope.press(key(KeyCode::Char('2'))), Request::Nothing);
         assert_eq!(scope.channels.to_string(), "encoder");
     }
 
     #[test]
-    fn a_line_is_typed_for_the_console_and_keys_in_it_are_letters() {
+    fn keys_are_letters_while_a_console_line_is_typed() {
         let mut scope = scope();
         scope.press(key(KeyCode::Char(':')));
         assert_eq!(
             typed(&mut scope, "step 10 q"),
-            Wish::Send("step 10 q".into())
+            Request::Send("step 10 q".into())
         );
         assert_eq!(scope.line, None);
         scope.press(key(KeyCode::Char(':')));
         scope.press(key(KeyCode::Esc));
-        assert_eq!(scope.press(key(KeyCode::Char('q'))), Wish::Leave);
+        assert_eq!(scope.press(key(KeyCode::Char('q'))), Request::Leave);
     }
 
     #[test]
-    fn ctrl_c_leaves_whatever_goes_on() {
+    fn ctrl_c_leaves_the_scope_in_every_state() {
         let mut scope = scope();
         scope.press(key(KeyCode::Char(':')));
         let ctrl_c = KeyEvent::new(KeyCode::Char('c'), KeyModifiers::CONTROL);
-        assert_eq!(scope.press(ctrl_c), Wish::Leave);
+        assert_eq!(scope.press(ctrl_c), Request::Leave);
     }
 
     #[test]
-    fn a_picture_that_stands_still_loses_no_row() {
+    fn a_paused_plot_loses_no_row() {
         let mut scope = scope();
         scope.take(vec![row(0, 0.1)]);
         scope.press(key(KeyCode::Char(' ')));
@@ -519,10 +519,10 @@ mod tests {
     }
 
     #[test]
-    fn a_capture_is_shown_around_its_trigger_until_the_stream_is_wanted_again() {
+    fn a_capture_is_shown_around_its_trigger_until_the_stream_is_restarted() {
         let mut scope = scope();
         scope.take(vec![row(0, 0.1)]);
-        assert_eq!(scope.press(key(KeyCode::Char('c'))), Wish::Capture);
+        assert_eq!(scope.press(key(KeyCode::Char('c'))), Request::Capture);
         assert!(scope.awaits);
         let sample = link::Sample {
             encoder_rad: 0.1,
@@ -538,7 +538,7 @@ mod tests {
     }
 
     #[test]
-    fn old_rows_are_let_go() {
+    fn old_rows_are_discarded() {
         let mut scope = scope();
         for at in 0..100 {
             scope.take(vec![row(at * 20_000, 0.1)]);

@@ -1,4 +1,4 @@
-//! The scope's picture.
+//! Draws the scope.
 
 use super::state::{Panel, Scope, Trace};
 use ratatui::Frame;
@@ -8,7 +8,7 @@ use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Axis, Chart, Dataset, GraphType, Paragraph};
 
-/// One a channel, in the order of [`link::Channel::ALL`]; told apart without colour by their names.
+/// One colour per channel, in the order of [`link::Channel::ALL`]. Without colour the names distinguish the channels.
 const INKS: [Color; 7] = [
     Color::Yellow,
     Color::Cyan,
@@ -18,13 +18,13 @@ const INKS: [Color; 7] = [
     Color::Blue,
     Color::White,
 ];
-/// Room above and below what is drawn, as a share of it.
+/// Free space above and below the signals, as a share of their range.
 const MARGIN: f64 = 0.05;
-/// A plot shows at least so much of its unit, so that noise does not look like motion.
+/// Smallest range of a vertical axis in its unit, so that noise does not look like motion.
 const LEAST_SPAN: f64 = 1e-2;
 const KEYS: &str = "q leave  x stop all  space hold  +/- zoom  1-7 channels  tab gain  up/down change  c capture  l live  : console";
 
-/// Draws all of it.
+/// Draws the complete screen.
 pub fn draw(frame: &mut Frame, scope: &Scope, port: &str) {
     let [head, gains, plots, said, keys] = Layout::vertical([
         Constraint::Length(1),
@@ -120,7 +120,7 @@ fn plot(frame: &mut Frame, area: Rect, panel: Panel, traces: &[&Trace], span_s: 
     frame.render_widget(chart, area);
 }
 
-/// From and to which value a plot goes.
+/// Lower and upper end of a vertical axis.
 fn bounds(traces: &[&Trace]) -> [f64; 2] {
     let values = traces.iter().flat_map(|trace| &trace.points);
     let [low, high] = values.fold(
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn each_unit_has_a_plot_and_what_is_chosen_is_said() {
+    fn each_unit_has_a_plot_and_the_selected_gain_is_shown() {
         let mut scope = scope();
         scope.lost = 3;
         let shown = shown(&scope, 100, 30);
@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn a_terminal_of_any_size_is_drawn_on() {
+    fn the_scope_can_be_drawn_at_any_terminal_size() {
         let scope = scope();
         for (width, height) in [(1, 1), (3, 2), (20, 5), (300, 100)] {
             shown(&scope, width, height);
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_that_moves_has_a_plot_all_the_same() {
+    fn a_constant_signal_still_has_a_plot() {
         let channels = Channels::NONE.with(Channel::Duty);
         let empty = Scope::new(channels, 1.0, &Settings::default());
         assert!(shown(&empty, 80, 20).contains('%'));

@@ -1,4 +1,4 @@
-//! `paddle sim step` and its like: one excitation, its plot and its log.
+//! `paddle sim step` and the other excitations: simulates one experiment, and writes its plot and its log.
 
 use super::rig::{Assembly, GainChoice, Rig, gains};
 use crate::answer::{Answer, short};
@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// What is asked of the paddle.
+/// Options of the experiment.
 #[derive(Args, Clone, Debug)]
 #[command(allow_negative_numbers = true)]
 pub struct Arguments {
@@ -27,28 +27,28 @@ pub struct Arguments {
     rig: Rig,
     #[command(flatten)]
     gains: GainChoice,
-    /// Open loop: the excitation is a torque. A ramp always is.
+    /// Open loop: the excitation is a torque. A ramp is always a torque.
     #[arg(long)]
     torque: bool,
     /// Amplitude of the excitation: degrees, or N m at the motor with --torque [default: 10, or 0.0011; ramp 0.003].
     #[arg(long, value_parser = numbers::finite)]
     amplitude: Option<f64>,
-    /// Constant part of the excitation, in the unit of the amplitude.
+    /// Offset of the excitation, in the unit of the amplitude.
     #[arg(long, default_value_t = 0.0, value_parser = numbers::finite)]
     offset: f64,
-    /// Frequency of a wave; of a chirp the first one, of a multisine the fundamental.
+    /// Frequency of a wave, first frequency of a chirp, or fundamental of a multisine.
     #[arg(long, default_value_t = 1.0, value_name = "Hz", value_parser = numbers::positive)]
     frequency: f64,
     /// Last frequency of a chirp.
     #[arg(long, default_value_t = 20.0, value_name = "Hz", value_parser = numbers::positive)]
     end_frequency: f64,
-    /// Duration [default: 0.5 for a step, else 3].
+    /// Duration [default: 0.5 for a step, 3 for other excitations].
     #[arg(long, value_name = "s", value_parser = numbers::positive)]
     seconds: Option<f64>,
-    /// Rows a second of CSV and recording [default: every period of the position loop].
+    /// Rows per second of the CSV and of the recording [default: every period of the position loop].
     #[arg(long, value_name = "Hz", value_parser = numbers::positive)]
     log_rate: Option<f64>,
-    /// Write plot and CSV to this folder.
+    /// Write the plot and the CSV to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
     /// Write a recording to this folder, for `paddle gap`.
@@ -65,10 +65,10 @@ const AMPLITUDE_DEG: f64 = 10.0;
 const AMPLITUDE_NM: f64 = 0.0011;
 const RAMP_NM: f64 = 0.003;
 
-/// Simulates.
+/// Simulates the experiment.
 ///
 /// # Errors
-/// [`Failure`] for options that make no experiment, or files that cannot be written.
+/// Returns a [`Failure`] if the options contradict each other, or if a file cannot be written.
 pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
     let Assembly {
         mut setup,
@@ -132,27 +132,27 @@ pub fn run(shape: Shape, arguments: &Arguments) -> Result<Answer, Failure> {
         let _ = writeln!(text, "  {}", file.display());
     }
     result["files"] = json!(folder.files());
-    let mut amiss = folder.lost();
+    let mut problems = folder.lost();
     if let Some(path) = &arguments.recording {
         match leave_recording(path, &arguments.recorded(name, &trace, &setup, model)) {
             Ok(()) => {
                 let _ = writeln!(text, "  recording in {}", path.display());
                 result["recording"] = json!(path);
             }
-            Err(failure) => amiss.push(failure),
+            Err(failure) => problems.push(failure),
         }
     }
     Ok(Answer {
         text,
         json: result,
-        amiss,
+        problems,
     })
 }
 
-/// The default step on the refitted paddle, left in `out`.
+/// Simulates the default step on the refitted paddle and writes its files to `out`.
 ///
 /// # Errors
-/// [`Failure`] for files that cannot be written.
+/// Returns a [`Failure`] if a file cannot be written.
 pub fn step_of_refit(out: &Path) -> Result<Answer, Failure> {
     let arguments = Arguments {
         rig: Rig::default(),
@@ -171,10 +171,10 @@ pub fn step_of_refit(out: &Path) -> Result<Answer, Failure> {
     run(Shape::Step, &arguments)
 }
 
-/// Makes sure that a recording of `duration_s` has room for a prediction window.
+/// Checks that a recording of `duration_s` is at least as long as a prediction window.
 ///
 /// # Errors
-/// [`Failure::Setting`].
+/// Returns [`Failure::Setting`] if it is shorter.
 fn horizon_fits(horizon_s: f64, duration_s: f64) -> Result<(), Failure> {
     if horizon_s <= duration_s {
         return Ok(());
@@ -184,10 +184,11 @@ fn horizon_fits(horizon_s: f64, duration_s: f64) -> Result<(), Failure> {
     )))
 }
 
-/// Leaves a recording that `paddle gap` can read.
+/// Writes a recording that `paddle gap` can read.
 ///
 /// # Errors
-/// [`Failure`] for one that it could not, which is not written, and for a folder that cannot be filled.
+/// Returns a [`Failure`] if `paddle gap` could not use the recording, which is then not written, or if the folder cannot be
+/// written.
 pub fn leave_recording(path: &Path, recording: &Recording) -> Result<(), Failure> {
     recording.validate()?;
     if path.join("recording.toml").exists() {
@@ -197,7 +198,7 @@ pub fn leave_recording(path: &Path, recording: &Recording) -> Result<(), Failure
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let plant = Target::of("--plant", Use::Read, self.rig.plant.file());
         let out = Target::of("--out", Use::NewFolder, &self.out);
@@ -290,7 +291,7 @@ fn name(shape: Shape) -> &'static str {
     named.map_or("experiment", |(name, _)| name)
 }
 
-/// The metrics for people.
+/// The metrics as text.
 pub fn table(report: &StepReport, settings: &Settings) -> String {
     let time = |seconds: Option<f32>| match seconds {
         Some(seconds) => format!("{:>8.1} ms", 1e3 * seconds),
@@ -306,7 +307,7 @@ pub fn table(report: &StepReport, settings: &Settings) -> String {
     )
 }
 
-/// The metrics for programs; a time that is never reached is null.
+/// The metrics as JSON. A time that is never reached is null.
 pub fn metrics(report: &StepReport) -> Value {
     let ms = |seconds: Option<f32>| seconds.map(|s| short(1e3 * s));
     json!({
@@ -326,7 +327,7 @@ fn scaled(values: &[f64], scale: f64) -> Vec<f64> {
     values.iter().map(|v| v * scale).collect()
 }
 
-/// Longest plot whose time is in ms, s.
+/// Longest plot with a time axis in ms, s.
 const MILLISECONDS_UP_TO: f64 = 2.0;
 
 fn figure(trace: &Trace, settings: &Settings, step: Option<StepReport>, title: String) -> Figure {
@@ -343,7 +344,7 @@ fn figure(trace: &Trace, settings: &Settings, step: Option<StepReport>, title: S
     };
     let time = scaled(&trace.time_s, per_s);
     let position = match step {
-        // The metrics are those of the filtered position, so that is what is shown.
+        // The metrics refer to the filtered position, so the plot shows the filtered position.
         Some(report) => {
             let points = time
                 .iter()

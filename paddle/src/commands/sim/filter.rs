@@ -1,4 +1,4 @@
-//! `paddle sim filter`: what the low-pass on the position is for (report, section 3.2.2).
+//! `paddle sim filter`: shows the effect of the low-pass on the position (report, section 3.2.2).
 
 use super::rig::{GainChoice, Rig, SensorChoice};
 use crate::answer::{Answer, short};
@@ -18,7 +18,7 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// With which regulator, and where to.
+/// Options of the command.
 #[derive(Args, Clone, Debug)]
 #[command(
     after_help = "Example: paddle sim filter --kd 0.0008 --json filter.json
@@ -28,21 +28,21 @@ A derivative gain is stable if the paddle follows that sine without a fault and 
 the torque limit: an unstable loop swings from limit to limit. The largest one is found by bisection to 1 %."
 )]
 pub struct Arguments {
-    /// Derivative gain of the torque noise, N m s per degree at the paddle.
+    /// Derivative gain at which the torque noise is measured, N m s per degree at the paddle.
     #[arg(long, default_value_t = 0.0008, value_name = "N m s/deg", value_parser = numbers::setting)]
     kd: f32,
-    /// Cutoff of the filter, Hz.
+    /// Cutoff frequency of the filter, Hz.
     #[arg(long, default_value_t = 100.0, value_name = "Hz", value_parser = numbers::setting)]
     cutoff: f32,
-    /// Run the 20 kHz current loop through bridge and winding, in place of the lab's 350 µs and an exact torque.
+    /// Simulate the 20 kHz current loop with bridge and winding, instead of the lab's 350 µs loop with an ideal torque.
     #[arg(long)]
     current_loop: bool,
-    /// Write plots to this folder.
+    /// Write the plots to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
 }
 
-/// One sensor, with the filter or without.
+/// Result for one sensor, with or without the filter.
 struct Case {
     label: String,
     sensor: &'static str,
@@ -52,10 +52,10 @@ struct Case {
     largest_kd: Option<f64>,
 }
 
-/// Compares.
+/// Compares the sensors with and without the filter.
 ///
 /// # Errors
-/// [`Failure`] for gains that are no gains, or files that cannot be written.
+/// Returns a [`Failure`] if a gain is invalid, or if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let mut cases = Vec::new();
     for (choice, sensor) in [
@@ -107,12 +107,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "cases": rows,
             "files": folder.files(),
         }),
-        amiss: folder.lost(),
+        problems: folder.lost(),
     })
 }
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         Target::of("--out", Use::NewFolder, &self.out)
             .into_iter()
@@ -139,7 +139,7 @@ fn case(
         };
         let mut setup = rig.assemble()?.setup;
         gains.apply(&mut setup.settings)?;
-        // The observer has a filter of its own.
+        // The observer has its own filter, so it is not used here.
         setup.settings.pid.derivative = DerivativeSource::Position;
         Ok::<_, Failure>(setup)
     };
@@ -171,20 +171,20 @@ fn case(
     })
 }
 
-/// Between which the largest stable derivative gain is sought, N m s per degree.
+/// Range of the search for the largest stable derivative gain, N m s per degree.
 const KD_RANGE: [f64; 2] = [0.0001, 0.1];
-/// Ratio of unstable to stable at which the search ends.
+/// Ratio of an unstable gain to a stable gain at which the search ends.
 const KD_PRECISION: f64 = 1.01;
 const SEGMENT: usize = 512;
 
 const FOLLOWED_DEG: f32 = 5.0;
 const FOLLOWED_HZ: f32 = 0.5;
 const FOLLOWED_S: f64 = 4.0;
-/// Where torque noise begins.
+/// Lower limit of the torque noise in frequency.
 const NOISE_FROM_HZ: f64 = 25.0;
 
-/// Rms of what lies above [`NOISE_FROM_HZ`]: of the signal less its mean over 1 / (2 f) around each sample, whose first
-/// zero is at 2 f and whose response is about one half at f.
+/// Root mean square of the signal above about [`NOISE_FROM_HZ`] (f). A moving average over 1 / (2 f) is subtracted from the
+/// signal. The average has its first zero at 2 f, and the difference has a gain of about one half at f.
 fn noise_nm(torque_nm: &[f64], sample_hz: f64) -> f64 {
     let half = (sample_hz / (4.0 * NOISE_FROM_HZ)) as usize;
     let windows = torque_nm.windows(2 * half + 1);
@@ -198,7 +198,7 @@ fn noise_nm(torque_nm: &[f64], sample_hz: f64) -> f64 {
     (power / count).sqrt()
 }
 
-/// Share of the torque limit below which a stable loop's torque noise stays.
+/// A loop counts as stable if its torque noise is below this share of the torque limit.
 const STABLE_SHARE: f64 = 0.1;
 
 fn is_stable(setup: &LoopSetup) -> Result<bool, Failure> {

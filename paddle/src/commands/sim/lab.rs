@@ -1,4 +1,4 @@
-//! `paddle sim lab`: the lab's own Simulink model, whose dry friction never acts.
+//! `paddle sim lab`: simulates the lab's own Simulink model, in which the dry friction has no effect.
 
 use super::experiment::leave_recording;
 use crate::answer::Answer;
@@ -16,7 +16,7 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Under which torque.
+/// Options of the command.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   paddle sim lab --amplitude 0.0011 --recording lab-2018
@@ -33,10 +33,10 @@ pub struct Arguments {
     /// Frequency of the torque sine.
     #[arg(long, default_value_t = 1.0, value_name = "Hz", value_parser = numbers::positive)]
     frequency: f64,
-    /// Duration.
+    /// Duration of the simulation.
     #[arg(long, default_value_t = 20.0, value_name = "s", value_parser = numbers::positive)]
     seconds: f64,
-    /// Write plot and CSV to this folder.
+    /// Write the plot and the CSV to this folder.
     #[arg(long, default_value = "paddle-out", value_name = "DIR")]
     out: PathBuf,
     /// Write a recording to this folder, for `paddle gap`.
@@ -47,10 +47,10 @@ pub struct Arguments {
 /// Longest simulation, s.
 const LONGEST_S: f64 = 3600.0;
 
-/// Simulates.
+/// Runs the simulation.
 ///
 /// # Errors
-/// [`Failure`] for numbers that make no experiment, or files that cannot be written.
+/// Returns a [`Failure`] if a number is invalid, or if a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let &Arguments {
         amplitude,
@@ -123,11 +123,11 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         let _ = writeln!(text, "  {}", file.display());
     }
     let files = json!(folder.files());
-    let mut amiss = folder.lost();
+    let mut problems = folder.lost();
     if let Some(path) = &arguments.recording {
         match leave_recording(path, &recorded(&samples)) {
             Ok(()) => drop(writeln!(text, "  recording in {}", path.display())),
-            Err(failure) => amiss.push(failure),
+            Err(failure) => problems.push(failure),
         }
     }
     Ok(Answer {
@@ -144,7 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "files": files,
             "recording": arguments.recording,
         }),
-        amiss,
+        problems,
     })
 }
 
@@ -152,7 +152,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 const HORIZON_S: f64 = 0.5;
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let out = Target::of("--out", Use::NewFolder, &self.out);
         let recording = Target::of("--recording", Use::NewFolder, self.recording.as_ref());

@@ -1,4 +1,4 @@
-//! `paddle sim`: the control core on the simulated paddle.
+//! `paddle sim`: simulates the control core with the paddle.
 
 mod experiment;
 mod filter;
@@ -17,54 +17,54 @@ use experiment::Arguments;
 pub use experiment::step_of_refit;
 pub use rig::SensorChoice;
 
-/// What is simulated.
+/// Subcommands of `paddle sim`.
 #[derive(Subcommand)]
 pub enum Command {
-    /// A step, with its overshoot, rise, settling and steady-state error.
+    /// Simulate a position step; report overshoot, rise time, settling time and steady-state error.
     #[command(
         after_help = "Example: paddle sim step --kp 0.05 --ki 0.28 --kd 0.0008 --plant refit --sensor hall"
     )]
     Step(Arguments),
-    /// A sine.
+    /// Simulate a sine.
     #[command(
         after_help = "Example: paddle sim sine --torque --amplitude 0.0011 --frequency 1 --seconds 12 --plant refit"
     )]
     Sine(Arguments),
-    /// A square wave.
+    /// Simulate a square wave.
     #[command(after_help = "Example: paddle sim square --amplitude 5 --frequency 1 --current-loop")]
     Square(Arguments),
-    /// A sine of rising frequency.
+    /// Simulate a chirp: a sine with rising frequency.
     #[command(
         after_help = "Example: paddle sim chirp --amplitude 2 --frequency 0.5 --end-frequency 20 --seconds 10"
     )]
     Chirp(Arguments),
-    /// Six harmonics at once.
+    /// Simulate a multisine of six harmonics.
     #[command(
         after_help = "Example: paddle sim multisine --amplitude 15 --frequency 0.5 --with stribeck --recording my-recording"
     )]
     Multisine(Arguments),
-    /// A rising torque until the paddle breaks away.
+    /// Simulate a rising torque until the paddle breaks away.
     #[command(
         after_help = "Example: paddle sim ramp --amplitude 0.003 --seconds 3 --with stribeck:static_ratio=1.4"
     )]
     Ramp(Arguments),
-    /// A triangle wave.
+    /// Simulate a triangle wave.
     #[command(
         after_help = "Example: paddle sim triangle --amplitude 20 --frequency 0.2 --seconds 10"
     )]
     Triangle(Arguments),
-    /// Compare torque noise and largest stable derivative gain without and with the filter on the position.
+    /// Compare the torque noise and the largest stable derivative gain with and without the filter on the position.
     Filter(filter::Arguments),
-    /// Gains for a specification, with margins and the worst case over a spread of paddles.
+    /// Find gains for a specification, with stability margins and the worst case over a range of paddles.
     Tune(tune::Arguments),
-    /// Gains by the report's Ziegler-Nichols procedure.
+    /// Find gains by the report's Ziegler-Nichols procedure.
     Zn(zn::Arguments),
-    /// The lab's own Simulink model, whose dry friction never acts.
+    /// Simulate the lab's own Simulink model, in which the dry friction has no effect.
     Lab(lab::Arguments),
 }
 
 impl Command {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         match self {
             Self::Step(arguments)
@@ -81,10 +81,10 @@ impl Command {
         }
     }
 
-    /// Does it.
+    /// Runs the command.
     ///
     /// # Errors
-    /// [`Failure`] with cause and mend.
+    /// Returns a [`Failure`] with the cause and a remedy.
     pub fn run(&self) -> Result<Answer, Failure> {
         match self {
             Self::Step(arguments) => experiment::run(Shape::Step, arguments),

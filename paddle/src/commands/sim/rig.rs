@@ -1,4 +1,4 @@
-//! The options that make a closed loop.
+//! Options that define a closed loop.
 
 use crate::answer::short;
 use crate::failure::Failure;
@@ -13,38 +13,38 @@ use host_sim::presets;
 use recording::Model;
 use serde_json::{Map, Value, json};
 
-/// The paddle, its effects, and the board on it.
+/// The paddle, its effects, and its controller.
 #[derive(Args, Clone, Debug)]
 pub struct Rig {
-    /// `nominal`, `refit`, what `paddle gap diagnose --save-model` left, or a TOML file with what differs from nominal:
-    /// [model], [settings] and with = ["effect"].
+    /// Paddle model: `nominal`, `refit`, a file that `paddle gap diagnose --save-model` wrote, or a TOML file with the
+    /// changes from nominal: [model], [settings] and with = ["effect"].
     #[arg(
         long,
         default_value = "nominal",
         value_name = "nominal|refit|FILE.toml"
     )]
     pub plant: PlantChoice,
-    /// Switch an effect into the paddle; may be repeated. `paddle effects` lists them.
+    /// Add this effect to the paddle; may be repeated. `paddle effects` lists the effects.
     #[arg(long, value_name = "EFFECT:PARAMETER=VALUE,...")]
     pub with: Vec<Effect>,
     /// Sensor that feeds the regulator.
     #[arg(long, value_enum)]
     pub sensor: Option<SensorChoice>,
-    /// Cutoff of the low-pass on the position, Hz; 0 is none.
+    /// Cutoff of the low-pass on the position, Hz; 0 disables it.
     #[arg(long, value_name = "Hz", value_parser = numbers::setting)]
     pub cutoff: Option<f32>,
     /// Any other setting of the control core, as on its console; may be repeated.
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
-    /// Run the 20 kHz current loop through bridge and winding, in place of the lab's 350 µs and an exact torque.
+    /// Simulate the 20 kHz current loop with bridge and winding, instead of the lab's 350 µs loop with an ideal torque.
     #[arg(long)]
     pub current_loop: bool,
-    /// Seed of all noise.
+    /// Seed of the random noise.
     #[arg(long, default_value_t = 0, value_parser = numbers::whole)]
     pub seed: u64,
 }
 
-/// Gains of the regulator, where they are not the default ones.
+/// Gains of the regulator that replace the default gains.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct GainChoice {
     /// Proportional gain, N m per degree at the paddle.
@@ -58,18 +58,18 @@ pub struct GainChoice {
     pub kd: Option<f32>,
 }
 
-/// A loop that is ready to be run.
+/// A closed loop that is ready to be simulated.
 #[derive(Debug)]
 pub struct Assembly {
-    /// The loop.
+    /// The closed loop.
     pub setup: LoopSetup,
-    /// What a recording of it states as nominal.
+    /// Nominal model of a recording of the loop.
     pub model: Model,
-    /// What the user should know of the files that it came from, lines ended.
+    /// Warnings about the files that were read. Every line ends with a newline.
     pub warnings: String,
 }
 
-/// A sensor by name: the encoder on the motor, or the Hall sensor on the paddle.
+/// The sensor of the regulator: the encoder on the motor, or the Hall sensor on the paddle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SensorChoice {
     Encoder,
@@ -77,7 +77,7 @@ pub enum SensorChoice {
 }
 
 impl Default for Rig {
-    /// The lab's paddle as refitted.
+    /// The refitted paddle of the lab.
     fn default() -> Self {
         Self {
             plant: PlantChoice::Refit,
@@ -92,10 +92,10 @@ impl Default for Rig {
 }
 
 impl Rig {
-    /// The loop.
+    /// Creates the closed loop.
     ///
     /// # Errors
-    /// [`Failure`] for a file or a setting that cannot be used.
+    /// Returns a [`Failure`] if a file or a setting cannot be used.
     pub fn assemble(&self) -> Result<Assembly, Failure> {
         let mut plant = self.plant.load()?;
         plant.install(&self.with)?;
@@ -138,7 +138,7 @@ impl Rig {
         Ok(())
     }
 
-    /// What was simulated, for programs: enough to do it again.
+    /// The simulated loop as JSON, complete enough to repeat the simulation.
     pub fn json(&self, setup: &LoopSetup) -> Value {
         let effects = self.with.iter().map(|effect| {
             let count = effect.values.len();
@@ -151,7 +151,7 @@ impl Rig {
             let value = field.read(&setup.settings);
             let value = match field.kind {
                 Kind::Number { .. } => json!(short(value)),
-                // A choice is the index of its name.
+                // A choice is stored as the index of its name.
                 Kind::Choice(names) => json!(names.get(value as usize)),
             };
             (field.name.to_owned(), value)
@@ -165,7 +165,7 @@ impl Rig {
         })
     }
 
-    /// In a few words.
+    /// A short title.
     pub fn title(&self, settings: &Settings) -> String {
         let sensor = match settings.estimate.sensor {
             Sensor::Encoder => "encoder",
@@ -180,7 +180,7 @@ impl Rig {
     }
 }
 
-/// The gains in `settings`, for programs.
+/// The gains in `settings` as JSON.
 pub fn gains(settings: &Settings) -> Value {
     json!({
         "kp_nm_per_deg": short(settings.pid.kp_nm_per_deg),
@@ -190,10 +190,10 @@ pub fn gains(settings: &Settings) -> Value {
 }
 
 impl GainChoice {
-    /// Puts those that are given into `settings`.
+    /// Writes the given gains to `settings`.
     ///
     /// # Errors
-    /// [`Failure`] for one that is refused.
+    /// Returns a [`Failure`] if a gain is refused.
     pub fn apply(&self, settings: &mut Settings) -> Result<(), Failure> {
         let named = [
             ("pid.kp", self.kp),

@@ -1,4 +1,4 @@
-//! `paddle sim tune`: gains for a specification.
+//! `paddle sim tune`: finds gains that meet a specification.
 
 use super::experiment::metrics;
 use super::rig::{Assembly, Rig};
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// For what, on which loop.
+/// Options of the command.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:
   paddle sim tune --plant refit
@@ -36,25 +36,25 @@ pub struct Arguments {
     /// Amplitude of the step, degrees.
     #[arg(long, default_value_t = 10.0, value_name = "deg", value_parser = numbers::finite)]
     amplitude: f64,
-    /// Largest overshoot, share of the step.
+    /// Largest overshoot, per cent of the step.
     #[arg(long, default_value_t = 25.0, value_name = "%", value_parser = numbers::finite)]
     overshoot: f64,
-    /// Longest time to the first crossing of the target.
+    /// Longest rise time: time to the first crossing of the target.
     #[arg(long, default_value_t = 100.0, value_name = "ms", value_parser = numbers::finite)]
     rise: f64,
-    /// Longest time until it stays within `metrics.band` of the target.
+    /// Longest settling time: time until the position stays within `metrics.band` of the target.
     #[arg(long, default_value_t = 350.0, value_name = "ms", value_parser = numbers::finite)]
     settling: f64,
-    /// Least gain margin.
+    /// Smallest gain margin.
     #[arg(long, default_value_t = 6.0, value_name = "dB", value_parser = numbers::finite)]
     gain_margin: f64,
-    /// Least phase margin.
+    /// Smallest phase margin.
     #[arg(long, default_value_t = 30.0, value_name = "deg", value_parser = numbers::finite)]
     phase_margin: f64,
-    /// Largest deviation of dry and viscous friction from the plant's, in either direction.
+    /// Largest deviation of dry and viscous friction from the plant's values, in both directions.
     #[arg(long, default_value_t = 30.0, value_name = "%", value_parser = numbers::finite)]
     friction_spread: f64,
-    /// Largest deviation of the inertia from the plant's, in either direction.
+    /// Largest deviation of the inertia from the plant's value, in both directions.
     #[arg(long, default_value_t = 10.0, value_name = "%", value_parser = numbers::finite)]
     inertia_spread: f64,
     /// Write a plot to this folder.
@@ -62,10 +62,10 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Tunes.
+/// Finds the gains.
 ///
 /// # Errors
-/// [`Failure`] for a loop or a specification that cannot be.
+/// Returns a [`Failure`] if the loop or the specification is invalid.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let Assembly {
         setup, warnings, ..
@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "rig": arguments.rig.json(&setup),
             "files": folder.files(),
         }),
-        amiss: (!meets)
+        problems: (!meets)
             .then_some(Failure::OutOfReach)
             .into_iter()
             .chain(folder.lost())
@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let plant = Target::of("--plant", Use::Read, self.rig.plant.file());
         let out = Target::of("--out", Use::NewFolder, &self.out);
@@ -159,7 +159,7 @@ impl Arguments {
         Ok((specification, variants))
     }
 
-    /// What is asked of a step and of the loop.
+    /// Bounds on the step response and on the margins.
     fn bounds(&self, band_deg: f64) -> [Bound; 6] {
         let at_most = |name, unit, bound, of| Bound {
             name,
@@ -193,7 +193,7 @@ impl Arguments {
         ]
     }
 
-    /// The known paddle and the worst of each quantity, beside the bounds.
+    /// Table of the bounds, with the values for the known paddle and the worst values.
     fn table(&self, cases: &[Case], band_deg: f64) -> String {
         let mut text = format!(
             "{:<14} {:>12} {:>12}   friction ±{} %, inertia ±{} %\n",
@@ -206,9 +206,9 @@ impl Arguments {
     }
 }
 
-/// The decimal that a person typed for this setting.
+/// Converts a setting to the decimal number that a user would type for it.
 fn in_decimals(setting: f32) -> f64 {
-    // What a float is written as reads back as a number.
+    // The decimal form of a finite f32 always parses as an f64.
     setting.to_string().parse().unwrap_or(f64::from(setting))
 }
 
@@ -222,7 +222,7 @@ enum Side {
     AtLeast,
 }
 
-/// One demand.
+/// A bound on one quantity.
 struct Bound {
     name: &'static str,
     unit: &'static str,
@@ -232,7 +232,7 @@ struct Bound {
 }
 
 impl Bound {
-    /// The known paddle, which is the first, and the worst.
+    /// The value for the known paddle, which is the first case, and the worst value.
     fn line(&self, cases: &[Case]) -> String {
         let values: Vec<_> = cases.iter().map(self.of).collect();
         let (worst, asked, missed) = match self.side {
@@ -279,7 +279,7 @@ fn case(case: &Case) -> Value {
     })
 }
 
-/// All steps in one panel, until they must have settled.
+/// All steps in one plot, up to the required settling time.
 fn figure(title: &str, cases: &[Case], [target_deg, band_deg]: [f64; 2], shown_ms: f64) -> Figure {
     let percent = |factor: f64| format!("{:+.0} %", 100.0 * (factor - 1.0));
     let lines = cases.iter().enumerate().map(|(place, case)| Line {

@@ -15,7 +15,7 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// On which loop.
+/// Options of the command.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Example: paddle sim zn --plant refit --sensor hall
 
@@ -33,15 +33,15 @@ pub struct Arguments {
     out: PathBuf,
 }
 
-/// Duration of the step with the gains that are found, s.
+/// Duration of the step response with the final gains, s.
 const STEP_S: f64 = 1.0;
-/// Duration of the oscillation in the plot, ms.
+/// Time axis of the oscillation in the plot, ms.
 const SHOWN_MS: f64 = 1000.0;
 
-/// Tunes.
+/// Runs the procedure.
 ///
 /// # Errors
-/// [`Failure`] for a loop that cannot be made, never keeps swinging, or swings out of its travel.
+/// Returns a [`Failure`] if the loop cannot be created, never sustains an oscillation, or exceeds its travel.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let Assembly {
         setup, warnings, ..
@@ -104,12 +104,12 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
             "rig": arguments.rig.json(&setup),
             "files": folder.files(),
         }),
-        amiss: folder.lost(),
+        problems: folder.lost(),
     })
 }
 
 impl Arguments {
-    /// Where it will write, and what it must not write over.
+    /// Paths that the command writes, and paths that it must not overwrite.
     pub fn targets(&self) -> Vec<Target<'_>> {
         let plant = Target::of("--plant", Use::Read, self.rig.plant.file());
         let out = Target::of("--out", Use::NewFolder, &self.out);

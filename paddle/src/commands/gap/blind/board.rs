@@ -1,4 +1,4 @@
-//! `paddle gap blind --board`: `paddle experiment` scored on virtual boards whose paddles have something hidden in them.
+//! `paddle gap blind --board`: scores `paddle experiment` on virtual boards whose paddles contain hidden effects.
 
 use super::hidden::{HiddenPaddle, written};
 use crate::answer::Answer;
@@ -22,38 +22,39 @@ use virtual_board::board::Board;
 use virtual_board::image::Image;
 use virtual_board::wiring::Wires;
 
-/// Which paddles, and what they may take.
+/// The set of paddles, and the limits of each experiment.
 pub struct BoardCheck<'a> {
-    /// How many.
+    /// Number of paddles.
     pub cases: u64,
     /// Seed of the set.
     pub seed: u64,
-    /// Hidden alone in every paddle, or the dominant one of it.
+    /// Name of the only effect, or of the dominant effect, in every paddle.
     pub only: Option<&'a str>,
-    /// With small effects beside the dominant one, and numbers that are off.
+    /// Whether small effects and errors of the model's numbers are added to the dominant effect.
     pub messy: bool,
-    /// Most time of each paddle's, s.
+    /// Most paddle time per case, s.
     pub seconds: f64,
-    /// Everything is kept here, a folder each.
+    /// Folder of the results, with one subfolder per paddle.
     pub folder: &'a Path,
 }
 
-/// What became of one paddle.
+/// Result for one paddle.
 struct Case {
     outcome: Outcome,
     hidden: String,
     unique: bool,
     runs: usize,
-    /// Time of the paddle's, s, and of the computer's.
+    /// Time of the paddle and time of the computer, s.
     paddle_s: f64,
     took_s: f64,
 }
 
 impl BoardCheck<'_> {
-    /// Draws, experiments and scores; a line a case goes to standard error as it is done.
+    /// Draws the paddles, runs the experiments and scores them. Each finished case prints a line on standard error.
     ///
     /// # Errors
-    /// [`Failure`] if there is no firmware. A paddle that cannot be drawn, or whose experiments fail, is told and left out.
+    /// Returns a [`Failure`] if there is no firmware. A paddle that cannot be drawn, or whose experiments fail, is reported
+    /// and left out.
     pub fn run(&self) -> Result<Answer, Failure> {
         let path = firmware::build()?;
         let unusable = |source| Failure::Image {
@@ -63,7 +64,7 @@ impl BoardCheck<'_> {
         let image = Image::read(&path).map_err(unusable)?;
         let interrupt = Interrupt::watched()?;
         let mut cases: Vec<Case> = Vec::new();
-        let mut amiss = Vec::new();
+        let mut problems = Vec::new();
         for number in 1..=self.cases {
             let drawn = HiddenPaddle::draw(self.seed, number, self.only, self.messy);
             let done = drawn.and_then(|paddle| {
@@ -76,15 +77,15 @@ impl BoardCheck<'_> {
                     cases.push(case);
                     for failure in lacking {
                         progress::note(&format!("case {number}: {failure}"));
-                        amiss.push(failure);
+                        problems.push(failure);
                     }
                 }
                 Err(failure) => {
                     progress::note(&format!("case {number}: {failure}"));
-                    amiss.push(failure);
+                    problems.push(failure);
                 }
             }
-            if interrupt.is_wished() {
+            if interrupt.is_requested() {
                 break;
             }
         }
@@ -115,7 +116,7 @@ impl BoardCheck<'_> {
                 "unique": unique, "longest_s": longest_s,
                 "each": cases.iter().map(Case::json).collect::<Vec<_>>(),
             }),
-            amiss,
+            problems,
         })
     }
 
@@ -152,10 +153,10 @@ impl BoardCheck<'_> {
             paddle_s,
             took_s: begun.elapsed().as_secs_f64(),
         };
-        Ok((case, answer.amiss))
+        Ok((case, answer.problems))
     }
 
-    /// The diagnosis against the truth, by the rules of the blind check.
+    /// Compares the diagnosis with the truth by the rules of the blind check.
     fn judged(
         &self,
         number: u64,
@@ -187,7 +188,7 @@ impl BoardCheck<'_> {
         let truth = Truth {
             seed: self.seed,
             case: number,
-            // A number of the model that has moved is a finding: what is hidden may be no more than that.
+            // A changed number of the model is a valid finding, because the hidden effect may be only that.
             kind: Kind::Messy,
             device: "the lab's paddle".into(),
             effects: effects.chain(off).collect(),
@@ -201,7 +202,7 @@ impl BoardCheck<'_> {
 }
 
 impl Case {
-    /// Whether the hidden effect is the answer, and nothing else could be it.
+    /// Whether the diagnosis names the hidden effect first and no other effect could explain the gap.
     fn is_unique(&self) -> bool {
         self.outcome.first && self.unique
     }
@@ -227,7 +228,7 @@ impl Case {
     }
 }
 
-/// A board with the paddle on it, whose supply has just come.
+/// Creates a board with the paddle, just after power-on.
 fn board(
     image: &Image,
     paddle: &HiddenPaddle,

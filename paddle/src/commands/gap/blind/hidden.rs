@@ -1,4 +1,4 @@
-//! A paddle of the lab's size with something hidden in it, drawn at random.
+//! Draws a paddle of the lab's size with hidden effects.
 
 use crate::failure::Failure;
 use blind::{Draw, GAP_OVER_FLOOR, SMALL_SHARE, alike};
@@ -11,27 +11,27 @@ use host_sim::experiment::{Experiment, recording};
 use host_sim::presets;
 use remote::Plan;
 
-/// How a number is drawn.
+/// Distribution of a drawn number.
 #[derive(Clone, Copy)]
 enum Spread {
-    /// Evenly between these.
+    /// Uniform between these limits.
     Even(f64, f64),
-    /// Evenly in the logarithm, between two positive ones.
+    /// Uniform in the logarithm between two positive limits.
     Log(f64, f64),
-    /// The same, of either sign.
+    /// As `Log`, with a random sign.
     Either(f64, f64),
 }
 
 use Spread::{Either, Even, Log};
 
-/// How the numbers of an effect are drawn; those that are not there stay as by default.
+/// Distributions of the parameters of an effect. Parameters without a distribution keep their default values.
 struct Recipe {
     name: &'static str,
-    /// The number that says how strong it is.
+    /// The parameter that sets the strength of the effect.
     strength: (&'static str, Spread),
-    /// That number where the effect does nothing; none for effects that are never made small.
+    /// Value of that parameter at which the effect does nothing. `None` for effects that are never drawn small.
     neutral: Option<f64>,
-    /// What else is drawn.
+    /// The other drawn parameters.
     form: &'static [(&'static str, Spread)],
 }
 
@@ -49,11 +49,11 @@ const fn recipe(
     }
 }
 
-/// Share of the inertia behind a transmission that is not rigid.
+/// Share of the inertia on the load side of a flexible transmission.
 const LOAD: (&str, Spread) = ("load_share", Even(0.2, 0.6));
 
-/// Every effect of the vocabulary, in SI units at the paddle, or at the motor for the drive. What happens at a moment
-/// happens while the first experiment is recorded.
+/// Every effect of the library, in SI units at the paddle, or at the motor for drive effects. An effect that occurs at one
+/// time occurs during the first experiment.
 #[rustfmt::skip]
 const RECIPES: [Recipe; 31] = [
     recipe("torque_gain", ("gain", Log(0.6, 1.6)), None, &[]),
@@ -91,47 +91,48 @@ const RECIPES: [Recipe; 31] = [
     recipe("rate_limit", ("rate", Log(0.01, 0.1)), None, &[]),
 ];
 
-/// How many small effects there are beside the dominant one, if any.
+/// Number of small effects beside the dominant one in a messy paddle.
 const SMALL: usize = 3;
-/// How far the model's numbers are off then, relative.
+/// Relative error of the model's numbers in a messy paddle.
 const OFF: f64 = 0.05;
-/// Size of a small effect over that of the dominant one, well within [`SMALL_SHARE`].
+/// Intended size of a small effect relative to the dominant one, well within [`SMALL_SHARE`].
 const AIMED_SHARE: [f64; 2] = [1.3 * SMALL_SHARE[0], 0.8 * SMALL_SHARE[1]];
-/// Halvings that bring a small effect to its size.
+/// Number of bisection steps that set the size of a small effect.
 const HALVINGS: usize = 14;
-/// Numbers of one effect are drawn so often before it is given up.
+/// Number of draws of one effect before it is given up.
 const TRIALS: usize = 200;
 
-/// The experiment that has to show what is hidden, and the motion in which the regulator has to hold the paddle: those that
-/// `paddle experiment` begins with.
+/// The first experiments of `paddle experiment`: one must show the hidden effect, and in the other the regulator must hold
+/// the paddle.
 const SHOWS: &str = "torque:multisine:0.0036,2,6";
 const HOLDS: &str = "position:triangle:20,0.25,4";
-/// When the first experiment begins, s since power-on.
+/// Time at which the first experiment begins, s since power-on.
 const BEGINS_S: f64 = 3.0;
-/// A torque experiment ends where the paddle is let go, rad, and shows too little if that is sooner than this, s.
+/// Angle at which a torque experiment releases the paddle, rad. An experiment that reaches it before this time shows too
+/// little, s.
 const LET_GO_RAD: f64 = 0.48;
 const LEAST_S: f64 = 1.5;
 const ROWS_HZ: f64 = 1000.0;
 const HORIZON_S: f64 = 0.3;
-/// A control period of the firmware, s.
+/// Control period of the firmware, s.
 const PERIOD_S: f64 = 5e-5;
 
-/// The paddle.
+/// A paddle with hidden effects.
 pub struct HiddenPaddle {
-    /// What is wired to the board.
+    /// The device that is connected to the board.
     pub device: Device,
-    /// What is hidden in it, the dominant effect first.
+    /// The hidden effects, the dominant effect first.
     pub effects: Vec<Effect>,
-    /// True value over the stated one of each number of the model that is off.
+    /// True value divided by the stated value of each number of the model that has an error.
     pub off: Vec<(&'static str, f64)>,
 }
 
 impl HiddenPaddle {
-    /// Paddle `case` of the set `seed`: with one effect, `only` or any, or if `messy` with small ones beside it and numbers
-    /// that are off.
+    /// Draws paddle `case` of the set `seed`. The paddle has one effect: `only`, or any. If `messy`, small effects and
+    /// errors of the model's numbers are added.
     ///
     /// # Errors
-    /// [`Failure::Board`] for an effect that no drawn numbers make visible.
+    /// Returns [`Failure::Board`] if no drawn parameters make an effect visible.
     pub fn draw(seed: u64, case: u64, only: Option<&str>, messy: bool) -> Result<Self, Failure> {
         let mut draw = Draw::of_case(seed, case);
         let drawn = draw.count(0, RECIPES.len() - 1);
@@ -166,7 +167,7 @@ impl HiddenPaddle {
     }
 }
 
-/// An effect as it is written for `--with`.
+/// Formats an effect as an argument of `--with`.
 pub fn written(effect: &Effect) -> String {
     let numbers = effect.values.iter().enumerate();
     let numbers: Vec<_> = numbers
@@ -178,8 +179,8 @@ pub fn written(effect: &Effect) -> String {
     format!("{}:{}", effect.kind.name, numbers.join(","))
 }
 
-/// An effect of this kind, and what the first experiment shows of it; none if that is too little or too much, or if the
-/// regulator cannot hold such a paddle.
+/// Draws an effect of this kind and records the first experiment. Returns `None` if the effect is too small or too large, or
+/// if the regulator cannot hold the paddle.
 fn dominant(draw: &mut Draw, recipe: &Recipe) -> Result<Option<(Effect, Recording)>, Failure> {
     let effect = recipe.effect(draw, 1.0)?;
     let device = built(&[], std::slice::from_ref(&effect));
@@ -192,7 +193,7 @@ fn dominant(draw: &mut Draw, recipe: &Recipe) -> Result<Option<(Effect, Recordin
     Ok(fits.then_some((effect, shown)))
 }
 
-/// Numbers of the model that are off, but the one that is what is hidden.
+/// Draws errors of the model's numbers, except the number that the hidden effect changes.
 fn numbers_off(draw: &mut Draw, hidden: &str) -> Vec<(&'static str, f64)> {
     ["inertia", "viscous", "coulomb", "gravity"]
         .into_iter()
@@ -201,7 +202,7 @@ fn numbers_off(draw: &mut Draw, hidden: &str) -> Vec<(&'static str, f64)> {
         .collect()
 }
 
-/// Adds small effects beside the one that is there and has `shown` itself.
+/// Adds small effects to the dominant one, whose first experiment is `shown`.
 fn small(draw: &mut Draw, shown: &Recording, effects: &mut Vec<Effect>) -> Result<(), Failure> {
     let nominal = Device::nominal(&shown.model);
     let with = |effect: &[&Effect]| {
@@ -226,7 +227,7 @@ fn small(draw: &mut Draw, shown: &Recording, effects: &mut Vec<Effect>) -> Resul
         if clashes || recipe.neutral.is_none() {
             continue;
         }
-        // The same draw each time, ever nearer to nothing.
+        // All steps of the bisection use the same random draw, at decreasing strength.
         let begun = numbers.seed();
         let of = |strength| recipe.effect(&mut Draw::seeded(begun), strength);
         let size = |effect: &Effect| {
@@ -257,7 +258,7 @@ fn small(draw: &mut Draw, shown: &Recording, effects: &mut Vec<Effect>) -> Resul
 }
 
 impl Recipe {
-    /// The effect with numbers that are drawn; `strength` 1 as they are, 0 for none of it.
+    /// Draws the parameters of the effect. `strength` 1 keeps the drawn strength; 0 makes the effect neutral.
     fn effect(&self, draw: &mut Draw, strength: f64) -> Result<Effect, Failure> {
         let (name, spread) = self.strength;
         let drawn = spread.draw(draw);
@@ -284,7 +285,7 @@ impl Spread {
     }
 }
 
-/// The nominal paddle with these numbers off and these effects.
+/// The nominal paddle with these errors of its numbers and these effects.
 fn built(off: &[(&'static str, f64)], effects: &[Effect]) -> Device {
     let mut model = presets::nominal();
     for (name, factor) in off {
@@ -309,7 +310,7 @@ fn setup(device: &Device, start_s: f64) -> LoopSetup {
     setup
 }
 
-/// An experiment as the board's core would carry it out.
+/// An experiment as the core of the board carries it out.
 fn experiment(text: &str) -> Result<Experiment, Failure> {
     let plan: Plan = text
         .parse()
@@ -317,7 +318,7 @@ fn experiment(text: &str) -> Result<Experiment, Failure> {
     let excitation = plan.excitation;
     let mut experiment = match plan.mode {
         Mode::Torque => Experiment::torque(excitation, plan.signal_s()),
-        // A plan is in degrees.
+        // A plan states positions in degrees.
         _ => Experiment::position(
             Excitation {
                 amplitude: excitation.amplitude.to_radians(),
@@ -330,7 +331,7 @@ fn experiment(text: &str) -> Result<Experiment, Failure> {
     Ok(experiment)
 }
 
-/// What the first experiment shows of a paddle, if it goes on for long enough.
+/// Records the first experiment on a paddle. Returns `None` if it ends too early.
 fn shown(device: &Device) -> Result<Option<Recording>, Failure> {
     let setup = setup(device, BEGINS_S);
     let mut closed_loop = ClosedLoop::armed(&setup, Mode::Torque)?;
@@ -368,7 +369,7 @@ fn holds(device: &Device) -> Result<bool, Failure> {
     Ok(trace.fault.is_none())
 }
 
-/// Root mean square of what the predictions of two devices differ by, rad.
+/// Root mean square of the difference between the predictions of two devices, rad.
 fn change(shown: &Recording, one: &Device, other: &Device) -> f64 {
     let predicted = |device| {
         let (_, runs) = measure(shown, device);

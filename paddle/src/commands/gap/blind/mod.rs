@@ -1,4 +1,4 @@
-//! `paddle gap blind`: the diagnosis scored on recordings whose truth it does not see.
+//! `paddle gap blind`: scores the diagnosis on recordings whose true effects it does not know.
 
 mod board;
 mod hidden;
@@ -16,7 +16,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Which set, and where it is kept.
+/// Options of the check.
 #[derive(Args)]
 #[command(after_help = "Examples:
   paddle gap blind --cases 200 --seed 1
@@ -33,49 +33,51 @@ device on which the claimed shrink is checked.
 
 With --board each case is a virtual board whose paddle has something hidden in it, and `paddle experiment` against it.")]
 pub struct Arguments {
-    /// How many cases.
+    /// Number of cases.
     #[arg(long, default_value_t = 40, value_parser = numbers::count)]
     cases: u64,
-    /// Seed of the set; a case depends on it and its number alone. Several seeds make several sets, scored as one.
+    /// Seed of the set. A case depends only on the seed and on its number. Several seeds give several sets, which are scored
+    /// together.
     #[arg(long, value_delimiter = ',', default_value = "1", value_parser = numbers::whole)]
     seed: Vec<u64>,
-    /// Devices as real ones are: one dominant cause, three to five small ones, numbers that are off, wrong times.
+    /// Realistic devices: one dominant effect, three to five small effects, errors in the model's numbers, and timing
+    /// errors.
     #[arg(long)]
     messy: bool,
-    /// Judge the saved model on another recording of the device, with another excitation, amplitude and load.
+    /// Evaluate the saved model on a second recording of the device, with another excitation, amplitude and load.
     #[arg(long)]
     transfer: bool,
-    /// Hide this effect alone in every case; with --messy, as the dominant cause.
+    /// Hide only this effect in every case; with --messy, as the dominant effect.
     #[arg(long, value_name = "NAME")]
     effect: Option<String>,
-    /// Take this effect out of the diagnosis's library.
+    /// Remove this effect from the library of the diagnosis.
     #[arg(long, value_name = "NAME")]
     withhold: Option<String>,
-    /// Folder for the cases, with one for each seed in it if there are several; paddle-out/blind-SEED if left out.
+    /// Folder of the cases, with a subfolder per seed if there are several seeds [default: paddle-out/blind-SEED].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// How many cases at once.
+    /// Number of cases that run in parallel.
     #[arg(long, default_value_t = 1, value_parser = numbers::count)]
     jobs: u64,
-    /// A diagnosis that takes longer has failed.
+    /// Longest time of a diagnosis; a longer one counts as failed.
     #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = numbers::count)]
     patience: u64,
-    /// Write recordings and truths only; diagnose nothing.
+    /// Write the recordings and the true effects, but diagnose nothing.
     #[arg(long)]
     generate_only: bool,
-    /// Experiment with virtual boards instead; with --messy each paddle has one dominant effect, three small ones, and
-    /// numbers that are 5 % off.
+    /// Run experiments on virtual boards instead. With --messy each paddle has one dominant effect, three small ones, and
+    /// errors of 5 % in the model's numbers.
     #[arg(long, conflicts_with_all = ["transfer", "withhold", "generate_only", "jobs", "patience"])]
     board: bool,
-    /// Most time of each paddle's.
+    /// Longest experiment time per paddle.
     #[arg(long, default_value_t = 180.0, value_name = "s", value_parser = numbers::positive, requires = "board")]
     seconds: f64,
 }
 
-/// Makes, diagnoses and scores; one line a case goes to standard error as it is done.
+/// Generates, diagnoses and scores the cases. Each finished case prints a line on standard error.
 ///
 /// # Errors
-/// [`Failure`] if a case cannot be made or kept.
+/// Returns a [`Failure`] if a case cannot be generated or stored.
 pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     arguments.check_names()?;
     if arguments.board {
@@ -84,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let mut outcomes = Vec::new();
     let mut sets = Vec::new();
     let mut kept = String::new();
-    let mut amiss = Vec::new();
+    let mut problems = Vec::new();
     let checks = arguments.seed.iter().map(|&seed| arguments.check(seed));
     let checks: Vec<Check> = checks.collect::<Result<_, _>>()?;
     for check in &checks {
@@ -99,8 +101,8 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
                 .map(|set| outcomes.extend(set.outcomes)),
         };
         if let Err(failure) = done {
-            // The sets before this one are done.
-            amiss.push(failure.into());
+            // The results of the earlier sets are kept.
+            problems.push(failure.into());
             break;
         }
         kept += &format!("seed {seed}: everything in {}\n", check.folder.display());
@@ -110,26 +112,26 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
         return Ok(Answer {
             text: kept,
             json: json!({ "sets": sets }),
-            amiss,
+            problems,
         });
     }
     let summary = Summary::of(outcomes);
     Ok(Answer {
         text: format!("{summary}{kept}"),
         json: json!({ "sets": sets, "summary": summary, "commit": env!("PADDLE_COMMIT") }),
-        amiss,
+        problems,
     })
 }
 
 impl Arguments {
-    /// Where it will write.
+    /// Paths that the command writes.
     pub fn targets(&self) -> Vec<Target<'_>> {
         Target::of("--out", Use::NewFolder, self.out.as_ref())
             .into_iter()
             .collect()
     }
 
-    /// Makes sure that effects have names and that no set is scored twice.
+    /// Checks the names of effects, and that no seed is given twice.
     fn check_names(&self) -> Result<(), Failure> {
         for name in self.withhold.iter().chain(&self.effect) {
             effects::kind(name).ok_or_else(|| EffectError::Kind(name.clone()))?;
@@ -143,7 +145,7 @@ impl Arguments {
         }
     }
 
-    /// Experiments with virtual boards, set by set.
+    /// Runs the experiments on virtual boards for every set.
     fn boards(&self) -> Result<Answer, Failure> {
         let mut all = Answer::default();
         let mut sets = Vec::new();
@@ -157,16 +159,20 @@ impl Arguments {
                 seconds: self.seconds,
                 folder: &folder,
             };
-            let Answer { text, json, amiss } = check.run()?;
+            let Answer {
+                text,
+                json,
+                problems,
+            } = check.run()?;
             all.text += &format!("seed {seed}\n{text}");
             sets.push(json);
-            all.amiss.extend(amiss);
+            all.problems.extend(problems);
         }
         all.json = json!({ "sets": sets });
         Ok(all)
     }
 
-    /// Where the set `seed` is kept.
+    /// Folder of the set `seed`.
     fn folder(&self, seed: u64) -> PathBuf {
         match (&self.out, self.seed.len()) {
             (Some(out), 1) => out.clone(),

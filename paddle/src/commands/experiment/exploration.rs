@@ -1,4 +1,4 @@
-//! The course of experiments: record, diagnose, choose what to record next.
+//! The sequence of experiments: record, diagnose, and choose the next experiment.
 
 use super::How;
 use crate::commands::gap::{diagnose, usable};
@@ -13,8 +13,8 @@ use haptic_paddle::controller::Mode;
 use haptic_paddle::excitation::{Excitation, Shape};
 use remote::{DeviceError, Plan, Recorder, Wire};
 
-/// What is recorded where nothing else is asked for: first what shows most effects, then what the diagnosis did not ask
-/// for.
+/// Experiments that are recorded by default. The first ones show most effects; the later ones are recorded when the
+/// diagnosis asks for none.
 const MENU: [&str; 7] = [
     "torque:multisine:0.0036,2,6",
     "position:triangle:20,0.25,8",
@@ -24,43 +24,43 @@ const MENU: [&str; 7] = [
     "position:square:8,1,8",
     "torque:sine:0.002,1,8",
 ];
-/// So many of them are recorded before the first diagnosis.
+/// Number of these experiments that are recorded before the first diagnosis.
 const FIRST: usize = 2;
-/// A signal that drove the paddle into a fault is tried again, smaller by this.
+/// Factor on the amplitude when an experiment that ended in a fault is repeated.
 const SMALLER: f32 = 0.75;
 const MOST_TRIALS: usize = 4;
-/// Until the paddle stands in the middle and is armed, s.
+/// Time to centre and arm the paddle, s.
 const READY_S: f64 = 1.5;
-/// Share of the gap that must be closed on held-out data, at the lower end of its interval. What is left then is below the
-/// smallest share of the gap that the blind check counts as a cause ([`blind::SMALL_SHARE`]).
+/// Share of the gap that must be closed on held-out data, at the lower end of its interval. The rest is then below the
+/// smallest share that the blind check counts as a cause ([`blind::SMALL_SHARE`]).
 const CLOSED: f64 = 1.0 - blind::SMALL_SHARE[0];
-/// Torque beyond which the clamp of the firmware acts, N m at the motor, with a little to spare.
+/// Largest torque of an experiment, N m at the motor. It is slightly below the torque at which the firmware's clamp acts.
 const MOST_NM: f32 = 0.03;
 
-/// What the experiments came to.
+/// Result of the experiments.
 pub struct Found {
-    /// All runs.
+    /// The recording with all runs.
     pub recording: Recording,
-    /// The diagnosis of them.
+    /// The last diagnosis.
     pub outcome: Outcome,
-    /// What was known after each diagnosis, a line each.
+    /// One line of text per diagnosis, with the result at that time.
     pub told: String,
-    /// What ended them too soon.
-    pub amiss: Vec<Failure>,
+    /// Failures that ended the experiments early.
+    pub problems: Vec<Failure>,
 }
 
-/// Records and diagnoses by turns, as `how` says, until the answer is unique or the time is over.
+/// Records and diagnoses alternately, as `how` says, until the answer is unique or the time is used up.
 ///
 /// # Errors
-/// [`Failure`] for a board that does not do as it is asked before there is a diagnosis, and for a recording that cannot be
-/// written or used.
+/// Returns a [`Failure`] if the board refuses a command before the first diagnosis, and if the recording cannot be written
+/// or used.
 pub fn explore<W: Wire>(
     rig: &mut Rig<W>,
     how: &How,
     interrupt: &Interrupt,
 ) -> Result<Found, Failure> {
     let recorder = how.nominal.recorder(&rig.settings)?;
-    let mut course = Course {
+    let mut exploration = Exploration {
         how,
         interrupt,
         rig,
@@ -69,22 +69,22 @@ pub fn explore<W: Wire>(
         tried: Vec::new(),
         told: String::new(),
     };
-    course.run()
+    exploration.run()
 }
 
-/// The experiments so far.
-struct Course<'a, W: Wire> {
+/// State of the experiments.
+struct Exploration<'a, W: Wire> {
     how: &'a How,
     interrupt: &'a Interrupt,
     rig: &'a mut Rig<W>,
     recorder: Recorder,
     spent_s: f64,
     tried: Vec<Plan>,
-    /// A line on each diagnosis.
+    /// One line of text per diagnosis.
     told: String,
 }
 
-impl<W: Wire> Course<'_, W> {
+impl<W: Wire> Exploration<'_, W> {
     fn run(&mut self) -> Result<Found, Failure> {
         let mut plans = if self.how.runs.is_empty() {
             menu().take(FIRST).collect()
@@ -93,25 +93,25 @@ impl<W: Wire> Course<'_, W> {
         };
         let mut last: Option<Found> = None;
         loop {
-            let mut amiss = Vec::new();
+            let mut problems = Vec::new();
             for plan in &plans {
                 if let Err(failure) = self.record(plan) {
-                    amiss.push(failure);
+                    problems.push(failure);
                     break;
                 }
             }
             let runs = self.recorder.recording().runs.len();
             if runs == 0 {
-                return Err(amiss.pop().unwrap_or(Failure::Fault));
+                return Err(problems.pop().unwrap_or(Failure::Fault));
             }
-            // What was diagnosed before stands.
+            // The result of the previous diagnosis stays valid.
             if let Some(found) = last.take_if(|found| found.recording.runs.len() == runs) {
                 match self
                     .next(&found.outcome.diagnosis)
-                    .filter(|_| amiss.is_empty())
+                    .filter(|_| problems.is_empty())
                 {
                     Some(plan) => plans = vec![plan],
-                    None => return Ok(Found { amiss, ..found }),
+                    None => return Ok(Found { problems, ..found }),
                 }
                 last = Some(found);
                 continue;
@@ -125,7 +125,7 @@ impl<W: Wire> Course<'_, W> {
             progress::note(&line);
             self.told.push_str(&line);
             self.told.push('\n');
-            let next = if is_unique(&outcome.diagnosis) || !amiss.is_empty() {
+            let next = if is_unique(&outcome.diagnosis) || !problems.is_empty() {
                 None
             } else {
                 self.next(&outcome.diagnosis)
@@ -134,7 +134,7 @@ impl<W: Wire> Course<'_, W> {
                 recording,
                 outcome,
                 told: self.told.clone(),
-                amiss,
+                problems,
             };
             match next {
                 Some(plan) => plans = vec![plan],
@@ -144,8 +144,8 @@ impl<W: Wire> Course<'_, W> {
         }
     }
 
-    /// Records an experiment, and once more with a smaller signal if a fault ends it. What was recorded before the fault is
-    /// kept if it is long enough.
+    /// Records an experiment. If a fault ends it, records it again with a smaller amplitude. The rows before the fault are
+    /// kept if there are enough of them.
     fn record(&mut self, plan: &Plan) -> Result<(), Failure> {
         progress::within(&format!("run {}", self.recorder.recording().runs.len() + 1));
         self.tried.push(plan.clone());
@@ -169,7 +169,7 @@ impl<W: Wire> Course<'_, W> {
                 Err(DeviceError::Fault(fault)) => (fault, "too short to keep"),
                 Err(other) => return Err(other.into()),
             };
-            // Other experiments may still say something.
+            // Another experiment may still succeed.
             if trial == MOST_TRIALS {
                 progress::note(&format!("{plan}: {fault}; {kept}"));
                 return Ok(());
@@ -180,7 +180,8 @@ impl<W: Wire> Course<'_, W> {
         Ok(())
     }
 
-    /// What to record next: what the diagnosis asks for, or else something new, if there is time.
+    /// Returns the next experiment: the one that the diagnosis asks for, or else a new one from the menu. Returns `None` if
+    /// there is no time.
     fn next(&self, diagnosis: &Diagnosis) -> Option<Plan> {
         let asked = diagnosis.next_experiment.as_ref().and_then(plan_of);
         let mut open = asked
@@ -195,8 +196,8 @@ fn menu() -> impl Iterator<Item = Plan> {
     MENU.iter().filter_map(|text| text.parse().ok())
 }
 
-/// Whether nothing is left to be told apart: the gap is explained, or what is named closes so much of it that what may be
-/// left has no name, and nothing else could be it.
+/// Whether the diagnosis is unique. Either the gap is explained, or the named effects close so much of it that the rest
+/// needs no name. No other effect may explain the gap as well.
 pub fn is_unique(diagnosis: &Diagnosis) -> bool {
     let alone = diagnosis
         .effects
@@ -210,7 +211,7 @@ pub fn is_unique(diagnosis: &Diagnosis) -> bool {
     }
 }
 
-/// The diagnosis's next experiment, which is of the torque.
+/// Converts the diagnosis's next experiment, which is a torque excitation, to a plan.
 fn plan_of(next: &NextExperiment) -> Option<Plan> {
     let (_, shape) = Shape::NAMED.iter().find(|(name, _)| *name == next.kind)?;
     let number = |name: &str| next.settings.get(name).map(|number| *number as f32);
@@ -227,7 +228,7 @@ fn plan_of(next: &NextExperiment) -> Option<Plan> {
     })
 }
 
-/// A line on what is known so far.
+/// Summarises the diagnosis in one line.
 fn summary(diagnosis: &Diagnosis, runs: usize, spent_s: f64) -> String {
     let effects: Vec<_> = diagnosis
         .effects

@@ -1,17 +1,17 @@
-//! Paths of this machine, replaced in what the compiler writes.
+//! Replaces local paths in the compiler's output.
 //!
-//! Panics and debug information name source files. Flags in the environment are the one place that neither a profile nor a
-//! configuration replaces: those that are set there already are kept.
+//! Panic messages and debug information contain the names of source files. The flags are set in the environment, because
+//! profiles and configuration files cannot replace flags from the environment. Flags that are already set are kept.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Between flags, since a flag may hold a space (cargo's environment variables).
+/// Separator of the flags, because a flag may contain a space (see cargo's environment variables).
 const SEPARATOR: &str = "\u{1f}";
 const ENCODED: &str = "CARGO_ENCODED_RUSTFLAGS";
 
-/// The environment variable of cargo with the flags that are set and those that replace paths.
+/// Cargo's environment variable with the flags that are already set, and with the flags that replace paths.
 pub(crate) fn flags() -> [(&'static str, String); 1] {
     let set = env::var(ENCODED).map_or_else(
         |_| {
@@ -29,11 +29,11 @@ pub(crate) fn flags() -> [(&'static str, String); 1] {
     [(ENCODED, flags.join(SEPARATOR))]
 }
 
-/// Folders with sources, each with the name that takes its place; the compiler tries the last one first.
+/// Source folders with their replacement names. The compiler tries the last entry first.
 fn replacements(root: &Path, cargo_home: Option<&Path>) -> Vec<(PathBuf, &'static str)> {
     let registries = cargo_home.map(|home| home.join("registry/src"));
     let entries = registries.and_then(|folder| fs::read_dir(folder).ok());
-    // Named by a hash of the registry's address, which a mirror changes.
+    // The folder name is a hash of the registry's address, which differs between mirrors.
     let mut folders: Vec<PathBuf> = entries
         .into_iter()
         .flatten()
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_folder_of_sources_has_a_name_that_no_machine_changes() {
+    fn every_source_folder_has_a_name_that_is_equal_on_all_machines() {
         let home = env::temp_dir().join(format!("paddle-remap-{}", std::process::id()));
         let registry = home.join("registry/src/mirror-0123");
         fs::create_dir_all(&registry).unwrap();

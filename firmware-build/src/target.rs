@@ -1,7 +1,7 @@
-//! The firmware's target, made available to the active toolchain.
+//! Makes the firmware's compiler target available to the active toolchain.
 //!
-//! Three ways in turn: it is there; `rustup` fetches it; or `core` is built from the
-//! distribution's source package of exactly this compiler's version.
+//! There are three ways, tried in turn: the target is already installed; `rustup` installs it; or `core` is built from the
+//! distribution's source package of exactly this compiler version.
 
 use std::fs;
 use std::io;
@@ -10,54 +10,54 @@ use std::process::Command;
 
 use crate::TARGET;
 
-/// Releases of the distribution that may carry a newer compiler's source than the running one.
+/// Releases of the distribution that may contain the source of a newer compiler.
 const SUITES: [&str; 3] = ["trixie", "trixie-backports", "sid"];
 
-/// Why the target could not be made available.
+/// Reason why the target is not available.
 #[derive(Debug, thiserror::Error)]
 pub enum TargetError {
-    /// A program that is needed is not there.
+    /// A required program is not installed.
     #[error("cannot run `{program}`: {source}; install it, or add its folder to PATH")]
     Spawn {
-        /// The program.
+        /// Name of the program.
         program: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A program that is needed gave up.
+    /// A required program failed.
     #[error("`{program}` failed: {message}")]
     Failed {
-        /// The program.
+        /// Name of the program.
         program: String,
-        /// What it said.
+        /// Message of the program.
         message: String,
     },
-    /// A file or a folder.
+    /// A file or folder cannot be read or written.
     #[error("cannot read or write {}: {source}; check its permissions and the free space", path.display())]
     File {
-        /// Which.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// Nobody provides the target.
+    /// No source provides the target.
     #[error(
         "no {TARGET} for this compiler ({version}): rustup did not provide it \
          and {lacking}; run `rustup target add {TARGET}` where its server can be reached"
     )]
     NoWay {
-        /// Of the compiler.
+        /// Version of the compiler.
         version: String,
-        /// What the second way lacks.
+        /// Missing requirement of the third way.
         lacking: String,
     },
 }
 
-/// Makes [`TARGET`] available to the active toolchain. Where that is not so already, `say` is told what is done and how long
-/// it takes, before it is.
+/// Makes [`TARGET`] available to the active toolchain. Before each long step, `say` receives a message with the step and its
+/// approximate duration.
 ///
 /// # Errors
-/// [`TargetError`] names the step that failed; the toolchain is then unchanged.
+/// Returns [`TargetError`] with the failed step. The toolchain is then unchanged.
 pub fn ensure(say: impl Fn(&str)) -> Result<(), TargetError> {
     let library = PathBuf::from(rustc(&["--print", "target-libdir", "--target", TARGET])?);
     if holds_core(&library) {
@@ -88,7 +88,7 @@ fn holds_core(library: &Path) -> bool {
     })
 }
 
-/// The standard library's source of the running compiler: the toolchain's own or a package's.
+/// Source of the standard library for the installed compiler, from the toolchain or from a package.
 fn standard_library_source(scratch: &Path) -> Result<PathBuf, TargetError> {
     let sysroot = rustc(&["--print", "sysroot"])?;
     let own = Path::new(&sysroot).join("lib/rustlib/src/rust/library");
@@ -108,14 +108,15 @@ fn standard_library_source(scratch: &Path) -> Result<PathBuf, TargetError> {
     Ok(unpacked.join(format!("usr/src/rustc-{version}/library")))
 }
 
-/// The distribution's package archive, looked at through lists of our own: the machine's stay as they are.
+/// The package archive of the distribution. It is read with separate package lists, so that those of the machine stay
+/// unchanged.
 struct Archive {
     folder: PathBuf,
     sources: PathBuf,
 }
 
 impl Archive {
-    /// This machine's mirror and key, with the suites that may carry the source.
+    /// Uses the mirror and key of this machine, with the releases that may contain the source.
     fn of_this_machine(scratch: &Path, version: &str) -> Result<Self, TargetError> {
         let (mirror, key) = machine_mirror().ok_or_else(|| TargetError::NoWay {
             version: version.into(),
@@ -138,7 +139,7 @@ impl Archive {
         Ok(archive)
     }
 
-    /// The full version of the `rust-src` package that belongs to a compiler's version.
+    /// Full version of the `rust-src` package for a compiler version.
     fn find(&self, version: &str) -> Result<String, TargetError> {
         let listing = output(self.apt("apt-cache").args(["madison", "rust-src"]))?;
         matching_version(&listing, version)
@@ -149,7 +150,7 @@ impl Archive {
             })
     }
 
-    /// Downloads the package; the path of its file.
+    /// Downloads the package and returns the path of its file.
     fn download(&self, package: &str) -> Result<PathBuf, TargetError> {
         output(
             self.apt("apt-get")
@@ -186,7 +187,7 @@ impl Archive {
     }
 }
 
-/// Mirror and signing key of the first Debian stanza of the machine's package sources.
+/// Mirror and signing key of the first Debian entry in the machine's package sources.
 fn machine_mirror() -> Option<(String, String)> {
     entries(Path::new("/etc/apt/sources.list.d"))
         .ok()?
@@ -199,7 +200,7 @@ fn machine_mirror() -> Option<(String, String)> {
         .find_map(|text| debian_stanza(&text))
 }
 
-/// Mirror and key of the first stanza that offers Debian's `main`.
+/// Mirror and key of the first entry that offers Debian's `main`.
 fn debian_stanza(sources: &str) -> Option<(String, String)> {
     sources.split("\n\n").find_map(|stanza| {
         let field = |name: &str| {
@@ -213,7 +214,7 @@ fn debian_stanza(sources: &str) -> Option<(String, String)> {
     })
 }
 
-/// Picks the package version of a compiler's version out of `apt-cache madison`'s table.
+/// Finds the package version for a compiler version in the table of `apt-cache madison`.
 fn matching_version<'a>(madison: &'a str, version: &str) -> Option<&'a str> {
     madison
         .lines()
@@ -224,7 +225,7 @@ fn matching_version<'a>(madison: &'a str, version: &str) -> Option<&'a str> {
         })
 }
 
-/// Builds `core` and `alloc` for the target; the folder that holds them.
+/// Builds `core` and `alloc` for the target and returns their folder.
 fn build_core(source: &Path, scratch: &Path) -> Result<PathBuf, TargetError> {
     let package = scratch.join("empty");
     create_folder(&package.join("src"))?;
@@ -244,9 +245,9 @@ fn build_core(source: &Path, scratch: &Path) -> Result<PathBuf, TargetError> {
             TARGET,
         ])
         .current_dir(&package)
-        // Link-time optimisation through core needs its bitcode.
+        // Link-time optimization of core needs its bitcode.
         .env("CARGO_ENCODED_RUSTFLAGS", "-Cembed-bitcode=yes")
-        // `build-std` is closed to stable compilers, and looks for its source in the toolchain only.
+        // `build-std` is not available to stable compilers, and it searches its source only in the toolchain.
         .env("RUSTC_BOOTSTRAP", "1")
         .env("__CARGO_TESTS_ONLY_SRC_ROOT", source)
         .env("CARGO_TARGET_DIR", &build),
@@ -254,7 +255,7 @@ fn build_core(source: &Path, scratch: &Path) -> Result<PathBuf, TargetError> {
     Ok(build.join(TARGET).join("release/deps"))
 }
 
-/// Puts the built libraries where rustup would have put them, all at once.
+/// Moves the built libraries in one step to the folder in which rustup would install them.
 fn install(built: &Path, library: &Path) -> Result<(), TargetError> {
     const CRATES: [&str; 3] = ["libcore-", "liballoc-", "libcompiler_builtins-"];
     let staged = library.with_extension("partial");
@@ -281,7 +282,7 @@ fn rustc(arguments: &[&str]) -> Result<String, TargetError> {
         .to_owned())
 }
 
-/// Runs a command silently; its standard output, or an error with what it said.
+/// Runs a command without showing its output. Returns its standard output, or an error with its message.
 fn output(command: &mut Command) -> Result<String, TargetError> {
     let program = command.get_program().to_string_lossy().into_owned();
     let outcome = command.output().map_err(|source| TargetError::Spawn {
@@ -334,7 +335,7 @@ mod tests {
     use super::{debian_stanza, matching_version};
 
     #[test]
-    fn takes_exactly_the_compilers_version() {
+    fn the_package_version_equals_the_compiler_version() {
         let madison = "  rust-src | 1.95.1+dfsg1-1 | http://mirror sid/main amd64 Packages\n  \
                        rust-src | 1.95.0+dfsg1-1~bpo13+1 | http://mirror backports/main Packages\n";
         assert_eq!(
@@ -346,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_mirror_and_key_of_the_debian_stanza() {
+    fn mirror_and_key_of_the_debian_entry_are_read() {
         let sources = "Types: deb\nURIs: https://other/tools\nSigned-By: /other.gpg\n\n\
                        Types: deb\n# a note\nURIs: http://mirror/debian\nSuites: bookworm\n\
                        Signed-By: /debian.gpg\n";

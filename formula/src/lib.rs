@@ -1,10 +1,10 @@
-//! Formulas of named quantities that a user writes: columns of a log, and torques of effects.
+//! Formulas that a user writes with named quantities, for columns of a log and for torques of effects.
 
 mod notation;
 
 use exmex::{Express, FlatEx};
 
-/// A formula that was compiled once and is evaluated for each row or step.
+/// A compiled formula, which is evaluated for each row or step.
 #[derive(Clone, Debug)]
 pub struct Formula {
     text: String,
@@ -12,12 +12,13 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// Compiles `text`: numbers such as `2`, `.5` and `1e-3`, names, `+ - * / ^`, `sin`, `cos`, `tan`, `atan2`, `exp`, `ln`, `sqrt`, `abs`, `signum`, `min`,
-    /// `max`, `floor`, `PI` and others of the crate `exmex`. Names that are no words stand in braces: `{q[2]}`. A sign acts on
-    /// the power behind it: `-x^2` is `-(x^2)`.
+    /// Compiles `text`. A formula may contain numbers such as `2`, `.5` and `1e-3`, names, the operators `+ - * / ^`, and
+    /// the functions and constants `sin`, `cos`, `tan`, `atan2`, `exp`, `ln`, `sqrt`, `abs`, `signum`, `min`, `max`,
+    /// `floor`, `PI` and others of the crate `exmex`. A name with special characters is written in braces: `{q[2]}`. A sign
+    /// applies to the following power: `-x^2` is `-(x^2)`.
     ///
     /// # Errors
-    /// Says in a few words why `text` is no formula.
+    /// Returns a short message if `text` is not a formula.
     pub fn parse(text: &str) -> Result<Self, String> {
         let usual = notation::for_exmex(text);
         let expression = exmex::parse::<f64>(&usual).map_err(|error| error.to_string())?;
@@ -27,17 +28,17 @@ impl Formula {
         })
     }
 
-    /// The formula as it was written.
+    /// The text of the formula.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Names in it, in the order in which [`value`](Self::value) takes their values.
+    /// Names in the formula, in the order in which [`value`](Self::value) takes their values.
     pub fn names(&self) -> &[String] {
         self.expression.var_names()
     }
 
-    /// Its value; NaN where it has none.
+    /// Value of the formula. It is NaN where the formula is undefined.
     pub fn value(&self, values: &[f64]) -> f64 {
         self.expression.eval(values).unwrap_or(f64::NAN)
     }
@@ -48,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_formula_takes_its_names_in_their_order() {
+    fn values_are_passed_in_the_order_of_the_names() {
         let formula = Formula::parse("0.01*(sp-{q[2]})/15 + max(sp, 1)").expect("a formula");
         assert_eq!(formula.names(), ["q[2]", "sp"]);
         let value = formula.value(&[1.0, 4.0]);
@@ -56,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sign_acts_on_the_power_behind_it() {
+    fn a_sign_applies_to_the_following_power() {
         for (text, expected) in [
             ("-x^2", -9.0),
             (" - x ^ 2", -9.0),
@@ -86,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_an_error_and_no_panic() {
+    fn an_invalid_formula_is_an_error_and_does_not_panic() {
         for text in [
             "", "1+", "((", "a b", "sin", "{a", "][", "-", "2*-", "-(", "-{", "-^", "-°", "x^-",
         ] {

@@ -1,12 +1,12 @@
-//! The usual notation, rewritten for the crate `exmex`, which lets a sign act before a power, so that it reads `-x^2` as `(-x)^2`,
-//! and knows no `1e-3`.
+//! Converts the usual notation for the crate `exmex`. That crate applies a sign before a power, so it reads `-x^2` as
+//! `(-x)^2`, and it does not accept `1e-3`.
 
-/// Writes a sign with the power behind it as a difference in parentheses, `2*(0-x^2)` for `2*-x^2`, and a number without its exponent
-/// of ten. A sign behind `^` stays as it is: it binds nothing else.
+/// Writes a sign and its following power as a difference in parentheses: `2*(0-x^2)` for `2*-x^2`. Writes numbers without an
+/// exponent of ten. A sign after `^` stays unchanged, because it applies to nothing else.
 pub fn for_exmex(text: &str) -> String {
     let mut usual = String::with_capacity(text.len() + 8);
     let mut rest = text;
-    // A sign is one where no value ends in front of it.
+    // A minus character is a sign if no value ends before it.
     let mut is_sign = true;
     while let Some(next) = rest.chars().next() {
         if next == '-' && is_sign {
@@ -28,7 +28,7 @@ pub fn for_exmex(text: &str) -> String {
         }
         rest = behind;
         if next == '^' {
-            // The exponent with its sign.
+            // The exponent with its signs.
             let (exponent, behind) = rest.split_at(signs(rest));
             usual.push_str(exponent);
             rest = behind;
@@ -40,7 +40,7 @@ pub fn for_exmex(text: &str) -> String {
     usual
 }
 
-/// A power at the beginning of the text, with its own signs, and what comes behind it.
+/// Splits the text after the power at its beginning, including the signs of the power.
 fn split_power(text: &str) -> (&str, &str) {
     let mut end = factor(text);
     loop {
@@ -79,7 +79,7 @@ fn signs(text: &str) -> usize {
     text.len() - behind.len()
 }
 
-/// Length of the name or the number at the beginning of the text; the sign of a number's exponent belongs to it.
+/// Length of the name or number at the beginning of the text, including the sign of an exponent.
 fn word(text: &str) -> usize {
     let is_number = text.starts_with(|c: char| c.is_ascii_digit() || c == '.');
     let mut before = ' ';

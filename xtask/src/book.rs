@@ -1,4 +1,4 @@
-//! `cargo xtask book`: the documentation as a book.
+//! `cargo xtask book`: builds the documentation as a book.
 
 use std::process::Command;
 

@@ -1,14 +1,14 @@
-//! The pages of the documentation, and where cargo builds.
+//! Paths of the documentation pages and of cargo's target folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::Failure;
 
-/// The pages, relative to the root: first those that a newcomer reads.
+/// Paths of the pages relative to the root, in reading order: pages for beginners first.
 ///
 /// # Errors
-/// [`Failure::File`] for a folder that cannot be read.
+/// Returns [`Failure::File`] if a folder cannot be read.
 pub fn pages() -> Result<Vec<PathBuf>, Failure> {
     let mut pages = Vec::new();
     for folder in ["docs", "docs/effects"] {
@@ -27,7 +27,7 @@ pub fn pages() -> Result<Vec<PathBuf>, Failure> {
     Ok(first.into_iter().chain(pages).collect())
 }
 
-/// Where cargo puts what it builds for this repository.
+/// Cargo's target folder for this repository.
 pub fn target_folder() -> PathBuf {
     let root = firmware_build::root();
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |f| root.join(f))
@@ -41,13 +41,13 @@ mod tests {
     const MOST_WORDS: usize = 80;
 
     #[test]
-    fn the_readme_is_short_and_so_are_its_paragraphs() {
+    fn the_readme_and_its_paragraphs_are_short() {
         let readme = fs::read_to_string(firmware_build::root().join("README.md")).unwrap();
         let lines = readme.lines().count();
         assert!(lines <= MOST_LINES, "{lines} lines");
         for paragraph in readme.split("\n\n") {
             let lines = paragraph.lines();
-            // Neither tables and lists, nor what a program writes.
+            // Tables, lists and program output do not count.
             let prose = lines.filter(|line| !line.starts_with(['|', '-', '`', '<', '>', ' ']));
             let words = prose.flat_map(str::split_whitespace).count();
             assert!(words <= MOST_WORDS, "{words} words: {paragraph}");

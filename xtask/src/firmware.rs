@@ -1,4 +1,4 @@
-//! The firmware image: built, checked, measured, flashed.
+//! Builds, checks, measures and flashes the firmware image.
 
 use std::fmt;
 use std::fs;
@@ -9,7 +9,7 @@ use crate::{Failure, ensure, run, say, stack};
 use firmware_build::{firmware, image_path};
 use sha2::{Digest, Sha256};
 
-/// Interrupts that the app serves, in the order of their priorities, with their numbers (RM0090, vector table).
+/// Interrupts that the firmware serves, in the order of their priorities, with their numbers (RM0090, vector table).
 const SERVED: [(usize, &str); 6] = [
     (17, "DMA1_STREAM6"),
     (46, "TIM8_CC"),
@@ -19,13 +19,13 @@ const SERVED: [(usize, &str); 6] = [
     (1, "PVD"),
 ];
 
-/// Most that the image may take of the flash, bytes.
+/// Flash limit of the image, bytes.
 pub const FLASH_LIMIT_BYTES: u64 = 128 * 1024;
 
-/// Most that its variables and its stack together may take of the RAM, bytes.
+/// RAM limit of its variables and its stack together, bytes.
 pub const RAM_LIMIT_BYTES: u64 = 96 * 1024;
 
-/// Builds and checks the image, with its lints.
+/// Builds and checks the image, and runs the lints on it.
 pub fn check() -> Result<(), Failure> {
     ensure(say)?;
     run(firmware("clippy").args(["--quiet", "--", "--deny", "warnings"]))?;
@@ -33,20 +33,20 @@ pub fn check() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Builds the image and prints what it takes.
+/// Builds the image and prints its memory use.
 pub fn size() -> Result<(), Failure> {
     ensure(say)?;
     println!("{}", measured()?);
     Ok(())
 }
 
-/// Builds, flashes and runs the image, with its log.
+/// Builds, flashes and runs the image, and prints its log.
 pub fn flash() -> Result<(), Failure> {
     ensure(say)?;
     run(&mut firmware("run"))
 }
 
-/// Builds the image, and prints its path and its SHA-256.
+/// Builds the image and prints its path and its SHA-256.
 pub fn image() -> Result<(), Failure> {
     ensure(say)?;
     run(firmware("build").arg("--quiet"))?;
@@ -59,21 +59,21 @@ fn bytes(path: &Path) -> Result<Vec<u8>, Failure> {
     fs::read(path).map_err(|source| Failure::file(path, source))
 }
 
-/// SHA-256 of some bytes, as `sha256sum` writes it.
+/// SHA-256 in the format of `sha256sum`.
 fn sha256(bytes: &[u8]) -> String {
     let digest = Sha256::digest(bytes);
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Memory that an image takes.
+/// Memory use of an image.
 pub struct Size {
-    /// Flash, bytes.
+    /// Flash use, bytes.
     pub flash_bytes: u64,
-    /// RAM of variables, bytes.
+    /// RAM use of the variables, bytes.
     pub statics_bytes: u64,
-    /// RAM of the deepest stack, bytes.
+    /// Largest RAM use of the stack, bytes.
     pub stack_bytes: u64,
-    /// SHA-256 of the file, as `sha256sum` writes it.
+    /// SHA-256 of the file in the format of `sha256sum`.
     sha256: String,
 }
 
@@ -94,7 +94,7 @@ impl fmt::Display for Size {
     }
 }
 
-/// Builds the image and measures it, once it is found sound.
+/// Builds, checks and measures the image.
 pub fn measured() -> Result<Size, Failure> {
     run(firmware("build").arg("--quiet"))?;
     let bytes = bytes(&image_path())?;

@@ -1,4 +1,4 @@
-//! A firmware image, read from its ELF file.
+//! Reads a firmware image from its ELF file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,21 +6,21 @@ use std::ops::Range;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use object::{Endianness, Object, ObjectSection, ObjectSymbol, SymbolKind};
 
-/// Where the chips have their flash and their main RAM.
+/// Addresses of the flash and of the main RAM.
 const FLASH: Range<u64> = 0x0800_0000..0x0810_0000;
 const RAM: Range<u64> = 0x2000_0000..0x2002_0000;
-/// The flash sectors of the stored settings, which no image may touch: 1 to 3 (RM0090, section 3.3, table 5).
+/// Flash sectors of the stored settings, 1 to 3 (RM0090, section 3.3, table 5). The image must not use them.
 const SETTINGS: Range<u64> = 0x0800_4000..0x0801_0000;
-/// Exceptions of the Cortex-M4 in front of the interrupts, the initial stack pointer counted in.
+/// Number of vectors before the interrupts on the Cortex-M4: the initial stack pointer and the exceptions.
 const EXCEPTIONS: usize = 16;
 const RESET: usize = 1;
 const HARD_FAULT: usize = 3;
-/// Exceptions that the architecture reserves; their vectors are zero.
+/// Exceptions that the architecture reserves. Their vectors are zero.
 const RESERVED: [usize; 5] = [7, 8, 9, 10, 13];
-/// Set in the address of every function, for the Thumb instruction set.
+/// Bit 0 of a function address, which selects the Thumb instruction set.
 const THUMB: u64 = 1;
 
-/// Why an image must not be flashed.
+/// Reason why an image must not be flashed.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
     #[error("the firmware image cannot be read: {0}")]
@@ -54,7 +54,7 @@ pub enum ImageError {
     Recursion(String),
 }
 
-/// An image, with its functions by address.
+/// An image and its functions by address.
 pub struct Image<'a> {
     elf: ElfFile32<'a, Endianness>,
     functions: BTreeMap<u64, Function>,
@@ -83,12 +83,12 @@ impl<'a> Image<'a> {
         Ok(Self { elf, functions })
     }
 
-    /// All functions, by address.
+    /// All functions by address.
     pub fn functions(&self) -> &BTreeMap<u64, Function> {
         &self.functions
     }
 
-    /// Address of the function of this name.
+    /// Address of the function with this name.
     pub fn function(&self, name: &str) -> Result<u64, ImageError> {
         self.functions
             .iter()
@@ -106,7 +106,7 @@ impl<'a> Image<'a> {
         Ok((section.address(), section.data()?))
     }
 
-    /// Spans of data among the code, by the marks `$d` and `$t` of the ARM ABI.
+    /// Address ranges of data within the code, from the mapping symbols `$d` and `$t` of the ARM ABI.
     pub fn literals(&self) -> Vec<Range<u64>> {
         let mut marks: Vec<_> = self
             .elf
@@ -125,8 +125,8 @@ impl<'a> Image<'a> {
             .collect()
     }
 
-    /// The vector table: the stack begins at the end of RAM, and every vector that `served` names leads to its own
-    /// function, each other one to the handler that turns the bridge off.
+    /// Checks the vector table. The stack must begin at the end of RAM. Every vector that `served` names must lead to its
+    /// own function, and every other vector to the handler that turns the bridge off.
     pub fn check_vectors(&self, served: &[(usize, &str)]) -> Result<(), ImageError> {
         let (address, table) = self.section(".vector_table")?;
         let expect = |index: usize, found: u64, value: u64, expected: &str| {
@@ -158,7 +158,7 @@ impl<'a> Image<'a> {
                     .and_then(|number| served.iter().find(|(served, _)| *served == number))
                     .map_or("DefaultHandler", |(_, name)| name),
             };
-            // Interrupts that the chip does not have.
+            // The chip does not have these interrupts.
             if index >= EXCEPTIONS && found == 0 {
                 continue;
             }
@@ -172,8 +172,8 @@ impl<'a> Image<'a> {
         Ok(())
     }
 
-    /// No routine of double-precision arithmetic is in the image: the processor has none, and a sine by way of one
-    /// takes longer than a control period has room for.
+    /// Checks that the image has no routines of double-precision arithmetic. The processor has no such instructions, and a
+    /// sine in double precision takes longer than a control period allows.
     pub fn check_single_precision(&self) -> Result<(), ImageError> {
         let found: Vec<_> = self
             .functions
@@ -188,7 +188,7 @@ impl<'a> Image<'a> {
         }
     }
 
-    /// No byte of the image is where the settings are stored, so that flashing leaves them alone.
+    /// Checks that the image has no byte in the sectors of the stored settings, so that flashing preserves them.
     pub fn check_settings_are_spared(&self) -> Result<(), ImageError> {
         match self
             .flashed()
@@ -199,12 +199,12 @@ impl<'a> Image<'a> {
         }
     }
 
-    /// Bytes that the flash takes.
+    /// Flash use, bytes.
     pub fn flash_bytes(&self) -> u64 {
         self.flashed().map(|span| span.end - span.start).sum()
     }
 
-    /// Spans of the flash that the image fills.
+    /// Flash ranges that the image fills.
     fn flashed(&self) -> impl Iterator<Item = Range<u64>> {
         let endian = self.elf.endian();
         self.elf
@@ -218,7 +218,7 @@ impl<'a> Image<'a> {
             .filter(|span| FLASH.contains(&span.start) && !span.is_empty())
     }
 
-    /// Bytes of RAM that variables take.
+    /// RAM use of the variables, bytes.
     pub fn static_ram_bytes(&self) -> u64 {
         self.statics().map(|span| span.end - span.start).sum()
     }
@@ -231,7 +231,7 @@ impl<'a> Image<'a> {
     }
 }
 
-/// Little-endian words.
+/// Little-endian 32-bit words.
 pub fn words(bytes: &[u8]) -> impl Iterator<Item = u64> + '_ {
     bytes.chunks_exact(4).map(|word| {
         word.iter()
@@ -240,8 +240,8 @@ pub fn words(bytes: &[u8]) -> impl Iterator<Item = u64> + '_ {
     })
 }
 
-/// Double-precision routines: `__aeabi_dadd` and its kin, conversions such as `__aeabi_f2d`, and the names that they
-/// go by in the compiler's own library, such as `__adddf3`.
+/// Whether a function is a double-precision routine: `__aeabi_dadd` and similar, conversions such as `__aeabi_f2d`, and
+/// their names in the compiler's own library, such as `__adddf3`.
 fn is_double_precision(name: &str) -> bool {
     let arm = name.strip_prefix("__aeabi_");
     arm.is_some_and(|name| name.starts_with('d') || name.ends_with("2d"))
@@ -253,7 +253,7 @@ mod tests {
     use super::is_double_precision;
 
     #[test]
-    fn knows_double_precision_by_name() {
+    fn double_precision_routines_are_recognized_by_name() {
         for name in [
             "__aeabi_dmul",
             "__aeabi_d2iz",

@@ -1,4 +1,4 @@
-//! Chores of this repository: `cargo xtask test` is the one gate in front of every change.
+//! Maintenance commands of this repository. `cargo xtask test` runs every check that a change must pass.
 
 mod book;
 mod docs_test;
@@ -39,7 +39,7 @@ Options:
   -h, --help  Print this help
 ";
 
-/// Exit status of a command line that is not understood.
+/// Exit status for an invalid command line.
 const USAGE_ERROR: u8 = 2;
 
 fn main() -> ExitCode {
@@ -80,10 +80,10 @@ fn main() -> ExitCode {
     }
 }
 
-/// Why a chore did not succeed.
+/// Reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 enum Failure {
-    #[error("`{0}` failed; its own message stands above")]
+    #[error("`{0}` failed; see its message above")]
     Step(String),
     #[error("cannot run `{command}`: {source}")]
     Spawn {
@@ -125,7 +125,7 @@ enum Failure {
 }
 
 impl Failure {
-    /// A failure to read or write a file.
+    /// Error of reading or writing a file.
     fn file(path: &Path, source: std::io::Error) -> Self {
         Self::File {
             path: path.to_owned(),
@@ -133,7 +133,7 @@ impl Failure {
         }
     }
 
-    /// A command that cannot be run.
+    /// Error of starting a command.
     fn spawn(command: &Command, source: std::io::Error) -> Self {
         Self::Spawn {
             command: shown(command),
@@ -142,12 +142,12 @@ impl Failure {
     }
 }
 
-/// Says what is being done.
+/// Prints what is being done.
 fn say(line: &str) {
     println!("{line}");
 }
 
-/// Runs a command to its end with its output shown.
+/// Runs a command to its end and shows its output.
 fn run(command: &mut Command) -> Result<(), Failure> {
     let status = command.status();
     let status = status.map_err(|source| Failure::spawn(command, source))?;
@@ -158,7 +158,7 @@ fn run(command: &mut Command) -> Result<(), Failure> {
     }
 }
 
-/// What a command prints; what it says of errors is shown.
+/// Returns the standard output of a command. Its standard error is shown.
 fn output(command: &mut Command) -> Result<String, Failure> {
     let output = command.stderr(std::process::Stdio::inherit()).output();
     let output = output.map_err(|source| Failure::spawn(command, source))?;
@@ -168,7 +168,7 @@ fn output(command: &mut Command) -> Result<String, Failure> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// A command as a person would type it.
+/// A command in shell syntax.
 fn shown(command: &Command) -> String {
     let program = Path::new(command.get_program());
     std::iter::once(program.file_name().unwrap_or(program.as_os_str()))

@@ -1,22 +1,22 @@
-//! What of this repository is in Python: the package's tests, and the exported model in MuJoCo.
+//! Checks of the Python parts of this repository: the tests of the package, and the exported model in MuJoCo.
 
 use std::process::Command;
 
 use crate::test::say_skipped;
 use crate::{Failure, cargo, run, shown};
 
-/// Where the package is built and put, from the repository on, so that nothing is installed.
+/// Folder of the package build, relative to the repository, so that nothing is installed.
 const FOLDER: &str = "target/python";
-/// Exit status of a script that lacks what it needs.
+/// Exit status of a script whose requirements are missing.
 const SKIPPED: i32 = 77;
 
-/// Runs both, as far as Python has what they need.
+/// Runs the checks whose requirements are available.
 pub fn checks() -> Result<(), Failure> {
     package()?;
     mujoco()
 }
 
-/// Builds the package with maturin and runs its tests on it.
+/// Builds the package with maturin and runs its tests.
 fn package() -> Result<(), Failure> {
     if let Err(lacking) = has(&["numpy", "maturin", "pip"]) {
         say_skipped("python_package", &lacking);
@@ -24,7 +24,7 @@ fn package() -> Result<(), Failure> {
     }
     let folder = firmware_build::root().join(FOLDER);
     let [wheels, built, site] = ["wheels", "build", "site"].map(|name| folder.join(name));
-    // A wheel of an earlier version would be found as well.
+    // A wheel of an earlier version would also be found.
     if wheels.exists() {
         std::fs::remove_dir_all(&wheels).map_err(|source| Failure::File {
             path: wheels.clone(),
@@ -44,7 +44,7 @@ fn package() -> Result<(), Failure> {
     run(tests.env("PYTHONPATH", site))
 }
 
-/// Compares the gap of exported models in MuJoCo with ours.
+/// Compares the gaps of exported models in MuJoCo with those of the simulator.
 fn mujoco() -> Result<(), Failure> {
     if let Err(lacking) = has(&["numpy", "mujoco"]) {
         say_skipped("mujoco", &lacking);
@@ -61,7 +61,7 @@ fn mujoco() -> Result<(), Failure> {
     })?;
     match status.code() {
         Some(0) => Ok(()),
-        // The script has said why.
+        // The script has printed the reason.
         Some(SKIPPED) => {
             say_skipped("mujoco", "see above");
             Ok(())
@@ -70,7 +70,7 @@ fn mujoco() -> Result<(), Failure> {
     }
 }
 
-/// Whether there is a Python with these modules; what is lacking otherwise.
+/// Whether Python has these modules. Otherwise returns the missing ones.
 fn has(modules: &[&str]) -> Result<(), String> {
     for module in modules {
         let import = format!("import {module}");

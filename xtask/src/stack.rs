@@ -1,21 +1,21 @@
-//! Bound on the firmware's stack, from its machine code.
+//! Upper bound of the firmware's stack use, computed from its machine code.
 //!
-//! A function's frame is the sum of all that its instructions take from the stack pointer. Calls by name give the
-//! call graph. A call through a pointer may reach any function whose address the image holds; in this firmware that is
-//! formatting, which nests at most [`POINTER_CALLS`] deep.
+//! The frame of a function is the sum of all its decrements of the stack pointer. Direct calls give the call graph. A call
+//! through a pointer can reach any function whose address is in the image. In this firmware such calls come from formatting,
+//! and there are at most [`POINTER_CALLS`] of them on one path.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::image::{Image, ImageError, words};
 
-/// Calls through pointers on one path: an answer's text, a line of it, a value in it, a number, its padding, the
-/// writer; and one to spare.
+/// Largest number of calls through pointers on one path: the text of an answer, its line, a value, a number, its padding,
+/// and the writer, plus one as a reserve.
 const POINTER_CALLS: usize = 7;
 
-/// What the processor itself pushes at an exception, with its floating-point registers and alignment (ARMv7-M manual).
+/// Bytes that the processor pushes at an exception, with the floating-point registers and alignment (ARMv7-M manual).
 const EXCEPTION_BYTES: u64 = 104 + 4;
 
-/// Most that the main program and one run of each interrupt, all preempting one another, take, bytes.
+/// Largest stack use of the main program and one run of each interrupt, if all interrupts preempt each other, bytes.
 pub fn worst<'a>(
     image: &Image,
     interrupts: impl IntoIterator<Item = &'a str>,
@@ -29,7 +29,7 @@ pub fn worst<'a>(
     Ok(sum)
 }
 
-/// What a function takes and calls.
+/// Stack use and calls of a function.
 #[derive(Default)]
 struct Node {
     name: String,
@@ -40,7 +40,7 @@ struct Node {
 
 struct Graph {
     nodes: BTreeMap<u64, Node>,
-    /// Functions whose address is somewhere in the image.
+    /// Functions whose address occurs in the image.
     pointed: BTreeSet<u64>,
 }
 
@@ -74,7 +74,7 @@ impl Graph {
                 at += instruction.bytes;
                 match instruction.effect {
                     Effect::Push(bytes) => node.frame_bytes += bytes,
-                    // A branch within the function is a jump, one to another function's beginning a call.
+                    // A branch within the function is a jump. A branch to the start of another function is a call.
                     Effect::Branch(to) if image.functions().contains_key(&to) && to != *start => {
                         node.calls.insert(to);
                     }
@@ -100,7 +100,7 @@ impl Graph {
     }
 }
 
-/// Depths below functions, remembered.
+/// Stack use per function, memoized.
 struct Depths<'a> {
     graph: &'a Graph,
     known: BTreeMap<(u64, usize), u64>,
@@ -116,7 +116,7 @@ impl<'a> Depths<'a> {
         }
     }
 
-    /// Most that a function and what it calls take, bytes, with this many calls through pointers left.
+    /// Largest stack use of a function and its callees with this number of remaining calls through pointers, bytes.
     fn of(&mut self, function: u64, pointer_calls: usize) -> Result<u64, ImageError> {
         let key = (function, pointer_calls);
         if let Some(depth) = self.known.get(&key) {
@@ -147,7 +147,7 @@ impl<'a> Depths<'a> {
     }
 }
 
-/// What an instruction means to the stack and the call graph.
+/// Effect of an instruction on the stack and the call graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Effect {
     None,
@@ -165,7 +165,7 @@ struct Instruction {
 }
 
 impl Instruction {
-    /// Decodes the instruction at `address` (ARMv7-M manual, chapter A7.7), as far as it matters here.
+    /// Decodes the instruction at `address` as far as needed (ARMv7-M manual, chapter A7.7).
     fn decode(code: &[u8], address: u64) -> Option<Self> {
         let half = |index: usize| {
             let bytes = code.get(2 * index..2 * index + 2)?;
@@ -226,12 +226,12 @@ fn wide(first: u64, second: u64, address: u64) -> Effect {
     }
 }
 
-/// The twelve bits i:imm3:imm8.
+/// The 12 bits i:imm3:imm8 of an immediate.
 fn immediate(first: u64, second: u64) -> u64 {
     (first >> 10 & 1) << 11 | (second >> 12 & 7) << 8 | second & 0xFF
 }
 
-/// The sixteen bits imm4:i:imm3:imm8.
+/// The 16 bits imm4:i:imm3:imm8 of an immediate.
 fn half_word(first: u64, second: u64) -> u64 {
     (first & 0xF) << 12 | immediate(first, second)
 }
@@ -251,7 +251,7 @@ fn expanded(immediate: u64) -> u64 {
     }
 }
 
-/// Target of a 32-bit branch: S:I1:I2:imm10:imm11:0, I being not (J xor S).
+/// Target of a 32-bit branch: S:I1:I2:imm10:imm11:0, where I is not (J xor S).
 fn far(first: u64, second: u64, address: u64) -> u64 {
     let sign = first >> 10 & 1;
     let i1 = !(second >> 13 ^ sign) & 1;
@@ -260,7 +260,7 @@ fn far(first: u64, second: u64, address: u64) -> u64 {
     offset(address, bits, 25)
 }
 
-/// An address and a signed offset of so many bits; the program counter is four bytes ahead.
+/// Target of a branch with a signed offset of `width` bits. The program counter is four bytes ahead of the instruction.
 fn offset(address: u64, bits: u64, width: u32) -> u64 {
     let unused = u64::BITS - width;
     let signed = (bits << unused) as i64 >> unused;
@@ -275,9 +275,9 @@ mod tests {
         Instruction::decode(code, 0x0800_0286).unwrap().effect
     }
 
-    /// Bytes as an assembler makes them.
+    /// The bytes are the output of an assembler.
     #[test]
-    fn decodes_what_takes_stack_and_what_calls() {
+    fn stack_decrements_and_calls_are_decoded() {
         assert_eq!(
             effect(&[0xf0, 0xb5]),
             Effect::Push(20),

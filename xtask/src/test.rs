@@ -5,7 +5,7 @@ use std::process::Stdio;
 
 use crate::{Failure, cargo, shown};
 
-/// Tests that may be skipped, each with what it needs that a fresh clone lacks.
+/// Tests that may be skipped, each with the requirement that a fresh clone may lack.
 const MAY_SKIP: &[(&str, &str)] = &[
     ("shared_data", "real recordings beside the project"),
     (
@@ -20,13 +20,13 @@ const MAY_SKIP: &[(&str, &str)] = &[
     ("mujoco", "Python with numpy and mujoco"),
 ];
 
-/// Says that a check of [`MAY_SKIP`] does not run.
+/// Prints that a check of [`MAY_SKIP`] is skipped.
 pub fn say_skipped(name: &str, why: &str) {
     debug_assert!(MAY_SKIP.iter().any(|(stated, _)| *stated == name), "{name}");
     println!("skipped: {name}: {why}");
 }
 
-/// Formatting, lints, the firmware image, all tests and what is in Python, in this order; the first failure ends it.
+/// Runs formatting, lints, the firmware image, all tests and the Python checks in this order. Stops at the first failure.
 pub fn run() -> Result<(), Failure> {
     crate::run(&mut cargo(&["fmt", "--all", "--check"]))?;
     crate::run(&mut cargo(&[
@@ -41,11 +41,11 @@ pub fn run() -> Result<(), Failure> {
     crate::firmware::check()?;
     host_tests()?;
     crate::python::checks()?;
-    // With the command line that the tests have built.
+    // The check uses the command line that the tests have built.
     crate::figures::check_built()
 }
 
-/// All tests of all crates, doc tests too, with the output of passing ones read for skips.
+/// Runs all tests of all crates, with doc tests. Reads the output of passing tests for skip messages.
 fn host_tests() -> Result<(), Failure> {
     let mut command = cargo(&[
         "test",
@@ -80,7 +80,7 @@ fn host_tests() -> Result<(), Failure> {
     }
 }
 
-/// What the tests' output says of tests that did not run.
+/// Collects the skipped tests from the test output.
 ///
 /// A test is skipped if libtest calls it `ignored`, or if it printed a line
 /// `skipped: NAME: REASON` because something that it needs is not there.
@@ -91,7 +91,7 @@ struct TestLog {
 }
 
 impl TestLog {
-    /// Takes the next line in; true if a reader wants to see it.
+    /// Reads the next line. Returns true if the line should be printed.
     fn read(&mut self, line: &str) -> bool {
         if line == "successes:" {
             self.in_passing_output = true;
@@ -99,7 +99,7 @@ impl TestLog {
             self.in_passing_output = false;
         }
         if let Some(rest) = line.strip_prefix("skipped: ") {
-            // A line that names no test is one that nobody stated.
+            // A line without a test name counts as an unstated skip.
             let name = rest.split_once(": ").map_or(rest, |(name, _reason)| name);
             self.skipped.push(name.to_owned());
             return true;
@@ -114,7 +114,7 @@ impl TestLog {
         !self.in_passing_output
     }
 
-    /// The skipped tests that `may_skip` does not name.
+    /// The skipped tests that `may_skip` does not list.
     fn unstated(&self, may_skip: &[(&str, &str)]) -> Vec<String> {
         self.skipped
             .iter()
@@ -148,14 +148,14 @@ successes:
 test result: ok. 2 passed; 0 failed; 2 ignored; 0 measured; 0 filtered out";
 
     #[test]
-    fn a_skip_that_names_no_test_is_shown_and_unstated() {
+    fn a_skip_without_a_test_name_is_printed_and_unstated() {
         let mut log = TestLog::default();
         assert!(log.read("skipped: no recordings here"));
         assert_eq!(log.unstated(&[]), ["no recordings here"]);
     }
 
     #[test]
-    fn finds_ignored_tests_and_skip_lines() {
+    fn ignored_tests_and_skip_lines_are_found() {
         let mut log = TestLog::default();
         let shown: Vec<_> = LOG.lines().filter(|line| log.read(line)).collect();
         assert_eq!(

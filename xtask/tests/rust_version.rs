@@ -1,4 +1,4 @@
-//! The Rust version that the README states is the one that cargo checks.
+//! The README states the Rust version that cargo requires.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ fn stated(manifest: &str, key: &str) -> Option<String> {
 }
 
 #[test]
-fn the_readme_states_the_rust_version_that_cargo_checks() {
+fn the_readme_states_the_required_rust_version() {
     let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let version = stated(&manifest, "rust-version").unwrap();
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
@@ -25,7 +25,7 @@ fn the_readme_states_the_rust_version_that_cargo_checks() {
 }
 
 #[test]
-fn cargo_checks_it_for_every_package() {
+fn every_package_requires_the_same_rust_version() {
     let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
     let members = stated(&manifest, "members").unwrap();
     let members = members.trim_matches(['[', ']']).split(", ");

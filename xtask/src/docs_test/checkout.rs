@@ -1,4 +1,4 @@
-//! A clean copy of what is under version control, where the commands of the documentation run.
+//! A clean copy of the files under version control, in which the commands of the documentation run.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,18 +7,18 @@ use std::process::Command;
 
 use crate::Failure;
 
-/// Its folder is the same every time, and a file that has not changed keeps its time, so that cargo builds again only what
-/// changed.
+/// A clean copy of the repository. Its folder is always the same, and an unchanged file keeps its modification time, so that
+/// cargo rebuilds only what changed.
 pub struct Checkout {
     folder: PathBuf,
     files: BTreeSet<PathBuf>,
 }
 
 impl Checkout {
-    /// A copy of this repository at `folder`, with changes that are not committed.
+    /// Copies this repository, with its uncommitted changes, to `folder`.
     ///
     /// # Errors
-    /// [`Failure`] if git does not answer.
+    /// Returns a [`Failure`] if git fails.
     pub fn new(folder: PathBuf) -> Result<Self, Failure> {
         let root = firmware_build::root();
         let listed = crate::output(Command::new("git").current_dir(root).args([
@@ -34,15 +34,15 @@ impl Checkout {
         Ok(Self { folder, files })
     }
 
-    /// Where it lies.
+    /// Path of the copy.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Copies what differs, and removes what does not belong to it.
+    /// Copies the files that differ, and removes the files that do not belong to the repository.
     ///
     /// # Errors
-    /// [`Failure`] for the first file that cannot be copied or removed.
+    /// Returns a [`Failure`] for the first file that cannot be copied or removed.
     pub fn clean(&self) -> Result<(), Failure> {
         fs::create_dir_all(&self.folder).map_err(|e| Failure::file(&self.folder, e))?;
         self.remove_others(&self.folder)?;

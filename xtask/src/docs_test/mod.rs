@@ -1,4 +1,4 @@
-//! `cargo xtask docs-test`: runs every command of README and docs in a clean checkout.
+//! `cargo xtask docs-test`: runs every command of README and docs in a clean copy of the repository.
 
 mod checkout;
 mod page;
@@ -15,18 +15,18 @@ use checkout::Checkout;
 use page::Step;
 use shell::Shell;
 
-/// Lines of a failed command's output that are shown.
+/// Number of lines of a failed command's output that are printed.
 const LINES_SHOWN: usize = 15;
 
-/// Runs the commands of all pages, or of those whose paths contain one of `parts`.
+/// Runs the commands of all pages, or of the pages whose paths contain one of `parts`.
 pub fn run(parts: &[&str]) -> Result<(), Failure> {
     let folder = target_folder().join("docs-test");
     let checkout = Checkout::new(folder.join("checkout"))?;
-    // Cargo tells packages apart by their place within their workspace: two checkouts must not share what they built.
+    // Cargo identifies packages by their path within the workspace, so two checkouts must not share a target folder.
     let target = folder.join("target");
     fs::create_dir_all(&target).map_err(|e| Failure::file(&target, e))?;
     checkout.clean()?;
-    // Pages call the program by its name, as after an installation.
+    // The pages call the program by its name, as if it were installed.
     crate::run(
         Command::new("cargo")
             .args(["build", "--quiet", "--release", "--package", "paddle"])
@@ -47,7 +47,7 @@ pub fn run(parts: &[&str]) -> Result<(), Failure> {
     }
 }
 
-/// Runs the commands of a page; those that failed, each with its page and line.
+/// Runs the commands of a page. Returns the failed commands, each with its page and line.
 fn run_page(page: &Path, checkout: &Checkout, target: &Path) -> Result<Vec<String>, Failure> {
     let path = firmware_build::root().join(page);
     let markdown = fs::read_to_string(&path).map_err(|e| Failure::file(&path, e))?;

@@ -1,4 +1,4 @@
-//! The commands of a page of markdown, with what its comments say about running them.
+//! The commands of a Markdown page, and the directives that control their execution.
 //!
 //! A block of code with the info string `sh`, or with none, holds commands. A comment in front of a block,
 //! `<!-- docs-test: DIRECTIVE -->` with one directive a line, concerns that block:
@@ -8,35 +8,35 @@
 //! - ``skip `BEGINNING` REASON``: those commands do not run that begin so;
 //! - `file NAME`: the block is the content of this file, whatever its info string.
 
-/// What a page asks for, in its order.
+/// The steps of a page, in order.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Step {
-    /// A command and the line on which it begins.
+    /// Run a command.
     Run {
-        /// Counted from 1.
+        /// Line of the command, counted from 1.
         line: usize,
-        /// As a shell takes it.
+        /// The command in shell syntax.
         command: String,
     },
-    /// A command that cannot run everywhere.
+    /// Skip a command that cannot run everywhere.
     Skip {
-        /// Counted from 1.
+        /// Line of the command, counted from 1.
         line: usize,
-        /// As a shell takes it.
+        /// The command in shell syntax.
         command: String,
-        /// Why.
+        /// Reason for the skip.
         reason: String,
     },
-    /// A file that later commands read.
+    /// Write a file that later commands read.
     File {
-        /// Relative to the checkout.
+        /// Path relative to the checkout.
         name: String,
-        /// What it holds.
+        /// Content of the file.
         content: String,
     },
 }
 
-/// A comment that cannot be understood.
+/// A directive that is unknown.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "line {line}: `{text}` is no directive; write `run COMMAND`, `skip REASON`, ``skip `BEGINNING` REASON`` or `file NAME`"
@@ -49,7 +49,7 @@ pub struct BadDirective {
 const OPEN: &str = "<!-- docs-test:";
 const CLOSE: &str = "-->";
 
-/// What comments said since the last block.
+/// The directives since the last code block.
 #[derive(Default)]
 struct Directives<'a> {
     skips: Vec<(&'a str, &'a str)>,
@@ -57,7 +57,7 @@ struct Directives<'a> {
 }
 
 impl Directives<'_> {
-    /// Why a command does not run, if it does not.
+    /// Reason why a command is skipped. Returns `None` if it runs.
     fn reason(&self, command: &str) -> Option<String> {
         let mut skips = self.skips.iter();
         let skip = skips.find(|(beginning, _)| command.starts_with(beginning))?;
@@ -65,10 +65,10 @@ impl Directives<'_> {
     }
 }
 
-/// The steps of a page.
+/// Parses the steps of a page.
 ///
 /// # Errors
-/// [`BadDirective`] for the first comment that is not understood.
+/// Returns [`BadDirective`] for the first unknown directive.
 pub fn steps(markdown: &str) -> Result<Vec<Step>, BadDirective> {
     let mut steps = Vec::new();
     let mut directives = Directives::default();
@@ -103,7 +103,7 @@ pub fn steps(markdown: &str) -> Result<Vec<Step>, BadDirective> {
     Ok(steps)
 }
 
-/// Takes one directive in; a step if it is one.
+/// Handles one directive. Returns a step if the directive is one.
 fn directive<'a>(
     line: usize,
     text: &'a str,
@@ -152,7 +152,7 @@ fn block_steps(info: &str, block: &[(usize, &str)], directives: &Directives<'_>)
     steps.collect()
 }
 
-/// The commands of a block, each with its line; a backslash at the end goes on in the next line.
+/// The commands of a code block, each with its line number. A backslash at the end of a line continues the command.
 fn commands(block: &[(usize, &str)]) -> Vec<(usize, String)> {
     let mut commands: Vec<(usize, String)> = Vec::new();
     let mut goes_on = false;
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_stand_in_blocks_without_or_with_the_info_string_sh() {
+    fn commands_are_in_code_blocks_with_the_info_string_sh_or_none() {
         let page =
             "text\n```\na \\\n    b # why\n\n# nothing\n```\n```toml\nc = 1\n```\n```sh\nd\n```\n";
         let steps = steps(page).unwrap();
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn directives_concern_the_next_block_alone() {
+    fn directives_apply_to_the_next_block_only() {
         let page = "<!-- docs-test: run make -->\n<!-- docs-test:\nskip `cargo xtask` takes minutes\n-->\n\n\
                     ```\ncargo xtask test\nls\n```\n```\ncargo xtask test\n```\n<!-- docs-test: file a.txt -->\n\
                     ```text\none\n  two\n```\n";
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_comment_that_says_nothing_known_is_refused() {
+    fn an_unknown_directive_is_refused() {
         let error = steps("\n<!-- docs-test: hop -->\n").unwrap_err();
         assert_eq!((error.line, error.text.as_str()), (2, "hop"));
         assert!(steps("<!-- docs-test: skip `open -->\n").is_err());

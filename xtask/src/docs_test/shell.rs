@@ -1,4 +1,4 @@
-//! Runs the commands of a page, and keeps a virtual board running beside them.
+//! Runs the commands of a page, with a virtual board in the background if a command starts one.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read};
@@ -11,33 +11,33 @@ use std::time::{Duration, Instant};
 
 use crate::Failure;
 
-/// Longest that a command may take; the first one builds the program.
+/// Longest time of a command. The first command also builds the program.
 const LONGEST: Duration = Duration::from_secs(30 * 60);
-/// How often a running command is looked at.
+/// Interval at which a running command is polled.
 const LOOK: Duration = Duration::from_millis(20);
-/// What a virtual board says in front of its serial port.
+/// Text that a virtual board prints before its serial port.
 const PORT: &str = "serial port: ";
-/// Ports that the pages name; a running virtual board stands in for them.
+/// Ports named on the pages. They are replaced by the port of the running virtual board.
 const PORTS_NAMED: [&str; 2] = ["/dev/ttyUSB0", "/dev/pts/3"];
 
-/// A shell for the commands of one page.
+/// Shell for the commands of one page.
 pub struct Shell<'a> {
     folder: &'a Path,
     target: &'a Path,
     board: Option<Board>,
 }
 
-/// A command that did not succeed.
+/// A command that failed.
 #[derive(Debug)]
 pub struct Trouble {
-    /// What became of it, such as its exit status.
+    /// Result of the command, such as its exit status.
     pub outcome: String,
-    /// What it printed.
+    /// Output of the command.
     pub printed: String,
 }
 
 impl<'a> Shell<'a> {
-    /// Whose commands run in `folder`, with cargo's results in `target`.
+    /// Creates a shell whose commands run in `folder`, with cargo's target folder at `target`.
     pub fn new(folder: &'a Path, target: &'a Path) -> Self {
         Self {
             folder,
@@ -46,10 +46,11 @@ impl<'a> Shell<'a> {
         }
     }
 
-    /// Runs a command to its end. A virtual board that runs until Ctrl-C goes on beside the next ones, on the port that they name.
+    /// Runs a command to its end. A virtual board that runs until Ctrl-C stays in the background for the following commands,
+    /// which use its port.
     ///
     /// # Errors
-    /// [`Failure`] if no shell can be started.
+    /// Returns a [`Failure`] if the shell cannot be started.
     pub fn run(&mut self, command: &str) -> Result<Result<(), Trouble>, Failure> {
         let mut line = command.to_owned();
         if let Some(board) = &self.board {
@@ -92,7 +93,7 @@ impl<'a> Shell<'a> {
         }))
     }
 
-    /// A shell in a process group of its own, with the built program on its path.
+    /// A shell in its own process group, with the built program in its PATH.
     fn shell(&self, line: &str) -> Command {
         let before = std::env::var_os("PATH").unwrap_or_default();
         let built = self.target.join("release");
@@ -111,13 +112,13 @@ impl<'a> Shell<'a> {
     }
 }
 
-/// True of a virtual board that only Ctrl-C ends.
+/// Whether the command is a virtual board that runs until Ctrl-C.
 fn runs_until_interrupted(command: &str) -> bool {
     let command = command.strip_prefix("cargo ").unwrap_or(command);
     command.starts_with("paddle board") && !command.contains("--seconds")
 }
 
-/// A process with all that it started, which ends with this.
+/// A process group. Dropping the value ends all its processes.
 struct Group(Child);
 
 impl Drop for Group {
@@ -126,20 +127,20 @@ impl Drop for Group {
             return;
         }
         let group = format!("-{}", self.0.id());
-        // A group that has ended meanwhile needs no signal.
+        // If the group has ended in the meantime, the signal has no receiver.
         let _ = Command::new("kill").args(["-INT", "--", &group]).status();
         let _ = self.0.wait();
     }
 }
 
-/// A virtual board that runs.
+/// A running virtual board.
 struct Board {
     port: String,
     _process: Group,
 }
 
 impl Board {
-    /// Waits until it has said its port.
+    /// Starts the board and waits until it has printed its port.
     fn start(mut shell: Command, command: &str) -> Result<Result<Self, Trouble>, Failure> {
         let spawned = shell.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
         let mut process = Group(spawned.map_err(|source| Failure::spawn(&shell, source))?);
@@ -158,7 +159,7 @@ impl Board {
         ];
         for stream in streams.into_iter().flatten() {
             let said = said.clone();
-            // Reads on to the end, so that the board never waits for a reader.
+            // The thread reads the output to its end, so that the board is never blocked by a full pipe.
             thread::spawn(move || {
                 for line in BufReader::new(stream).lines().map_while(Result::ok) {
                     let _ = said.send(line);
@@ -189,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_a_board_without_an_end_goes_on() {
+    fn only_a_board_without_a_duration_stays_in_the_background() {
         assert!(runs_until_interrupted("cargo paddle board --plant nominal"));
         assert!(runs_until_interrupted("paddle board"));
         assert!(!runs_until_interrupted("paddle board --seconds 7"));
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_failing_command_printed_is_told() {
+    fn the_output_of_a_failing_command_is_reported() {
         let folder = std::env::temp_dir();
         let mut shell = Shell::new(&folder, &folder);
         let trouble = shell

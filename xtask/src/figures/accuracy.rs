@@ -1,4 +1,4 @@
-//! Results of the blind check, kept with when, where and of what they were measured.
+//! Results of the blind check, stored with date, machine and commit.
 
 use std::fmt::Write;
 use std::fs;
@@ -11,27 +11,27 @@ use super::origin::Origin;
 use super::table::row;
 use crate::Failure;
 
-/// Folder of the results, in the repository.
+/// Folder of the results in the repository.
 const FOLDER: &str = "docs/figures";
-/// With which the names of their files begin.
+/// Prefix of the names of the result files.
 const PREFIX: &str = "blind-";
-/// Rows that the summary has, by their names in the result.
+/// Names of the result rows in the summary.
 const CONFIDENT: &str = "names given 0.9 or more that are right";
 const TIME: &str = "time of a diagnosis, 95th percentile, s";
 
-/// One set of cases.
+/// Results of one set of cases.
 #[derive(Debug, Serialize, Deserialize)]
 struct Set {
-    /// Seed of its cases, or seeds of several sets that are scored as one.
+    /// Seed of the cases. A set that combines several sets has several seeds.
     seeds: Vec<u64>,
     cases: u64,
-    /// With several causes in each device.
+    /// Whether each device has several causes.
     is_messy: bool,
     origin: Origin,
     rows: Vec<Measured>,
 }
 
-/// One row of its table.
+/// One row of the result table.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Measured {
     what: String,
@@ -41,7 +41,7 @@ struct Measured {
     percent: bool,
 }
 
-/// What `paddle gap blind --json` writes, as far as it matters here.
+/// The keys of the JSON of `paddle gap blind` that are used here.
 #[derive(Debug, Deserialize)]
 struct Answer {
     sets: Vec<Drawn>,
@@ -67,7 +67,7 @@ struct Calibration {
     confident: Confident,
 }
 
-/// Names that were given with a confidence of 0.9 or more.
+/// Effects that were named with a confidence of 0.9 or more.
 #[derive(Debug, Deserialize)]
 struct Confident {
     given: u64,
@@ -86,10 +86,10 @@ impl From<Confident> for Measured {
     }
 }
 
-/// Keeps the result of a blind check; the file that holds it.
+/// Stores the result of a blind check. Returns the path of the stored file.
 ///
 /// # Errors
-/// [`Failure`] for a file that is no such result.
+/// Returns a [`Failure`] if the file is not a result of the blind check.
 pub fn keep(path: &Path) -> Result<PathBuf, Failure> {
     let text = fs::read_to_string(path).map_err(|e| Failure::file(path, e))?;
     let json = |e| Failure::Json(path.display().to_string(), e);
@@ -106,7 +106,7 @@ pub fn keep(path: &Path) -> Result<PathBuf, Failure> {
             .collect(),
     };
     let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
-    // A clean and a messy set may have one seed.
+    // A clean set and a messy set can have the same seed.
     let kind = if set.is_messy { "messy" } else { "clean" };
     let name = format!("{PREFIX}{kind}-{}.json", seeds.join("-"));
     let kept = firmware_build::root().join(FOLDER).join(name);
@@ -118,14 +118,14 @@ pub fn keep(path: &Path) -> Result<PathBuf, Failure> {
     Ok(kept)
 }
 
-/// All sets that are kept, in the order of their files.
+/// All stored sets, in the order of their files.
 pub struct Sets(Vec<Set>);
 
 impl Sets {
-    /// Reads them.
+    /// Reads the stored sets.
     ///
     /// # Errors
-    /// [`Failure`] for a file that is no set.
+    /// Returns a [`Failure`] if a file is not a set.
     pub fn kept() -> Result<Self, Failure> {
         let folder = firmware_build::root().join(FOLDER);
         let Ok(entries) = fs::read_dir(&folder) else {
@@ -145,7 +145,7 @@ impl Sets {
         Ok(Self(sets.collect::<Result<_, _>>()?))
     }
 
-    /// The table of all sets of a kind; `None` if there is none.
+    /// The table of all sets of a kind. Returns `None` if there are none.
     pub fn table(&self, kind: Kind) -> Option<String> {
         table(&self.of(kind))
     }
@@ -156,7 +156,7 @@ impl Sets {
             .collect()
     }
 
-    /// The questions that a newcomer asks, over all sets of either kind; `None` if one of the kinds is missing.
+    /// The summary over all sets of both kinds. Returns `None` if there is no set of one of the kinds.
     pub fn summary(&self) -> Option<String> {
         let [clean, messy] = [Kind::Clean, Kind::Messy].map(|kind| self.of(kind));
         if clean.is_empty() || messy.is_empty() {
@@ -184,7 +184,7 @@ impl Sets {
         Some(text)
     }
 
-    /// How long a diagnosis takes, by kind; `None` if no set is kept.
+    /// Time of a diagnosis per kind. Returns `None` if no set is stored.
     pub fn times(&self) -> Option<String> {
         let mut text = row(&["what", "goal", "measured", "command"]);
         text.push_str("|---|---|---|---|\n");
@@ -209,7 +209,7 @@ impl Sets {
         (!self.0.is_empty()).then_some(text)
     }
 
-    /// The longest 95th percentile of the time of a diagnosis over the sets of a kind, s.
+    /// The largest 95th percentile of the diagnosis time over the sets of a kind, s.
     pub fn longest_s(&self, kind: Kind) -> Option<f64> {
         let sets = self.of(kind).into_iter();
         let rows = sets.filter_map(|set| set.rows.iter().find(|row| row.what == TIME));
@@ -217,16 +217,16 @@ impl Sets {
     }
 }
 
-/// Devices with one or two causes, or with several small ones beside the dominant one.
+/// Kind of the devices in a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// One or two causes, all numbers right.
+    /// One or two causes, and correct numbers of the model.
     Clean,
-    /// Several causes and wrong numbers.
+    /// Several causes, and errors in the numbers of the model.
     Messy,
 }
 
-/// Questions of the summary, with the rows that answer them for clean and for messy sets.
+/// Questions of the summary, with the result rows for clean and for messy sets.
 const QUESTIONS: [[&str; 3]; 6] = [
     [
         "Is the first name the true (dominant) cause?",
@@ -261,7 +261,7 @@ const QUESTIONS: [[&str; 3]; 6] = [
 ];
 const NOT_ASKED: &str = "not in these sets";
 
-/// The row `what` over all sets, as a count of the cases; `None` if no case is in it.
+/// The sum of the row `what` over all sets, as a count of cases. Returns `None` if no case is in it.
 fn counted(sets: &[&Set], what: &str) -> Option<String> {
     let rows = sets
         .iter()
@@ -323,7 +323,7 @@ fn goal(of: &Measured) -> String {
     }
 }
 
-/// A share as a count of the cases, anything else as a number.
+/// A share as a count of cases, or another value as a number.
 fn value(of: &Measured) -> String {
     match of.measured {
         None => "no case".into(),
@@ -340,7 +340,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_share_is_told_as_a_count_with_its_goal() {
+    fn a_share_is_printed_as_a_count_with_its_goal() {
         let set: Set = serde_json::from_str(
             r#"{"seeds":[7,8],"cases":40,"is_messy":false,"origin":{"date":"2026-01-02",
             "machine":"a processor, 2 cores","commit":"0123456789abcdef"},"rows":[

@@ -1,4 +1,4 @@
-//! Figures that are the same on every machine.
+//! Figures that are equal on every machine.
 
 use std::fmt::Write;
 use std::fs;
@@ -10,21 +10,21 @@ use serde_json::Value;
 use super::table::row;
 use crate::{Failure, output};
 
-/// Columns of a line of prose.
+/// Columns of a line of text.
 const WIDTH: usize = 120;
 const MILLI: f64 = 1e3;
 
-/// What measures them.
+/// Measures the figures.
 pub struct Exact {
     program: PathBuf,
     scratch: PathBuf,
 }
 
 impl Exact {
-    /// By the command line at `program`.
+    /// Creates the measurement with the command line at `program`.
     ///
     /// # Errors
-    /// [`Failure`] if there is no place for what it writes.
+    /// Returns a [`Failure`] if its output folder cannot be created.
     pub fn new(program: &Path) -> Result<Self, Failure> {
         let scratch = program.with_file_name("figures");
         if scratch.exists() {
@@ -37,10 +37,10 @@ impl Exact {
         })
     }
 
-    /// The figures called `name`.
+    /// The figures with the name `name`.
     ///
     /// # Errors
-    /// [`Failure`] if nobody measures them, or the program does not answer.
+    /// Returns a [`Failure`] if the name is unknown or if the program fails.
     pub fn table(&self, name: &str) -> Result<String, Failure> {
         match name {
             "gap-2018" => self.gap_2018(),
@@ -63,18 +63,18 @@ impl Exact {
         serde_json::from_str(&text).map_err(|e| Failure::Json(arguments.into(), e))
     }
 
-    /// What the diagnosis says of the lab's Simulink model.
+    /// The verdict of the diagnosis on the lab's Simulink model.
     fn gap_2018(&self) -> Result<String, Failure> {
         if !self.scratch.join("lab-2018").exists() {
             self.text("sim lab --recording lab-2018")?;
         }
         let said = self.text("gap diagnose lab-2018")?;
         let mut paragraphs = said.split("\n\n");
-        // Warnings stand above it.
+        // Warnings are printed before the verdict.
         let verdict = paragraphs.next().and_then(|first| first.lines().last());
         let verdict = verdict.unwrap_or_default();
         let place = paragraphs.next().unwrap_or_default();
-        // What it would be without any model is another thought.
+        // The gap of the prediction without a model is left out.
         let place = place
             .split("\nWithout any model")
             .next()
@@ -91,7 +91,7 @@ impl Exact {
         Ok(format!("{quote}{line}\n"))
     }
 
-    /// What a low-pass on the position does.
+    /// Effect of a low-pass on the position.
     fn filter(&self) -> Result<String, Failure> {
         let answer = self.json("sim filter")?;
         let cases = answer["cases"].as_array().map_or(&[][..], Vec::as_slice);
@@ -125,7 +125,7 @@ impl Exact {
         Ok(table)
     }
 
-    /// The report's encoder rows beside ours.
+    /// The encoder rows of the report, with the simulated values.
     fn report_2018(&self) -> Result<String, Failure> {
         let answer = self.json("reproduce")?;
         let rows = answer["rows"].as_array().map_or(&[][..], Vec::as_slice);
@@ -157,7 +157,7 @@ impl Exact {
     }
 }
 
-/// Two significant digits.
+/// Formats a number with two significant digits.
 fn two_digits(value: f64) -> String {
     let digits = (1 - value.abs().max(f64::MIN_POSITIVE).log10().floor() as i32).clamp(0, 9);
     format!("{value:.0$}", digits as usize)
@@ -168,7 +168,7 @@ mod tests {
     use super::two_digits;
 
     #[test]
-    fn numbers_have_two_digits() {
+    fn numbers_have_two_significant_digits() {
         let written = [0.779, 0.1211, 18.02, 0.0].map(two_digits);
         assert_eq!(written, ["0.78", "0.12", "18", "0.000000000"]);
     }

@@ -1,4 +1,4 @@
-//! Figures of the firmware image. They depend on the compiler alone, as the virtual board is the same on every machine.
+//! Figures of the firmware image. They depend only on the compiler, because the virtual board is equal on every machine.
 
 use std::process::Command;
 
@@ -8,32 +8,32 @@ use crate::test::say_skipped;
 use crate::{Failure, cargo, output};
 
 const KIB: f64 = 1024.0;
-/// What prints the figures of the control interrupt.
+/// The test that prints the figures of the control interrupt.
 const INTERRUPT: &str =
     "cargo test --package haptic-paddle --test board control_interrupt -- --nocapture";
 
-/// The compiler of the figures.
+/// Selects the compilers whose figures are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compiled {
-    /// The present one: all figures are measured.
+    /// The installed compiler: all figures are measured.
     Anew,
-    /// The one that a page names: figures of another compiler are not measured.
+    /// Only the compiler that the page names: figures of another compiler are not measured.
     AsOnThePage,
 }
 
-/// Measures the image.
+/// Measures the figures of the image.
 pub struct Image(Compiled);
 
 impl Image {
-    /// Measures images that were built by these compilers.
+    /// Creates the measurement for these compilers.
     pub fn new(compiled: Compiled) -> Self {
         Self(compiled)
     }
 
-    /// The figures called `name`; `None` if the `present` ones are of a compiler that is not to be compared.
+    /// The figures with the name `name`. Returns `None` if the `present` figures belong to a compiler that is not compared.
     ///
     /// # Errors
-    /// [`Failure`] if there are no such figures, or the image cannot be built or run.
+    /// Returns a [`Failure`] if the name is unknown, or if the image cannot be built or run.
     pub fn table(&self, name: &str, present: &str) -> Result<Option<String>, Failure> {
         let compiler = compiler()?;
         let is_other = !present.contains(&format!("{compiler}."));
@@ -58,7 +58,7 @@ impl Image {
     }
 }
 
-/// Name and version of the compiler.
+/// Name and version of the installed compiler.
 fn compiler() -> Result<String, Failure> {
     let said = output(Command::new("rustc").arg("--version"))?;
     Ok(said.split(' ').take(2).collect::<Vec<_>>().join(" "))
@@ -81,8 +81,8 @@ fn size(size: &Size) -> String {
     .concat()
 }
 
-/// The table from what the test prints. The test fails before it prints if a control period was missed. Cycles are left out: they depend
-/// on where the linker puts the code, which changes with every commit.
+/// Makes the table from the output of the test. The test fails before its output if a control period was missed. Cycle
+/// counts are left out, because they depend on the code addresses, which change with every commit.
 fn interrupt(said: &str) -> Option<String> {
     let mut lines = said.lines();
     let (count, figures) = lines.find_map(|line| line.split_once(" control interrupts: "))?;
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_interrupts_figures_are_read_from_what_its_test_prints() {
+    fn the_figures_of_the_interrupt_are_read_from_the_output_of_its_test() {
         let said = "running 1 test\n200000 control interrupts: 436 instructions median, 492 worst; 885 model cycles median, \
                     965 worst; jitter 0.250 µs\ntest ... ok\n";
         let table = interrupt(said).unwrap();

@@ -1,17 +1,17 @@
-//! Parts of a page that are made by a program.
+//! Generated parts of a page.
 
-/// Why a page cannot be made.
+/// Reason why a page cannot be generated.
 #[derive(Debug, thiserror::Error)]
 pub enum MarkError {
-    /// A part that does not end.
+    /// A marked part without an end mark.
     #[error("`<!-- figures: {0} -->` has no `<!-- end -->` behind it")]
     Open(String),
-    /// A part that nobody makes, or what went wrong while it was made.
+    /// A marked part that has no generator, or whose generator failed.
     #[error("`<!-- figures: {name} -->`: {error}")]
     Part {
-        /// The part.
+        /// Name of the part.
         name: String,
-        /// What is wrong.
+        /// Error of the generator.
         error: String,
     },
 }
@@ -20,10 +20,11 @@ const OPEN: &str = "<!-- figures: ";
 const CLOSE: &str = " -->\n";
 const END: &str = "<!-- end -->";
 
-/// The page with every marked part as `made` by its name and present text; `None` leaves a part as it is.
+/// Replaces every marked part of the page by the text that `made` returns for its name and present text. If `made` returns
+/// `None`, the part stays unchanged.
 ///
 /// # Errors
-/// [`MarkError`] for the first part that cannot be made.
+/// Returns [`MarkError`] for the first part that cannot be generated.
 pub fn replaced<E: ToString>(
     page: &str,
     made: impl Fn(&str, &str) -> Result<Option<String>, E>,
@@ -58,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_between_the_marks_is_replaced() {
+    fn the_text_between_the_marks_is_replaced() {
         let page = "a\n<!-- figures: length -->\n5\n<!-- end -->\nb\n";
         let made = replaced(page, counted).unwrap();
         assert_eq!(made, "a\n<!-- figures: length -->\n6\n<!-- end -->\nb\n");
@@ -71,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_without_an_end_or_a_maker_is_refused() {
+    fn a_part_without_an_end_mark_or_a_generator_is_refused() {
         let open = replaced("<!-- figures: length -->\n5\n", counted).unwrap_err();
         assert!(open.to_string().contains("no `<!-- end -->`"), "{open}");
         let unknown = replaced("<!-- figures: width -->\n<!-- end -->", counted).unwrap_err();

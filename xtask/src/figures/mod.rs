@@ -1,10 +1,13 @@
-//! `cargo xtask figures`: the tables of README and docs that hold numbers, written by what measures them.
+//! `cargo xtask figures`: writes the tables of measured numbers in README and docs.
 //!
-//! A page marks a table by `<!-- figures: NAME -->` and `<!-- end -->`. Some figures are the same on every machine: they are made anew
-//! each time, and `--check` says which pages hold others. Those of the firmware image depend on the compiler alone, which their tables
-//! name. All other results are kept in `docs/figures`, with date, machine and commit, and the tables come from there: the sets of the
-//! blind check, which take hours (`figures accuracy FILE...`), and speeds (`figures performance`). A table whose results nobody kept
-//! stays as it is.
+//! A page marks a table by `<!-- figures: NAME -->` and `<!-- end -->`. There are three sources of figures:
+//!
+//! - Some figures are equal on every machine. They are measured each time, and `--check` lists the pages with other figures.
+//! - Figures of the firmware image depend only on the compiler, which their tables name.
+//! - All other results are stored in `docs/figures` with date, machine and commit: the sets of the blind check, which take
+//!   hours (`figures accuracy FILE...`), and speeds (`figures performance`).
+//!
+//! A table without a stored result stays unchanged.
 
 mod accuracy;
 mod exact;
@@ -23,7 +26,7 @@ use exact::Exact;
 use image::{Compiled, Image};
 use performance::Performance;
 
-/// Writes every table that is not as measured.
+/// Rewrites every table whose figures have changed.
 pub fn write() -> Result<(), Failure> {
     let program = built_program()?;
     for page in changed_pages(&program, Compiled::Anew)? {
@@ -35,12 +38,12 @@ pub fn write() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Makes sure that every table is as measured.
+/// Checks that every table agrees with the measured figures.
 pub fn check() -> Result<(), Failure> {
     compare(&built_program()?)
 }
 
-/// Checks with the program that the tests have built, which may have other features than a build of its own.
+/// Checks the tables with the program that the tests have built. It may have other features than a build by this command.
 pub fn check_built() -> Result<(), Failure> {
     compare(&program())
 }
@@ -54,7 +57,7 @@ fn compare(program: &Path) -> Result<(), Failure> {
     Err(Failure::OldFigures(names.collect()))
 }
 
-/// Keeps the results of blind checks, and writes the tables of them.
+/// Stores the results of blind checks and rewrites their tables.
 pub fn keep_accuracy(files: &[&str]) -> Result<(), Failure> {
     for file in files {
         println!("{}", accuracy::keep(Path::new(file))?.display());
@@ -62,13 +65,13 @@ pub fn keep_accuracy(files: &[&str]) -> Result<(), Failure> {
     write()
 }
 
-/// Measures how fast the simulator and the virtual board are, and writes the tables of it.
+/// Measures the speed of the simulator and of the virtual board, and rewrites their tables.
 pub fn keep_performance() -> Result<(), Failure> {
     performance::measure()?;
     write()
 }
 
-/// A page with other text than it has.
+/// A page whose text has to change.
 struct Page {
     path: PathBuf,
     text: String,
@@ -104,7 +107,7 @@ fn changed_pages(program: &Path, compiled: Compiled) -> Result<Vec<Page>, Failur
     Ok(changed)
 }
 
-/// The command line, built for development: its numbers are those of every other build.
+/// Builds the command line with the development profile. Its numbers are equal to those of every other build.
 fn built_program() -> Result<PathBuf, Failure> {
     run(&mut crate::cargo(&[
         "build",

@@ -1,4 +1,4 @@
-//! When, where and of what something was measured.
+//! Date, machine and commit of a measurement.
 
 use std::fmt;
 use std::fs;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Failure, output};
 
-/// Digits of a commit that a reader sees.
+/// Number of digits of a printed commit.
 const SHORT: usize = 12;
 
-/// When, where and of what something was measured.
+/// Date, machine and commit of a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Origin {
     date: String,
@@ -20,10 +20,10 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// Today, on this machine, of a `commit`.
+    /// The origin with the present date, this machine and `commit`.
     ///
     /// # Errors
-    /// [`Failure`] if the system does not say the date.
+    /// Returns a [`Failure`] if the system does not provide the date.
     pub fn now(commit: &str) -> Result<Self, Failure> {
         Ok(Self {
             date: output(Command::new("date").arg("+%F"))?.trim().to_owned(),
@@ -32,7 +32,7 @@ impl Origin {
         })
     }
 
-    /// The day, as in 2026-01-02.
+    /// The date, such as 2026-01-02.
     pub fn date(&self) -> &str {
         &self.date
     }
@@ -45,7 +45,7 @@ impl fmt::Display for Origin {
     }
 }
 
-/// The processor and how many of its cores there are.
+/// Name of the processor and number of its cores.
 fn machine() -> String {
     let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let mut lines = info.lines().filter_map(|line| line.split_once(':'));

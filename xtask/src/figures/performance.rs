@@ -1,4 +1,4 @@
-//! Speed of the simulator and of the virtual board, kept with when, where and of what it was measured.
+//! Speed of the simulator and of the virtual board, stored with date, machine and commit.
 
 use std::fs;
 use std::path::PathBuf;
@@ -12,11 +12,11 @@ use super::origin::Origin;
 use super::table::row;
 use crate::{Failure, cargo, documentation, output, run};
 
-/// The results, in the repository.
+/// File of the results in the repository.
 const FILE: &str = "docs/figures/performance.json";
 const HOST: &str = "cargo bench -p host-sim";
 const BOARD: &str = "cargo bench -p haptic-paddle --bench board";
-/// Simulated time of a run of the simulator's benchmarks, s.
+/// Simulated time of one run of the simulator's benchmarks, s.
 const SIMULATED_S: f64 = 2.0;
 const PER_NS: f64 = 1e-9;
 const PLANT: &str = "plant alone, 2 s step with stick-slip";
@@ -26,14 +26,14 @@ const MISSED: &str = "control periods of 50 µs missed in 60 s at full load";
 /// Rows of the summary.
 const SUMMARY: [&str; 4] = [PLANT, CLOSED_LOOP, BOARD_LOOP, MISSED];
 
-/// All rows, and where they come from.
+/// All rows and their origin.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct Performance {
     origin: Origin,
     rows: Vec<Row>,
 }
 
-/// One figure.
+/// One measured figure.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Row {
     what: String,
@@ -46,10 +46,10 @@ fn file() -> PathBuf {
     firmware_build::root().join(FILE)
 }
 
-/// Measures, and keeps the result.
+/// Measures the speeds and stores the results.
 ///
 /// # Errors
-/// [`Failure`] if a benchmark fails or prints what is not expected.
+/// Returns a [`Failure`] if a benchmark fails or if its output cannot be parsed.
 pub fn measure() -> Result<(), Failure> {
     run(&mut cargo(&[
         "bench",
@@ -92,10 +92,10 @@ pub fn measure() -> Result<(), Failure> {
 }
 
 impl Performance {
-    /// What was measured last; `None` if nothing is kept.
+    /// The stored results. Returns `None` if there are none.
     ///
     /// # Errors
-    /// [`Failure`] for a file that holds something else.
+    /// Returns a [`Failure`] if the file has another content.
     pub fn kept() -> Result<Option<Self>, Failure> {
         if !file().exists() {
             return Ok(None);
@@ -105,7 +105,7 @@ impl Performance {
         Ok(Some(kept))
     }
 
-    /// All rows.
+    /// Table of all rows.
     pub fn table(&self) -> String {
         let mut table = row(&["what", "goal", "measured", "command"]);
         table.push_str("|---|---|---|---|\n");
@@ -121,7 +121,7 @@ impl Performance {
         table
     }
 
-    /// The rows that a newcomer asks for, and how long a diagnosis takes by the `sets` of the blind check.
+    /// Table of the summary rows, and of the diagnosis time from the `sets` of the blind check.
     pub fn summary(&self, sets: &Sets) -> String {
         let mut table = row(&["what", "goal", "measured"]);
         table.push_str("|---|---|---|\n");
@@ -144,7 +144,7 @@ impl Performance {
     }
 }
 
-/// What criterion kept of a benchmark.
+/// Reads the result that criterion stored for a benchmark.
 fn times_real_time(name: &str) -> Result<f64, Failure> {
     let estimates = format!("criterion/step/{name}/new/estimates.json");
     let path = documentation::target_folder().join(estimates);
@@ -156,7 +156,7 @@ fn times_real_time(name: &str) -> Result<f64, Failure> {
     Ok(SIMULATED_S / (PER_NS * nanoseconds))
 }
 
-/// The figures in what the board's benchmark prints.
+/// Reads the figures from the output of the board's benchmark.
 fn board(said: &str) -> Option<Vec<Row>> {
     let line = |beginning: &str| said.lines().find(|line| line.starts_with(beginning));
     let quiet = line("position loop")?;
@@ -187,7 +187,7 @@ fn board(said: &str) -> Option<Vec<Row>> {
     ])
 }
 
-/// The word in front of some words.
+/// The word before `words`.
 fn before<'a>(text: &'a str, words: &str) -> Option<&'a str> {
     text.split_once(words)?.0.rsplit(' ').next()
 }
@@ -197,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_boards_figures_are_read_from_what_its_benchmark_prints() {
+    fn the_figures_of_the_board_are_read_from_the_output_of_its_benchmark() {
         let said = "position loop, quiet terminal: 54 s in 4.1 s of one core, 13.2 times real time, 108 million instructions a second\n\
                     full load: 60 s in 8.6 s of one core, 7.0 times real time, 110 million instructions a second\n\
                     1200000 control interrupts in 60 s at full load, none missed; the start varies by 0.143 µs\n";

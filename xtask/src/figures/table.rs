@@ -1,6 +1,6 @@
-//! Tables of markdown.
+//! Markdown tables.
 
-/// A line of a table. A bar within a cell is escaped.
+/// A line of a table. A vertical bar in a cell is escaped.
 pub fn row(cells: &[impl AsRef<str>]) -> String {
     let cells = cells.iter().map(|cell| cell.as_ref().replace('|', "\\|"));
     format!("| {} |\n", cells.collect::<Vec<String>>().join(" | "))

@@ -1,4 +1,4 @@
-//! The flashed image on the virtual board: how fast that runs, and a minute of it at full load.
+//! Benchmark of the firmware image on the virtual board: its speed, and one minute at full load.
 
 #[expect(dead_code, reason = "the tests use more of it")]
 #[path = "../tests/board/bench.rs"]
@@ -12,9 +12,9 @@ use rustix::time::{ClockId, clock_gettime};
 const MINUTE_S: u32 = 60;
 const PERIOD_CYCLES: u64 = 8_400;
 const CYCLES_PER_US: f64 = 168.0;
-/// The stream at full load. The board arms the capture of a fault by itself.
+/// Stream command at full load. The board arms the capture of a fault by itself.
 const STREAM: &str = "stream setpoint,encoder,hall,velocity,torque,current 2000";
-/// Until the board has read that line, s. Frames follow its answer, so that the screen ends with no prompt.
+/// Time until the board has read that command, s. Frames follow its answer, so the terminal shows no prompt at the end.
 const STREAM_STARTS_S: f64 = 0.05;
 
 fn main() {
@@ -44,7 +44,7 @@ fn main() {
             for run in bench.board.cpu.take_activations() {
                 if run.exception == CONTROL {
                     let first = *first.get_or_insert(run.entered);
-                    // Since the period's beginning, but for a constant.
+                    // Phase relative to the start of the control period, except for a constant.
                     let phase = (run.entered + PERIOD_CYCLES / 2 - first) % PERIOD_CYCLES;
                     waits = (waits.0.min(phase), waits.1.max(phase));
                     count += 1;
@@ -69,7 +69,7 @@ fn main() {
     );
 }
 
-/// Does `work`, and says how fast.
+/// Runs `work` and prints its speed.
 fn measure(bench: &mut Bench, what: &str, work: impl FnOnce(&mut Bench)) {
     let (from_s, from) = (bench.board.time_s(), bench.board.cpu.instructions());
     let began_s = processor_s();
@@ -84,7 +84,7 @@ fn measure(bench: &mut Bench, what: &str, work: impl FnOnce(&mut Bench)) {
     );
 }
 
-/// Time of the processor that this program has used, s.
+/// Processor time that this program has used, s.
 fn processor_s() -> f64 {
     let used = clock_gettime(ClockId::ProcessCPUTime);
     used.tv_sec as f64 + 1e-9 * used.tv_nsec as f64

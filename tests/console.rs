@@ -1,4 +1,4 @@
-//! A tuning session as a lab would type it, and what the console says to mistakes.
+//! Tests of a typical tuning session and of the messages about wrong input.
 
 use haptic_paddle::console::{self, Command, MAX_ANSWER_BYTES, ParseError, Refusal, Zero};
 use haptic_paddle::controller::{Controller, Measurement, Mode, TickRate};
@@ -74,7 +74,7 @@ fn a_session_from_gains_to_a_step() {
 }
 
 #[test]
-fn in_torque_mode_numbers_are_torques() {
+fn setpoints_are_torques_in_torque_mode() {
     let mut session = Session::new();
     session.say("arm torque");
     session.say("start sine 0.0011 1 12");
@@ -105,7 +105,7 @@ fn help_and_get_list_everything() {
 }
 
 #[test]
-fn words_become_commands() {
+fn words_are_parsed_to_commands() {
     let parse = |line: &str| console::parse(line.as_bytes());
     assert_eq!(parse("  \t "), Ok(None));
     assert_eq!(parse("arm torque\r"), Ok(Some(Command::Arm(Mode::Torque))));
@@ -117,7 +117,7 @@ fn words_become_commands() {
 }
 
 #[test]
-fn names_may_be_cut_short_as_long_as_they_are_of_one_only() {
+fn unambiguous_abbreviations_of_names_are_accepted() {
     let mut session = Session::new();
     assert_eq!(session.say("stat"), session.say("status"));
     assert_eq!(session.say("se h.ce 2.4"), "hall.centre = 2.4 V");
@@ -134,7 +134,7 @@ fn names_may_be_cut_short_as_long_as_they_are_of_one_only() {
 }
 
 #[test]
-fn get_shows_one_a_group_or_all_with_what_they_may_be() {
+fn get_shows_a_setting_a_group_or_all_with_allowed_values() {
     let mut session = Session::new();
     let group = session.say("get pid");
     assert_eq!(group.lines().count(), 6, "{group}");
@@ -150,7 +150,7 @@ fn get_shows_one_a_group_or_all_with_what_they_may_be() {
 }
 
 #[test]
-fn help_tells_about_a_command_and_a_setting() {
+fn help_describes_a_command_and_a_setting() {
     let mut session = Session::new();
     let set = session.say("help set");
     assert!(
@@ -166,7 +166,7 @@ fn help_tells_about_a_command_and_a_setting() {
 }
 
 #[test]
-fn every_example_is_understood() {
+fn every_example_is_parsed() {
     for usage in &console::COMMANDS {
         let parsed = console::parse(usage.example.as_bytes());
         assert!(
@@ -178,7 +178,7 @@ fn every_example_is_understood() {
 }
 
 #[test]
-fn a_dump_pasted_back_makes_the_same_settings() {
+fn typing_the_output_of_dump_restores_the_settings() {
     let mut session = Session::new();
     for line in [
         "set kp 0.0123",
@@ -197,7 +197,7 @@ fn a_dump_pasted_back_makes_the_same_settings() {
 }
 
 #[test]
-fn remarks_are_passed_over() {
+fn comments_are_ignored() {
     let parse = |line: &str| console::parse(line.as_bytes());
     assert_eq!(parse("# set kp 1"), Ok(None));
     assert_eq!(parse("status # or so"), Ok(Some(Command::Status)));
@@ -215,7 +215,7 @@ fn no_line_of_an_answer_is_too_long_for_the_terminal() {
 }
 
 #[test]
-fn mistakes_are_answered_with_what_to_write() {
+fn errors_state_the_correct_input() {
     let complaint = |line: &[u8]| console::parse(line).unwrap_err().to_string();
     assert_eq!(complaint(b"lift"), "no such command: help lists them");
     assert_eq!(complaint(b"disarm now"), "write disarm alone");

@@ -1,5 +1,5 @@
-//! The current regulator on the motor's winding, solved exactly between ticks, with the board's timing: the duty
-//! acts one period after it was computed, and the converter gives the mean over the last period.
+//! Tests of the current regulator with the exact solution of the motor winding between ticks, and with the timing of the
+//! board. The duty acts one period after its computation, and the converter returns the mean over the last period.
 
 use haptic_paddle::control::current::{CurrentGains, CurrentLoop, MAX_DUTY};
 use haptic_paddle::controller::Duty;
@@ -13,7 +13,7 @@ struct Winding {
 }
 
 impl Winding {
-    /// One period at this duty; the mean current.
+    /// Simulates one period at this duty and returns the mean current.
     fn step(&mut self, duty: f32, tick_s: f64) -> f32 {
         let exponent = self.resistance_ohm / self.inductance_h * tick_s;
         let end_a = f64::from(duty) * self.supply_v / self.resistance_ohm;
@@ -32,7 +32,7 @@ struct Response {
 
 const WANTED_A: f64 = 0.5;
 
-/// A step of the torque on a winding that differs from the stated one by these factors.
+/// Response to a torque step with a winding whose resistance and inductance differ from the stated ones by these factors.
 fn respond(tick_s: f64, resistance_factor: f64, inductance_factor: f64) -> Response {
     let settings = MotorSettings::default();
     let mut winding = Winding {
@@ -74,7 +74,7 @@ fn a_step_of_torque_settles_fast_and_without_overshoot() {
 }
 
 #[test]
-fn it_survives_a_winding_that_is_not_as_stated() {
+fn the_loop_is_stable_with_a_different_winding() {
     for (resistance, inductance) in [(0.7, 0.7), (0.7, 1.4), (1.4, 0.7), (1.4, 1.4)] {
         let response = respond(50e-6, resistance, inductance);
         println!(
@@ -92,7 +92,7 @@ fn it_survives_a_winding_that_is_not_as_stated() {
 }
 
 #[test]
-fn it_is_stable_at_the_slow_tick_of_the_lab() {
+fn the_loop_is_stable_at_the_slow_tick_of_the_lab() {
     let response = respond(351e-6, 1.0, 1.0);
     println!(
         "overshoot {:.3}, settled {:.6} s",
@@ -113,7 +113,7 @@ fn back_emf_is_fed_forward() {
 #[test]
 fn the_duty_is_bounded_and_its_integral_does_not_wind_up() {
     let mut regulator = CurrentLoop::new(CurrentGains::new(&MotorSettings::default(), 15.0, 50e-6));
-    // A broken wire: no current however long one asks.
+    // A broken wire carries no current at any duty.
     for _ in 0..100_000 {
         assert!(regulator.update(0.0323, 0.0, 0.0) <= MAX_DUTY);
     }
@@ -122,7 +122,7 @@ fn the_duty_is_bounded_and_its_integral_does_not_wind_up() {
 }
 
 #[test]
-fn a_duty_in_steps_is_the_nearest_that_the_bridge_can_make() {
+fn a_duty_is_rounded_to_the_nearest_step_of_the_timer() {
     const TOP: u16 = 2100;
     assert_eq!(Duty::ZERO.compare(TOP), TOP / 2);
     for step in -10_290..=10_290 {

@@ -1,10 +1,10 @@
-//! Decimal text against the conversions of the standard library.
+//! Compares the decimal conversions with those of the standard library.
 
 use haptic_paddle::decimal::{Decimal, Fixed, parse};
 use proptest::prelude::*;
 
 #[test]
-fn what_people_type_is_read_as_the_standard_library_reads_it() {
+fn typical_numbers_are_parsed_as_by_the_standard_library() {
     for text in [
         "0", "-0", "0.05", "0.0003", "81.9", "1e3", "1.5e-6", "+7", ".5", "5.", "40000000", "1E2",
         "0.000585",
@@ -14,7 +14,7 @@ fn what_people_type_is_read_as_the_standard_library_reads_it() {
 }
 
 #[test]
-fn what_is_no_number_is_refused() {
+fn text_that_is_not_a_number_is_refused() {
     for text in [
         "", "-", ".", "e3", "1e", "1e-", "1.2.3", "nan", "inf", "0x1", "1 ", "--1", "1e1e1", "kp",
     ] {
@@ -23,7 +23,7 @@ fn what_is_no_number_is_refused() {
 }
 
 #[test]
-fn numbers_of_any_size_have_a_text() {
+fn numbers_of_any_size_can_be_formatted() {
     for (value, text) in [
         (0.05, "0.05"),
         (-0.0323, "-0.0323"),
@@ -55,7 +55,7 @@ proptest! {
     }
 
     #[test]
-    fn reading_is_right_to_the_last_bits(value in any::<f32>().prop_filter("normal", |v| v.is_normal())) {
+    fn parsing_is_accurate_to_the_last_bits(value in any::<f32>().prop_filter("normal", |v| v.is_normal())) {
         let read = parse(&format!("{value:e}")).unwrap();
         prop_assert!((read / value - 1.0).abs() < 1e-6, "{} {}", read, value);
         let shown: f32 = Decimal(value).to_string().parse().unwrap();
@@ -63,7 +63,7 @@ proptest! {
     }
 
     #[test]
-    fn any_text_is_survived(text in "[-+.e0-9]{0,80}") {
+    fn no_text_causes_a_panic(text in "[-+.e0-9]{0,80}") {
         if let (Some(read), Ok(expected)) = (parse(&text), text.parse::<f32>()) {
             prop_assert!(read == expected || (read / expected - 1.0).abs() < 1e-5 || expected.abs() < 1e-30, "{}", read);
         }

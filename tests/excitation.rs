@@ -1,4 +1,4 @@
-//! Test signals: their spectrum, their phase after hours, their bounds and their ends.
+//! Tests of the excitation signals: spectrum, phase after hours, limits and ends.
 
 use haptic_paddle::excitation::{
     Excitation, ExcitationError, Generator, MULTISINE_HARMONICS, Shape,
@@ -23,7 +23,7 @@ fn samples(excitation: &Excitation) -> Vec<f32> {
     std::iter::from_fn(|| generator.next(0.0)).collect()
 }
 
-/// Amplitude of one frequency.
+/// Amplitude of the signal at one frequency.
 fn amplitude(samples: &[f32], frequency_hz: f64) -> f64 {
     let (mut re, mut im) = (0.0, 0.0);
     for (tick, sample) in samples.iter().enumerate() {
@@ -45,7 +45,7 @@ fn a_sine_is_pure() {
 }
 
 #[test]
-fn a_multisine_has_its_harmonics_alike_and_keeps_its_amplitude() {
+fn a_multisine_has_equal_harmonics_and_the_requested_amplitude() {
     let multisine = samples(&excitation(Shape::Multisine, 1.0, 1.0, 10.0));
     let first = amplitude(&multisine, 1.0);
     for harmonic in 1..=MULTISINE_HARMONICS {
@@ -56,7 +56,7 @@ fn a_multisine_has_its_harmonics_alike_and_keeps_its_amplitude() {
 }
 
 #[test]
-fn square_and_triangle_have_the_series_of_fourier() {
+fn square_and_triangle_waves_have_their_fourier_coefficients() {
     let square = samples(&excitation(Shape::Square, 1.0, 2.5, 4.0));
     let triangle = samples(&excitation(Shape::Triangle, 1.0, 2.5, 4.0));
     for k in [1.0, 3.0, 5.0] {
@@ -80,7 +80,7 @@ fn the_phase_does_not_drift_over_hours() {
         period();
     }
     let later = period();
-    // What is left is the rounding of the frequency itself: 6e-8 of it, constant.
+    // The remaining error is the rounding of the frequency: a constant 6e-8 of it.
     let slip_rad = 6e-8 * TAU * (HOURS_OF_TICKS / PERIOD) as f64;
     let error = first
         .iter()
@@ -91,7 +91,7 @@ fn the_phase_does_not_drift_over_hours() {
 }
 
 #[test]
-fn a_chirp_goes_linearly_from_one_frequency_to_the_other_without_jumps() {
+fn a_chirp_changes_its_frequency_linearly_without_jumps() {
     let chirp = samples(&Excitation {
         end_frequency_hz: 20.0,
         ..excitation(Shape::Chirp, 1.0, 1.0, 10.0)
@@ -109,7 +109,7 @@ fn a_chirp_goes_linearly_from_one_frequency_to_the_other_without_jumps() {
 }
 
 #[test]
-fn a_ramp_ends_where_the_paddle_breaks_away_and_says_at_which_torque() {
+fn a_ramp_ends_when_the_paddle_breaks_away_and_reports_the_torque() {
     let ramp = excitation(Shape::Ramp, 0.002, 0.0, 4.0);
     let mut generator = Generator::new(&ramp, TICK_S).unwrap();
     let mut torque_nm = 0.0;
@@ -125,7 +125,7 @@ fn a_ramp_ends_where_the_paddle_breaks_away_and_says_at_which_torque() {
 }
 
 #[test]
-fn signals_that_make_no_sense_are_refused() {
+fn invalid_signals_are_refused() {
     let refused = |e: Excitation| Generator::new(&e, TICK_S).unwrap_err();
     assert_eq!(
         refused(excitation(Shape::Sine, f32::NAN, 1.0, 0.0)),

@@ -1,10 +1,10 @@
-//! The sections have the response that their names promise.
+//! Tests of the frequency responses of the filter sections.
 
 use haptic_paddle::estimate::biquad::{SecondOrder, butterworth, first_order};
 use haptic_paddle::estimate::low_pass::{self, LowPass};
 use std::f64::consts::TAU;
 
-/// Amplitude of the answer to a sine of amplitude 1.
+/// Output amplitude for a sine of amplitude 1.
 fn gain(cutoff_hz: f32, frequency_hz: f64, tick_s: f32) -> f64 {
     let mut filter = SecondOrder::new(butterworth(cutoff_hz, tick_s));
     let (mut in_phase, mut quadrature, mut samples) = (0.0, 0.0, 0.0);
@@ -41,7 +41,7 @@ fn the_butterworth_section_is_down_by_3_db_at_its_cutoff() {
 }
 
 #[test]
-fn reset_is_rest() {
+fn reset_sets_the_steady_state() {
     let mut filter = SecondOrder::new(butterworth(100.0, 1e-4));
     filter.reset(0.3);
     for _ in 0..1000 {
@@ -61,7 +61,7 @@ fn a_cutoff_of_0_or_beyond_the_rate_still_gives_a_stable_filter() {
 }
 
 #[test]
-fn the_first_order_is_the_labs_filter() {
+fn the_first_order_section_is_the_filter_of_the_lab() {
     for cutoff_hz in [0.0, 10.0, 100.0, 1e6] {
         let gain = low_pass::gain(cutoff_hz, 350e-6);
         let mut section = SecondOrder::new(first_order(gain));
@@ -75,7 +75,7 @@ fn the_first_order_is_the_labs_filter() {
 }
 
 #[test]
-fn what_decays_never_gets_subnormal() {
+fn a_decaying_output_never_becomes_subnormal() {
     for section in [first_order(0.2), butterworth(100.0, 1e-4)] {
         let mut filter = SecondOrder::new(section);
         filter.update(1.0);

@@ -1,8 +1,8 @@
-//! Line editing as a person at a terminal, or a script, meets it.
+//! Tests of line editing, for typed and for pasted input.
 
 use haptic_paddle::console::{LineEditor, MAX_LINE_BYTES, STOP_BYTE, Typed};
 
-/// The lines that typing this ends; `None` for one that is too long.
+/// The lines that this input completes. A line that is too long is `None`.
 fn typed(text: &[u8]) -> Vec<Option<String>> {
     let mut editor = LineEditor::default();
     text.iter()
@@ -44,7 +44,7 @@ const RIGHT: &str = "\x1b[C";
 const LEFT: &str = "\x1b[D";
 
 #[test]
-fn the_cursor_moves_and_edits_where_it_stands() {
+fn edits_apply_at_the_cursor() {
     let line = |keys: String| typed(format!("{keys}\r").as_bytes());
     assert_eq!(line(format!("am{LEFT}r")), [Some("arm".into())]);
     assert_eq!(line(format!("axrm{LEFT}{LEFT}\x7f")), [Some("arm".into())]);
@@ -68,7 +68,7 @@ fn the_cursor_moves_and_edits_where_it_stands() {
 }
 
 #[test]
-fn the_history_goes_back_and_forth() {
+fn the_history_can_be_browsed_in_both_directions() {
     let lines = typed(format!("one\rtwo\r{UP}{UP}\r{UP}{UP}{DOWN}\r{UP}{DOWN}x\r").as_bytes());
     let lines: Vec<_> = lines.into_iter().flatten().collect();
     assert_eq!(lines, ["one", "two", "one", "one", "x"]);
@@ -78,7 +78,7 @@ fn the_history_goes_back_and_forth() {
 }
 
 #[test]
-fn a_stop_ends_a_sequence_that_was_begun() {
+fn a_stop_byte_aborts_an_incomplete_escape_sequence() {
     let mut editor = LineEditor::default();
     editor.push(0x1b);
     editor.push(b'[');

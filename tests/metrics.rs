@@ -1,4 +1,4 @@
-//! Step metrics on shapes whose figures are known.
+//! Tests of the step metrics on sequences with known results.
 
 use haptic_paddle::metrics::{StepMetrics, StepReport};
 
@@ -19,8 +19,8 @@ fn close(a: f32, b: f32) -> bool {
 }
 
 #[test]
-fn a_ringing_step_has_the_figures_one_reads_off() {
-    // Crosses 10 at tick 4, peaks at 11.5, is outside the band for the last time at tick 7.
+fn a_ringing_step_has_the_expected_metrics() {
+    // The position crosses 10 at tick 4, peaks at 11.5, and is outside the band for the last time at tick 7.
     let report = follow(
         10.0,
         [0.0, 4.0, 9.0, 9.9, 11.5, 10.5, 9.9, 9.7, 9.9, 10.0, 10.0],
@@ -32,7 +32,7 @@ fn a_ringing_step_has_the_figures_one_reads_off() {
 }
 
 #[test]
-fn a_step_that_never_arrives_has_no_rise_and_no_settling() {
+fn a_step_that_never_reaches_the_target_has_no_rise_and_no_settling_time() {
     let report = follow(
         10.0,
         (0..2000).map(|tick| 9.0 * (1.0 - (-0.01 * tick as f32).exp())),
@@ -55,7 +55,7 @@ fn a_step_may_settle_without_ever_reaching_the_target() {
 }
 
 #[test]
-fn downwards_is_the_mirror_image() {
+fn a_downward_step_has_the_metrics_of_its_mirror_image() {
     let shape = [0.0, 4.0, 9.0, 9.9, 11.5, 10.5, 9.9];
     let up = follow(10.0, shape);
     let down = follow(-10.0, shape.map(|x: f32| -x));

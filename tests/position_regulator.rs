@@ -1,4 +1,4 @@
-//! The position regulator against the lab's recursion, and where it goes beyond it.
+//! Tests of the position regulator against the lab's recursion, and of its extensions.
 
 use haptic_paddle::control::position::{Pid, PidGains};
 use haptic_paddle::settings::PidSettings;
@@ -25,14 +25,14 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn it_is_the_labs_law_while_the_output_is_free(
+    fn the_regulator_equals_the_labs_law_below_saturation(
         kp in 0.0_f64..0.05, ki in 0.0_f64..0.7, kd in 0.0_f64..0.001,
         positions_deg in prop::collection::vec(-2.0_f64..2.0, 5..60), setpoint_deg in -2.0_f64..2.0,
     ) {
         let mut pid = Pid::new(tuned(&gains(kp as f32, ki as f32, kd as f32)));
         let (mut sum_deg_s, mut previous_deg) = (0.0, 0.0);
         for wanted_deg in positions_deg {
-            // Slow enough that the derivative does not saturate.
+            // The change is slow enough that the derivative does not saturate.
             let position_deg = previous_deg + (wanted_deg - previous_deg) * 0.02;
             sum_deg_s += (setpoint_deg - position_deg) * f64::from(TICK_S);
             let rate_deg_s = (position_deg - previous_deg) / f64::from(TICK_S);
@@ -54,7 +54,7 @@ fn a_setpoint_step_gives_no_derivative_kick() {
 }
 
 #[test]
-fn the_setpoint_weight_leaves_the_integral_alone() {
+fn the_setpoint_weight_does_not_change_the_integral() {
     let settings = PidSettings {
         setpoint_weight: 0.0,
         ..gains(0.01, 0.1, 0.0)
@@ -66,7 +66,7 @@ fn the_setpoint_weight_leaves_the_integral_alone() {
 }
 
 #[test]
-fn the_derivative_filter_spreads_the_derivative_without_losing_any() {
+fn the_derivative_filter_preserves_the_integral_of_the_derivative() {
     let settings = gains(0.0, 0.0, 0.0001);
     let mut plain = Pid::new(tuned(&settings));
     let mut filtered = Pid::new(tuned(&PidSettings {
@@ -88,11 +88,11 @@ fn the_derivative_filter_spreads_the_derivative_without_losing_any() {
 #[test]
 fn the_integral_does_not_wind_up() {
     let mut pid = Pid::new(tuned(&gains(0.05, 5.0, 0.0)));
-    // Ten degrees of error saturate the output at once, for seven seconds.
+    // An error of ten degrees saturates the output immediately, for seven seconds.
     for _ in 0..20_000 {
         assert_eq!(pid.update(0.1745, 0.0, 0.0, 0.0), LIMIT_NM);
     }
-    // An overshoot of one degree turns the torque within 35 ms.
+    // After an overshoot of one degree the torque changes its sign within 35 ms.
     let ticks = (0..20_000).find(|_| pid.update(0.1745, 0.1745 + 0.01745, 0.0, 0.0) < 0.0);
     assert!(ticks.is_some_and(|ticks| ticks < 100), "{ticks:?}");
 }
@@ -107,7 +107,7 @@ fn a_feed_forward_at_the_limit_stops_the_integral_too() {
 }
 
 #[test]
-fn changing_gains_does_not_jump_and_the_integral_holds_what_was() {
+fn a_change_of_gains_is_bumpless() {
     let mut pid = Pid::new(tuned(&gains(0.01, 0.1, 0.0003)));
     let mut before_nm = 0.0;
     for tick in 0..200 {
@@ -123,7 +123,7 @@ fn changing_gains_does_not_jump_and_the_integral_holds_what_was() {
 }
 
 #[test]
-fn without_integral_action_the_absorbed_jump_decays() {
+fn without_integral_action_the_bumpless_offset_decays() {
     let mut pid = Pid::new(tuned(&gains(0.05, 0.28, 0.0)));
     for _ in 0..2000 {
         pid.update(0.01, 0.0, 0.0, 0.0);
@@ -145,7 +145,7 @@ fn without_integral_action_the_absorbed_jump_decays() {
 }
 
 #[test]
-fn a_jump_of_the_measurement_alone_does_not_jump_the_torque() {
+fn a_jump_of_the_measured_position_does_not_jump_the_torque() {
     let mut pid = Pid::new(tuned(&gains(0.05, 0.28, 0.0008)));
     let mut before_nm = 0.0;
     for _ in 0..50 {

@@ -1,4 +1,5 @@
-//! The procedures on simulated paddles, against what is true of these: through the console, with the wiring check before them.
+//! Tests of the procedures on simulated paddles. The results are compared with the true parameters. All commands pass the
+//! console, and the wiring check runs first.
 
 use haptic_paddle::console::{Device, Session};
 use haptic_paddle::controller::{Controller, Mode, TickRate};
@@ -17,11 +18,11 @@ const TICKS_PER_LOOK: u32 = 20;
 const RATIO: f64 = 15.0;
 const PADDLES: u64 = 20;
 
-/// Numbers that only look random, the same ones every time.
+/// Pseudo-random numbers with a fixed seed.
 struct Draw(u64);
 
 impl Draw {
-    /// From `low` to `high`.
+    /// A number between `low` and `high`.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         // Steele, Lea and Flood, "Fast splittable pseudorandom number generators" (2014).
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -33,7 +34,7 @@ impl Draw {
     }
 }
 
-/// A paddle whose numbers are drawn: mechanics, motor and Hall sensor.
+/// A paddle with random parameters of mechanics, motor and Hall sensor.
 fn paddle(seed: u64) -> LoopSetup {
     let draw = &mut Draw(seed);
     let mut device = presets::refit();
@@ -62,14 +63,14 @@ fn paddle(seed: u64) -> LoopSetup {
     setup
 }
 
-/// The same, once its Hall sensor is calibrated.
+/// The same paddle with a calibrated Hall sensor.
 fn calibrated(seed: u64) -> LoopSetup {
     let mut setup = paddle(seed);
     setup.paddle.hall = Hall::calibrated(&setup.settings.hall);
     setup
 }
 
-/// A paddle, and somebody at its console.
+/// A paddle with its console.
 struct Bench {
     paddle: ClosedLoop,
     telemetry: Telemetry,
@@ -80,7 +81,7 @@ struct Bench {
     widest_rad: f64,
 }
 
-/// What the console reaches of it.
+/// Access of the console to the controller.
 struct Reach<'a>(&'a mut Controller, &'a mut Telemetry);
 
 impl Device for Reach<'_> {
@@ -121,7 +122,7 @@ impl Bench {
         }
     }
 
-    /// Types a line, and waits until it is answered. How long that took, s.
+    /// Types a line and waits for the answer. Returns the time in s.
     fn enter(&mut self, line: &str) -> f32 {
         const PATIENCE_S: f32 = 62.0;
         self.screen.clear();
@@ -138,7 +139,7 @@ impl Bench {
         (self.ticks - from) as f32 / TICK_HZ
     }
 
-    /// The first number behind `word` on the screen.
+    /// The first number after `word` on the screen.
     fn number(&self, word: &str) -> f64 {
         let rest = self.screen.split(word).nth(1);
         let rest = rest.unwrap_or_else(|| panic!("no {word:?} in {}", self.screen));
@@ -209,7 +210,7 @@ fn the_hall_sensor_is_within_0_3_degrees_over_the_travel() {
         assert!(worst_deg < 0.3, "{seed}: {worst_deg}: {}", bench.screen);
         assert!(took_s < 60.0 && bench.widest_rad.to_degrees() < 36.0);
         assert_eq!(bench.paddle.controller().mode(), Mode::Off);
-        // The sensors now agree, so that the paddle can be armed and moved.
+        // The sensors now agree, so the paddle can be armed and moved.
         bench.enter("arm");
         bench.enter("ref 25");
         for _ in 0..20_000 {
@@ -258,7 +259,7 @@ fn the_relay_finds_a_period_and_stays_within_its_limits() {
         );
         assert!(bench.widest_rad.to_degrees() < 25.0, "{seed}");
         assert!(took_s < 60.0);
-        // What a mass alone would need to swing so fast; friction, the pendulum and the filter are the rest.
+        // Inertia torque for this oscillation. Friction, gravity and the filter account for the difference.
         let period_s = 1e-3 * bench.number("ultimate period");
         let rate_rad_s = std::f64::consts::TAU / period_s;
         let inertia = setup.paddle.device.mechanics.inertia;

@@ -1,4 +1,4 @@
-//! Whatever comes in: no panic, and a duty within its bounds.
+//! Checks that no input causes a panic or a duty beyond its limits.
 
 use haptic_paddle::console;
 use haptic_paddle::control::current::MAX_DUTY;
@@ -26,7 +26,7 @@ enum Event {
     Say(Vec<u8>),
 }
 
-/// Numbers of all sizes, and what is no number.
+/// Numbers of all magnitudes, infinities and NaN.
 fn any_number() -> impl Strategy<Value = f32> {
     prop_oneof![-1.0_f32..1.0, -100.0_f32..100.0, any::<f32>()]
 }
@@ -115,7 +115,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_controller_survives_anything_within_its_bounds(
+    fn no_input_causes_a_panic_or_a_duty_beyond_the_limits(
         divider in 0_u16..4, events in prop::collection::vec(event(), 1..60),
     ) {
         let rate = TickRate::new(20_000.0, divider);
@@ -172,7 +172,7 @@ proptest! {
     }
 
     #[test]
-    fn the_parser_survives_any_line(line in line()) {
+    fn no_line_causes_a_panic_of_the_parser(line in line()) {
         if let Err(error) = console::parse(&line) {
             prop_assert_eq!(error.to_string().lines().count(), 1);
         }

@@ -1,4 +1,4 @@
-//! Every fault ends with duty 0 and stays until it is cleared.
+//! Checks that every fault sets the duty to 0 until it is cleared.
 
 use haptic_paddle::controller::{
     ArmError, Controller, Duty, Measurement, Mode, ReferenceError, TickRate, ZeroError,
@@ -9,7 +9,7 @@ use haptic_paddle::sensing::current::IdleReading;
 use haptic_paddle::settings::{Sensor, Settings};
 
 const RATE: TickRate = TickRate::new(20_000.0, 2);
-/// Hall converter and encoder counter at 0 degrees.
+/// Readings of the Hall sensor and of the encoder at 0 degrees.
 const AT_ZERO: Measurement = Measurement {
     encoder_count: 0,
     hall_adc: 2032,
@@ -37,7 +37,7 @@ fn run(controller: &mut Controller, ticks: u32, measurement: Measurement) -> Dut
         .unwrap()
 }
 
-/// It pushes, the fault comes, it stops and stays stopped until cleared and armed again.
+/// Checks that the controller stops at the fault, and that it stays stopped until it is cleared and armed again.
 fn trips(settings: &Settings, fault: Fault, provoke: impl FnOnce(&mut Controller)) {
     let mut controller = armed(settings, Mode::Position);
     controller.set_reference(0.2).unwrap();
@@ -133,7 +133,7 @@ fn each_fault_of_the_measurements_trips() {
             Duty::ZERO
         );
     });
-    // So weak that the current, which does not follow here, is not missed.
+    // The torque is so small that the missing current, which is not simulated here, causes no fault.
     let mut weak = settings;
     weak.pid.kp_nm_per_deg = 1e-4;
     weak.pid.kd_nm_s_per_deg = 0.0;
@@ -196,7 +196,7 @@ fn each_fault_that_the_board_reports_trips() {
 }
 
 #[test]
-fn the_first_fault_is_the_one_kept() {
+fn the_first_fault_is_kept() {
     let mut controller = armed(&Settings::default(), Mode::Position);
     controller.report_fault(Fault::Bridge);
     controller.report_fault(Fault::Deadline);
@@ -204,7 +204,7 @@ fn the_first_fault_is_the_one_kept() {
 }
 
 #[test]
-fn noise_of_a_single_sample_is_no_disagreement() {
+fn a_deviation_of_a_single_sample_is_not_a_disagreement() {
     let mut controller = armed(&Settings::default(), Mode::Position);
     for _ in 0..100 {
         run(
@@ -305,7 +305,7 @@ fn references_beyond_the_limits_are_refused() {
 }
 
 #[test]
-fn settings_that_nobody_checked_end_in_a_fault_and_not_in_a_torque() {
+fn unchecked_settings_cause_a_fault_and_no_torque() {
     let mut settings = Settings::default();
     settings.pid.kp_nm_per_deg = f32::NAN;
     settings.compensation.gravity = true;
@@ -325,7 +325,7 @@ fn settings_that_nobody_checked_end_in_a_fault_and_not_in_a_torque() {
 }
 
 #[test]
-fn the_current_offset_is_only_taken_from_an_idle_bridge() {
+fn the_current_offset_is_measured_only_with_an_idle_bridge() {
     let mut controller = Controller::new(&Settings::default(), RATE);
     controller.calibrate_current_offset(&idle(2100.0)).unwrap();
     assert!(controller.calibrate_current_offset(&idle(100.0)).is_err());

@@ -1,4 +1,4 @@
-//! A console session on a paddle whose wires may be swapped: the position loop closes on a sound one only.
+//! Tests of a console session on a paddle whose wires may be swapped. The position loop must close only with correct wiring.
 
 use std::f32::consts::TAU;
 
@@ -12,7 +12,7 @@ const RATE: TickRate = TickRate::new(TICK_HZ, 2);
 const TICKS_PER_LOOK: usize = 20;
 const RATIO: f32 = 15.0;
 
-/// How each part is wired: 1 right, -1 reversed, 0 cut.
+/// Wiring of each part: 1 is correct, -1 is reversed, 0 is cut.
 #[derive(Clone, Copy)]
 struct Wires {
     motor: f32,
@@ -26,7 +26,7 @@ const SOUND: Wires = Wires {
     hall: 1.0,
 };
 
-/// A lab bench: a paddle that is a mass with some friction, its motor, and a terminal.
+/// A test bench: a paddle with inertia and friction, its motor, and a terminal.
 struct Bench {
     wires: Wires,
     angle_rad: f32,
@@ -55,7 +55,7 @@ impl Bench {
 
     fn measure(&self) -> Measurement {
         let counts = self.wires.encoder * self.angle_rad * RATIO / TAU * 2000.0;
-        // The default calibration, 33 V - 81.9 degrees, and the board's divider backwards.
+        // Inverse of the default calibration (33 V - 81.9 degrees) and of the board's voltage divider.
         let hall_v = (self.wires.hall * self.angle_rad.to_degrees() + 81.9) / 33.0;
         let pin_v = ((hall_v - 2.5) * 1.1 + 2.5) / 2.0;
         Measurement {
@@ -70,7 +70,7 @@ impl Bench {
         const VISCOUS_NM_S: f32 = 4e-3;
         const TORQUE_CONSTANT: f32 = 0.0538;
         const RESISTANCE_OHM: f32 = 10.6;
-        /// Of the way to its settled current that the winding goes in a tick.
+        /// Share of the distance to the steady-state current that the winding covers in a tick.
         const SETTLED_SHARE: f32 = 0.346;
         for tick in 0..(seconds * TICK_HZ) as usize {
             let measurement = self.measure();
@@ -94,7 +94,7 @@ impl Bench {
         }
     }
 
-    /// Types a line, waits half a second, and returns what appeared on the screen.
+    /// Types a line, waits half a second, and returns the new text on the screen.
     fn enter(&mut self, line: &str) -> String {
         self.screen.clear();
         self.keys(line);
@@ -141,7 +141,7 @@ fn the_check_is_done_once() {
 }
 
 #[test]
-fn a_swapped_or_cut_wire_is_named_and_nothing_is_armed() {
+fn a_swapped_or_cut_wire_is_named_and_prevents_arming() {
     let cases = [
         (
             "motor wires",
@@ -207,7 +207,7 @@ fn arming_needs_a_zero_first() {
 }
 
 #[test]
-fn an_amplifier_that_cannot_be_calibrated_forbids_arming() {
+fn an_amplifier_that_cannot_be_calibrated_prevents_arming() {
     let mut bench = Bench::new(SOUND);
     let offset = bench
         .controller
@@ -223,7 +223,7 @@ fn an_amplifier_that_cannot_be_calibrated_forbids_arming() {
 }
 
 #[test]
-fn a_fault_is_announced_once_and_asks_for_a_new_check() {
+fn a_fault_is_announced_once_and_requires_a_new_check() {
     let mut bench = Bench::new(SOUND);
     bench.enter("zero");
     bench.enter("arm");
@@ -244,7 +244,7 @@ fn a_fault_is_announced_once_and_asks_for_a_new_check() {
 }
 
 #[test]
-fn a_line_that_an_announcement_interrupts_is_shown_anew() {
+fn a_line_interrupted_by_an_announcement_is_printed_again() {
     let mut bench = Bench::new(SOUND);
     bench.enter("zero");
     bench.screen.clear();
@@ -264,7 +264,7 @@ fn a_line_that_an_announcement_interrupts_is_shown_anew() {
 }
 
 #[test]
-fn typing_is_echoed_and_a_mistake_can_be_taken_back() {
+fn typed_characters_are_echoed_and_can_be_deleted() {
     let mut bench = Bench::new(SOUND);
     let screen = bench.enter("set kq\x7fp 0.04");
     assert!(
@@ -306,7 +306,7 @@ fn tab_completes_commands_settings_and_choices() {
 }
 
 #[test]
-fn a_signal_that_makes_no_sense_is_refused() {
+fn an_invalid_signal_is_refused() {
     let mut bench = Bench::new(SOUND);
     bench.enter("zero");
     bench.enter("arm torque");
@@ -327,7 +327,7 @@ fn a_signal_that_makes_no_sense_is_refused() {
 }
 
 #[test]
-fn the_greeting_and_the_version_come_on_request() {
+fn the_greeting_and_the_version_are_printed_on_request() {
     let mut bench = Bench::new(SOUND);
     for (line, hint) in [("hello", "disarmed; help lists"), ("version", "commit")] {
         let screen = bench.enter(line);

@@ -1,8 +1,8 @@
-//! The table of settings: what is written is read, what does not fit is refused.
+//! Tests of the table of settings.
 
 use haptic_paddle::settings::{FIELDS, Field, GROUPS, Kind, Page, SettingError, Settings};
 
-/// The least and the greatest value.
+/// Smallest and largest value of a setting.
 fn bounds(field: &Field) -> [f32; 2] {
     match field.kind {
         Kind::Number { min, max } => [min, max],
@@ -16,7 +16,7 @@ fn the_defaults_are_within_their_bounds() {
 }
 
 #[test]
-fn each_field_reads_what_it_wrote_and_touches_no_other() {
+fn each_field_reads_back_its_value_and_changes_no_other() {
     for field in FIELDS {
         for value in bounds(field) {
             let mut settings = Settings::default();
@@ -36,7 +36,7 @@ fn each_field_reads_what_it_wrote_and_touches_no_other() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused_and_changes_nothing() {
+fn an_invalid_value_is_refused_and_changes_nothing() {
     for field in FIELDS {
         let [min, max] = bounds(field);
         for value in [
@@ -58,7 +58,7 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
 }
 
 #[test]
-fn what_is_shown_can_be_set_again() {
+fn a_shown_value_can_be_set_again() {
     let mut settings = Settings::default();
     settings.set("kp", "0.0123").unwrap();
     settings.set("estimate.sensor", "hall").unwrap();
@@ -86,7 +86,7 @@ fn names_are_unique() {
 }
 
 #[test]
-fn refusals_name_the_setting_and_what_it_may_be() {
+fn refusals_name_the_setting_and_its_allowed_values() {
     let mut settings = Settings::default();
     let message = |error: SettingError| error.to_string();
     assert_eq!(
@@ -104,7 +104,7 @@ fn refusals_name_the_setting_and_what_it_may_be() {
 }
 
 #[test]
-fn each_setting_says_what_it_does_and_belongs_to_its_group() {
+fn each_setting_has_a_description_and_a_group() {
     for field in FIELDS {
         assert!(
             field.about.ends_with('.'),

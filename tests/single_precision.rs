@@ -1,4 +1,4 @@
-//! The target's FPU has no double: none may be written in the library.
+//! Checks that the library contains no f64, because the target's FPU has no double precision.
 
 use std::fs;
 use std::path::Path;

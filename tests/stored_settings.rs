@@ -1,4 +1,5 @@
-//! Settings in flash whose supply goes at any step of a store: the old ones or the new ones are there, whole.
+//! Tests of settings in flash with a loss of supply at any step of a store. Either the old or the new settings must be
+//! intact.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
@@ -10,20 +11,20 @@ use virtual_board::peripherals::flash::Change;
 const SECTOR: usize = 16 * 1024;
 const SECTORS: usize = 3;
 
-/// How a change is cut short.
+/// An interruption of a flash operation.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
-    /// In which change the supply goes, counted from 1.
+    /// Number of the operation at which the supply is lost, counted from 1.
     change: usize,
-    /// How far the change is: of the cells that are to change, a share of 1 - 2^-progress has, or of 2^progress if that
-    /// is negative.
+    /// Progress of the interrupted operation. The share of the cells that have changed is 1 - 2^-progress, or 2^progress if
+    /// `progress` is negative.
     progress: i32,
-    /// Which ones have.
+    /// Selects the cells that have changed.
     seed: u32,
 }
 
 impl Cut {
-    /// Bits that are set for cells that have changed.
+    /// Generates bytes whose set bits mark the cells that have changed.
     fn bits(self) -> impl FnMut() -> u8 {
         let mut state = self.seed.wrapping_mul(2_654_435_761) ^ self.change as u32 | 1;
         let mut random = move || {
@@ -45,7 +46,7 @@ impl Cut {
     }
 }
 
-/// A flash, with the virtual board's model of a change that is cut short.
+/// A flash memory with the virtual board's model of an interrupted operation.
 #[derive(Clone)]
 struct Flash {
     cells: Vec<u8>,
@@ -143,7 +144,7 @@ fn store(flash: Flash) -> Store<Flash> {
     Store::new(flash, 0..(SECTORS * SECTOR) as u32)
 }
 
-/// Settings that tell the number of their store.
+/// Settings that contain the number of their store.
 fn settings(number: usize) -> Settings {
     let mut settings = Settings::default();
     settings.pid.kp_nm_per_deg = number as f32 * 1e-3;
@@ -152,7 +153,7 @@ fn settings(number: usize) -> Settings {
 }
 
 #[test]
-fn what_was_saved_last_is_loaded_however_often() {
+fn the_last_saved_settings_are_loaded_after_any_number_of_stores() {
     let mut store = store(Flash::new());
     assert_eq!(store.load(), Err(StoreError::Empty));
     for number in 0..300 {
@@ -161,7 +162,7 @@ fn what_was_saved_last_is_loaded_however_often() {
     }
 }
 
-/// A flash after so many stores.
+/// A flash memory after this number of stores.
 fn after(stores: usize) -> Flash {
     let mut store = store(Flash::new());
     for number in 0..stores {
@@ -174,7 +175,7 @@ fn after(stores: usize) -> Flash {
     }
 }
 
-/// Loses the supply in a store that follows `stores` others, and looks for what is there then.
+/// Loses the supply in a store after `stores` others, and checks the settings that are then found.
 fn lose_the_supply(before: &Flash, stores: usize, cut: Cut) {
     let what = format!("after {stores} stores, {cut:?}");
     let mut cut_short = store(Flash {
@@ -193,7 +194,7 @@ fn lose_the_supply(before: &Flash, stores: usize, cut: Cut) {
         None => found == Err(StoreError::Empty),
     };
     assert!(is_old || found == Ok(settings(stores)), "{what}: {found:?}");
-    // The store goes on as if nothing had been.
+    // Later stores must work as usual.
     for number in stores + 1..stores + 3 {
         assert_eq!(later.save(&settings(number)), Ok(()), "{what}");
         let found = later.load().map(|recalled| recalled.settings);
@@ -201,7 +202,7 @@ fn lose_the_supply(before: &Flash, stores: usize, cut: Cut) {
     }
 }
 
-/// How many changes of the flash the next store makes, and how many of these erase.
+/// Number of flash operations of the next store, and number of erase operations among them.
 fn changes_of_a_store(before: &Flash, stores: usize) -> (usize, usize) {
     let mut whole = store(before.clone());
     whole.save(&settings(stores)).unwrap();
@@ -211,7 +212,7 @@ fn changes_of_a_store(before: &Flash, stores: usize) -> (usize, usize) {
 #[test]
 fn a_loss_of_the_supply_in_any_change_leaves_the_old_or_the_new_settings() {
     let mut losses = 0;
-    // Stores at the beginning, in the middle and at the end of a sector, and those that go on in the next one.
+    // The stores are at the start, in the middle and at the end of a sector, and in the next sector.
     for stores in (0..3)
         .chain(20..22)
         .chain(40..46)

@@ -1,4 +1,4 @@
-//! Rows of a stream and captures, sample by sample.
+//! Tests of stream rows and captures, sample by sample.
 
 use haptic_paddle::telemetry::{
     CaptureError, CapturePlan, CaptureState, Channel, Channels, Part, Sample, ShortSample,
@@ -17,7 +17,7 @@ fn telemetry() -> Telemetry {
     )
 }
 
-/// In position mode, at an angle that tells the period.
+/// A sample in position mode whose angle contains the number of the period.
 fn sample(period: u32) -> Sample {
     Sample {
         setpoint: if period >= 2000 { 0.2 } else { 0.0 },
@@ -70,7 +70,7 @@ fn a_row_has_the_values_at_its_beginning_and_the_mean_of_the_torque_until_the_ne
 }
 
 #[test]
-fn rows_stay_in_step_where_samples_are_missing() {
+fn rows_keep_their_period_when_samples_are_missing() {
     let mut telemetry = telemetry();
     telemetry.stream.set(Some(plan("torque", 2000.0)));
     let rows: Vec<_> = (0..60)
@@ -82,7 +82,7 @@ fn rows_stay_in_step_where_samples_are_missing() {
 }
 
 #[test]
-fn a_stream_that_the_line_does_not_carry_is_refused() {
+fn a_stream_beyond_the_capacity_of_the_line_is_refused() {
     let all = Channels::ALL;
     let refused = |rate_hz, baud| StreamPlan::new(all, rate_hz, TICK_HZ, baud).unwrap_err();
     assert!(matches!(refused(5000.0, 460_800), StreamError::Line { .. }));
@@ -119,7 +119,7 @@ fn a_step_is_captured_with_what_was_before_it() {
 }
 
 #[test]
-fn a_level_is_captured_when_it_is_passed() {
+fn a_level_trigger_starts_at_the_crossing() {
     let mut telemetry = telemetry();
     let plan = CapturePlan {
         trigger: TriggerPlan::Level(Channel::Encoder, 0.05),
@@ -134,7 +134,7 @@ fn a_level_is_captured_when_it_is_passed() {
 }
 
 #[test]
-fn a_fault_keeps_what_led_to_it_by_itself() {
+fn a_fault_captures_the_samples_before_it_automatically() {
     let mut telemetry = telemetry();
     for period in 0..3000 {
         let faulted = Sample {
@@ -151,7 +151,7 @@ fn a_fault_keeps_what_led_to_it_by_itself() {
 }
 
 #[test]
-fn a_fault_soon_after_the_start_keeps_what_there_is() {
+fn a_fault_soon_after_the_start_keeps_the_available_samples() {
     let mut telemetry = telemetry();
     for period in 0..3000 {
         let fault = if period >= 50 { 1 } else { 0 };
@@ -167,7 +167,7 @@ fn a_fault_soon_after_the_start_keeps_what_there_is() {
 }
 
 #[test]
-fn more_before_the_trigger_than_the_memory_has_is_refused() {
+fn a_pre_trigger_longer_than_the_memory_is_refused() {
     let mut telemetry = telemetry();
     let plan = CapturePlan {
         trigger: TriggerPlan::Now,

@@ -1,4 +1,4 @@
-//! The velocity observer against the filtered difference, on what a sensor shows of a known motion.
+//! Compares the velocity observer with a filtered difference on sensor signals of a known motion.
 
 use haptic_paddle::estimate::low_pass::{self, LowPass};
 use haptic_paddle::estimate::velocity::{ObserverGains, VelocityObserver};
@@ -9,16 +9,16 @@ const BANDWIDTH_HZ: f32 = 50.0;
 const ENCODER_QUANTUM_RAD: f64 = TAU / 30_000.0;
 
 struct Motion<F> {
-    /// Position, velocity and acceleration at a time.
+    /// Position, velocity and acceleration as a function of time.
     at: F,
-    /// What share of the acceleration the torque explains; the rest is friction.
+    /// Share of the acceleration that the torque explains. The rest is friction.
     explained: f64,
-    /// Standard deviation of the noise, rad.
+    /// Standard deviation of the sensor noise, rad.
     noise_rad: f64,
     quantum_rad: f64,
 }
 
-/// Root mean square errors of the observer and of a filtered difference with that cutoff, rad/s.
+/// Root-mean-square velocity errors of the observer, and of a filtered difference with this cutoff, rad/s.
 fn errors(motion: &Motion<impl Fn(f64) -> [f64; 3]>, difference_cutoff_hz: f32) -> (f64, f64) {
     let mut observer = VelocityObserver::new(ObserverGains::new(BANDWIDTH_HZ, TICK_S as f32));
     let mut difference = LowPass::new(low_pass::gain(difference_cutoff_hz, TICK_S as f32));
@@ -28,7 +28,7 @@ fn errors(motion: &Motion<impl Fn(f64) -> [f64; 3]>, difference_cutoff_hz: f32) 
     for tick in 0..60_000 {
         let [position_rad, velocity_rad_s, acceleration_rad_s2] =
             (motion.at)(f64::from(tick) * TICK_S);
-        // Twelve uniform numbers make a normal one.
+        // The sum of twelve uniform numbers is approximately normal.
         let normal: f64 = (0..12)
             .map(|_| {
                 noise = noise
@@ -68,8 +68,8 @@ fn sine(amplitude_rad: f64, frequency_hz: f64) -> impl Fn(f64) -> [f64; 3] {
 }
 
 #[test]
-fn on_the_encoder_it_beats_a_difference_of_any_cutoff() {
-    // The torque explains 80 % of the acceleration. The difference may choose its cutoff for each motion anew.
+fn with_the_encoder_the_observer_is_better_than_a_difference_with_any_cutoff() {
+    // The torque explains 80 % of the acceleration. The difference uses the best cutoff for each motion.
     for (amplitude_rad, frequency_hz) in [(0.5, 1.0), (0.1, 3.0), (0.05, 11.5)] {
         let motion = Motion {
             at: sine(amplitude_rad, frequency_hz),
@@ -91,8 +91,8 @@ fn on_the_encoder_it_beats_a_difference_of_any_cutoff() {
 }
 
 #[test]
-fn on_the_hall_sensor_it_is_quieter_than_a_difference_of_half_the_bandwidth() {
-    // 0.79 mV of noise and 1.11 mV of quantum at 34.55 degrees a volt; nothing is known of the torque.
+fn with_the_hall_sensor_the_observer_has_less_noise_than_a_difference_with_half_the_bandwidth() {
+    // The noise is 0.79 mV and the quantization step 1.11 mV at 34.55 degrees per volt. The torque is unknown.
     let degrees_per_volt = 34.55_f64;
     let motion = Motion {
         at: sine(0.1, 0.5),
@@ -106,7 +106,7 @@ fn on_the_hall_sensor_it_is_quieter_than_a_difference_of_half_the_bandwidth() {
 }
 
 #[test]
-fn on_a_ramp_it_has_no_error_in_the_mean() {
+fn on_a_ramp_the_observer_has_no_mean_error() {
     let mut observer = VelocityObserver::new(ObserverGains::new(BANDWIDTH_HZ, TICK_S as f32));
     let mut sum = 0.0;
     for tick in 0..20_000 {
@@ -121,7 +121,7 @@ fn on_a_ramp_it_has_no_error_in_the_mean() {
 }
 
 #[test]
-fn a_blocked_paddle_is_at_rest_however_hard_the_motor_pushes() {
+fn a_blocked_paddle_has_zero_velocity_at_any_torque() {
     let mut observer = VelocityObserver::new(ObserverGains::new(BANDWIDTH_HZ, TICK_S as f32));
     let full_torque_rad_s2 = 0.0323 * 15.0 / 5.755e-4;
     let velocities: Vec<f32> = (0..5000)

@@ -1,4 +1,4 @@
-//! A lab bench: the board with the paddle on it, and somebody at the terminal.
+//! Test bench: the board with the paddle, and a user at the terminal.
 
 use std::path::{Path, PathBuf};
 
@@ -10,15 +10,15 @@ use virtual_board::board::{Board, Pause};
 use virtual_board::image::Image;
 use virtual_board::wiring::Wires;
 
-/// Exception numbers of the served interrupts.
+/// Exception numbers of the interrupts that the firmware serves.
 pub const CONTROL: u16 = 16 + 44;
 
-/// Longest wait for an answer, s of virtual time.
+/// Longest wait for an answer, s of simulated time.
 const PATIENCE_S: f64 = 2.0;
-/// How long the board runs between two looks at the terminal, s.
+/// Simulated time between two polls of the terminal, s.
 const LOOK_S: f64 = 1e-3;
 
-/// The image of the default board; `None`, with a line that says so, if it was not built.
+/// The image of the default board. Returns `None` and prints a skip line if it was not built.
 pub fn image(test: &str) -> Option<Image> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let target =
@@ -38,7 +38,7 @@ pub fn image(test: &str) -> Option<Image> {
     Some(image)
 }
 
-/// The bench.
+/// A board with its paddle and its terminal.
 pub struct Bench {
     pub board: Board,
     pub image: Image,
@@ -46,19 +46,19 @@ pub struct Bench {
 }
 
 impl Bench {
-    /// The refitted paddle on the board of `image`, with the sensors' noise.
+    /// The refitted paddle on the board with `image`, with sensor noise.
     pub fn new(image: Image) -> Self {
         Self::with(image, &setup(presets::refit()), Wires::default())
     }
 
-    /// `setup` on the board of `image`, wired like this.
+    /// The loop `setup` on the board with `image` and the given wiring.
     pub fn with(image: Image, setup: &LoopSetup, wires: Wires) -> Self {
         let mut bench = Self::fresh(image, setup, wires);
         bench.board.set_brown_out();
         bench
     }
 
-    /// As [`Self::with`], with a chip as it was delivered.
+    /// As [`Self::with`], with a chip in the state of delivery.
     pub fn fresh(image: Image, setup: &LoopSetup, wires: Wires) -> Self {
         Self {
             board: Board::new(&image, &setup.paddle, &setup.settings, wires).unwrap(),
@@ -67,7 +67,7 @@ impl Bench {
         }
     }
 
-    /// As [`Self::armed`], pushing the paddle; `None`, with a line that says so, if the image was not built.
+    /// As [`Self::armed`], with torque on the paddle. Returns `None` and prints a skip line if the image was not built.
     pub fn pushing(test: &str) -> Option<Self> {
         let mut bench = Self::armed(image(test)?);
         bench.command("ref 30");
@@ -76,7 +76,7 @@ impl Bench {
         Some(bench)
     }
 
-    /// As [`Self::new`], booted, zeroed and armed.
+    /// As [`Self::new`], after boot, zeroing and arming.
     pub fn armed(image: Image) -> Self {
         let mut bench = Self::new(image);
         bench.boot();
@@ -86,24 +86,24 @@ impl Bench {
         bench
     }
 
-    /// Lets it run for so long.
+    /// Runs the board for this simulated time.
     pub fn run(&mut self, seconds: f64) {
         let end_s = self.board.time_s() + seconds;
         while self.board.run_until(end_s).unwrap() != Pause::Time {}
     }
 
-    /// Runs until the console has given its first prompt; what it said.
+    /// Runs until the first prompt of the console and returns the text.
     pub fn boot(&mut self) -> String {
         self.wait_for("> ")
     }
 
-    /// Types a line and waits for the next prompt; what came back.
+    /// Types a line, waits for the next prompt, and returns the answer.
     pub fn command(&mut self, line: &str) -> String {
         self.board.type_in(&format!("{line}\r"));
         self.wait_for("\n> ")
     }
 
-    /// Runs until the screen ends with `end`, and clears it.
+    /// Runs until the screen ends with `end`. Returns and clears the screen.
     pub fn wait_for(&mut self, end: &str) -> String {
         let deadline_s = self.board.time_s() + PATIENCE_S;
         loop {
@@ -120,7 +120,7 @@ impl Bench {
         }
     }
 
-    /// Changes the rate of the serial line on both ends to 1,843,200 baud.
+    /// Changes the baud rate of the serial line on both ends to 1,843,200.
     pub fn speed_up(&mut self) {
         const FAST_BAUD: f64 = 1_843_200.0;
         let answer = self.command("baud 1843200");
@@ -137,12 +137,12 @@ impl Bench {
         self.screen.push_str(&String::from_utf8_lossy(&answer));
     }
 
-    /// Whether the bridge's outputs are on.
+    /// Whether the outputs of the bridge are enabled.
     pub fn drives(&self) -> bool {
         self.board.bridge_duty().is_some()
     }
 
-    /// Address of the symbol whose mangled name has all these parts.
+    /// Address of the symbol whose mangled name contains all these parts.
     pub fn address_of(&self, parts: &[&str]) -> u32 {
         self.image
             .symbol(|name| parts.iter().all(|part| name.contains(part)))
@@ -151,12 +151,12 @@ impl Bench {
     }
 }
 
-/// The firmware's loop around `device`, with the sensors' noise.
+/// The firmware's loop with `device` and with sensor noise.
 pub fn setup(device: Device) -> LoopSetup {
     LoopSetup::firmware(device, Settings::default(), presets::motor())
 }
 
-/// As [`setup`], with sensors that quantise but have no noise.
+/// As [`setup`], with sensors that have quantization but no noise.
 pub fn quiet(device: Device) -> LoopSetup {
     let mut setup = setup(device);
     setup.paddle.hall.noise_v = 0.0;

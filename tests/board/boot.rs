@@ -1,9 +1,9 @@
-//! From power-on to a console.
+//! Tests of the boot sequence from power-on to the console.
 
 use crate::bench::{Bench, image};
 
 #[test]
-fn it_is_disarmed_within_half_a_second_with_the_bridge_off_all_along() {
+fn the_board_boots_disarmed_within_half_a_second_with_the_bridge_off() {
     let Some(image) = image("boot") else { return };
     let mut bench = Bench::new(image);
     bench.board.record_steps(true);
@@ -50,7 +50,7 @@ fn two_runs_are_identical() {
 }
 
 #[test]
-fn a_loss_of_the_supply_leaves_nothing_behind() {
+fn a_loss_of_the_supply_clears_all_volatile_state() {
     let Some(image) = image("a_loss_of_the_supply_leaves_nothing_behind") else {
         return;
     };

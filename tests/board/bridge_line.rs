@@ -1,4 +1,4 @@
-//! nFAULT, the bridge's inputs, and its 24 V.
+//! Tests of nFAULT, of the inputs of the bridge, and of its 24 V supply.
 
 use crate::bench::{Bench, CONTROL, image};
 use virtual_board::board::Bridge;
@@ -7,7 +7,7 @@ use virtual_board::board::Bridge;
 const FAULT_LINE: u16 = 16 + 40;
 
 #[test]
-fn a_glitch_of_nfault_turns_the_outputs_off_for_a_control_period_at_most() {
+fn a_glitch_of_nfault_turns_the_outputs_off_for_at_most_a_control_period() {
     let Some(mut bench) = Bench::pushing("a_glitch_of_nfault") else {
         return;
     };
@@ -33,14 +33,14 @@ fn nfault_that_stays_low_is_latched_with_one_interrupt() {
     bench.board.set_bridge_fault(false);
     bench.run(1e-4);
     assert_eq!(bench.board.bridge(), Bridge::Off);
-    // A handler that returned before its write took effect would run twice.
+    // If the handler returned before its write took effect, it would run twice.
     assert_eq!(bench.board.cpu.totals(FAULT_LINE).count - before, 1);
     let said = bench.wait_for("> ");
     assert!(said.contains("fault: H-bridge"), "{said}");
 }
 
 #[test]
-fn without_its_24_v_at_boot_the_bridge_is_reported_and_nothing_is_latched() {
+fn a_bridge_without_24_v_at_boot_is_reported_but_not_latched() {
     let Some(image) = image("without_its_24_v_at_boot") else {
         return;
     };
@@ -60,14 +60,14 @@ fn without_its_24_v_at_boot_the_bridge_is_reported_and_nothing_is_latched() {
 
 #[test]
 fn the_bootstrap_is_charged_at_the_largest_duty() {
-    /// What the lab's 0.98 leave at 30 kHz.
+    /// Charging time per period at 30 kHz with the lab's duty limit of 0.98.
     const CHARGED_S: f64 = 333e-9;
     let Some(image) = image("the_bootstrap_is_charged") else {
         return;
     };
     let mut bench = Bench::armed(image);
     bench.command("ref 0");
-    // Told of a quarter of the supply, the regulator asks for all of it.
+    // The stated supply is a quarter of the true supply, so the regulator requests the full duty.
     bench.board.type_in("set motor.supply 6\rref 30\r");
     bench.run(0.02);
     let low_s = bench.board.shortest_low_s();

@@ -1,11 +1,11 @@
-//! The console over the serial port, and what it refuses.
+//! Tests of the console over the serial port.
 
 use crate::bench::{Bench, image, setup};
 use host_sim::presets;
 use virtual_board::wiring::Wires;
 
 #[test]
-fn it_answers() {
+fn the_console_answers_commands() {
     let Some(image) = image("console") else {
         return;
     };
@@ -31,7 +31,7 @@ fn it_answers() {
 }
 
 #[test]
-fn a_dump_can_be_pasted_back() {
+fn the_output_of_dump_can_be_typed_as_input() {
     let Some(image) = image("a_dump_can_be_pasted_back") else {
         return;
     };
@@ -60,7 +60,7 @@ fn a_dump_can_be_pasted_back() {
 }
 
 #[test]
-fn a_flood_of_input_is_reported_and_harms_nothing() {
+fn an_input_overrun_is_reported_and_has_no_other_effect() {
     let Some(image) = image("a_flood_of_input_is_reported") else {
         return;
     };
@@ -74,7 +74,7 @@ fn a_flood_of_input_is_reported_and_harms_nothing() {
 }
 
 #[test]
-fn arming_wants_a_zero() {
+fn arming_requires_a_zero() {
     let Some(image) = image("arming_wants_a_zero") else {
         return;
     };
@@ -87,7 +87,7 @@ fn arming_wants_a_zero() {
 }
 
 #[test]
-fn arming_finds_a_wrong_wire_and_names_it() {
+fn arming_detects_and_names_a_wrong_wire() {
     let Some(image) = image("arming_finds_a_wrong_wire") else {
         return;
     };
@@ -111,7 +111,7 @@ fn arming_finds_a_wrong_wire_and_names_it() {
 }
 
 #[test]
-fn a_hall_sensor_that_is_cut_gives_no_zero() {
+fn a_disconnected_hall_sensor_gives_no_zero() {
     let Some(image) = image("a_hall_sensor_that_is_cut") else {
         return;
     };
@@ -121,7 +121,7 @@ fn a_hall_sensor_that_is_cut_gives_no_zero() {
     bench.boot();
     let refusal = bench.command("zero hall");
     assert!(refusal.contains("Hall signal"), "{refusal}");
-    // Zeroed by hand, the check of the wiring finds it.
+    // After manual zeroing, the wiring check detects the cut wire.
     bench.command("zero");
     let refusal = bench.command("arm");
     assert!(refusal.contains("Hall"), "{refusal}");
@@ -129,7 +129,7 @@ fn a_hall_sensor_that_is_cut_gives_no_zero() {
 }
 
 #[test]
-fn version_timing_and_reboot() {
+fn version_timing_and_reboot_work() {
     let Some(image) = image("version_timing_and_reboot") else {
         return;
     };

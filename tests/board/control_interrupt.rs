@@ -1,19 +1,19 @@
-//! The control interrupt under full load: what it takes, when it starts, and that none is missed.
+//! Tests of the control interrupt under full load: duration, start jitter, and missed periods.
 
 use crate::bench::{Bench, CONTROL, image};
 use crate::load::load;
 
-/// The bars. Instructions are exact, cycles come from a model.
+/// Limits. Instruction counts are exact; cycle counts come from a model.
 const MOST_INSTRUCTIONS: u64 = 700;
 const MOST_CYCLES: u64 = 1_000;
-/// Of the start, at 168 MHz: 1 µs.
+/// Largest start jitter, cycles at 168 MHz: 1 µs.
 const MOST_JITTER_CYCLES: u64 = 168;
 const PERIOD_CYCLES: u64 = 8_400;
 
 const SECONDS: u32 = 10;
 
 #[test]
-fn it_stays_within_its_bars_and_misses_nothing() {
+fn the_control_interrupt_stays_within_its_limits_and_misses_no_period() {
     let Some(image) = image("control_interrupt") else {
         return;
     };
@@ -78,7 +78,7 @@ fn it_stays_within_its_bars_and_misses_nothing() {
     assert!(!status.contains("fault"), "{status}");
 }
 
-/// The whole number of periods that is nearest.
+/// Rounds to a whole number of control periods.
 fn expected(cycles: u64) -> i64 {
     ((cycles + PERIOD_CYCLES / 2) / PERIOD_CYCLES * PERIOD_CYCLES) as i64
 }

@@ -1,4 +1,4 @@
-//! The measured current: what the amplifier, the converter and the wires may do to it.
+//! Tests of the current measurement with faults of amplifier, converter and wires.
 
 use crate::bench::{Bench, image, setup};
 use host_sim::device::Device;
@@ -6,24 +6,24 @@ use host_sim::presets;
 use virtual_board::board::Bridge;
 use virtual_board::wiring::{AmplifierFaults, Wires};
 
-/// Of the motor, N m/A.
+/// Torque constant of the motor, N m/A.
 const TORQUE_CONSTANT: f64 = 0.0538;
 
-/// A bench with the refitted paddle, whose amplifier does this.
+/// A bench with the refitted paddle and this fault of the current amplifier.
 fn bench(test: &str, amplifier: AmplifierFaults) -> Option<Bench> {
     let mut bench = Bench::new(image(test)?);
     bench.board.wiring_mut().amplifier = amplifier;
     Some(bench)
 }
 
-/// A paddle that something holds, so that the torque is all that shows.
+/// A blocked paddle, so that the torque causes no motion.
 fn held() -> Device {
     let mut device = presets::refit();
     device.mechanics.friction.level_nm = [2.0, 2.0];
     device
 }
 
-/// Mean torque of the motor over the next tenth of a second, N m.
+/// Mean torque of the motor over the next 0.1 s, N m.
 fn torque_nm(bench: &mut Bench) -> f64 {
     bench.board.record_steps(true);
     bench.run(0.1);
@@ -33,7 +33,7 @@ fn torque_nm(bench: &mut Bench) -> f64 {
 }
 
 #[test]
-fn what_the_bridge_does_to_the_amplifier_makes_no_torque() {
+fn the_bridge_s_interference_with_the_amplifier_causes_no_torque() {
     let amplifier = AmplifierFaults {
         common_mode_a: 0.024,
         ..AmplifierFaults::default()
@@ -52,7 +52,7 @@ fn what_the_bridge_does_to_the_amplifier_makes_no_torque() {
 }
 
 #[test]
-fn an_amplifier_that_warms_up_is_waited_for() {
+fn calibration_waits_until_the_amplifier_has_settled() {
     let amplifier = AmplifierFaults {
         warm_up_a: 0.05,
         warm_up_s: 0.05,
@@ -69,7 +69,7 @@ fn an_amplifier_that_warms_up_is_waited_for() {
 }
 
 #[test]
-fn an_offset_beyond_the_parts_tolerances_forbids_arming() {
+fn an_offset_beyond_the_component_tolerances_prevents_arming() {
     for (name, amplifier) in [
         (
             "0.1 A",
@@ -101,7 +101,7 @@ fn an_offset_beyond_the_parts_tolerances_forbids_arming() {
 }
 
 #[test]
-fn a_reading_at_either_rail_is_a_fault_of_its_own() {
+fn a_reading_at_either_rail_has_its_own_fault() {
     for rail in [0.0, 4095.0] {
         let Some(image) = image("a_reading_at_either_rail") else {
             return;
@@ -117,7 +117,7 @@ fn a_reading_at_either_rail_is_a_fault_of_its_own() {
 }
 
 #[test]
-fn no_limit_of_the_current_is_beyond_what_can_be_measured() {
+fn no_current_limit_exceeds_the_measuring_range() {
     let Some(image) = image("no_limit_of_the_current_is_beyond") else {
         return;
     };
@@ -130,7 +130,7 @@ fn no_limit_of_the_current_is_beyond_what_can_be_measured() {
     assert!(bench.command("get limit.current").contains("= 1.5 A"));
 }
 
-/// Runs until the bridge is off. How long that took, s, and the largest torque, N m, on the way.
+/// Runs until the bridge is off. Returns the time in s and the largest torque in N m.
 fn until_off(bench: &mut Bench) -> (f64, f64) {
     const PATIENCE_S: f64 = 0.1;
     let from_s = bench.board.time_s();
@@ -147,8 +147,8 @@ fn until_off(bench: &mut Bench) -> (f64, f64) {
 }
 
 #[test]
-fn a_current_sensor_stuck_in_the_middle_trips_before_the_motor_suffers() {
-    /// From the moment at which the regulator begins to wind up.
+fn a_current_sensor_stuck_at_mid_range_trips_before_the_motor_is_damaged() {
+    /// Longest time from the start of the integrator windup.
     const LONGEST_S: f64 = 0.008;
     let Some(image) = image("a_current_sensor_stuck_in_the_middle") else {
         return;
@@ -173,7 +173,7 @@ fn a_current_sensor_stuck_in_the_middle_trips_before_the_motor_suffers() {
 }
 
 #[test]
-fn a_motor_wire_that_breaks_trips() {
+fn a_broken_motor_wire_trips() {
     const LONGEST_S: f64 = 0.015;
     let Some(image) = image("a_motor_wire_that_breaks") else {
         return;
@@ -196,7 +196,7 @@ fn the_resistance_is_measured_and_fast_motion_with_a_hot_winding_is_no_mismatch(
         return;
     };
     let mut device = setup(presets::refit());
-    // Half more than the sheet says, as the lab's own firmware has it.
+    // The true resistance is 50 % above the data sheet, as in the lab's own firmware.
     if let host_sim::paddle::Actuator::Bridge(motor) = &mut device.paddle.actuator {
         motor.resistance_ohm = 15.6;
         motor.supply_v = 22.0;
@@ -206,7 +206,8 @@ fn the_resistance_is_measured_and_fast_motion_with_a_hot_winding_is_no_mismatch(
     bench.command("zero hall");
     let armed = bench.command("arm");
     assert!(armed.contains("mode position"), "{armed}");
-    // Measured by what the push took, on a supply that is believed to have 24 V: 15.6 times 24 over 22.
+    // The measurement uses the voltage of the push. The firmware assumes a supply of 24 V, so it finds 15.6 times 24 over
+    // 22.
     let resistance = bench.command("get motor.resistance");
     let ohm = resistance.split("= ").nth(1).unwrap();
     let ohm: f64 = ohm.split(' ').next().unwrap().parse().unwrap();
@@ -219,7 +220,7 @@ fn the_resistance_is_measured_and_fast_motion_with_a_hot_winding_is_no_mismatch(
 }
 
 #[test]
-fn the_converter_sees_the_signals_without_an_error_of_sampling() {
+fn the_converter_samples_the_signals_without_a_settling_error() {
     let Some(image) = image("the_converter_sees_the_signals") else {
         return;
     };
@@ -236,15 +237,16 @@ fn the_converter_sees_the_signals_without_an_error_of_sampling() {
     let status = bench.command("status");
     let hall = status.split("hall ").nth(1).unwrap();
     let hall_deg: f64 = hall.split(' ').next().unwrap().parse().unwrap();
-    // A count is 0.037°.
+    // One count is 0.037°.
     assert!((hall_deg - 0.5_f64.to_degrees()).abs() < 0.03, "{status}");
 }
 
 #[test]
-fn after_a_halt_the_samples_are_in_step_with_the_control_periods_again() {
-    /// Time for the ring to begin anew and to fill, with a margin.
+fn after_a_halt_the_samples_are_synchronous_with_the_control_periods_again() {
+    /// Time for the ring buffer to restart and to fill, with a margin.
     const RECOVERY_S: f64 = 1e-3;
-    /// No multiples of a sample (2 µs) or of a control period (50 µs). Halts then begin and end at many phases of both.
+    /// Not a multiple of a sample (2 µs) or of a control period (50 µs), so that the halts begin and end at many phases of
+    /// both.
     const BETWEEN_HALTS_S: f64 = 1.013_7e-3;
     const LONGER_BY_S: f64 = 1.913e-6;
 

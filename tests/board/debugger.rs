@@ -1,4 +1,4 @@
-//! A debugger that halts the core, and lets it go on.
+//! Tests with a debugger that halts and resumes the core.
 
 use crate::bench::Bench;
 use virtual_board::board::{Bridge, Pause};
@@ -7,7 +7,7 @@ use virtual_board::board::{Bridge, Pause};
 const TWO_PERIODS_S: f64 = 1e-4;
 
 #[test]
-fn a_halt_leaves_no_input_of_the_bridge_to_float() {
+fn no_input_of_the_bridge_floats_during_a_halt() {
     let Some(mut bench) = Bench::pushing("a_halt_leaves_no_input_of_the_bridge_to_float") else {
         return;
     };
@@ -25,7 +25,7 @@ fn a_halt_leaves_no_input_of_the_bridge_to_float() {
 }
 
 #[test]
-fn after_a_halt_the_bridge_is_off_until_somebody_clears_the_fault() {
+fn after_a_halt_the_bridge_is_off_until_the_fault_is_cleared() {
     let Some(mut bench) = Bench::pushing("after_a_halt_the_bridge_is_off") else {
         return;
     };
@@ -48,7 +48,7 @@ fn after_a_halt_the_bridge_is_off_until_somebody_clears_the_fault() {
     assert!(armed.contains("mode position"), "{armed}");
 }
 
-/// What `cargo run` hands the image to.
+/// The runner that `cargo run` starts with the image.
 fn runner() -> String {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/.cargo/config.toml");
     let text = std::fs::read_to_string(path).unwrap();
@@ -61,7 +61,7 @@ fn the_flash_command_lets_a_fault_reach_its_handler() {
     let Some(mut bench) = Bench::pushing("the_flash_command_lets_a_fault_reach_its_handler") else {
         return;
     };
-    // probe-rs halts the core at a hard fault, before the first instruction of its handler, unless it is told not to.
+    // By default probe-rs halts the core at a hard fault before the first instruction of the handler.
     let catches = !runner().contains("--no-catch-hardfault");
     let handler = bench.address_of(&["HardFault"]);
     bench.board.cpu.set_breakpoint(handler, catches);

@@ -1,14 +1,14 @@
-//! Whatever goes wrong, the bridge goes off.
+//! Tests that every failure turns the bridge off.
 //!
-//! Nothing is built for these tests: they change what the core executes from outside, as a cosmic ray would.
+//! The image has no code for these tests. They change the state of the core from outside, as a radiation event would.
 
 use crate::bench::{Bench, image};
 use virtual_board::cpu::{Memories, Width};
 use virtual_board::peripherals::rcc::ResetCause;
 
-/// Longest from a fault to outputs that are off, s: some dozen instructions.
+/// Longest time from a failure to disabled outputs, s: a few dozen instructions.
 const AT_ONCE_S: f64 = 5e-6;
-/// RAM between variables and stack, which nobody uses.
+/// RAM between variables and stack, which the firmware does not use.
 const UNUSED_RAM: u32 = 0x2001_0000;
 
 /// An armed bench in the middle of a step, with the core awake in thread mode.
@@ -23,7 +23,8 @@ fn driving(test: &str) -> Option<Bench> {
     Some(bench)
 }
 
-/// The outputs go off at once and stay off, the watchdog resets, and the console then says why.
+/// Checks that the outputs go off at once and stay off, that the watchdog resets the core, and that the console then reports
+/// the reason.
 fn ends_in_a_reset(bench: &mut Bench, reason: &str) {
     let struck_s = bench.board.time_s();
     bench.run(AT_ONCE_S);
@@ -46,7 +47,7 @@ fn a_hung_console_is_reset_with_the_outputs_off() {
     let Some(mut bench) = driving("a_hung_console_is_reset") else {
         return;
     };
-    // The console loop is made to branch to itself where it stands.
+    // The next instruction of the console loop is replaced by a branch to itself.
     const BRANCH_TO_ITSELF: [u8; 2] = 0xE7FEu16.to_le_bytes();
     let pc = bench.board.cpu.register(15);
     let at = (pc - Memories::FLASH) as usize;
@@ -75,7 +76,7 @@ fn a_panic_turns_the_outputs_off() {
         return;
     };
     let divide_by_zero = bench.address_of(&["panic_const_div_by_zero"]);
-    // What the compiler passes: where it happened, as file, line and column.
+    // Location of the panic as the compiler passes it: file, line and column.
     const FILE: &[u8; 5] = b"x.rs\0";
     let location = [UNUSED_RAM + 16, 4, 12, 34];
     for (place, word) in (0..).zip(location) {
@@ -112,7 +113,7 @@ fn a_lost_stack_turns_the_outputs_off() {
     let Some(mut bench) = driving("a_lost_stack") else {
         return;
     };
-    // The next interrupt cannot stack what it interrupts.
+    // The stack pointer is invalid, so the next interrupt cannot push its registers.
     bench.board.cpu.set_register(13, 0x1800_0000);
     bench.run(60e-6);
     ends_in_a_reset(&mut bench, "before the reset: exception 3");
@@ -126,14 +127,14 @@ fn a_crystal_that_stops_turns_the_outputs_off() {
     bench.board.set_crystal(false);
     bench.run(2e-5);
     assert!(!bench.drives());
-    // Without the crystal it boots no more, but the bridge stays off.
+    // Without the crystal the board does not boot, but the bridge stays off.
     bench.run(0.2);
     assert!(!bench.drives());
     assert!(!bench.board.resets().is_empty());
 }
 
 #[test]
-fn a_fault_of_the_bridge_turns_the_outputs_off_and_stays() {
+fn a_fault_of_the_bridge_turns_the_outputs_off_and_is_latched() {
     let Some(mut bench) = driving("a_fault_of_the_bridge") else {
         return;
     };

@@ -1,7 +1,7 @@
-//! When the console reached for the controller, as the image did it.
+//! Records when the console accessed the controller in the image.
 //!
-//! Between two control periods the console loop borrows the controller under a lock, which raises BASEPRI. The place
-//! of the instruction that does so tells who borrows: the look that is taken once a millisecond, or a typed command.
+//! Between two control periods the console loop borrows the controller under a lock that raises BASEPRI. The address of the
+//! locking instruction shows the borrower: the periodic check once per millisecond, or a typed command.
 
 use std::collections::VecDeque;
 
@@ -9,19 +9,19 @@ use crate::bench::Bench;
 use virtual_board::board::Pause;
 use virtual_board::cpu::Width;
 
-/// `msr basepri_max, rN`, without N, which stands in the lowest bits of the first halfword.
+/// `msr basepri_max, rN`. The register number N, in the lowest bits of the first halfword, is zero here.
 const RAISE_BASEPRI: [u16; 2] = [0xF380, 0x8812];
 
-/// Once, the controller was lent out.
+/// One access of the console to the controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lend {
-    /// Control periods before it, since boot.
+    /// Number of control periods since boot before the access.
     pub tick: u32,
-    /// Whether a command wanted it.
+    /// Whether a command caused the access.
     pub by_command: bool,
 }
 
-/// Watches a bench for lends.
+/// Records the accesses on a bench.
 pub struct Watch {
     commands: Vec<std::ops::Range<u32>>,
     ticks: u32,
@@ -29,7 +29,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// From now on.
+    /// Starts recording.
     pub fn new(bench: &mut Bench) -> Self {
         let function = |parts: &[&str]| {
             let symbol = bench
@@ -43,7 +43,7 @@ impl Watch {
             required(&["console", "session", "Session", "obey"]),
             required(&["console", "session", "Session", "execute"]),
         ];
-        // What else is only called by these, where the compiler has not put it into them.
+        // Other functions that only these functions call, unless the compiler has inlined them.
         commands.extend(function(&["console7execute"]));
         commands.extend(function(&["console", "session", "Session", "prepare"]));
         let mut looks = vec![required(&["firmware", "app", "idle"])];
@@ -84,7 +84,7 @@ impl Watch {
         }
     }
 
-    /// Control periods since boot.
+    /// Number of control periods since boot.
     pub fn ticks(&self, bench: &mut Bench) -> u32 {
         bench
             .board
@@ -93,7 +93,7 @@ impl Watch {
             .unwrap()
     }
 
-    /// The lends so far, oldest first.
+    /// The recorded accesses, oldest first.
     pub fn into_lends(self) -> VecDeque<Lend> {
         self.lends
     }

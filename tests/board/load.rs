@@ -1,10 +1,10 @@
-//! As much work for the firmware as a terminal can make.
+//! Full load of the firmware by terminal input.
 
 use crate::bench::Bench;
 
-/// Keeps the serial port busy both ways for a second, in position mode with a moving setpoint. A dump of all settings
-/// and an answer take 29 ms of the line, and so much is asked for every 30 ms; most commands have the controller lent
-/// out.
+/// Keeps the serial port busy in both directions for one second, in position mode with a moving setpoint. A dump of all
+/// settings and an answer occupy the line for 29 ms, and they are requested every 30 ms. Most commands access the
+/// controller.
 pub fn load(bench: &mut Bench, second: u32) {
     const TURNS: usize = 34;
     let commands = [

@@ -1,6 +1,6 @@
-//! The image that is flashed, on the virtual board.
+//! Tests of the firmware image on the virtual board.
 //!
-//! `cargo xtask test` builds the image first. Where there is none, these tests are skipped with a line that says so.
+//! `cargo xtask test` builds the image first. Without an image these tests are skipped with a message.
 
 mod bench;
 mod boot;

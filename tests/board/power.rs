@@ -1,4 +1,4 @@
-//! Power-on, the crystal, and a supply that dips.
+//! Tests of power-on, of the crystal, and of supply dips.
 
 use crate::bench::{Bench, image, setup};
 use host_sim::presets;
@@ -9,7 +9,7 @@ use virtual_board::wiring::Wires;
 
 #[test]
 fn the_enables_are_low_within_microseconds_of_the_reset() {
-    /// Some dozen instructions at 16 MHz.
+    /// A few dozen instructions at 16 MHz.
     const SOON_S: f64 = 10e-6;
     let Some(image) = image("the_enables_are_low_within_microseconds") else {
         return;
@@ -37,7 +37,7 @@ fn the_enables_are_low_within_microseconds_of_the_reset() {
 }
 
 #[test]
-fn a_crystal_that_never_starts_is_reported_and_nothing_can_be_armed() {
+fn a_crystal_that_never_starts_is_reported_and_prevents_arming() {
     let Some(image) = image("a_crystal_that_never_starts") else {
         return;
     };
@@ -67,7 +67,7 @@ fn a_dip_of_the_supply_turns_the_outputs_off() {
     bench.board.set_supply(2.9);
     bench.run(2e-6);
     assert_eq!(bench.board.bridge(), Bridge::Off, "2 µs after the dip");
-    // Lower, where the core does nothing sensible, and back.
+    // The supply falls below the operating range of the core and returns.
     bench.board.set_supply(2.85);
     bench.run(0.01);
     bench.board.set_supply(3.3);
@@ -82,7 +82,7 @@ fn a_dip_of_the_supply_turns_the_outputs_off() {
 }
 
 #[test]
-fn while_the_supply_is_low_nothing_can_be_armed() {
+fn a_low_supply_prevents_arming() {
     let Some(mut bench) = Bench::pushing("while_the_supply_is_low") else {
         return;
     };
@@ -103,7 +103,7 @@ fn the_brown_out_level_is_set_at_the_first_boot_and_holds_the_chip_in_reset() {
     let mut bench = Bench::fresh(image, &setup(presets::refit()), Wires::default());
     bench.boot();
     println!("booted after {:.3} s", bench.board.time_s());
-    // The option bytes act once the supply comes again.
+    // The option bytes take effect at the next power-on.
     bench.board.interrupt_supply(0.05);
     bench.boot();
     bench.command("zero hall");
@@ -121,11 +121,11 @@ fn the_brown_out_level_is_set_at_the_first_boot_and_holds_the_chip_in_reset() {
 }
 
 #[test]
-fn a_crystal_that_stops_breaks_the_outputs_without_a_line_of_code() {
+fn a_crystal_that_stops_brakes_the_motor_without_firmware() {
     let Some(mut bench) = Bench::pushing("a_crystal_that_stops_breaks_the_outputs") else {
         return;
     };
-    // Whatever the core would do from here on, it hangs.
+    // The exception handler is replaced by an endless loop.
     const BRANCH_TO_ITSELF: [u8; 2] = 0xE7FEu16.to_le_bytes();
     let handler = bench.address_of(&["DefaultHandler"]);
     let at = (handler - Memories::FLASH) as usize;

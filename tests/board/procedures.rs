@@ -1,8 +1,8 @@
-//! The procedures with the very image that is flashed, on the refitted paddle.
+//! Tests of the procedures with the firmware image on the refitted paddle.
 
 use crate::bench::{Bench, image};
 
-/// A bench whose encoder has its zero.
+/// A bench whose encoder is zeroed.
 fn zeroed(test: &str) -> Option<Bench> {
     let mut bench = Bench::new(image(test)?);
     bench.boot();
@@ -10,7 +10,7 @@ fn zeroed(test: &str) -> Option<Bench> {
     Some(bench)
 }
 
-/// Types a line, and waits for so long, s, for the prompt that follows its answer.
+/// Types a line, and waits up to `seconds` for the prompt after its answer.
 fn run(bench: &mut Bench, line: &str, seconds: f64) -> String {
     bench.board.type_in(&format!("{line}\r"));
     bench.run(seconds);
@@ -20,7 +20,7 @@ fn run(bench: &mut Bench, line: &str, seconds: f64) -> String {
     said
 }
 
-/// The first number behind a word.
+/// The first number after a word.
 fn number(text: &str, word: &str) -> f64 {
     let rest = text.split(word).nth(1).unwrap_or_else(|| panic!("{text}"));
     let number = rest.trim_start().split([' ', ';', ',', '\r']).next();
@@ -72,7 +72,7 @@ fn friction_is_measured() {
         return;
     };
     let said = run(&mut bench, "friction", 36.0);
-    // The refit's levels and its static share.
+    // Friction levels of the refit, and its static share.
     assert!(
         (number(&said, "forward ") / (0.585 * 1.08) - 1.0).abs() < 0.1,
         "{said}"

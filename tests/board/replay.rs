@@ -1,5 +1,5 @@
-//! What runs in the image is what runs on the host: the same inputs lead to the same state, bit for bit, and the same
-//! session on the simulator's closed loop leads the paddle the same way.
+//! Checks that the image and the host compute the same. Equal inputs lead to a bit-identical state, and an equal session on
+//! the simulator's closed loop leads to the same motion of the paddle.
 
 use std::collections::{VecDeque, vec_deque};
 use std::slice;
@@ -16,14 +16,14 @@ use virtual_board::board::{Pause, Step};
 use virtual_board::cpu::Width;
 use virtual_board::wiring::Wires;
 
-/// The firmware's.
+/// Tick rate of the firmware.
 const RATE: TickRate = TickRate::new(20_000.0, 2);
 const OFFSET_PERIODS: usize = 1024;
 const SAMPLES: u32 = 25;
 const LOOK_S: f32 = 1e-3;
 const BRIDGE_TOP: u16 = 2100;
 
-/// A session with the position loop closed, typed a line every so often.
+/// A session with the position loop closed. Its lines are typed at intervals.
 const CLOSED_LOOP: &[&str] = &[
     "zero hall",
     "arm",
@@ -35,7 +35,7 @@ const CLOSED_LOOP: &[&str] = &[
     "set compensation.dry on",
     "step 5",
 ];
-/// One that drives the motor by torques alone, where nothing makes up for a difference.
+/// A session with torques only, in which no position loop corrects a difference.
 const OPEN_LOOP: &[&str] = &[
     "zero hall",
     "arm torque",
@@ -47,7 +47,7 @@ const OPEN_LOOP: &[&str] = &[
     "start triangle 0.003 2",
     "start sine 0.003 1",
 ];
-/// One that goes through sensors, filters and modes, and ends in a fault, outside the travel.
+/// A session with all sensors, filters and modes. It ends in a fault outside the travel.
 const EVERYTHING: &[&str] = &[
     "zero hall",
     "arm",
@@ -66,17 +66,17 @@ const EVERYTHING: &[&str] = &[
 ];
 const LINE_EVERY_S: f64 = 0.3;
 
-/// What the image saw and did from the first control interrupt on.
+/// Inputs and outputs of the image from the first control interrupt on.
 struct Recorded {
     bench: Bench,
-    /// Current readings from which the offset was taken, counts.
+    /// Current readings from which the offset was computed, counts.
     idle: Vec<f32>,
-    /// One for each control interrupt, with what it saw.
+    /// One entry per control interrupt, with its inputs.
     steps: Vec<Step>,
     lends: VecDeque<Lend>,
 }
 
-/// The session on the board.
+/// Runs the session on the board.
 fn on_the_board(test: &str, setup: &LoopSetup, lines: &[&str]) -> Option<Recorded> {
     let mut bench = Bench::with(image(test)?, setup, Wires::default());
     let handler = bench.address_of(&["TIM8_UP_TIM13"]);
@@ -122,7 +122,7 @@ fn on_the_board(test: &str, setup: &LoopSetup, lines: &[&str]) -> Option<Recorde
     })
 }
 
-/// The firmware's mean of the ring.
+/// Mean of the ring buffer as the firmware computes it.
 fn current_counts(step: &Step) -> f32 {
     assert_eq!(step.current.conversions, SAMPLES);
     step.current.sum as f32 * (1.0 / SAMPLES as f32)
@@ -136,7 +136,8 @@ fn measurement(step: &Step) -> Measurement {
     }
 }
 
-/// Drives the console as the image did, with a controller that `lender` brings to the tick of each lend.
+/// Executes the console session as the image did. At each access, `lender` advances the controller to the tick of that
+/// access.
 fn follow<L: Device>(
     lines: &[&str],
     lends: &VecDeque<Lend>,
@@ -165,7 +166,7 @@ fn follow<L: Device>(
     lender
 }
 
-/// A controller on the host that sees what the image saw.
+/// A controller on the host with the recorded inputs of the image.
 struct Replay<'a> {
     controller: Controller,
     steps: slice::Iter<'a, Step>,
@@ -174,7 +175,7 @@ struct Replay<'a> {
 }
 
 impl Replay<'_> {
-    /// Steps up to `tick`, comparing each duty with what the image wrote.
+    /// Advances to `tick` and compares each duty with that of the image.
     fn step_to(&mut self, tick: u32) {
         while self.ticks < tick {
             let Some(step) = self.steps.next() else {
@@ -186,7 +187,7 @@ impl Replay<'_> {
             } else {
                 duty
             };
-            // The image wrote it in the period that began with this step; the next one has seen it.
+            // The image wrote the duty during the period that began with this step, so the next step contains it.
             if let Some(next) = self.steps.as_slice().first() {
                 assert_eq!(
                     u32::from(duty.compare(BRIDGE_TOP)),
@@ -210,7 +211,7 @@ impl Device for Replay<'_> {
 }
 
 #[test]
-fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
+fn every_duty_and_the_final_state_are_bit_identical_on_the_host() {
     let Some(mut session) = on_the_board("replay", &setup(presets::refit()), EVERYTHING) else {
         return;
     };
@@ -237,7 +238,7 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
     replay.step_to(session.steps.len() as u32);
     assert!(replay.ticks > 50_000, "{}", replay.ticks);
 
-    // Every number of the host's controller stands in the image's, whatever the order of its fields.
+    // Every number of the host's controller must be in the image's controller. The order of the fields may differ.
     let symbol = session
         .bench
         .image
@@ -264,7 +265,7 @@ fn every_duty_and_the_final_state_are_the_hosts_bit_for_bit() {
     }
 }
 
-/// The simulator's closed loop, brought to the tick of each lend.
+/// The simulator's closed loop, which is advanced to the tick of each access.
 struct Simulation<'a> {
     closed_loop: ClosedLoop,
     lends: vec_deque::Iter<'a, Lend>,
@@ -289,10 +290,10 @@ impl Device for Simulation<'_> {
     }
 }
 
-/// How far the simulator's closed loop goes from the board over a session, rad rms, and for how long the paddle stuck
-/// in it, s.
+/// Runs a session on the board and in the simulator. Returns the rms position difference, rad, and the time for which the
+/// paddle stuck, s.
 fn distance(test: &str, lines: &[&str]) -> Option<(f64, f64)> {
-    // It sticks at every turning point.
+    // The paddle sticks at every turning point.
     let mut device = presets::refit();
     device.mechanics.friction.stribeck.ratio = 1.5;
     let mut setup = quiet(device);
@@ -330,11 +331,11 @@ fn distance(test: &str, lines: &[&str]) -> Option<(f64, f64)> {
     Some((rms_rad, stuck_s))
 }
 
-/// Root mean square over a whole session.
+/// Limit of the rms difference over a session.
 const CLOSE_RAD: f64 = 1e-4;
 
 #[test]
-fn the_simulators_closed_loop_goes_the_same_way() {
+fn the_simulators_closed_loop_follows_the_board() {
     let Some((rms_rad, stuck_s)) = distance("the_simulators_closed_loop", CLOSED_LOOP) else {
         return;
     };
@@ -343,7 +344,7 @@ fn the_simulators_closed_loop_goes_the_same_way() {
 }
 
 #[test]
-fn so_it_does_where_no_loop_makes_up_for_a_difference() {
+fn the_simulator_follows_the_board_in_open_loop() {
     let Some((rms_rad, _)) = distance("so_it_does", OPEN_LOOP) else {
         return;
     };

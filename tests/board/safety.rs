@@ -1,4 +1,4 @@
-//! What a lab expects of a machine that moves by itself.
+//! Tests of the safety functions.
 
 use crate::bench::{Bench, image, setup};
 use host_sim::device::Device;
@@ -7,7 +7,7 @@ use host_sim::presets;
 use virtual_board::board::Bridge;
 use virtual_board::wiring::Wires;
 
-/// The refitted paddle with a stop at 0.2 rad.
+/// The refitted paddle with an end stop at 0.2 rad.
 fn stopped() -> Device {
     let mut device = presets::refit();
     device.mechanics.barriers[0] = Some(Barrier {
@@ -29,7 +29,7 @@ fn in_torque_mode(test: &str) -> Option<Bench> {
     Some(bench)
 }
 
-/// Runs until the bridge is off; how long that took, s.
+/// Runs until the bridge is off and returns the time in s.
 fn until_off(bench: &mut Bench, patience_s: f64) -> f64 {
     let from_s = bench.board.time_s();
     while bench.drives() {
@@ -41,11 +41,11 @@ fn until_off(bench: &mut Bench, patience_s: f64) -> f64 {
 }
 
 #[test]
-fn a_program_that_has_spoken_and_falls_silent_disarms() {
+fn the_board_disarms_when_a_program_stops_sending() {
     let Some(mut bench) = Bench::pushing("a_program_that_has_spoken") else {
         return;
     };
-    // A person at a terminal may be silent.
+    // Without a program the terminal may be silent.
     bench.run(0.5);
     assert!(bench.drives());
     let answer = bench.command("beat");
@@ -75,7 +75,7 @@ fn a_program_that_has_spoken_and_falls_silent_disarms() {
 
 #[test]
 fn ctrl_c_stops_in_every_state() {
-    /// A byte on the line, and the look at it after the next control period.
+    /// Time for one byte on the line and for the check after the next control period.
     const SOON_S: f64 = 85e-6;
     let Some(image) = image("ctrl_c_stops_in_every_state") else {
         return;
@@ -157,7 +157,7 @@ fn the_button_stops_in_every_state() {
 }
 
 #[test]
-fn torque_mode_asks_for_the_wiring_check_too() {
+fn torque_mode_requires_the_wiring_check_too() {
     let Some(image) = image("torque_mode_asks_for_the_wiring_check") else {
         return;
     };
@@ -171,7 +171,7 @@ fn torque_mode_asks_for_the_wiring_check_too() {
 }
 
 #[test]
-fn limits_cannot_be_set_beyond_what_the_hardware_bears() {
+fn limits_cannot_be_set_beyond_the_hardware_ratings() {
     let Some(image) = image("limits_cannot_be_set_beyond") else {
         return;
     };
@@ -190,7 +190,7 @@ fn limits_cannot_be_set_beyond_what_the_hardware_bears() {
 }
 
 #[test]
-fn a_motor_that_carries_too_much_for_too_long_trips() {
+fn a_motor_overload_trips() {
     let Some(image) = image("a_motor_that_carries_too_much") else {
         return;
     };
@@ -198,7 +198,7 @@ fn a_motor_that_carries_too_much_for_too_long_trips() {
     bench.boot();
     bench.command("zero hall");
     bench.command("arm torque");
-    // Told of a smaller torque constant, the regulator asks for more current than the motor bears.
+    // The stated torque constant is too small, so the regulator requests more current than the motor tolerates.
     bench.command("set limit.stall 0");
     bench.command("set limit.disagreement 20");
     bench.command("set motor.torque_constant 0.034");
@@ -211,8 +211,8 @@ fn a_motor_that_carries_too_much_for_too_long_trips() {
 }
 
 #[test]
-fn an_encoder_that_is_lost_under_torque_trips_in_time() {
-    /// From the moment at which it is lost, at full torque: time and angle.
+fn a_loss_of_the_encoder_under_torque_trips_in_time() {
+    /// Limits from the loss of the encoder at full torque: time and angle.
     const LONGEST_S: f64 = 0.016;
     const FARTHEST_DEG: f64 = 6.0;
     let Some(mut bench) = in_torque_mode("an_encoder_that_is_lost_under_torque") else {
@@ -252,7 +252,7 @@ fn a_stall_at_a_stop_trips() {
 }
 
 #[test]
-fn no_missed_control_tick_goes_uncounted() {
+fn every_missed_control_tick_is_counted() {
     let Some(mut bench) = Bench::pushing("no_missed_control_tick") else {
         return;
     };
@@ -266,7 +266,7 @@ fn no_missed_control_tick_goes_uncounted() {
     };
     bench.run(50e-6);
     let before = (bench.board.time_s(), read(&mut bench));
-    // The core executes nothing for seven and a half periods, with every clock running.
+    // The core executes nothing for 7.5 control periods while all clocks run.
     bench.board.stand_still(375e-6).unwrap();
     bench.run(1e-3);
     let after = (bench.board.time_s(), read(&mut bench));
@@ -281,7 +281,7 @@ fn no_missed_control_tick_goes_uncounted() {
 }
 
 #[test]
-fn faults_are_kept_with_their_values_first_cause_first_over_a_reset() {
+fn faults_and_their_values_survive_a_reset_in_order() {
     let Some(mut bench) = Bench::pushing("faults_are_kept") else {
         return;
     };

@@ -1,11 +1,11 @@
-//! What a bad serial line may do.
+//! Tests of a disturbed serial line.
 
 use crate::bench::{Bench, image};
 use virtual_board::board::Bridge;
 use virtual_board::peripherals::usart::Line;
 
 #[test]
-fn noise_on_the_line_drops_no_disarm() {
+fn noise_on_the_line_does_not_lose_a_disarm_command() {
     let Some(image) = image("noise_on_the_line_drops_no_disarm") else {
         return;
     };
@@ -21,7 +21,7 @@ fn noise_on_the_line_drops_no_disarm() {
 }
 
 #[test]
-fn an_input_that_nobody_drives_hears_nothing() {
+fn an_undriven_input_receives_nothing() {
     let Some(image) = image("an_input_that_nobody_drives") else {
         return;
     };

@@ -1,15 +1,15 @@
-//! A step of 10° on the paddle, within the report's specification, by each sensor.
+//! Checks a step of 10° with each sensor against the report's specification.
 
 use crate::bench::{Bench, image};
 
-/// The specification: overshoot, rise and settling into ±0.2°.
+/// Specification: overshoot, rise time, and settling time into ±0.2°.
 const OVERSHOOT_DEG: f64 = 2.5;
 const RISE_S: f64 = 0.1;
 const SETTLING_S: f64 = 0.35;
 const BAND_DEG: f64 = 0.2;
 const STEP_DEG: f64 = 10.0;
 
-/// Steps with these settings; judged by where the paddle really was.
+/// Runs steps with these settings and evaluates the true position of the paddle.
 fn check(bench: &mut Bench, settings: &[&str]) {
     for setting in settings {
         bench.command(setting);
@@ -50,7 +50,7 @@ fn check(bench: &mut Bench, settings: &[&str]) {
 }
 
 #[test]
-fn by_the_encoder() {
+fn a_step_with_the_encoder_meets_the_specification() {
     let Some(image) = image("step_response_by_the_encoder") else {
         return;
     };
@@ -64,7 +64,7 @@ fn by_the_encoder() {
 }
 
 #[test]
-fn by_the_hall_sensor() {
+fn a_step_with_the_hall_sensor_meets_the_specification() {
     let Some(image) = image("step_response_by_the_hall_sensor") else {
         return;
     };

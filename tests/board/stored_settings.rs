@@ -1,4 +1,4 @@
-//! Settings that outlive resets, flashing, and a supply that goes while they are written.
+//! Tests of stored settings: resets, flashing, and a loss of supply while they are written.
 
 use crate::bench::{Bench, image};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
@@ -8,7 +8,7 @@ use std::ops::Range;
 use virtual_board::board::FlashChange;
 use virtual_board::image::Image;
 
-/// Sectors 1 to 3, from the beginning of the flash.
+/// Sectors 1 to 3, as offsets in the flash.
 const SECTORS: Range<usize> = 0x4000..0x1_0000;
 
 /// A bench that has booted and stored a gain.
@@ -26,7 +26,7 @@ fn stored(image: Image) -> Bench {
     bench
 }
 
-/// The gain that is in force.
+/// The active gain.
 fn gain(bench: &mut Bench) -> String {
     let shown = bench.command("get kp");
     let value = shown.split("= ").nth(1).unwrap_or_default();
@@ -34,7 +34,7 @@ fn gain(bench: &mut Bench) -> String {
 }
 
 #[test]
-fn they_outlive_a_loss_of_the_supply_and_a_new_image() {
+fn stored_settings_survive_a_loss_of_the_supply_and_a_new_image() {
     let Some(image) = image("they_outlive_a_loss_of_the_supply") else {
         return;
     };
@@ -56,7 +56,7 @@ fn they_outlive_a_loss_of_the_supply_and_a_new_image() {
 }
 
 #[test]
-fn load_and_defaults_go_back() {
+fn load_and_defaults_restore_settings() {
     let Some(image) = image("load_and_defaults_go_back") else {
         return;
     };
@@ -72,7 +72,7 @@ fn load_and_defaults_go_back() {
 }
 
 #[test]
-fn an_armed_paddle_stores_nothing_and_goes_on() {
+fn a_store_is_refused_while_the_paddle_is_armed() {
     let Some(image) = image("an_armed_paddle_stores_nothing") else {
         return;
     };
@@ -85,7 +85,7 @@ fn an_armed_paddle_stores_nothing_and_goes_on() {
     assert!(bench.board.take_flash_changes().is_empty());
 }
 
-/// Stores until that erases a sector, which holds the core up for a quarter of a second.
+/// Stores settings until a store erases a sector, which stalls the core for 0.25 s.
 fn until_erased(bench: &mut Bench) {
     for _ in 0..60 {
         bench.command("save");
@@ -101,7 +101,7 @@ fn until_erased(bench: &mut Bench) {
 }
 
 #[test]
-fn after_an_erase_nothing_is_amiss() {
+fn an_erase_causes_no_fault() {
     let Some(image) = image("after_an_erase_nothing_is_amiss") else {
         return;
     };
@@ -121,9 +121,9 @@ fn after_an_erase_nothing_is_amiss() {
     assert!(!bench.command("status").contains("fault"));
 }
 
-/// The watchdog is as short as before once the settings are stored.
+/// The watchdog timeout is as short as before after the settings are stored.
 #[test]
-fn after_a_store_a_stuck_program_is_reset_as_soon_as_before() {
+fn a_store_does_not_lengthen_the_watchdog_timeout() {
     let Some(image) = image("after_a_store_a_stuck_program") else {
         return;
     };
@@ -149,10 +149,9 @@ fn stored_gain(sectors: Vec<u8>) -> String {
     recalled.settings.pid.kp_nm_per_deg.to_string()
 }
 
-/// Every word that the image writes is cut short, in several ways, and the settings looked for by the code that the image
-/// looks for them with.
+/// Interrupts the write of every word in several ways, then searches the settings with the code that the image uses.
 #[test]
-fn a_supply_that_goes_in_any_word_leaves_the_old_or_the_new_settings() {
+fn a_loss_of_supply_in_any_word_leaves_the_old_or_the_new_settings() {
     let Some(image) = image("a_supply_that_goes_in_any_word") else {
         return;
     };
@@ -182,8 +181,7 @@ fn a_supply_that_goes_in_any_word_leaves_the_old_or_the_new_settings() {
     }
 }
 
-/// The same for some of the words, with a true loss of the supply and a boot after it. It was done for every word, too,
-/// which takes minutes.
+/// As above for some of the words, with a simulated loss of supply and a boot. The test for every word takes minutes.
 #[test]
 fn the_image_finds_the_old_or_the_new_settings_after_a_loss_of_the_supply() {
     const EVERY: usize = 24;
@@ -210,7 +208,7 @@ fn the_image_finds_the_old_or_the_new_settings_after_a_loss_of_the_supply() {
     }
 }
 
-/// Flash that is only read.
+/// Flash that can only be read.
 struct Cells(Vec<u8>);
 
 impl ErrorType for Cells {

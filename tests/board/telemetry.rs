@@ -1,15 +1,15 @@
-//! Telemetry over the serial port of the flashed image.
+//! Tests of telemetry over the serial port of the firmware image.
 
 use crate::bench::{Bench, CONTROL, image};
 use link::{
     Body, Channel, Channels, Frame, Heard, Sample, Sequence, ShortSample, Splitter, Trigger,
 };
 
-/// The rate at which the board boots.
+/// Baud rate of the board after boot.
 const BOOT_BAUD: f64 = 460_800.0;
 const PERIOD_S: f64 = 50e-6;
 
-/// A program at the other end of the line.
+/// A program at the other end of the serial line.
 #[derive(Default)]
 struct Host {
     splitter: Splitter,
@@ -58,7 +58,7 @@ impl Host {
         }
     }
 
-    /// Lets the board run, and listens.
+    /// Runs the board and receives its output.
     fn listen(&mut self, bench: &mut Bench, seconds: f64) {
         let end_s = bench.board.time_s() + seconds;
         while bench.board.time_s() < end_s {
@@ -67,7 +67,7 @@ impl Host {
         }
     }
 
-    /// Types a line; the time until the answer's prompt, s.
+    /// Types a line and returns the time until the prompt after its answer, s.
     fn command(&mut self, bench: &mut Bench, line: &str) -> f64 {
         self.text.clear();
         let from_s = bench.board.time_s();
@@ -82,7 +82,7 @@ impl Host {
 }
 
 #[test]
-fn six_channels_at_2_khz_lose_nothing_and_the_console_answers_beside_them() {
+fn six_channels_at_2_khz_lose_no_row_while_the_console_answers() {
     const SECONDS: usize = 60;
     const LONGEST_ANSWER_S: f64 = 0.020;
     let Some(image) = image("six_channels_at_2_khz") else {
@@ -128,7 +128,7 @@ fn six_channels_at_2_khz_lose_nothing_and_the_console_answers_beside_them() {
 }
 
 #[test]
-fn rows_are_what_the_paddle_did() {
+fn rows_agree_with_the_true_motion() {
     const PERIODS: usize = 20;
     let Some(image) = image("rows_are_what_the_paddle_did") else {
         return;
@@ -144,8 +144,8 @@ fn rows_are_what_the_paddle_did() {
     let rows = &host.rows[begun..host.rows.len() - 10];
     assert!(rows.len() > 400, "{}", rows.len());
     assert!(rows.iter().all(|(_, _, values)| values[2] == 3.0));
-    // Periods are counted by the firmware; they are laid over the steps where the angles agree best. The zero is by the
-    // Hall sensor, so that a constant may remain.
+    // The firmware numbers its control periods. The test finds the offset to the simulated steps at which the angles agree
+    // best. The zero comes from the Hall sensor, so a constant difference may remain.
     let deviations = |shift: usize| -> Vec<f64> {
         let indices = (0..rows.len()).map(|row| shift + row * PERIODS);
         indices
@@ -161,7 +161,7 @@ fn rows_are_what_the_paddle_did() {
         .map(|shift| (spread(&deviations(shift)), shift))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .unwrap();
-    // What is asked for acts one period later.
+    // A torque command acts one period later.
     let torques: Vec<_> = (0..rows.len())
         .map(|row| {
             let acting = &steps[shift + row * PERIODS + 1..][..PERIODS];
@@ -171,13 +171,13 @@ fn rows_are_what_the_paddle_did() {
         .collect();
     let torque_nm = spread(&torques);
     println!("angles agree within {angle_rad:.1e} rad rms, torques within {torque_nm:.1e} N m rms");
-    // A count of the encoder is 2.1e-4 rad.
+    // One encoder count is 2.1e-4 rad.
     assert!(angle_rad < 1e-4, "{angle_rad}");
     assert!(torque_nm < 2e-4, "{torque_nm}");
 }
 
 #[test]
-fn no_binary_byte_is_sent_until_asked_for_and_a_terminal_stays_readable_after() {
+fn binary_bytes_are_sent_only_on_request_and_the_terminal_stays_readable_after() {
     let Some(image) = image("no_binary_byte_is_sent") else {
         return;
     };
@@ -198,7 +198,7 @@ fn no_binary_byte_is_sent_until_asked_for_and_a_terminal_stays_readable_after() 
 }
 
 #[test]
-fn more_than_the_line_carries_is_refused() {
+fn a_stream_beyond_the_capacity_of_the_line_is_refused() {
     let Some(image) = image("more_than_the_line_carries") else {
         return;
     };
@@ -215,7 +215,7 @@ fn more_than_the_line_carries_is_refused() {
 }
 
 #[test]
-fn a_line_of_another_rate_comes_back_to_that_of_the_boot() {
+fn a_changed_baud_rate_returns_to_the_rate_after_boot() {
     let Some(image) = image("a_line_of_another_rate") else {
         return;
     };
@@ -267,13 +267,13 @@ fn a_step_is_captured_every_control_period() {
         (last.encoder_rad.to_degrees() - 10.0).abs() < 1.0,
         "{last:?}"
     );
-    // The current follows within some periods.
+    // The current follows within a few periods.
     let current_a = host.samples[at + 40].value(Channel::Current);
     assert!(current_a > 0.1, "{current_a}");
 }
 
 #[test]
-fn a_fault_keeps_what_led_to_it() {
+fn a_fault_captures_the_samples_before_it() {
     let Some(image) = image("a_fault_keeps_what_led_to_it") else {
         return;
     };

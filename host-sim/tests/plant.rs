@@ -2,7 +2,8 @@
 //! converges at fourth order through its events, and never creates energy.
 
 use host_sim::plant::{
-    Barrier, Course, Drift, Follower, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque,
+    Barrier, Drift, Follower, Friction, Link, Mechanics, Phase, Plant, Presliding, Torque,
+    TorqueProfile,
 };
 use proptest::prelude::*;
 use std::f64::consts::TAU;
@@ -416,15 +417,15 @@ fn stepped(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
 
 /// Position after every second piece, by a follower.
 fn followed(plant: &Plant, pieces: &[(Torque, f64)]) -> Vec<f64> {
-    let mut course = Course::default();
+    let mut profile = TorqueProfile::default();
     for step in pieces.chunks(2) {
         step.iter()
-            .for_each(|(torque, tick_s)| course.act(*torque, *tick_s));
-        course.close();
+            .for_each(|(torque, tick_s)| profile.act(*torque, *tick_s));
+        profile.close();
     }
-    let mut seen = vec![0.0; course.steps()];
+    let mut seen = vec![0.0; profile.steps()];
     let mut state = plant.state(0.0, 0.0, 0.0);
-    Follower::new(plant, 1e-3).follow(&mut state, &course, 1.0, &mut seen);
+    Follower::new(plant, 1e-3).follow(&mut state, &profile, 1.0, &mut seen);
     seen
 }
 

@@ -1,6 +1,6 @@
 //! A plant whose springs and dampers are fast relative to the step matches a much finer solution, for even and uneven steps.
 
-use host_sim::plant::{Barrier, Course, Follower, Friction, Link, Mechanics, Plant, Torque};
+use host_sim::plant::{Barrier, Follower, Friction, Link, Mechanics, Plant, Torque, TorqueProfile};
 use proptest::prelude::*;
 
 /// Product of the fastest rate and a step of the finer solution. Its error is 1e-6 of the change within a step.
@@ -62,16 +62,16 @@ impl Log {
 
     /// Position at the end of each row, by a follower.
     fn followed(&self, plant: &Plant) -> Vec<f64> {
-        let mut course = Course::default();
+        let mut profile = TorqueProfile::default();
         for pieces in &self.rows {
             pieces
                 .iter()
-                .for_each(|(torque, lasts_s)| course.act(*torque, *lasts_s));
-            course.close();
+                .for_each(|(torque, lasts_s)| profile.act(*torque, *lasts_s));
+            profile.close();
         }
         let mut seen = vec![0.0; ROWS];
         let mut state = plant.state(0.0, 0.0, 0.0);
-        Follower::new(plant, self.usual_s).follow(&mut state, &course, 1.0, &mut seen);
+        Follower::new(plant, self.usual_s).follow(&mut state, &profile, 1.0, &mut seen);
         seen
     }
 

@@ -5,7 +5,7 @@ use super::torque_profiles::{Block, Blocks, WindowTorque};
 use super::window::Window;
 use host_sim::decay::Decay;
 use host_sim::drive::{Drive, Slew};
-use host_sim::plant::{Cascade, Course, Torque};
+use host_sim::plant::{Cascade, Torque, TorqueProfile};
 use std::cell::RefCell;
 
 /// The torque of one drive for the recorded input, window by window.
@@ -233,8 +233,8 @@ impl<'a> DriveReplay<'a> {
         let samples = window.samples.clone();
         // With a delay, inputs arrive between two samples.
         let pieces = 1 + usize::from(self.drive.delay_s > 0.0);
-        let mut lead = Course::default();
-        let mut steps = Course::with_room(samples.len(), pieces);
+        let mut lead = TorqueProfile::default();
+        let mut steps = TorqueProfile::with_room(samples.len(), pieces);
         self.step_through(&[restart_s], &mut lead);
         self.step_through(&self.series.time[samples.clone()], &mut steps);
         WindowTorque {
@@ -246,7 +246,7 @@ impl<'a> DriveReplay<'a> {
     }
 
     /// Adds the steps to the given instants of the run to a torque profile.
-    fn step_through(&mut self, instants_s: &[f64], profile: &mut Course) {
+    fn step_through(&mut self, instants_s: &[f64], profile: &mut TorqueProfile) {
         for &to_s in instants_s {
             self.run_to(to_s, |piece, lasts_s| match piece {
                 Step::Held(torque_nm) => profile.act(Torque::held(torque_nm), lasts_s),

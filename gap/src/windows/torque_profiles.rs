@@ -1,7 +1,7 @@
 //! Keeps the torque profiles of the drives that were requested last.
 
 use host_sim::drive::Drive;
-use host_sim::plant::Course;
+use host_sim::plant::TorqueProfile;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -11,9 +11,9 @@ pub(crate) struct WindowTorque {
     pub(super) restart_s: f64,
     pub(super) samples: Range<usize>,
     /// The step from the last sample before the window to the restart.
-    pub lead: Course,
+    pub lead: TorqueProfile,
     /// The steps from the restart to each sample.
-    pub steps: Course,
+    pub steps: TorqueProfile,
 }
 
 /// The torque profiles of a series for the drives that were requested last. Most candidate models leave the drive unchanged.

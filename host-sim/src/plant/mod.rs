@@ -14,7 +14,6 @@ mod advance;
 mod barrier;
 mod cascade;
 mod cogging;
-mod course;
 mod drift;
 mod event;
 mod fading;
@@ -36,6 +35,7 @@ mod sticking;
 mod stiff;
 mod stribeck;
 mod torque;
+mod torque_profile;
 mod two_mass;
 mod zero_order_hold;
 
@@ -47,7 +47,6 @@ use two_mass::Modes;
 pub use barrier::{Barrier, Touch};
 pub use cascade::Cascade;
 pub use cogging::{Cogging, FURTHER, Wave};
-pub use course::Course;
 pub use drift::Drift;
 pub use follower::Follower;
 pub use friction::Friction;
@@ -59,6 +58,7 @@ use stribeck::Slope;
 pub use stribeck::Stribeck;
 use torque::Push;
 pub use torque::Torque;
+pub use torque_profile::TorqueProfile;
 
 /// Number of barriers that a plant can have: two stops, four contacts and three pushes.
 pub const BARRIERS: usize = 9;

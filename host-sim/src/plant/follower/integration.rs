@@ -1,12 +1,12 @@
 //! The integration of a state over a torque profile.
 
-use super::super::{Course, Mechanics, Plant, Push, State};
+use super::super::{Mechanics, Plant, Push, State, TorqueProfile};
 
 /// A state, the steps of the profile that are still to be taken, and the sensor's position after each step.
 pub(super) struct Integration<'a> {
     mechanics: &'a Mechanics,
     pub(super) state: &'a mut State,
-    course: &'a Course,
+    profile: &'a TorqueProfile,
     /// Factor of the profile's torque.
     gain: f64,
     next: usize,
@@ -17,14 +17,14 @@ impl<'a> Integration<'a> {
     pub(super) fn new(
         plant: &'a Plant,
         state: &'a mut State,
-        course: &'a Course,
+        profile: &'a TorqueProfile,
         gain: f64,
         seen: &'a mut [f64],
     ) -> Self {
         Self {
             mechanics: plant.mechanics(),
             state,
-            course,
+            profile,
             gain,
             next: 0,
             seen,
@@ -39,13 +39,13 @@ impl<'a> Integration<'a> {
 
     #[inline]
     pub(super) fn is_over(&self) -> bool {
-        self.next >= self.course.steps()
+        self.next >= self.profile.steps()
     }
 
     /// Torque and duration of the next step, if there is one.
     #[inline(always)]
     pub(super) fn push(&self) -> Option<Push> {
-        let push = self.course.push(self.next)?.scaled(self.gain);
+        let push = self.profile.push(self.next)?.scaled(self.gain);
         if self.mechanics.laws.is_empty() {
             return Some(push);
         }
@@ -72,7 +72,7 @@ impl<'a> Integration<'a> {
 
     /// Integrates the next step by the general method, which handles every event.
     pub(super) fn by_pieces(&mut self, plant: &Plant) {
-        for &(torque, piece_s) in self.course.pieces(self.next) {
+        for &(torque, piece_s) in self.profile.pieces(self.next) {
             plant.advance(self.state, torque.scaled(self.gain), piece_s);
         }
         self.seen[self.next] = plant.seen(self.state).0;

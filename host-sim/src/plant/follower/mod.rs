@@ -17,7 +17,7 @@ use super::pace::MIDPOINT_ON_SLOPE;
 use super::stiff::TURN;
 use super::two_mass::FLOWS;
 use super::zero_order_hold::ZeroOrderHold;
-use super::{Course, Phase, Plant, Push, Rest, State};
+use super::{Phase, Plant, Push, Rest, State, TorqueProfile};
 use integration::Integration;
 
 /// A plant, with its linear solutions over the usual step.
@@ -88,8 +88,14 @@ impl<'a> Follower<'a> {
 
     /// Carries `state` through the steps of a torque profile, multiplied by a `gain` that is not negative. `seen` gets
     /// the sensor's position after each step, rad.
-    pub fn follow(&mut self, state: &mut State, course: &Course, gain: f64, seen: &mut [f64]) {
-        let mut integration = Integration::new(self.plant, state, course, gain, seen);
+    pub fn follow(
+        &mut self,
+        state: &mut State,
+        profile: &TorqueProfile,
+        gain: f64,
+        seen: &mut [f64],
+    ) {
+        let mut integration = Integration::new(self.plant, state, profile, gain, seen);
         while !integration.is_over() {
             let from = integration.next();
             self.coast(&mut integration);

@@ -5,7 +5,7 @@ use super::{Cascade, Push, Torque};
 
 /// A torque profile: steps that follow each other, each made of pieces.
 #[derive(Clone, Debug)]
-pub struct Course {
+pub struct TorqueProfile {
     pieces: Vec<(Torque, f64)>,
     steps: Vec<Step>,
     /// Impulse of the pieces since the last step.
@@ -19,7 +19,7 @@ struct Step {
     end: usize,
 }
 
-impl Default for Course {
+impl Default for TorqueProfile {
     fn default() -> Self {
         Self {
             pieces: Vec::new(),
@@ -29,7 +29,7 @@ impl Default for Course {
     }
 }
 
-impl Course {
+impl TorqueProfile {
     /// An empty profile with room for `steps` steps of `pieces` pieces each.
     pub fn with_room(steps: usize, pieces: usize) -> Self {
         Self {

@@ -335,21 +335,21 @@ mod tests {
 
     #[test]
     fn a_parameter_at_a_bound_does_not_block_others_and_can_leave_it() {
-        let viscous = |start| term("viscous", &[(0, start, 1e-3)]);
+        let drag = |start| term("quadratic_drag", &[(0, start, 2e-4)]);
         let spring = term("spring", &[(0, 0.03, 0.01), (1, 0.0, 0.1)]);
         let hidden = "spring:stiffness=0.06,zero=0";
         let found = fitted(
-            &["viscous:coefficient=0", hidden],
-            vec![viscous(4e-3), spring.clone()],
+            &["quadratic_drag:coefficient=0", hidden],
+            vec![drag(6e-4), spring.clone()],
         );
         assert!((0.0..1e-5).contains(&found[0]), "{found:?}");
         assert!((found[1] - 0.06).abs() < 1e-3, "{found:?}");
 
         let found = fitted(
-            &["viscous:coefficient=0.004", hidden],
-            vec![viscous(-2e-3), spring],
+            &["quadratic_drag:coefficient=6e-4", hidden],
+            vec![drag(-3e-4), spring],
         );
-        assert!((found[0] - 4e-3).abs() < 1e-4, "{found:?}");
+        assert!((found[0] - 6e-4).abs() < 3e-5, "{found:?}");
     }
 
     #[test]

@@ -217,10 +217,11 @@ mod tests {
     }
 
     #[test]
-    fn fewer_parameters_win_while_the_difference_is_chance() {
+    fn fewer_parameters_win_if_the_difference_is_chance() {
         let price = price(200) / 200.0;
         assert!(1.2 * price < PARSIMONY * (KNOWN - BEST));
-        let [less, quiet] = [0.9 * BEST, 1.1 * BEST];
+        // The best rival leaves no excess.
+        let [less, quiet] = [0.9 * BEST, BEST + ADEQUATE_EXCESS];
         assert_eq!(first(0.8 * price, quiet), "torque_gain");
         assert_eq!(first(1.2 * price, quiet), "spring");
         // Neither is adequate: the price of a parameter is not what decides.
@@ -229,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn where_neither_leaves_more_than_a_right_model_fewer_parameters_win() {
+    fn fewer_parameters_win_if_no_rival_exceeds_an_exact_model() {
         let price = price(200) / 200.0;
         let expected = BEST + 2.0 * price;
         assert_eq!(
@@ -240,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_far_likelier_wins_where_neither_leaves_more_than_a_right_model() {
+    fn a_far_likelier_rival_wins_if_no_rival_exceeds_an_exact_model() {
         const LITTLE: f64 = 0.1;
         let is_gain = |likelier: f64| {
             let times = (2.0 * likelier / 200.0).exp();
@@ -254,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_set_aside_for_its_parameters_alone_is_not_separable() {
+    fn a_rival_that_lost_by_its_parameters_alone_is_not_separable() {
         let ties = |more: f64| {
             let winner = rival("torque_offset", 1, BEST + more);
             ties(&Round {
@@ -272,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reading_that_comes_late_is_not_separable_from_an_input_that_does() {
+    fn a_delayed_reading_is_not_separable_from_a_delayed_input() {
         let names = |winner: &'static str, other: &'static str| {
             let winner = rival(winner, 1, BEST);
             inseparable(&Round {
@@ -290,14 +291,15 @@ mod tests {
     }
 
     #[test]
-    fn what_saves_a_parameter_and_strains_the_model_saves_none() {
+    fn a_rival_that_strains_the_model_saves_no_parameter() {
         let is_offset = |prior: f64| {
             let mut offset = rival("torque_offset", 1, BEST);
             offset.fit.costs.prior = prior;
             let spring = rival("spring", 2, BEST);
             let strains = strains_more(&offset, &spring);
             let rivals = vec![offset, spring];
-            let first = ranked(rivals, &fit("coulomb", 0, KNOWN), 1.1 * BEST).unwrap()[0].name;
+            let adequate = BEST + ADEQUATE_EXCESS;
+            let first = ranked(rivals, &fit("coulomb", 0, KNOWN), adequate).unwrap()[0].name;
             assert_eq!(strains, first == "spring");
             !strains
         };

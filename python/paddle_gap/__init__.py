@@ -1,4 +1,4 @@
-"""Where a simulation and a device differ, which effect causes it, how far the gap shrinks.
+"""Measures the gap between a simulation and a device, and names the effect that causes it.
 
     from paddle_gap import Recording, diagnose
     recording = Recording.from_arrays(time, input, position, model={"inertia": 5.8e-4, "coulomb": 0.015, "ratio": 15.0})
@@ -20,7 +20,7 @@ __all__ = ["Recording", "Diagnosis", "diagnose", "measure", "look"]
 
 
 class Recording:
-    """What a device was told and where it went, with the model whose gap to it is asked about. SI units."""
+    """Input and position of a device, with the nominal model of the device. SI units."""
 
     def __init__(self, native: "_native.Recording") -> None:
         self._native = native
@@ -47,8 +47,8 @@ class Recording:
         cutoff_hz: Optional[float] = None,
         tolerance: Optional[Mapping[str, float]] = None,
     ) -> "Recording":
-        """One run. `model` has the names of a recording's `[model]`; of `ratio`, `viscous`, `coulomb` and `gravity` those
-        that are left out are estimated. `resolution` and `noise` are the sensor's."""
+        """Creates a recording of one run. `model` has the names of a recording's `[model]`. `ratio`, `viscous`, `coulomb`
+        and `gravity` are estimated if they are left out. `resolution` and `noise` describe the position sensor."""
         if "inertia" not in model:
             raise ValueError("the model needs an inertia; state what you know, even roughly, with a tolerance")
         native = _native.Recording(title, float(horizon), {k: float(v) for k, v in model.items()}, units)
@@ -77,16 +77,16 @@ class Recording:
 
     @property
     def runs(self) -> list[tuple[str, int]]:
-        """Names of the runs and their numbers of rows."""
+        """Names of the runs with their numbers of rows."""
         return self._native.runs
 
     @property
     def warnings(self) -> list[str]:
-        """What is odd about it."""
+        """Warnings about the recording."""
         return self._native.warnings
 
     def write(self, folder: str) -> None:
-        """Writes it as a folder for the command line."""
+        """Writes the recording to a folder for the command line."""
         self._native.write(str(folder))
 
     def __repr__(self) -> str:
@@ -149,18 +149,18 @@ def _numbers(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def diagnose(recording: Recording, without: Iterable[str] = ()) -> Diagnosis:
-    """Where the gap lies, which effect causes it, how far it shrinks: as `paddle gap diagnose`."""
+    """Diagnoses the recording, as `paddle gap diagnose` does."""
     text, model = recording._native.diagnose(list(without))
     return Diagnosis(json.loads(text), model, recording)
 
 
 def measure(recording: Recording, model: Optional[str] = None, predictions: bool = False) -> Any:
-    """The gap of the nominal model, or of a saved one given as text; with `predictions` also each run's name, time, measured
-    and predicted position."""
+    """Measures the gap of the nominal model, or of a saved model given as text. With `predictions` it also returns the name,
+    time, measured and predicted position of each run."""
     text, runs = recording._native.measure(model)
     return (json.loads(text), runs) if predictions else json.loads(text)
 
 
 def look(recording: Recording) -> dict[str, Any]:
-    """The torque that the nominal model lacks, without naming an effect: as `paddle gap look`."""
+    """Estimates the torque that the nominal model lacks, without naming an effect, as `paddle gap look` does."""
     return json.loads(recording._native.look())

@@ -1,4 +1,4 @@
-//! The native part of the Python package: recordings and diagnoses as text, arrays as they are.
+//! Native part of the Python package. Recordings and diagnoses are passed as text, and arrays without conversion.
 
 use gap::{Device, MissingTorque, ModelFile, Options};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -15,7 +15,7 @@ fn refused(error: impl ToString) -> PyErr {
 #[pyclass(name = "Recording")]
 struct PyRecording(recording::Recording);
 
-/// Name of a run, time, measured and predicted.
+/// Name, time, measured position and predicted position of a run.
 type Predicted<'py> = (String, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 #[pymethods]
@@ -26,7 +26,7 @@ impl PyRecording {
         recording::Recording::read(folder).map(Self).map_err(refused)
     }
 
-    /// One without runs.
+    /// Creates a recording without runs.
     #[new]
     fn new(title: &str, horizon: f64, model: BTreeMap<String, f64>, units: (String, String)) -> PyResult<Self> {
         let mut numbers = Model::new(1.0);
@@ -45,7 +45,7 @@ impl PyRecording {
         Ok(Self(made))
     }
 
-    /// Adds a run of three columns.
+    /// Adds a run with the columns time, input and position.
     fn add_run(
         &mut self,
         name: String,
@@ -64,45 +64,45 @@ impl PyRecording {
         Ok(())
     }
 
-    /// States a sensor.
+    /// States the properties of the position sensor.
     fn set_sensor(&mut self, resolution: f64, noise: f64, cutoff_hz: Option<f64>) {
         self.0.sensors.insert("position".into(), Sensor { resolution, noise, cutoff_hz });
     }
 
-    /// States how well numbers are known.
+    /// States the relative standard deviation of a number of the model.
     fn set_tolerance(&mut self, name: &str, relative: f64) {
         self.0.tolerance.set(name, relative);
     }
 
-    /// Says whether it can be used.
+    /// Checks that the recording can be used.
     fn validate(&self) -> PyResult<()> {
         self.0.validate().map_err(refused)
     }
 
-    /// Writes it into a folder.
+    /// Writes the recording to a folder.
     fn write(&self, folder: &str) -> PyResult<()> {
         self.0.write(folder).map_err(refused)
     }
 
-    /// Its line for people.
+    /// Title of the recording.
     #[getter]
     fn title(&self) -> &str {
         &self.0.title
     }
 
-    /// Names of the runs and their numbers of rows.
+    /// Names of the runs with their numbers of rows.
     #[getter]
     fn runs(&self) -> Vec<(String, usize)> {
         self.0.runs.iter().map(|run| (run.file.clone(), run.len())).collect()
     }
 
-    /// What is odd about it.
+    /// Warnings about the recording.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.0.warnings()
     }
 
-    /// Diagnoses: JSON, and the corrected model as text.
+    /// Diagnoses the recording. Returns the JSON and the text of the corrected model.
     fn diagnose(&self, py: Python<'_>, without: Vec<String>) -> PyResult<(String, String)> {
         if let Some(unknown) = without.iter().find(|name| host_sim::effects::kind(name).is_none()) {
             return Err(refused(format!("there is no effect {unknown}")));
@@ -119,7 +119,8 @@ impl PyRecording {
         })
     }
 
-    /// Measures the gap of the nominal model or of a saved one: JSON, and each run's time, measured and predicted.
+    /// Measures the gap of the nominal model or of a saved one. Returns the JSON, and time, measured and predicted position
+    /// of each run.
     fn measure<'py>(&self, py: Python<'py>, model: Option<&str>) -> PyResult<(String, Vec<Predicted<'py>>)> {
         let device = match model {
             Some(text) => {
@@ -136,7 +137,7 @@ impl PyRecording {
         Ok((serde_json::to_string(&gap).map_err(refused)?, runs.collect()))
     }
 
-    /// The missing torque as JSON.
+    /// Estimates the missing torque and returns it as JSON.
     fn look(&self, py: Python<'_>) -> PyResult<String> {
         let recording = gap::inspected(self.0.clone()).map_err(refused)?;
         let summary = py.detach(|| serde_json::to_value(MissingTorque::of(&recording, &Device::nominal(&recording.model)).summary()));
@@ -144,13 +145,13 @@ impl PyRecording {
     }
 }
 
-/// Estimates what nobody knows of a recording's device: the text of its manifest.
+/// Estimates the unknown numbers of the recording's device. Returns the text of its manifest.
 #[pyfunction]
 fn manifest(recording: &PyRecording) -> PyResult<String> {
     import::manifest(&recording.0, &import::Known::default(), &[], false).map_err(refused)
 }
 
-/// The module.
+/// The Python module.
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyRecording>()?;

@@ -48,7 +48,8 @@ pub(crate) fn numbers(model: &Model) -> Vec<(&'static str, f64)> {
         ("deadband_jump", drive.deadband_jump),
         ("deadband_skew", drive.deadband_skew),
         ("deadband_first", f64::from(u8::from(drive.deadband_first))),
-        ("delay_s", drive.delay_s),
+        // A delay below zero is that of a recording's column.
+        ("delay_s", drive.delay_s.max(0.0)),
         ("lag_s", drive.lag_s),
         ("further_lag_s", drive.further_lag_s),
         ("offset", mechanics.offset_nm),

@@ -241,6 +241,14 @@ mod tests {
     }
 
     #[test]
+    fn fewer_parameters_win_if_the_difference_is_no_larger_than_the_excess_of_the_best() {
+        let more = 1.2 * price(200) / 200.0;
+        let with_excess = |excess: f64| BEST - excess + ADEQUATE_EXCESS;
+        assert_eq!(first(more, with_excess(1.1 * more)), "torque_gain");
+        assert_eq!(first(more, with_excess(0.9 * more)), "spring");
+    }
+
+    #[test]
     fn a_far_likelier_rival_wins_if_no_rival_exceeds_an_exact_model() {
         const LITTLE: f64 = 0.1;
         let is_gain = |likelier: f64| {

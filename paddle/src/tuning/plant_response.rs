@@ -11,7 +11,8 @@ pub fn response(setup: &LoopSetup, at_rad: f64, omega_rad_s: f64) -> Complex64 {
     let device = &setup.paddle.device;
     let lag = |lag_s: f64| 1.0 / (1.0 + s * lag_s);
     let drive = &device.drive;
-    let late = (-s * drive.delay_s).exp() * lag(drive.lag_s) * lag(drive.further_lag_s);
+    // A delay below zero is that of a recording's column, not of the device.
+    let late = (-s * drive.delay_s.max(0.0)).exp() * lag(drive.lag_s) * lag(drive.further_lag_s);
     let drive = drive.ratio * late;
     let sensing = device.sensing.slope(at_rad) * lag(device.sensing.lag_s);
     let own = match setup.settings.estimate.sensor {

@@ -134,7 +134,7 @@ fn impossible_device_parameters_are_refused_in_every_model_file() {
     for (wrong, name) in [
         ("coulomb = -0.01", "coulomb"),
         ("ratio = 0.0", "ratio"),
-        ("delay = -1.0", "delay"),
+        ("lag = -1.0", "lag"),
         ("viscous = nan", "viscous"),
         ("travel = [0.5, -0.5]", "travel"),
         ("input_limit = 0.0", "input_limit"),

@@ -536,7 +536,7 @@ fn a_saved_model_is_a_plant_without_effects_of_one_time() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let said = text(&output.stdout);
     assert!(
-        said.starts_with("warning: lost_counts belongs") && said.contains("set kp"),
+        said.starts_with("warning: lost_counts is bound") && said.contains("set kp"),
         "{said}"
     );
 }

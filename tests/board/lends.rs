@@ -12,6 +12,11 @@ use virtual_board::cpu::Width;
 /// `msr basepri_max, rN`. The register number N, in the lowest bits of the first halfword, is zero here.
 const RAISE_BASEPRI: [u16; 2] = [0xF380, 0x8812];
 
+/// False for the tables that the compiler makes of a function's branches: their names contain that of the function.
+fn is_function(name: &str) -> bool {
+    name.starts_with("_ZN")
+}
+
 /// One access of the console to the controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lend {
@@ -34,7 +39,7 @@ impl Watch {
         let function = |parts: &[&str]| {
             let symbol = bench
                 .image
-                .symbol(|name| parts.iter().all(|part| name.contains(part)))?;
+                .symbol(|name| is_function(name) && parts.iter().all(|part| name.contains(part)))?;
             Some(symbol.address..symbol.address + symbol.size)
         };
         let required =
@@ -50,6 +55,12 @@ impl Watch {
         looks.extend(function(&["console", "session", "Session", "look"]));
         looks.extend(function(&["console", "session", "Session", "5go_on"]));
         looks.extend(function(&["console", "session", "Session", "6retune"]));
+        looks.extend(function(&[
+            "console",
+            "session",
+            "Session",
+            "advance_procedure",
+        ]));
         let ticks = bench.address_of(&["firmware", "5TICKS"]);
         let all = looks.into_iter().chain(commands.clone());
         for address in all.flat_map(|function| function.step_by(2)) {

@@ -67,9 +67,13 @@ impl Predictor {
     /// Predicts the `position` column of `recording` with `device`.
     pub fn new(mut device: Device, recording: &Recording) -> Self {
         let mechanics = &mut device.mechanics;
-        // The samples do not resolve a stiffer link, which would need many more integration steps.
+        let inertia = mechanics.inertia;
+        // The samples do not resolve a stiffer link or stiffer bristles, which would need many more integration steps.
         let link = mechanics.link;
-        mechanics.link = link.map(|link| link.bounded(mechanics.inertia, FASTEST_RATE));
+        mechanics.link = link.map(|link| link.bounded(inertia, FASTEST_RATE));
+        let level_nm = mechanics.friction.highest_nm();
+        let presliding = mechanics.presliding;
+        mechanics.presliding = presliding.map(|p| p.bounded(inertia, level_nm, FASTEST_RATE));
         if let Some(drift) = &mut mechanics.friction.drift {
             drift.start_s = session_start(recording);
         }

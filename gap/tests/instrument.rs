@@ -76,6 +76,34 @@ fn a_model_that_its_input_makes_worse_is_not_turned_for_that() {
     assert_eq!(said(&inspected(dead).unwrap()), None);
 }
 
+/// A free inertia under two sines of torque that come late by half a period of the larger one.
+fn late_by_half_a_period() -> Recording {
+    let free = Model {
+        ratio: 15.0,
+        ..Model::new(5.755e-4)
+    };
+    let sines = [[12.0, 0.0015], [20.0, 0.0006]];
+    let delay_s = std::f64::consts::PI / 12.0;
+    let mut recording = recording(&free, free, NOISE, 0.0, 11);
+    let run = &mut recording.runs[0];
+    let columns = run.input.iter_mut().zip(&mut run.position);
+    for (t, (input, position)) in run.time.iter().zip(columns) {
+        (*input, *position) = (0.0, 0.0);
+        for [rate, amplitude] in sines {
+            *input += amplitude * (rate * t).sin();
+            let angle = free.ratio * amplitude / (free.inertia * rate * rate);
+            *position -= angle * (rate * (t - delay_s)).sin();
+        }
+    }
+    recording
+}
+
+#[test]
+fn an_input_that_is_late_by_half_a_period_has_no_wrong_sign() {
+    let late = inspected(late_by_half_a_period()).unwrap();
+    assert_eq!(said(&late), None);
+}
+
 #[test]
 fn a_column_in_another_unit_is_refused() {
     let right = dragging();

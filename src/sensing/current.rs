@@ -37,7 +37,9 @@ pub fn plausible(mean_counts: f32) -> bool {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct IdleReading {
     periods: f32,
-    /// Sum of the deviations from the nominal offset, counts.
+    /// The first reading, counts. The sums of the deviations from it are exact for readings that do not vary.
+    first: f32,
+    /// Sum of the deviations from the first reading, counts.
     sum: f32,
     squares: f32,
 }
@@ -46,7 +48,10 @@ impl IdleReading {
     /// Adds the mean reading of a control period, counts.
     #[inline]
     pub fn add(&mut self, mean_counts: f32) {
-        let deviation = mean_counts - NOMINAL_OFFSET_COUNTS;
+        if self.periods == 0.0 {
+            self.first = mean_counts;
+        }
+        let deviation = mean_counts - self.first;
         self.periods += 1.0;
         self.sum += deviation;
         self.squares += deviation * deviation;
@@ -79,14 +84,16 @@ impl CurrentSensor {
     ///
     /// [`OffsetError`] if the readings cannot be those of an idle bridge. The old offset is kept.
     pub fn calibrate(&mut self, idle: &IdleReading) -> Result<(), OffsetError> {
-        let mean = idle.sum / idle.periods;
-        let variance = idle.squares / idle.periods - mean * mean;
-        if mean.is_nan() || mean.abs() > OFFSET_TOLERANCE_COUNTS {
+        let above_first = idle.sum / idle.periods;
+        let variance = idle.squares / idle.periods - above_first * above_first;
+        let mean = idle.first - NOMINAL_OFFSET_COUNTS + above_first;
+        // A moving motor drives a current through the shorted bridge, so motion is excluded first.
+        if variance > RESTLESS_COUNTS * RESTLESS_COUNTS {
+            Err(OffsetError::Restless)
+        } else if mean.is_nan() || mean.abs() > OFFSET_TOLERANCE_COUNTS {
             Err(OffsetError::Far {
                 counts: NOMINAL_OFFSET_COUNTS + mean,
             })
-        } else if variance > RESTLESS_COUNTS * RESTLESS_COUNTS {
-            Err(OffsetError::Restless)
         } else {
             self.offset_counts = NOMINAL_OFFSET_COUNTS + mean;
             Ok(())
@@ -169,6 +176,22 @@ mod tests {
             sensor.calibrate(&IdleReading::default()).is_err(),
             "nothing"
         );
+    }
+
+    #[test]
+    fn a_braking_motor_is_restless_and_not_a_broken_amplifier() {
+        let mut reading = IdleReading::default();
+        for period in 0..400 {
+            reading.add(2048.0 - 400.0 * (-0.01 * period as f32).exp());
+        }
+        let refused = CurrentSensor::default().calibrate(&reading);
+        assert_eq!(refused, Err(OffsetError::Restless));
+    }
+
+    #[test]
+    fn a_steady_reading_far_off_is_not_restless() {
+        let refused = CurrentSensor::default().calibrate(&idle(4000.0));
+        assert_eq!(refused, Err(OffsetError::Far { counts: 4000.0 }));
     }
 
     #[test]

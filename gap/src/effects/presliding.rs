@@ -1,6 +1,6 @@
 //! Presliding: Coulomb friction as bristles that deflect before they slide.
 
-use super::identification::{Identification, Landscape};
+use super::identification::{Fitted, Identification, Landscape};
 use super::phrase::Found;
 use crate::guess::Evidence;
 use crate::guess::sliding::has_coulomb_friction;
@@ -44,6 +44,11 @@ impl Identification for Presliding {
 
     fn reformulates_friction(&self) -> bool {
         true
+    }
+
+    /// Bristles that deflect by less than the resolution of the position sensor are not observable.
+    fn is_degenerate(&self, fit: &Fitted<'_>) -> bool {
+        fit.term.values[0] < fit.resolution
     }
 
     fn axis(&self) -> Axis {

@@ -1,5 +1,6 @@
 //! Detects columns with another sign or unit, with which the model fits far better.
 
+use crate::columns::lowest;
 use crate::measure::Residual;
 use crate::windows::excerpt::excerpt;
 use crate::windows::unbroken::Unbroken;
@@ -11,7 +12,11 @@ use recording::{Model, Oddity, Recording};
 const MOST_OF_RECORDED: f64 = 0.5;
 const MOST_WITHOUT_INPUT: f64 = 0.7;
 
-/// Number of rows that suffices to detect signs and units. The model is simulated seven times.
+/// Shortest delay of the input that is compared with the hypotheses, as a share of the horizon. A shorter one does not change a sign.
+const SHORTEST_DELAY: f64 = 0.01;
+
+/// Number of rows that suffices to detect signs and units. The model is simulated seven times, and some fifty times more before a
+/// column is called wrong.
 const MOST_ROWS: usize = 200_000;
 
 /// A column in another unit than the model assumes.
@@ -114,7 +119,19 @@ pub(super) fn sign_or_unit(recording: &Recording) -> Option<SignOrUnit> {
     let is_confirmed = best.rms <= MOST_OF_RECORDED * recorded.rms
         && best.rms <= MOST_WITHOUT_INPUT * without_input.rms
         && 2 * less > recorded.squares.len();
-    is_confirmed.then_some(best.hypothesis)
+    if !is_confirmed {
+        return None;
+    }
+    // An input that is late by half a period of the motion looks like one of the other sign.
+    let late_rms = |delay_s: f64| {
+        let delay = model.delay + delay_s;
+        residual(&Model { delay, ..model }).rms
+    };
+    let delay_s = lowest(
+        [SHORTEST_DELAY, 1.0].map(|part| part * recording.horizon),
+        late_rms,
+    );
+    (best.rms < late_rms(delay_s)).then_some(best.hypothesis)
 }
 
 /// Unit hypotheses: the column, the factor by which its values would be too large, and the unit mistake in words.

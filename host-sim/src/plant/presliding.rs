@@ -38,6 +38,16 @@ impl Presliding {
         elastic: 0.0,
     };
 
+    /// The bristles with their stiffness and damping limited to those of bristles on which an inertia rings at `rate`,
+    /// rad/s, and is critically damped. `level_nm` is the friction level, N m.
+    pub fn bounded(self, inertia: f64, level_nm: f64, rate: f64) -> Self {
+        Self {
+            distance: self.distance.max(level_nm / (rate * rate * inertia)),
+            damping: self.damping.min(2.0 * rate * inertia),
+            ..self
+        }
+    }
+
     /// Rate of the deflection, rad/s.
     #[inline]
     pub(super) fn rate(&self, velocity: f64, deflection: f64) -> f64 {
@@ -264,6 +274,24 @@ mod tests {
                 assert!(apart < 1e-11, "{exponent}: {apart}");
             }
         }
+    }
+
+    #[test]
+    fn bounded_bristles_ring_at_the_given_rate_at_most() {
+        let (inertia, level_nm, rate) = (2e-4, 0.04, 1500.0);
+        let bristles = |distance, damping| Presliding {
+            distance,
+            damping,
+            exponent: 1.0,
+            elastic: 0.0,
+        };
+        let soft = bristles(0.01, 0.02);
+        assert_eq!(soft.bounded(inertia, level_nm, rate), soft);
+        let stiff = bristles(1e-5, 2.0).bounded(inertia, level_nm, rate);
+        let natural = stiff.natural_rate(inertia, level_nm);
+        assert!((natural / rate - 1.0).abs() < 1e-12, "{natural} rad/s");
+        let ratio = stiff.damping / (2.0 * rate * inertia);
+        assert!((ratio - 1.0).abs() < 1e-12, "{ratio} of critical");
     }
 
     #[test]

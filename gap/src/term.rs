@@ -123,19 +123,19 @@ impl Term {
     }
 
     /// The term with other start values, by the index of the parameter.
-    pub(crate) fn begun(&self, numbers: &[(usize, f64)]) -> Self {
-        let mut begun = self.clone();
+    pub(crate) fn starting_at(&self, numbers: &[(usize, f64)]) -> Self {
+        let mut started = self.clone();
         for &(place, value) in numbers {
-            begun.values[place] = value;
-            let free = begun.free.iter_mut().filter(|c| c.parameter == place);
+            started.values[place] = value;
+            let free = started.free.iter_mut().filter(|c| c.parameter == place);
             free.for_each(|coordinate| coordinate.start = value);
         }
-        begun
+        started
     }
 
     /// The term with one parameter fixed at a value.
     pub(crate) fn held(&self, parameter: usize, value: f64) -> Self {
-        let mut held = self.begun(&[(parameter, value)]);
+        let mut held = self.starting_at(&[(parameter, value)]);
         held.free.retain(|c| c.parameter != parameter);
         held
     }

@@ -56,14 +56,14 @@ impl Identification for AsymmetricCoulomb {
         Some(Family::Push)
     }
 
-    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+    fn equivalent_start(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
         let SmallMotion::Push { torque_nm } = other else {
             return None;
         };
         // A positive torque acts like less friction in the positive direction and more in the negative one.
         let levels = [-1.0, 1.0].map(|way| model.coulomb + way * torque_nm);
         let is_friction = levels.iter().all(|level| *level > 0.0);
-        is_friction.then(|| own.begun(&[(0, levels[0]), (1, levels[1])]))
+        is_friction.then(|| own.starting_at(&[(0, levels[0]), (1, levels[1])]))
     }
 
     fn axis(&self) -> Axis {

@@ -123,7 +123,7 @@ impl Episode for Contact {
             .into_iter()
             .filter(|other| *other != contact.values[side]);
         others
-            .map(|other| contact.begun(&[(side, other)]))
+            .map(|other| contact.starting_at(&[(side, other)]))
             .collect()
     }
 

@@ -45,7 +45,7 @@ impl Identification for Coulomb {
     }
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
-        own.begun(&[(0, balance.coulomb)])
+        own.starting_at(&[(0, balance.coulomb)])
     }
 
     fn axis(&self) -> Axis {

@@ -36,7 +36,7 @@ impl Identification for Deadband {
         let missing = [0.05, 0.2, 0.6].map(|f| vec![log(0, f * s.input)]);
         let missing = terms(&KIND, None, missing);
         let before_limit = missing.iter().filter(|_| e.clips_input());
-        let before_limit = before_limit.map(|start| start.begun(&[(BEFORE_LIMIT, 1.0)]));
+        let before_limit = before_limit.map(|start| start.starting_at(&[(BEFORE_LIMIT, 1.0)]));
         let before_limit: Vec<Term> = before_limit.collect();
         let skewed = [0.2, 0.6].map(|f| vec![log(0, f * s.input), linear(SKEW, 0.0, SKEWED)]);
         let skewed = terms(&KIND, None, skewed);

@@ -184,14 +184,14 @@ fn moved_model_stops(model: &Model, extremes: [f64; 2]) -> Vec<Term> {
     let unit = MOVED_UNIT * (extremes[1] - extremes[0]);
     let hardness = [(2, model.stop_stiffness), (3, model.stop_damping)];
     let own = term(&KIND, Vec::new(), &hardness);
-    let own = own.begun(&[(0, travel[0]), (1, travel[1])]);
+    let own = own.starting_at(&[(0, travel[0]), (1, travel[1])]);
     let stops = moved.flat_map(|sides| {
         [untouched(None, extremes), extremes].map(|positions| {
             let targets: Vec<_> = sides.iter().map(|&side| (side, positions[side])).collect();
             let free = targets.iter().map(|&(side, at)| linear(side, at, unit));
             Term {
                 free: free.collect(),
-                ..own.begun(&targets)
+                ..own.starting_at(&targets)
             }
         })
     });

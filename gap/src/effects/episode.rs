@@ -88,7 +88,7 @@ pub(crate) fn changed_intervals(term: &Term, other: &Term) -> Vec<[f64; 2]> {
 /// The term with the begin (`which` 0) or the end (1) of the last occurrence shifted by `by_s`.
 pub(crate) fn with_shifted_instant(term: &Term, which: usize, by_s: f64) -> Term {
     let place = last_instants(term)[which];
-    term.begun(&[(place, term.values[place] + by_s)])
+    term.starting_at(&[(place, term.values[place] + by_s)])
 }
 
 /// Two terms, with the first and the second half of the last occurrence.
@@ -105,7 +105,7 @@ pub(crate) fn halves(term: &Term) -> [Term; 2] {
 pub(crate) fn permanent(term: &Term) -> Term {
     let within = term.kind.instants().unwrap_or_default();
     let [from, to] = within.map(|place| term.kind.event_place(0) + place);
-    let mut permanent = term.begun(&[(from, f64::NEG_INFINITY), (to, f64::INFINITY)]);
+    let mut permanent = term.starting_at(&[(from, f64::NEG_INFINITY), (to, f64::INFINITY)]);
     permanent.free.retain(|c| c.parameter < from);
     permanent.values.truncate(term.kind.parameters.len());
     permanent

@@ -119,7 +119,7 @@ impl Identification for FrictionDrift {
 
 /// The drift, restarted in every run.
 fn restarted_per_run(drift: Term) -> Term {
-    drift.begun(&[(ANEW, 1.0)])
+    drift.starting_at(&[(ANEW, 1.0)])
 }
 
 fn drifts_since(e: &Evidence<'_>, since_s: impl Fn(&Moment) -> f64) -> Vec<Term> {

@@ -2,7 +2,7 @@
 
 use super::identification::{Family, Identification, MainNumber, SmallMotion};
 use super::phrase::Found;
-use super::restoring::{begun, small_motion};
+use super::restoring::{equivalent_start, small_motion};
 use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
 use crate::guess::balance::Balance;
@@ -73,8 +73,8 @@ impl Identification for Gravity {
         Some(small_motion(fitted, stated(model)))
     }
 
-    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
-        begun(own, other, stated(model))
+    fn equivalent_start(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+        equivalent_start(own, other, stated(model))
     }
 
     fn main_number(&self) -> Option<MainNumber> {
@@ -85,7 +85,7 @@ impl Identification for Gravity {
     }
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
-        own.begun(&[(0, balance.weight), (ZERO, balance.zero)])
+        own.starting_at(&[(0, balance.weight), (ZERO, balance.zero)])
     }
 
     fn axis(&self) -> Axis {

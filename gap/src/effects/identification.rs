@@ -131,7 +131,7 @@ pub(crate) trait Identification: Debug + Sync {
     }
 
     /// A start of the fit at the values with which the effect acts like another one on small motion.
-    fn begun_from(&self, _own: &Term, _other: SmallMotion, _model: &Model) -> Option<Term> {
+    fn equivalent_start(&self, _own: &Term, _other: SmallMotion, _model: &Model) -> Option<Term> {
         None
     }
 

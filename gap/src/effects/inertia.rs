@@ -39,12 +39,12 @@ impl Identification for Inertia {
         Some(SmallMotion::Size { ratio })
     }
 
-    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+    fn equivalent_start(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
         let SmallMotion::Size { ratio } = other else {
             return None;
         };
         let inertia = model.inertia / ratio;
-        (inertia > 0.0 && inertia.is_finite()).then(|| own.begun(&[(0, inertia)]))
+        (inertia > 0.0 && inertia.is_finite()).then(|| own.starting_at(&[(0, inertia)]))
     }
 
     fn main_number(&self) -> Option<MainNumber> {
@@ -55,7 +55,7 @@ impl Identification for Inertia {
     }
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
-        own.begun(&[(0, balance.inertia)])
+        own.starting_at(&[(0, balance.inertia)])
     }
 
     fn axis(&self) -> Axis {

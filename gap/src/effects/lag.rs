@@ -34,12 +34,12 @@ impl Identification for Lag {
         Some(Family::Lateness)
     }
 
-    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+    fn equivalent_start(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
         let SmallMotion::LateReading { time_s } = other else {
             return None;
         };
         // If the model has a lag, a lag of the sensor acts like a second lag of the drive.
-        (model.lag > 0.0).then(|| in_series(&own.begun(&[(0, time_s)])))
+        (model.lag > 0.0).then(|| in_series(&own.starting_at(&[(0, time_s)])))
     }
 
     fn replaces(&self) -> Option<&'static str> {
@@ -107,5 +107,5 @@ fn longer_lags(e: &Evidence<'_>) -> Vec<Term> {
 
 /// The lag in series with that of the model.
 fn in_series(lag: &Term) -> Term {
-    lag.begun(&[(APART, 1.0)])
+    lag.starting_at(&[(APART, 1.0)])
 }

@@ -138,6 +138,6 @@ impl Episode for Push {
 
     fn other_forms(&self, push: &Term) -> Vec<Term> {
         let place = last_occurrence(push) + TORQUE;
-        vec![push.begun(&[(place, -push.values[place])])]
+        vec![push.starting_at(&[(place, -push.values[place])])]
     }
 }

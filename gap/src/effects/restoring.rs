@@ -14,7 +14,7 @@ pub(super) fn small_motion(fitted: &Term, stated: [f64; 2]) -> SmallMotion {
 
 /// A start of a restoring effect at the values with which it acts like another one on small motion. Its parameters replace its `stated`
 /// ones. Returns `None` if the torque would push away from its position, or if the other effect belongs to another family.
-pub(super) fn begun(own: &Term, other: SmallMotion, stated: [f64; 2]) -> Option<Term> {
+pub(super) fn equivalent_start(own: &Term, other: SmallMotion, stated: [f64; 2]) -> Option<Term> {
     let SmallMotion::Restoring {
         fitted,
         stated: others,
@@ -25,5 +25,5 @@ pub(super) fn begun(own: &Term, other: SmallMotion, stated: [f64; 2]) -> Option<
     let moment = |[slope, zero]: [f64; 2]| slope * zero;
     let slope = stated[0] + fitted[0] - others[0];
     let zero = (moment(stated) + moment(fitted) - moment(others)) / slope;
-    (slope > 0.0 && zero.is_finite()).then(|| own.begun(&[(0, slope), (1, zero)]))
+    (slope > 0.0 && zero.is_finite()).then(|| own.starting_at(&[(0, slope), (1, zero)]))
 }

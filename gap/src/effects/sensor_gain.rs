@@ -45,11 +45,11 @@ impl Identification for SensorGain {
         Some(SmallMotion::Size { ratio })
     }
 
-    fn begun_from(&self, own: &Term, other: SmallMotion, _model: &Model) -> Option<Term> {
+    fn equivalent_start(&self, own: &Term, other: SmallMotion, _model: &Model) -> Option<Term> {
         let SmallMotion::Size { ratio } = other else {
             return None;
         };
-        (ratio > 0.0 && ratio.is_finite()).then(|| own.begun(&[(0, ratio)]))
+        (ratio > 0.0 && ratio.is_finite()).then(|| own.starting_at(&[(0, ratio)]))
     }
 
     fn column_fits(&self, columns: &Disagreement<'_>) -> Vec<Vec<f64>> {

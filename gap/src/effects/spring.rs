@@ -2,7 +2,7 @@
 
 use super::identification::{Family, Identification, SmallMotion};
 use super::phrase::Found;
-use super::restoring::{begun, small_motion};
+use super::restoring::{equivalent_start, small_motion};
 use super::torque_offset::TorqueOffset;
 use crate::guess::Evidence;
 use crate::guess::regression::regress;
@@ -74,8 +74,8 @@ impl Identification for Spring {
         Some(small_motion(fitted, stated(model)))
     }
 
-    fn begun_from(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
-        begun(own, other, stated(model))
+    fn equivalent_start(&self, own: &Term, other: SmallMotion, model: &Model) -> Option<Term> {
+        equivalent_start(own, other, stated(model))
     }
 
     fn replaces(&self) -> Option<&'static str> {

@@ -44,11 +44,11 @@ impl Identification for TorqueGain {
         Some(SmallMotion::Size { ratio })
     }
 
-    fn begun_from(&self, own: &Term, other: SmallMotion, _model: &Model) -> Option<Term> {
+    fn equivalent_start(&self, own: &Term, other: SmallMotion, _model: &Model) -> Option<Term> {
         let SmallMotion::Size { ratio } = other else {
             return None;
         };
-        (ratio > 0.0 && ratio.is_finite()).then(|| own.begun(&[(0, ratio)]))
+        (ratio > 0.0 && ratio.is_finite()).then(|| own.starting_at(&[(0, ratio)]))
     }
 
     fn main_number(&self) -> Option<MainNumber> {
@@ -59,7 +59,7 @@ impl Identification for TorqueGain {
     }
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
-        own.begun(&[(0, balance.gain)])
+        own.starting_at(&[(0, balance.gain)])
     }
 
     fn axis(&self) -> Axis {

@@ -42,7 +42,7 @@ impl Identification for Viscous {
     }
 
     fn balanced(&self, own: &Term, balance: &Balance) -> Term {
-        own.begun(&[(0, balance.viscous)])
+        own.starting_at(&[(0, balance.viscous)])
     }
 
     fn axis(&self) -> Axis {

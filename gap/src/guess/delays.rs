@@ -29,6 +29,6 @@ pub(crate) fn shorter_time(kind: &'static Kind, modelled_s: f64) -> Vec<Term> {
 
 /// Two equal lags in series whose total time is that of each of `lags`. The parameter with index `second_lag` switches the second lag on.
 pub(crate) fn two_equal_lags(lags: &[Term], second_lag: usize) -> Vec<Term> {
-    let halved = |lag: &Term| lag.begun(&[(0, 0.5 * lag.values[0]), (second_lag, 1.0)]);
+    let halved = |lag: &Term| lag.starting_at(&[(0, 0.5 * lag.values[0]), (second_lag, 1.0)]);
     lags.iter().map(halved).collect()
 }

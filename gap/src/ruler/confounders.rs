@@ -73,8 +73,8 @@ fn exchanged(search: &Search<'_>, set: &Fit, place: usize, known: &Fit) -> Vec<V
     let starts = tried.iter().filter(confounds).map(|candidate| {
         let first = candidate.starts.first();
         let alike = on_small_motion.zip(first);
-        let alike =
-            alike.and_then(|(motion, first)| candidate.effect.begun_from(first, motion, model));
+        let alike = alike
+            .and_then(|(motion, first)| candidate.effect.equivalent_start(first, motion, model));
         let starts = alike.into_iter().chain(candidate.starts.iter().cloned());
         starts.collect()
     });

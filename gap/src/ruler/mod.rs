@@ -79,7 +79,8 @@ fn on_all_numbers(
     let mut restating = numbers::restating(free.recording);
     let terms = &null.hypothesis.terms;
     restating.retain(|effect| terms.iter().all(|term| term.kind.name != effect.name()));
-    let Some((numbers, scale)) = begun_anew(&search(free, found.expected), &null, &restating)
+    let Some((numbers, scale)) =
+        with_numbers_estimated(&search(free, found.expected), &null, &restating)
     else {
         return free.modelling;
     };
@@ -118,12 +119,12 @@ pub(crate) fn with_unstated(
         progress,
         expected: ExpectedLoss::of(problem, &null).bounded(),
     };
-    let (fit, _) = begun_anew(&search, &null, &unstated)?;
+    let (fit, _) = with_numbers_estimated(&search, &null, &unstated)?;
     Some(problem.fit(&fit.hypothesis, fit.x, Part::All, scale::ITERATIONS))
 }
 
 /// A fit with some numbers of the model estimated anew, each as the term of an effect, and the error scale at which it fits best.
-fn begun_anew(
+fn with_numbers_estimated(
     search: &Search<'_>,
     null: &Fit,
     restating: &[&'static dyn Identification],

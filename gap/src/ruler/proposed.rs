@@ -29,7 +29,7 @@ pub(super) fn proposed(search: &Search<'_>, null: &Fit) -> Vec<Start> {
         let terms: Option<Vec<Term>> = others
             .map(|(name, values)| {
                 let mut candidates = tried.iter();
-                begun(candidates.find(|c| c.effect.name() == *name)?, values)
+                starting_at(candidates.find(|c| c.effect.name() == *name)?, values)
             })
             .collect();
         let Some(terms) = terms.filter(|terms| !terms.is_empty()) else {
@@ -49,8 +49,8 @@ pub(super) fn proposed(search: &Search<'_>, null: &Fit) -> Vec<Start> {
     all
 }
 
-/// An effect begun at some values, in the form that has those of them free that are not as by default.
-fn begun(candidate: &Candidate, values: &[f64]) -> Option<Term> {
+/// A start of an effect at the given values, in the form whose free parameters are those that differ from their defaults.
+fn starting_at(candidate: &Candidate, values: &[f64]) -> Option<Term> {
     let kind = candidate.effect.kind();
     let is_set = |place: usize| values[place] != kind.parameter(place).default;
     let suits = |term: &&Term| {
@@ -62,5 +62,5 @@ fn begun(candidate: &Candidate, values: &[f64]) -> Option<Term> {
     let form = candidate.starts.iter().max_by_key(suits)?;
     let free = form.free.iter().filter(|c| c.parameter < values.len());
     let numbers: Vec<(usize, f64)> = free.map(|c| (c.parameter, values[c.parameter])).collect();
-    Some(form.begun(&numbers))
+    Some(form.starting_at(&numbers))
 }

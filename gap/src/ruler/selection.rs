@@ -138,7 +138,7 @@ fn round(
         screened: Vec::new(),
         acceptance: Acceptance {
             significance: excess / error.max(f64::MIN_POSITIVE),
-            earned: true,
+            accepted: true,
             by_few: is_event,
         },
         so_far,
@@ -195,7 +195,7 @@ fn beyond(set: &Scored, pool: &ScoredPool) -> Option<Round> {
         screened: Vec::new(),
         acceptance: Acceptance {
             significance: mean / error.max(f64::MIN_POSITIVE),
-            earned: false,
+            accepted: false,
             by_few: false,
         },
         rivals,

@@ -27,7 +27,7 @@ pub(crate) struct Acceptance {
     /// Gain on windows that the fit has not seen over its standard error.
     pub significance: f64,
     /// True if the effect is better than what was known.
-    pub earned: bool,
+    pub accepted: bool,
     /// True if it is so in a few windows only, which cannot be held out.
     pub by_few: bool,
 }
@@ -37,14 +37,14 @@ impl Acceptance {
     pub(crate) fn given(by_few: bool) -> Self {
         Self {
             significance: f64::INFINITY,
-            earned: true,
+            accepted: true,
             by_few,
         }
     }
 }
 
 /// Whether `winner` is better than what was known on windows that neither fit has seen, or where it shows in few.
-pub(super) fn earns_its_place(
+pub(super) fn assessed(
     problem: &Problem<'_>,
     expected: &ExpectedLoss,
     known: &Fit,
@@ -73,7 +73,7 @@ pub(super) fn earns_its_place(
     let by_few = !by_unseen && may_be_few && stands_out(&seen, expected);
     Acceptance {
         significance,
-        earned: by_unseen || by_few,
+        accepted: by_unseen || by_few,
         by_few,
     }
 }

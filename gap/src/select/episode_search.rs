@@ -90,12 +90,12 @@ fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize
     let lowest = |a: &Fit, b: &Fit| level(a).total_cmp(&level(b));
     let otherwise = terms.iter().flat_map(otherwise);
     let all: Vec<Term> = terms.iter().cloned().chain(otherwise).collect();
-    let begun = all.into_par_iter();
-    let begun = begun.map(|term| timed_and_fitted(problem, fit, term, iterations));
-    let mut begun: Vec<Fit> = begun.collect();
-    begun.sort_by(lowest);
-    begun.truncate(CARRIED_ON);
-    let fits = begun.into_par_iter();
+    let short = all.into_par_iter();
+    let short = short.map(|term| timed_and_fitted(problem, fit, term, iterations));
+    let mut short: Vec<Fit> = short.collect();
+    short.sort_by(lowest);
+    short.truncate(CARRIED_ON);
+    let fits = short.into_par_iter();
     let fits = fits.map(|first| carried_on(problem, first, iterations));
     fits.min_by(lowest)
 }
@@ -115,9 +115,9 @@ fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
 
 /// Replaces the last effect of a fit by `term`, searches the instants of its last occurrence, and fits it.
 fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: usize) -> Fit {
-    let (begun, x) = fit.with_last(term.clone());
+    let (started, x) = fit.with_last(term.clone());
     let with = |term: &Term| {
-        let mut hypothesis = begun.clone();
+        let mut hypothesis = started.clone();
         hypothesis.terms.pop();
         hypothesis.terms.push(term.clone());
         hypothesis
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn all_occurrences_of_a_contact_are_found_at_their_positions() {
-        let begun = "contact:stiffness=0.3,damping=0.003,position=0.02,side=0,from=8.1,to=8.8";
+        let start = "contact:stiffness=0.3,damping=0.003,position=0.02,side=0,from=8.1,to=8.8";
         let occurrences = [
             [0.0, 0.02, 8.0, 8.9],
             [0.0, 0.5, 1.5, 2.2],
@@ -252,7 +252,7 @@ mod tests {
         let recording = made::recording(&[&held]);
         let problem = made::problem(&recording);
         let hypothesis = Hypothesis {
-            terms: vec![contact(begun)],
+            terms: vec![contact(start)],
         };
         let x = vec![0.0; hypothesis.free()];
         let first = problem.fit(&hypothesis, x, Part::All, 8);
@@ -282,8 +282,8 @@ mod tests {
     fn one_long_occurrence_that_spans_two_is_split() {
         let held = "contact:stiffness=1,damping=0.003,side_1=0,position_1=0.5,from_1=8,to_1=8.9,\
                     side_2=0,position_2=-0.5,from_2=4.6,to_2=5.5";
-        let begun = "contact:stiffness=1,damping=0.003,position=0,side=0,from=4.6,to=8.9";
-        let occurrences = fitted(held, begun, |problem, fit| {
+        let start = "contact:stiffness=1,damping=0.003,position=0,side=0,from=4.6,to=8.9";
+        let occurrences = fitted(held, start, |problem, fit| {
             let bare = Hypothesis { terms: Vec::new() };
             let null = problem.fit(&bare, Vec::new(), Part::All, 0);
             let expected = ExpectedLoss::of(problem, &null).bounded();
@@ -309,8 +309,8 @@ mod tests {
     fn a_temporary_contact_in_place_of_permanent_friction_is_recognized() {
         let lasts =
             |hidden, written| fitted(hidden, written, |problem, fit| is_lasting(problem, fit, 8));
-        let begun = "contact:position=0,side=0,stiffness=0.001,damping=0.002,from=1,to=6";
-        assert!(lasts("viscous:coefficient=0.004", begun));
+        let start = "contact:position=0,side=0,stiffness=0.001,damping=0.002,from=1,to=6";
+        assert!(lasts("viscous:coefficient=0.004", start));
         let held = "contact:position=0.02,side=0,stiffness=0.3,damping=0.003,from=8,to=8.9";
         assert!(!lasts(held, held));
     }
@@ -318,8 +318,8 @@ mod tests {
     #[test]
     fn a_temporary_drag_is_not_a_contact_with_a_stiffness() {
         let stiff = |hidden| {
-            let begun = "contact:position=0,side=0,stiffness=0.01,damping=0.003,from=8,to=8.9";
-            fitted(hidden, begun, |_, fit| is_there(fit))
+            let start = "contact:position=0,side=0,stiffness=0.01,damping=0.003,from=8,to=8.9";
+            fitted(hidden, start, |_, fit| is_there(fit))
         };
         assert!(stiff(
             "contact:position=0,side=0,stiffness=0.1,damping=0.003,from=8,to=8.9"

@@ -142,7 +142,7 @@ fn select_beyond(
     };
     selection.given = certain.is_some();
     let suffices = selection.suffices(problem, &first.so_far);
-    if first.acceptance.earned && suffices {
+    if first.acceptance.accepted && suffices {
         selection.add(first);
         return selection;
     }
@@ -150,7 +150,7 @@ fn select_beyond(
     // Where the gap is at its floor, a further effect stands beside the first one, not in its place.
     let leaves_little =
         selection.leaves_little(&first.so_far) || is_at_floor(problem, &first.so_far);
-    let settled = selection.given || first.acceptance.earned && leaves_little;
+    let settled = selection.given || first.acceptance.accepted && leaves_little;
     let saves = |cost: &dyn Fn(&Fit) -> f64| {
         cost(&selection.null) - cost(&first.so_far) > LEAST_SAVED_ALONE
     };

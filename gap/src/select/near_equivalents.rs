@@ -10,8 +10,8 @@ fn is_near_equivalent(one: &str, other: &str) -> bool {
     one != other && family.is_some() && family == effects::of(other).family()
 }
 
-/// The special cases and the near-equivalents of a rival among `all`, begun with the numbers of the rival: those of the model, those of
-/// the effects before it, and those that both effects share.
+/// The special cases and the near-equivalents of a rival among `all`. They start at the values of the rival: those of the numbers of the
+/// model, of the effects before it, and of the parameters that both effects share.
 pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
     let Some((held, (_, known))) = to.held().zip(to.fit.hypothesis.terms.split_last()) else {
         return Vec::new();
@@ -30,18 +30,18 @@ pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<
             rival
         })
     });
-    let begun = moved.flat_map(|rival| {
-        let shared = rival.begun_like(to, Term::alike);
-        let equal = rival.begun_like(to, |own, other| equal(own, other, model));
+    let started = moved.flat_map(|rival| {
+        let shared = rival.starting_like(to, Term::alike);
+        let equal = rival.starting_like(to, |own, other| equal(own, other, model));
         [Some(rival), shared, equal]
     });
-    begun.flatten().collect()
+    started.flatten().collect()
 }
 
-/// A term begun at the numbers with which it changes a small motion as a near-equivalent does.
+/// A start of a term at the values with which it acts on small motion like a near-equivalent.
 fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
     let motion = effects::of(other.kind.name).on_small_motion(other, model)?;
-    effects::of(own.kind.name).begun_from(own, motion, model)
+    effects::of(own.kind.name).equivalent_start(own, motion, model)
 }
 
 #[cfg(test)]
@@ -53,7 +53,7 @@ mod tests {
     use crate::made;
     use crate::term::{Coordinate, Scale};
 
-    /// An effect that is begun at `values`, all of them free.
+    /// An effect that starts at `values`, all of them free.
     fn term(name: &str, values: &[f64]) -> Term {
         let coordinate = |(parameter, &start)| Coordinate {
             parameter,
@@ -145,7 +145,7 @@ mod tests {
                 ..Model::new(1.0)
             };
             let [own, other] = [("lag", 0.1), ("sensor_lag", 0.003)];
-            let own = made::term(own.0, &[]).begun(&[(0, own.1)]);
+            let own = made::term(own.0, &[]).starting_at(&[(0, own.1)]);
             equal(&own, &term(other.0, &[other.1]), &model)
         };
         assert_eq!(behind(0.002).unwrap().values, [0.003, 1.0, 0.0]);

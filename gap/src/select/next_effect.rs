@@ -1,6 +1,6 @@
 //! The next effect on top of the model so far, which is called `known` here: screened, fitted, ranked and judged.
 
-use super::acceptance::{Acceptance, earns_its_place};
+use super::acceptance::{Acceptance, assessed};
 use super::degenerate::{is_degenerate, is_excluded};
 use super::episode_search;
 use super::excess::level;
@@ -116,7 +116,7 @@ pub(super) fn judged(
     if *name != first {
         *winner = search.problem.polished(winner, POLISHING_ITERATIONS);
     }
-    let acceptance = earns_its_place(search.problem, &search.expected, known, &rivals[0]);
+    let acceptance = assessed(search.problem, &search.expected, known, &rivals[0]);
     Some(Round {
         known: known.clone(),
         so_far: rivals[0].fit.clone(),

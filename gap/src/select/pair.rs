@@ -122,13 +122,13 @@ fn each_anew(
     let turned = turned(both)?;
     let (second_alone, screened) = beside(search, &turned, null, looked, hints);
     let mut beside_second = round_of(search, &second_alone, screened, Some(turned))?;
-    if !beside_second.acceptance.earned {
+    if !beside_second.acceptance.accepted {
         return alone_beside(search, first, second_alone, beside_second);
     }
     let both = self::turned(&beside_second.rivals[0])?;
     let (first_alone, screened) = beside(search, &both, null, looked, hints);
     let beside_first = round_of(search, &first_alone, screened, Some(both))?;
-    if !beside_first.acceptance.earned {
+    if !beside_first.acceptance.accepted {
         return alone_beside(search, first, first_alone, beside_first);
     }
     beside_second.so_far = first_alone;
@@ -153,7 +153,7 @@ fn alone(search: &Search<'_>, first: &Round, fit: Fit) -> Option<Round> {
     let mut rivals = first.rivals.clone();
     join(&mut rivals, Rival { name, fit });
     let round = judged(search, &first.known, first.screened.clone(), rivals)?;
-    round.acceptance.earned.then_some(round)
+    round.acceptance.accepted.then_some(round)
 }
 
 /// The first of two effects alone on top of `null`, and the effects that pass screening beside it, taken from `looked` if they are known.

@@ -1,7 +1,7 @@
 //! Pairs of effects that promise most together, although neither may show much alone.
 
 use super::rival::{Rival, extended};
-use super::screening::{BEGUN, soon};
+use super::screening::{STARTS, soon};
 use super::screening_set::{FIRST_ITERATIONS, MANY_ITERATIONS, ScreeningSet, sorted};
 use super::search::Search;
 use crate::effects;
@@ -36,7 +36,7 @@ pub(super) fn screened_pairs(
         let effect = candidate.effect;
         !effect.is_local() && !effect.landscape().is_scanned()
     });
-    starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, BEGUN)));
+    starts.extend(others.flat_map(|candidate| field.promising(&candidate.starts, STARTS)));
     let mut proposed = pairs(&field, &starts);
     let soon = soon(search, null).map_or(Vec::new(), |soon| pairs(&soon, &starts));
     let soon = soon.into_par_iter();
@@ -48,24 +48,24 @@ pub(super) fn screened_pairs(
     rivals.collect()
 }
 
-/// The best of the pairs that promise most together, fitted.
+/// Fits of the best of the most promising pairs.
 fn pairs(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Fit> {
     let pairs = promising_pairs(field, starts, PROPOSED).into_par_iter();
-    let begun = pairs.map(|pair| begun_both(field, pair));
-    let mut begun = sorted(begun.collect());
-    begun.truncate(PROPOSED_KEPT);
-    let fits = begun.into_par_iter();
+    let short = pairs.map(|pair| short_fit_of_both(field, pair));
+    let mut short = sorted(short.collect());
+    short.truncate(PROPOSED_KEPT);
+    let fits = short.into_par_iter();
     fits.map(|fit| fit_both(field, &fit.hypothesis, fit.x, MANY_ITERATIONS))
         .collect()
 }
 
-/// Two effects from where both start, fitted on.
-fn begun_both(field: &ScreeningSet<'_>, pair: [Term; 2]) -> Fit {
+/// A short fit of two effects from their starts.
+fn short_fit_of_both(field: &ScreeningSet<'_>, pair: [Term; 2]) -> Fit {
     let (hypothesis, x) = extended(field.known, &pair);
     fit_both(field, &hypothesis, x, FIRST_ITERATIONS)
 }
 
-/// Two effects fitted on.
+/// A fit of two effects from `x`.
 fn fit_both(
     field: &ScreeningSet<'_>,
     hypothesis: &Hypothesis,

@@ -18,13 +18,13 @@ const TIE_SHARE: f64 = 0.08;
 /// Cost of a squared standard deviation as the logarithm of a probability, over its cost in a fit.
 const PRIOR_SHARE: f64 = 0.5 / PRIOR_WEIGHT;
 
-/// Logarithm of the odds by which a rival must beat one with fewer parameters, beyond the price of those parameters, where both are
+/// Logarithm of the odds by which a rival must beat one with fewer parameters, beyond the penalty of those parameters, where both are
 /// adequate: the square of very strong evidence (Kass and Raftery, JASA 90, 1995).
 const FAR_LIKELIER: f64 = 10.0;
 
 /// Robust cost, summed over all windows, that a parameter must save in an adequate model: half the logarithm of the number of windows
 /// (Schwarz, Annals of Statistics 6, 1978).
-fn price(windows: usize) -> f64 {
+fn penalty(windows: usize) -> f64 {
     0.5 * (windows.max(1) as f64).ln()
 }
 
@@ -35,7 +35,7 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Opti
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let first = &rivals.first()?.fit;
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
-    // If both rivals cost no more than an exact model, the cheaper one is no better.
+    // If both rivals cost no more than an exact model, the one of lower cost is no better.
     let leaves_nothing = |fit: &Fit| level(fit) <= adequate - ADEQUATE_EXCESS;
     // A rival saves no parameters if it moves the numbers of the model instead.
     let bends = |fit: &Fit| likely && !fit.is_likely();
@@ -76,7 +76,7 @@ fn saved(one: &Rival, other: &Rival) -> f64 {
 /// Price of the parameters that one rival has less than another, as robust cost summed over all windows.
 fn worth(one: &Rival, other: &Rival) -> f64 {
     let saved = other.parameters().saturating_sub(one.parameters());
-    saved as f64 * price(one.fit.costs.per_sample.len())
+    saved as f64 * penalty(one.fit.costs.per_sample.len())
 }
 
 /// True if one rival is as likely as another that has more parameters and costs less.
@@ -89,7 +89,7 @@ fn strains_more(one: &Rival, other: &Rival) -> bool {
     PRIOR_SHARE * (one.fit.costs.prior - other.fit.costs.prior) > worth(one, other)
 }
 
-/// True if `one` fits so much better than `other` that this is far beyond the price of its additional parameters. The residuals
+/// True if `one` fits so much better than `other` that this is far beyond the penalty of its additional parameters. The residuals
 /// themselves are compared here, by the logarithm of their squares.
 pub(super) fn is_far_likelier(one: &Rival, other: &Rival) -> bool {
     let [own, its] = [one, other].map(|rival| rival.fit.costs.mean().max(f64::MIN_POSITIVE));
@@ -103,10 +103,10 @@ pub(super) fn enough(known: &Fit, best: &Fit) -> f64 {
     level(best) + PARSIMONY * (level(known) - level(best)).max(0.0)
 }
 
-/// Difference in the robust cost of two fits with as many parameters that may be chance: the price of one parameter.
+/// Difference in the robust cost of two fits with as many parameters that may be chance: the penalty of one parameter.
 pub(crate) fn chance_gain(fit: &Fit) -> f64 {
     let windows = fit.costs.per_sample.len();
-    price(windows) / windows.max(1) as f64
+    penalty(windows) / windows.max(1) as f64
 }
 
 /// Names in a round that this recording cannot tell from the winner.
@@ -119,7 +119,7 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     let close = level(&winner.fit) + chance_gain(&winner.fit).max(TIE_SHARE * gain);
     let tied = round.rivals[1..].iter().filter(|rival| {
         if effects::of(rival.name).contains(winner.name) {
-            // It lost for the number of its parameters alone, although it saves more than their price.
+            // It lost for the number of its parameters alone, although it saves more than their penalty.
             saved(winner, rival) > worth(winner, rival)
         } else {
             level(&rival.fit) <= close
@@ -208,41 +208,41 @@ mod tests {
     }
 
     /// Which is first of a spring, which leaves least, and a gain with a parameter less that leaves so much more.
-    fn first(more: f64, quiet: f64) -> &'static str {
+    fn first(more: f64, adequate: f64) -> &'static str {
         let rivals = vec![
             rival("torque_gain", 1, BEST + more),
             rival("spring", 2, BEST),
         ];
-        ranked(rivals, &fit("coulomb", 0, KNOWN), quiet).unwrap()[0].name
+        ranked(rivals, &fit("coulomb", 0, KNOWN), adequate).unwrap()[0].name
     }
 
     #[test]
     fn fewer_parameters_win_if_the_difference_is_chance() {
-        let price = price(200) / 200.0;
-        assert!(1.2 * price < PARSIMONY * (KNOWN - BEST));
+        let penalty = penalty(200) / 200.0;
+        assert!(1.2 * penalty < PARSIMONY * (KNOWN - BEST));
         // The best rival leaves no excess.
-        let [less, quiet] = [0.9 * BEST, BEST + ADEQUATE_EXCESS];
-        assert_eq!(first(0.8 * price, quiet), "torque_gain");
-        assert_eq!(first(1.2 * price, quiet), "spring");
-        // Neither is adequate: the price of a parameter is not what decides.
-        assert_eq!(first(1.2 * price, less), "torque_gain");
+        let [less, adequate] = [0.9 * BEST, BEST + ADEQUATE_EXCESS];
+        assert_eq!(first(0.8 * penalty, adequate), "torque_gain");
+        assert_eq!(first(1.2 * penalty, adequate), "spring");
+        // Neither is adequate: the penalty of a parameter is not what decides.
+        assert_eq!(first(1.2 * penalty, less), "torque_gain");
         assert_eq!(first(1.2 * PARSIMONY * (KNOWN - BEST), less), "spring");
     }
 
     #[test]
     fn fewer_parameters_win_if_no_rival_exceeds_an_exact_model() {
-        let price = price(200) / 200.0;
-        let expected = BEST + 2.0 * price;
+        let penalty = penalty(200) / 200.0;
+        let expected = BEST + 2.0 * penalty;
         assert_eq!(
-            first(1.5 * price, expected + ADEQUATE_EXCESS),
+            first(1.5 * penalty, expected + ADEQUATE_EXCESS),
             "torque_gain"
         );
-        assert_eq!(first(2.5 * price, expected + ADEQUATE_EXCESS), "spring");
+        assert_eq!(first(2.5 * penalty, expected + ADEQUATE_EXCESS), "spring");
     }
 
     #[test]
     fn fewer_parameters_win_if_the_difference_is_no_larger_than_the_excess_of_the_best() {
-        let more = 1.2 * price(200) / 200.0;
+        let more = 1.2 * penalty(200) / 200.0;
         let with_excess = |excess: f64| BEST - excess + ADEQUATE_EXCESS;
         assert_eq!(first(more, with_excess(1.1 * more)), "torque_gain");
         assert_eq!(first(more, with_excess(0.9 * more)), "spring");
@@ -258,7 +258,7 @@ mod tests {
             let ranked = ranked(rivals, &fit("coulomb", 0, KNOWN), BEST + ADEQUATE_EXCESS);
             ranked.unwrap()[0].name == "torque_gain"
         };
-        let most = price(200) + FAR_LIKELIER;
+        let most = penalty(200) + FAR_LIKELIER;
         assert!(is_gain(0.9 * most) && !is_gain(1.1 * most));
     }
 
@@ -275,7 +275,7 @@ mod tests {
                 measured: None,
             })
         };
-        let worth = price(200) / 200.0;
+        let worth = penalty(200) / 200.0;
         assert!(ties(0.8 * worth).is_empty());
         assert_eq!(ties(1.2 * worth), ["gravity"]);
     }
@@ -311,7 +311,7 @@ mod tests {
             assert_eq!(strains, first == "spring");
             !strains
         };
-        let worth = price(200) / PRIOR_SHARE;
+        let worth = penalty(200) / PRIOR_SHARE;
         assert!(is_offset(0.8 * worth) && !is_offset(1.2 * worth));
     }
 }

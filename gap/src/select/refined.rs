@@ -59,7 +59,7 @@ pub(crate) fn refined<'a>(
         LEAST_PROMISED_AT_FLOOR
     };
     let second = next_effect(&search, &so_far, &only.screened, promised)?;
-    if !second.acceptance.earned {
+    if !second.acceptance.accepted {
         return None;
     }
     let rivals = only.rivals.par_iter().map(|rival| Rival {

@@ -13,7 +13,7 @@ pub(crate) struct Rival {
 }
 
 impl Rival {
-    /// True if its last effect is bound to moments of one recording.
+    /// True if its last effect is an event of one recording.
     pub(crate) fn is_event(&self) -> bool {
         self.fit.hypothesis.terms.last().is_some_and(Term::is_event)
     }
@@ -22,51 +22,51 @@ impl Rival {
         self.fit.hypothesis.free()
     }
 
-    /// Coordinates of what stands beside its last effect.
+    /// Number of coordinates before those of its last effect.
     pub(super) fn held(&self) -> Option<usize> {
         let last = self.fit.hypothesis.terms.last()?;
         self.fit.x.len().checked_sub(last.free.len())
     }
 
-    /// The same, with its last effect begun as it is `made` from itself and that of another.
-    pub(super) fn begun_like(
+    /// The rival with its last effect starting at what `made` returns for its own last effect and that of another rival.
+    pub(super) fn starting_like(
         &self,
         other: &Self,
         made: impl Fn(&Term, &Term) -> Option<Term>,
     ) -> Option<Self> {
         let term = made(&self.fit.last_term()?, &other.fit.last_term()?)?;
-        self.begun_at(term)
+        self.starting_with(term)
     }
 
-    /// The same with its last effect begun in so many times its size, if that is all that is free of it.
+    /// The rival with its last effect starting at a multiple of its size. Returns `None` unless the size is its only free parameter.
     pub(super) fn sized(&self, by: f64) -> Option<Self> {
         let term = self.fit.last_term()?;
         let [size] = term.free[..] else {
             return None;
         };
-        self.begun_at(term.begun(&[(size.parameter, by * size.start)]))
+        self.starting_with(term.starting_at(&[(size.parameter, by * size.start)]))
     }
 
-    /// The same with one number of its last effect held at a value, if it is free.
+    /// The rival with one parameter of its last effect fixed at a value. Returns `None` if that parameter is not free.
     pub(super) fn with_held(&self, parameter: usize, value: f64) -> Option<Self> {
         let last = self.fit.last_term()?;
         let place = last.free.iter().position(|c| c.parameter == parameter)?;
-        let mut held = self.begun_at(last.held(parameter, value))?;
+        let mut held = self.starting_with(last.held(parameter, value))?;
         held.fit.x.remove(self.held()? + place);
         Some(held)
     }
 
-    /// The same with its last effect begun anew.
-    fn begun_at(&self, term: Term) -> Option<Self> {
+    /// The rival with another start of its last effect.
+    fn starting_with(&self, term: Term) -> Option<Self> {
         let held = self.held()?;
-        let mut begun = self.clone();
-        *begun.fit.hypothesis.terms.last_mut()? = term;
-        begun.fit.x[held..].fill(0.0);
-        Some(begun)
+        let mut started = self.clone();
+        *started.fit.hypothesis.terms.last_mut()? = term;
+        started.fit.x[held..].fill(0.0);
+        Some(started)
     }
 }
 
-/// `known` with some terms more, at the point where all stand.
+/// The hypothesis of `known` with additional terms, and its coordinates with all new ones at their starts.
 pub(super) fn extended<'a>(
     known: &Fit,
     terms: impl IntoIterator<Item = &'a Term>,
@@ -80,7 +80,7 @@ pub(super) fn extended<'a>(
     (hypothesis, x)
 }
 
-/// A rival of two effects in the other order.
+/// A rival of two effects, with their order exchanged.
 pub(super) fn turned(both: &Rival) -> Option<Rival> {
     let mut fit = both.fit.clone();
     let priors = fit.x.len().checked_sub(fit.hypothesis.free())?;
@@ -95,7 +95,7 @@ pub(super) fn turned(both: &Rival) -> Option<Rival> {
     Some(Rival { name, fit })
 }
 
-/// The one that leaves least.
+/// The rival of the lowest cost.
 pub(super) fn best_of(rivals: &[Rival]) -> Option<&Rival> {
     rivals
         .iter()

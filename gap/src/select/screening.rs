@@ -16,8 +16,8 @@ use rayon::prelude::*;
 use std::cell::LazyCell;
 
 /// Starts of an effect that are fitted, those that promise most; and of each variant of an effect that shows in few windows.
-pub(super) const BEGUN: usize = 2;
-const VARIANT_BEGUN: usize = 3;
+pub(super) const STARTS: usize = 2;
+const VARIANT_STARTS: usize = 3;
 /// Starts whose fit goes on.
 const STARTS_KEPT: usize = 1;
 /// Starts whose fit goes on of an effect whose cost has many optima, and of a variant.
@@ -85,17 +85,17 @@ pub(super) fn screened(
     let has_two_masses = search.has_two_masses(known);
     let fitted = fitted_on(search, known, chosen, &few, f64::INFINITY, |candidate| {
         let effect = candidate.effect;
-        let (field, begun, kept) = if effect.is_local() {
+        let (field, most_starts, kept) = if effect.is_local() {
             // An effect that shows in few windows does not move those numbers. Hard contacts have many poor optima.
-            (&as_fitted, VARIANT_BEGUN, VARIANT_KEPT)
+            (&as_fitted, VARIANT_STARTS, VARIANT_KEPT)
         } else if effect.landscape() == Landscape::Hysteretic && !has_two_masses {
             // The promise of a start says little about where its fit ends. Beside two masses trying all takes too long.
             (field, candidate.starts.len(), STARTS_KEPT)
         } else {
-            (field, BEGUN, STARTS_KEPT)
+            (field, STARTS, STARTS_KEPT)
         };
         let fits = variants(&candidate.starts).into_par_iter();
-        let fits = fits.flat_map(|v| field.begun(&field.promising(&v, begun), kept));
+        let fits = fits.flat_map(|v| field.short_fits(&field.promising(&v, most_starts), kept));
         sorted(fits.collect())
     });
     let mut rivals = Vec::new();
@@ -109,7 +109,7 @@ pub(super) fn screened(
             &whole.chosen,
             &hinted,
             f64::INFINITY,
-            |candidate| whole.begun(&candidate.starts, STARTS_KEPT),
+            |candidate| whole.short_fits(&candidate.starts, STARTS_KEPT),
         );
         join_all(&mut rivals, weighed(search, fitted, chosen));
     }
@@ -128,7 +128,7 @@ pub(super) fn screened(
             } else {
                 scanned(whole, soon.as_ref(), &candidate.starts)
             };
-            whole.begun(&starts, MANY_KEPT)
+            whole.short_fits(&starts, MANY_KEPT)
         });
         join_all(&mut rivals, weighed(search, scanned, chosen));
     }
@@ -170,15 +170,15 @@ pub(super) fn soon<'a>(search: &'a Search<'_>, known: &'a Fit) -> Option<Screeni
     Some(ScreeningSet::new(quarter, known, blocks(quarter)))
 }
 
-/// Some effects on top of `known`, each with the fits that `begun` returns. The fits of the most promising effects go on, if they cost no
-/// more than `enough`.
+/// Rivals of the effects `tried` on top of `known`. `short_fits` returns the first fits of an effect. The fits of the most promising
+/// effects are continued if they cost no more than `enough`.
 fn fitted_on(
     search: &Search<'_>,
     known: &Fit,
     chosen: &[bool],
     tried: &[Candidate],
     enough: f64,
-    begun: impl Fn(&Candidate) -> Vec<Fit> + Sync,
+    short_fits: impl Fn(&Candidate) -> Vec<Fit> + Sync,
 ) -> Vec<Rival> {
     let promising = if search.has_two_masses(known) {
         PROMISING_BESIDE_MASSES
@@ -186,17 +186,16 @@ fn fitted_on(
         PROMISING
     };
     let part = Part::Chosen(chosen);
-    let begun = tried.par_iter().map(|c| (begun(c), c.effect.name()));
-    let mut begun: Vec<(Vec<Fit>, &'static str)> = begun.collect();
-    begun.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
+    let fits = tried.par_iter().map(|c| (short_fits(c), c.effect.name()));
+    let mut fits: Vec<(Vec<Fit>, &'static str)> = fits.collect();
+    fits.sort_by(|a, b| level(&a.0[0]).total_cmp(&level(&b.0[0])));
     let there = search
         .problem
         .costs(&known.hypothesis, &known.x, part)
         .level();
-    let best = begun.first().map_or(there, |(fits, _)| level(&fits[0]));
+    let best = fits.first().map_or(there, |(fits, _)| level(&fits[0]));
     let in_reach = (there - LEAST_PROMISE * (there - best)).max(best + ADEQUATE_EXCESS);
-    begun
-        .into_par_iter()
+    fits.into_par_iter()
         .enumerate()
         .flat_map(|(rank, (fits, name))| {
             let first = level(&fits[0]);

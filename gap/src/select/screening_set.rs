@@ -73,9 +73,9 @@ impl<'a> ScreeningSet<'a> {
     }
 
     /// The `kept` best of short fits from some starts.
-    pub(super) fn begun(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
-        let begun = |start: &Term| self.fit(start, FIRST_ITERATIONS);
-        let mut fits = sorted(starts.par_iter().map(begun).collect());
+    pub(super) fn short_fits(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
+        let short_fit = |start: &Term| self.fit(start, FIRST_ITERATIONS);
+        let mut fits = sorted(starts.par_iter().map(short_fit).collect());
         fits.truncate(kept);
         fits
     }

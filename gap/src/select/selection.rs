@@ -70,7 +70,7 @@ impl Selection {
 
     /// Adds a round whose effect was accepted; another one ends the search.
     pub(super) fn add(&mut self, round: Round) {
-        if round.acceptance.earned {
+        if round.acceptance.accepted {
             self.rounds.push(round);
         } else {
             self.last = Some(round);

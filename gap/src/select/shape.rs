@@ -9,7 +9,7 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::term::Term;
 
-/// A fit with the shape of its last effect freed, if the gap is not at its floor and the fit gains more than the price of the numbers.
+/// A fit with the shape of its last effect freed, if the gap is not at its floor and the fit gains more than the penalty of the additional parameters.
 pub(super) fn loosened(search: &Search<'_>, known: &Fit, given: &Fit) -> Option<Fit> {
     if is_at_floor(search.problem, given) {
         return None;
@@ -56,7 +56,7 @@ pub(super) fn reduced(search: &Search<'_>, known: &Fit, full: &Fit) -> Option<Fi
 fn with_shape_free(given: &Term, half_span: f64) -> Option<Term> {
     let shape = effects::of(given.kind.name).further_shape(given, half_span);
     let starts: Vec<(usize, f64)> = shape.iter().map(|c| (c.parameter, c.start)).collect();
-    let mut loosened = given.begun(&starts);
+    let mut loosened = given.starting_at(&starts);
     loosened.free.extend(&shape);
     (!shape.is_empty()).then_some(loosened)
 }

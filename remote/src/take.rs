@@ -96,6 +96,10 @@ fn run_plan<W: Wire>(
     arm_at_rest(device, Mode::Position, progress)?;
     device.expect("ref 0", "mode position")?;
     rest(device, CENTRE_S, progress)?;
+    if let Some(fault) = latched_fault(device)? {
+        device.command("clear")?;
+        return Err(DeviceError::Fault(fault));
+    }
     if plan.mode == Mode::Torque {
         device.command("disarm")?;
         arm_at_rest(device, Mode::Torque, progress)?;
@@ -155,7 +159,7 @@ fn run_plan<W: Wire>(
         device.let_it_speak()?;
     }
     let fault = match fault {
-        Some(_) => Some(what_went_wrong(device)?),
+        Some(_) => Some(latched_fault(device)?.unwrap_or_else(|| "a fault".to_owned())),
         None => too_far.then(|| TOO_FAR.to_owned()),
     };
     device.end_stream()?;
@@ -182,6 +186,10 @@ fn run_plan<W: Wire>(
 }
 
 /// Arms a mode. Repeats the attempt while the motion of the paddle is the only obstacle.
+///
+/// # Errors
+///
+/// [`DeviceError::Fault`] if the paddle does not come to rest within its travel, and the other [`DeviceError`]s.
 fn arm_at_rest<W: Wire>(
     device: &mut Device<W>,
     mode: Mode,
@@ -192,9 +200,12 @@ fn arm_at_rest<W: Wire>(
     loop {
         match device.expect(&format!("arm {mode}"), &format!("mode {mode}")) {
             Err(DeviceError::Refused { answer, .. })
-                if device.time_s() < end_s && passing.iter().any(|why| answer.contains(why)) =>
+                if passing.iter().any(|why| answer.contains(why)) =>
             {
                 device.command("clear")?;
+                if device.time_s() >= end_s {
+                    return Err(DeviceError::Fault(answer));
+                }
                 rest(device, TRIAL_S, progress)?;
             }
             other => return other.map(drop),
@@ -218,9 +229,9 @@ fn rest<W: Wire>(
     Ok(())
 }
 
-/// The latched fault as the board names it.
-fn what_went_wrong<W: Wire>(device: &mut Device<W>) -> Result<String, DeviceError> {
+/// The latched fault as the board names it, if there is one.
+fn latched_fault<W: Wire>(device: &mut Device<W>) -> Result<Option<String>, DeviceError> {
     let status = device.command("status")?;
     let fault = status.lines().find_map(|line| line.strip_prefix("fault: "));
-    Ok(fault.unwrap_or("a fault").to_owned())
+    Ok(fault.map(str::to_owned))
 }

@@ -53,8 +53,8 @@ impl BoardCheck<'_> {
     /// Draws the paddles, runs the experiments and scores them. Each finished case prints a line on standard error.
     ///
     /// # Errors
-    /// Returns a [`Failure`] if there is no firmware. A paddle that cannot be drawn, or whose experiments fail, is reported
-    /// and left out.
+    /// Returns a [`Failure`] if there is no firmware. A paddle that cannot be drawn is reported and left out. A paddle whose
+    /// experiments fail is reported and counts as wrong.
     pub fn run(&self) -> Result<Answer, Failure> {
         let path = firmware::build()?;
         let unusable = |source| Failure::Image {
@@ -64,14 +64,19 @@ impl BoardCheck<'_> {
         let image = Image::read(&path).map_err(unusable)?;
         let interrupt = Interrupt::watched()?;
         let mut cases: Vec<Case> = Vec::new();
+        let mut failed = 0;
         let mut problems = Vec::new();
         for number in 1..=self.cases {
-            let drawn = HiddenPaddle::draw(self.seed, number, self.only, self.messy);
-            let done = drawn.and_then(|paddle| {
-                let board = board(&image, &paddle, number).map_err(unusable)?;
-                self.case(number, &paddle, board, &interrupt)
-            });
-            match done {
+            let paddle = match HiddenPaddle::draw(self.seed, number, self.only, self.messy) {
+                Ok(paddle) => paddle,
+                Err(failure) => {
+                    progress::note(&format!("case {number}: {failure}"));
+                    problems.push(failure);
+                    continue;
+                }
+            };
+            let board = board(&image, &paddle, number).map_err(unusable);
+            match board.and_then(|board| self.case(number, &paddle, board, &interrupt)) {
                 Ok((case, lacking)) => {
                     progress::note(&case.line(number));
                     cases.push(case);
@@ -81,8 +86,12 @@ impl BoardCheck<'_> {
                     }
                 }
                 Err(failure) => {
-                    progress::note(&format!("case {number}: {failure}"));
+                    let hidden = paddle.written();
+                    progress::note(&format!(
+                        "case {number:<3} FAILED  {failure}; hidden {hidden}"
+                    ));
                     problems.push(failure);
+                    failed += 1;
                 }
             }
             if interrupt.is_requested() {
@@ -95,7 +104,7 @@ impl BoardCheck<'_> {
         );
         let in_class = cases.iter().filter(|case| case.outcome.in_class).count();
         let longest_s = cases.iter().map(|case| case.paddle_s).fold(0.0, f64::max);
-        let all = cases.len();
+        let all = cases.len() + failed;
         let mut text = String::new();
         for (what, count) in [
             ("first name is the hidden (dominant) effect", right),
@@ -113,7 +122,7 @@ impl BoardCheck<'_> {
             text,
             json: json!({
                 "seed": self.seed, "messy": self.messy, "cases": all, "right": right, "in_class": in_class,
-                "unique": unique, "longest_s": longest_s,
+                "unique": unique, "failed": failed, "longest_s": longest_s,
                 "each": cases.iter().map(Case::json).collect::<Vec<_>>(),
             }),
             problems,
@@ -136,9 +145,8 @@ impl BoardCheck<'_> {
         let unique = is_unique(&found.outcome.diagnosis);
         let outcome = self.judged(number, paddle, &found)?;
         let answer = how.answer(found)?;
-        let hidden: Vec<String> = paddle.effects.iter().map(written).collect();
         let truth = json!({
-            "seed": self.seed, "case": number, "effects": hidden,
+            "seed": self.seed, "case": number, "effects": paddle.effects.iter().map(written).collect::<Vec<_>>(),
             "off": paddle.off.iter().map(|(name, factor)| json!({ "number": name, "true_over_stated": factor })).collect::<Vec<_>>(),
         });
         let path = how.out.join("truth.json");
@@ -147,7 +155,7 @@ impl BoardCheck<'_> {
         std::fs::write(&path, answer.text).map_err(Failure::write(&path))?;
         let case = Case {
             outcome,
-            hidden: hidden.join(" "),
+            hidden: paddle.written(),
             unique,
             runs,
             paddle_s,

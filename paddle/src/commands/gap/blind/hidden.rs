@@ -165,6 +165,12 @@ impl HiddenPaddle {
             off,
         })
     }
+
+    /// The effects as arguments of `--with`.
+    pub fn written(&self) -> String {
+        let effects: Vec<String> = self.effects.iter().map(written).collect();
+        effects.join(" ")
+    }
 }
 
 /// Formats an effect as an argument of `--with`.

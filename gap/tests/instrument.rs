@@ -29,7 +29,7 @@ fn negate(column: &mut [f64]) {
 /// The column that a recording's oddities say has the wrong sign.
 fn said(recording: &Recording) -> Option<&str> {
     recording.oddities.iter().find_map(|oddity| match oddity {
-        Oddity::Turned { column, .. } => Some(*column),
+        Oddity::OppositeSign { column, .. } => Some(*column),
         _ => None,
     })
 }

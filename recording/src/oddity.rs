@@ -152,16 +152,16 @@ pub enum Oddity {
         percent: f64,
     },
     /// Input and position have opposite signs with respect to the model.
-    #[error("`input` and `position` have opposite signs: the rms error of the model is {told} {unit} as logged, {mute} without any input and {turned} with the other sign of `{column}`, which is assumed: correct the sign in the log", told = short(*told), mute = short(*mute), turned = short(*turned))]
-    Turned {
+    #[error("`input` and `position` have opposite signs: the rms error of the model is {as_logged} {unit} as logged, {without_input} without any input and {corrected} with the other sign of `{column}`, which is assumed: correct the sign in the log", as_logged = short(*as_logged), without_input = short(*without_input), corrected = short(*corrected))]
+    OppositeSign {
         /// The column whose sign is assumed to be wrong.
         column: &'static str,
         /// Rms prediction error with the signs as logged, in units of position.
-        told: f64,
+        as_logged: f64,
         /// Rms prediction error without any input, in units of position.
-        mute: f64,
+        without_input: f64,
         /// Rms prediction error with the other sign, in units of position.
-        turned: f64,
+        corrected: f64,
         /// Unit of position.
         unit: String,
     },
@@ -232,7 +232,7 @@ impl Oddity {
             | Self::ServoDeadband
             | Self::UnknownUnit { .. }
             | Self::SensorAssumed { .. }
-            | Self::Turned { .. }
+            | Self::OppositeSign { .. }
             | Self::Overlap { .. } => None,
         }
     }

@@ -36,7 +36,7 @@ pub fn inspected(mut recording: Recording) -> Result<Recording, UnitMistake> {
     }
     match sign_or_unit(&recording) {
         None => {}
-        Some(SignOrUnit::Turned(turn, oddity)) => {
+        Some(SignOrUnit::OppositeSign(turn, oddity)) => {
             turn_models(&mut recording, turn);
             recording.oddities.push(oddity);
         }

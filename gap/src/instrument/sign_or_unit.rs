@@ -47,7 +47,7 @@ pub(super) type Turn = fn(Model) -> Model;
 /// A hypothesis about the sign or unit of a column.
 pub(super) enum SignOrUnit {
     /// A column has the opposite sign. The function converts the model accordingly.
-    Turned(Turn, Oddity),
+    OppositeSign(Turn, Oddity),
     /// A column has another unit.
     Scaled(UnitMistake),
 }
@@ -84,14 +84,14 @@ pub(super) fn sign_or_unit(recording: &Recording) -> Option<SignOrUnit> {
     ];
     let turned = turned.map(|(column, turn)| {
         let Residual { rms, squares, .. } = residual(&turn(model));
-        let oddity = Oddity::Turned {
+        let oddity = Oddity::OppositeSign {
             column,
-            told: recorded.rms,
-            mute: without_input.rms,
-            turned: rms,
+            as_logged: recorded.rms,
+            without_input: without_input.rms,
+            corrected: rms,
             unit: recording.units.position.clone(),
         };
-        let hypothesis = SignOrUnit::Turned(turn, oddity);
+        let hypothesis = SignOrUnit::OppositeSign(turn, oddity);
         HypothesisResidual {
             hypothesis,
             rms,

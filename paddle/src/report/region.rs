@@ -34,7 +34,7 @@ impl Labels {
             input_limit: recording.model.input_limit,
             has_stops: recording.model.travel.is_some(),
             turned: recording.oddities.iter().find_map(|oddity| match oddity {
-                Oddity::Turned { column, .. } => Some(*column),
+                Oddity::OppositeSign { column, .. } => Some(*column),
                 _ => None,
             }),
         }

@@ -11,18 +11,19 @@ use crate::guess::contact::LONGEST_SHARE;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Shifts of an instant that are tried, as shares of the duration of the last occurrence, and the largest number of shifts.
+/// Shifts of an instant that are tried, as shares of the duration of the last occurrence.
 const MOVES: [f64; 10] = [3.0, 1.6, 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
+/// Largest number of shifts in one search of the instants.
 const MOST_MOVES: usize = 12;
 /// Largest number of alternating searches of the instants and fits.
 const MOST_ROUNDS: usize = 4;
-/// Number of starts that are continued, those of the lowest cost.
+/// Number of fits of lowest cost that are continued.
 const CARRIED_ON: usize = 2;
 /// Least strength of a temporary effect, in its standard deviations.
 const SURE_ERRORS: f64 = 2.0;
 
-/// The fit with the last effect in its best form, and with as many occurrences as each gain significantly. `known` is the fit without the
-/// effect.
+/// Returns the fit with the last effect in its best form. It has as many occurrences as each gain significantly. `known` is the fit without
+/// the effect.
 pub(super) fn found(
     problem: &Problem<'_>,
     expected: &ExpectedLoss,
@@ -33,7 +34,7 @@ pub(super) fn found(
     let stands_out = |fit: &Fit, on: &Fit| stands_out(&fit.costs.gains(&on.costs), expected);
     let mut best = once(problem, fit, iterations);
     if !stands_out(&best, known) {
-        // One long occurrence that spans two short ones explains neither.
+        // One long occurrence that spans two short ones represents neither of them.
         let halves = best.last_term().map(|term| episode::halves(&term));
         let halves = halves.into_iter().flatten().map(|half| {
             let (hypothesis, x) = best.with_last(half);
@@ -55,7 +56,7 @@ pub(super) fn found(
     best
 }
 
-/// The fit with one more occurrence of the last effect: the one that explains most.
+/// Returns the fit with one more occurrence of the last effect: the one of lowest cost.
 fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     let windows = 0..problem.window_count();
     let costs: Vec<f64> = windows.map(|w| fit.costs.log(w)).collect();
@@ -66,18 +67,18 @@ fn again(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Option<Fit> {
     best_of(problem, fit, returns, iterations)
 }
 
-/// The search of the intervals of a term, or `None` if its effect is permanent.
+/// Returns how the intervals of a term are searched, or `None` if its effect is permanent.
 fn kind(term: &Term) -> Option<&'static dyn Episode> {
     effects::of(term.kind.name).episode()
 }
 
-/// The terms with all other forms of the last occurrence.
+/// Returns the terms with all other forms of the last occurrence.
 fn otherwise(term: &Term) -> Vec<Term> {
     let kind = kind(term);
     kind.map_or_else(Vec::new, |kind| kind.other_forms(term))
 }
 
-/// The fit with the last effect in its best form.
+/// Returns the fit with the last effect in its best form.
 fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
     let term = fit.last_term().into_iter().collect();
     let best = best_of(problem, fit, term, iterations);
@@ -85,7 +86,7 @@ fn once(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> Fit {
     best.unwrap_or_else(|| fit.clone())
 }
 
-/// The best fit with one of some terms, or one of their other forms, in place of the last effect.
+/// Returns the fit of lowest cost in which one of the `terms`, or another form of one, replaces the last effect.
 fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize) -> Option<Fit> {
     let lowest = |a: &Fit, b: &Fit| level(a).total_cmp(&level(b));
     let otherwise = terms.iter().flat_map(otherwise);
@@ -100,7 +101,7 @@ fn best_of(problem: &Problem<'_>, fit: &Fit, terms: Vec<Term>, iterations: usize
     fits.min_by(lowest)
 }
 
-/// Repeats the search of the instants and the fit while the cost decreases. The shifts are in proportion to the duration.
+/// Repeats the search of the instants and the fit while the cost decreases. The shifts are proportional to the duration.
 fn carried_on(problem: &Problem<'_>, mut best: Fit, iterations: usize) -> Fit {
     for _ in 0..MOST_ROUNDS {
         let term = best.last_term();
@@ -137,12 +138,12 @@ fn timed_and_fitted(problem: &Problem<'_>, fit: &Fit, term: Term, iterations: us
     problem.fit(&hypothesis, x, Part::All, iterations)
 }
 
-/// Longest total duration of a temporary effect, s.
+/// Returns the longest total duration of a temporary effect, s.
 fn longest_s(problem: &Problem<'_>) -> f64 {
     LONGEST_SHARE * problem.duration_s()
 }
 
-/// True if the strength of the temporary effect that is last in a fit is significantly above zero.
+/// Returns true if the strength of the last effect of a fit, which is temporary, is significantly above zero.
 pub(super) fn is_there(fit: &Fit) -> bool {
     let [at, within] = [&fit.x, &fit.std].map(|of| fit.hypothesis.parts(of).last());
     let (Some((term, x)), Some((_, std))) = (at, within) else {
@@ -155,7 +156,7 @@ pub(super) fn is_there(fit: &Fit) -> bool {
     })
 }
 
-/// True if the last effect of a fit explains more as a permanent effect.
+/// Returns true if the last effect of a fit has a lower cost as a permanent effect.
 pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) -> bool {
     let Some(term) = fit.last_term() else {
         return false;
@@ -165,8 +166,8 @@ pub(super) fn is_lasting(problem: &Problem<'_>, fit: &Fit, iterations: usize) ->
     level(&lasting) < level(fit)
 }
 
-/// Shifts the two instants of the last occurrence until no shift gains. The total duration is at most `longest_s`. The gain is that of
-/// the sum of squares, because the robust cost of a window does not change until an instant is nearly right.
+/// Shifts the two instants of the last occurrence until no shift has a gain. The total duration is at most `longest_s`. The gain is the
+/// decrease of the sum of squared residuals, because the robust cost of a window does not change until an instant is nearly right.
 fn timed(mut term: Term, longest_s: f64, gain: impl Fn(&Term, &Term) -> f64 + Sync) -> Term {
     let [from_s, to_s] = episode::instants(&term);
     for _ in 0..MOST_MOVES {
@@ -193,7 +194,7 @@ mod tests {
     use crate::term::{Coordinate, Scale};
     use host_sim::effects::Effect;
 
-    /// The contact of a text such as `contact:stiffness=0.3,...`. All its parameters are free but the side.
+    /// The contact of a text such as `contact:stiffness=0.3,...`. All its parameters except the side are free.
     fn contact(written: &str) -> Term {
         let Effect { kind, values } = written.parse().unwrap();
         let coordinate = |(parameter, scale): (usize, f64)| Coordinate {

@@ -1,17 +1,17 @@
-//! A search among many local optima: a simple evolution strategy (Rechenberg, 1973).
+//! Searches the lowest of many local optima by a simple evolution strategy (Rechenberg, 1973).
 
 use host_sim::sensors::Noise;
 use rayon::prelude::*;
 
-/// Children of a generation.
+/// Number of children per generation.
 const CHILDREN: usize = 12;
-/// Generations.
+/// Number of generations.
 const GENERATIONS: usize = 8;
-/// Factor on the spread of the children when none of them is better.
+/// Factor on the spread of the children if none of them has a lower cost.
 const NARROWER: f64 = 0.75;
 const SEED: u64 = 0x6576_6f6c_7665;
 
-/// The best by a cost among the descendants of `x`, and what it costs. The first children have a standard deviation of
+/// Returns the lowest cost among `x` and its descendants, and the coordinates of that cost. The first children have a standard deviation of
 /// `spread` in each coordinate.
 pub(super) fn evolved(
     x: Vec<f64>,
@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn the_lowest_of_many_optima_is_approached() {
-        // Slopes lead to the nearest of the optima, about one apart.
+        // Gradients lead to the nearest optimum. The optima are about one unit apart.
         let rugged = |x: &[f64]| {
             let ripples = x.iter().map(|x| x * x + 0.5 * (1.0 - (6.0 * x).cos()));
             ripples.sum::<f64>()

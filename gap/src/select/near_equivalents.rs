@@ -1,4 +1,4 @@
-//! Effects that change a small and slow motion in nearly the same way: each is fitted from where another one stands.
+//! Finds effects that change a small and slow motion in nearly the same way. Each is fitted from the parameters of another one.
 
 use super::rival::Rival;
 use crate::effects;
@@ -10,8 +10,8 @@ fn is_near_equivalent(one: &str, other: &str) -> bool {
     one != other && family.is_some() && family == effects::of(other).family()
 }
 
-/// The special cases and the near-equivalents of a rival among `all`. They start at the values of the rival: those of the numbers of the
-/// model, of the effects before it, and of the parameters that both effects share.
+/// Returns the special cases and the near-equivalents of the rival `to` among `all`. Their fits begin at the values of that rival: the
+/// model parameters, the effects before the last one, and the parameters that both last effects have in common.
 pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<Rival> {
     let Some((held, (_, known))) = to.held().zip(to.fit.hypothesis.terms.split_last()) else {
         return Vec::new();
@@ -19,7 +19,7 @@ pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<
     let beside = |terms: &[Term]| -> Vec<&str> { terms.iter().map(|t| t.kind.name).collect() };
     let moved = all.iter().filter_map(|rival| {
         let is_special = effects::of(to.name).gives_way_to(rival.name);
-        // Without other effects a near-equivalent finds its numbers from its own starts.
+        // Without other effects a near-equivalent is fitted well from its own starts.
         let is_near_equivalent = is_near_equivalent(rival.name, to.name) && !known.is_empty();
         let (own, (last, others)) = rival.held().zip(rival.fit.hypothesis.terms.split_last())?;
         let is_related = (is_special || is_near_equivalent) && beside(others) == beside(known);
@@ -38,7 +38,7 @@ pub(super) fn near_equivalents(to: &Rival, all: &[Rival], model: &Model) -> Vec<
     started.flatten().collect()
 }
 
-/// A start of a term at the values with which it acts on small motion like a near-equivalent.
+/// Returns a start of `own` with the same action on small motion as `other`. Returns `None` if there is no such start.
 fn equal(own: &Term, other: &Term, model: &Model) -> Option<Term> {
     let motion = effects::of(other.kind.name).on_small_motion(other, model)?;
     effects::of(own.kind.name).equivalent_start(own, motion, model)
@@ -53,7 +53,7 @@ mod tests {
     use crate::made;
     use crate::term::{Coordinate, Scale};
 
-    /// An effect that starts at `values`, all of them free.
+    /// An effect with start values `values`, all of them free.
     fn term(name: &str, values: &[f64]) -> Term {
         let coordinate = |(parameter, &start)| Coordinate {
             parameter,
@@ -64,7 +64,7 @@ mod tests {
         made::term(name, &free)
     }
 
-    /// A rival of one effect beside those that are `known`.
+    /// A rival with the effects `known` and one more effect.
     fn rival(known: &[Term], last: Term) -> Rival {
         let name = last.kind.name;
         let hypothesis = Hypothesis {
@@ -84,7 +84,7 @@ mod tests {
         Rival { name, fit }
     }
 
-    /// What is tried from where gravity stands beside what is `known`.
+    /// Names of the near-equivalents of gravity that are tried beside the effects `known`.
     fn beside_gravity(known: &[Term]) -> Vec<&'static str> {
         let all = ["gravity", "spring", "inertia"];
         let all = all.map(|name| rival(known, term(name, &[0.1])));
@@ -99,7 +99,7 @@ mod tests {
         assert!(!found.is_empty() && found.iter().all(|name| *name == "spring"));
     }
 
-    /// Torque of weight and spring a little off the place where it vanishes.
+    /// Torque of gravity and spring near the position at which it is zero.
     fn restoring(model: &Model, x: f64) -> f64 {
         model.gravity * (x - model.gravity_zero) + model.stiffness * (x - model.stiffness_zero)
     }

@@ -1,4 +1,4 @@
-//! Pairs of effects that promise most together, although neither may show much alone.
+//! Finds the pairs of effects with the lowest estimated cost together. Each effect alone may gain little.
 
 use super::rival::{Rival, extended};
 use super::screening::{STARTS, soon};
@@ -12,15 +12,15 @@ use crate::fit::part::Part;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Pairs that are fitted, those that promise most.
+/// Number of pairs that are fitted: those with the lowest estimated cost.
 const PROPOSED: usize = 12;
-/// Pairs whose fit goes on.
+/// Number of pairs whose fits are continued.
 const PROPOSED_KEPT: usize = 4;
-/// Pairs that one effect may be in.
+/// Largest number of these pairs that contain the same effect.
 const MOST_TIMES: usize = 3;
 
-/// Pairs fitted to the chosen windows: those that promise most there, and those that do so over a quarter of the horizon, where what an
-/// effect changes is nearer to proportional to its size.
+/// Returns pairs of effects fitted to the `chosen` windows. They have the lowest estimated cost on these windows, or over a quarter of the
+/// horizon. Over a shorter time the change of the motion is closer to proportional to the magnitude of an effect.
 pub(super) fn screened_pairs(
     search: &Search<'_>,
     null: &Fit,
@@ -28,7 +28,7 @@ pub(super) fn screened_pairs(
     alone: &[Rival],
 ) -> Vec<Rival> {
     let field = ScreeningSet::new(search.problem, null, chosen);
-    // An effect with an instant of its own beside another one can fit anything.
+    // An effect bound to an instant is left out, because it can fit any residual beside another effect.
     let alone = alone.iter().filter(|rival| !rival.is_event());
     let alone = alone.filter_map(|rival| rival.fit.last_term());
     let mut starts: Vec<Term> = alone.collect();
@@ -48,7 +48,7 @@ pub(super) fn screened_pairs(
     rivals.collect()
 }
 
-/// Fits of the best of the most promising pairs.
+/// Fits the pairs with the lowest estimated cost, and returns the best fits.
 fn pairs(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Fit> {
     let pairs = promising_pairs(field, starts, PROPOSED).into_par_iter();
     let short = pairs.map(|pair| short_fit_of_both(field, pair));
@@ -59,13 +59,13 @@ fn pairs(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Fit> {
         .collect()
 }
 
-/// A short fit of two effects from their starts.
+/// Fits two effects with few iterations from their starts.
 fn short_fit_of_both(field: &ScreeningSet<'_>, pair: [Term; 2]) -> Fit {
     let (hypothesis, x) = extended(field.known, &pair);
     fit_both(field, &hypothesis, x, FIRST_ITERATIONS)
 }
 
-/// A fit of two effects from `x`.
+/// Fits two effects from the coordinates `x`.
 fn fit_both(
     field: &ScreeningSet<'_>,
     hypothesis: &Hypothesis,
@@ -76,8 +76,8 @@ fn fit_both(
     field.problem.fit(hypothesis, x, part, iterations)
 }
 
-/// The `kept` pairs of effects that promise most together, by a linear estimate at their starts; an effect that promises much with any
-/// other is in a few of them only.
+/// Returns the `kept` pairs with the lowest estimated cost. The estimate is linear at the starts of the effects. The number of pairs with
+/// the same effect is limited.
 fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {
     let part = Part::Chosen(&field.chosen);
     let effect_model = |start: &Term| {
@@ -88,7 +88,7 @@ fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Ve
     };
     let models: Vec<EffectModel> = starts.par_iter().map(effect_model).collect();
     let pairs = (0..starts.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
-    // An effect and its special case make no pair.
+    // An effect and its special case do not form a pair.
     let is_pair = |[i, j]: &[usize; 2]| {
         let [a, b] = [i, j].map(|i: &usize| starts[*i].kind.name);
         a != b && !effects::of(a).contains(b) && !effects::of(b).contains(a)
@@ -107,7 +107,7 @@ fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Ve
     best.map(|pair| pair.map(|i| starts[i].clone())).collect()
 }
 
-/// The first `kept` of some pairs, each of two other names, no name in too many of them.
+/// Returns the first `kept` of the pairs. Each has a different set of names, and the number of pairs with the same name is limited.
 fn spread(pairs: impl Iterator<Item = [usize; 2]>, names: &[&str], kept: usize) -> Vec<[usize; 2]> {
     let mut taken: Vec<[usize; 2]> = Vec::new();
     for pair in pairs {
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn effects_that_compensate_each_other_are_proposed_together() {
-        // A drag makes the motion smaller, and the gain shows it larger again.
+        // Viscous friction reduces the motion. The sensor gain increases its reading.
         let hidden = ["sensor_gain:gain=1.3", "viscous:coefficient=0.002"];
         let recording = made::recording(&hidden);
         search::on(&recording, |search, null| {

@@ -1,4 +1,4 @@
-//! Starts for effects whose cost has many local optima.
+//! Finds starts for effects whose cost has many local optima.
 
 use super::evolution::evolved;
 use super::screening_set::{MANY_ITERATIONS, ScreeningSet, lowest};
@@ -7,48 +7,51 @@ use crate::floor::WHITE;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Lowest points of a scan that are fitted.
+/// Largest number of starts of lowest cost that a scan returns for fits.
 const SCANNED_FITTED: usize = 4;
-/// Standard deviation, in scales of the coordinates, of an evolution from the lowest points of a scan.
+/// Initial standard deviation of an evolution from a point of a scan, in scales of the coordinates.
 const WIDELY: f64 = 0.5;
-/// Share of the excess that the lowest point of a scan must close to be worth an evolution from there. It did in 51 of 53 recordings of
-/// blind sets with play, and in 21 of 85 without.
+/// Least share of the excess that the lowest point of a scan must close before an evolution begins there. It did so in 51 of 53 recordings
+/// of blind sets with backlash, and in 21 of 85 without.
 const LEAST_SCAN_GAIN: f64 = 0.02;
-/// Share of what the best other effect closes that a start must close to be worth an evolution: the lowest point of a scan, and the result
-/// of an evolution over a quarter of the horizon. Beside another effect play closes 0.14 and 0.23 of it at least, alone far more.
+/// Least gain at the lowest point of a scan, as a share of the gain of the best other effect, for an evolution over a quarter of the
+/// horizon. Backlash beside another effect has at least 0.14, and backlash alone has far more.
 const LEAST_SCAN_LEAD: f64 = 0.1;
+/// Least gain after the evolution over a quarter of the horizon, as a share of the gain of the best other effect, for an evolution over the
+/// whole horizon. Backlash beside another effect has at least 0.23.
 const LEAST_SEARCH_LEAD: f64 = 0.2;
-/// Lowest points from which an evolution begins. The right one was among them in all of 16 recordings.
+/// Number of lowest points of a scan from which evolutions begin. The right point was among them in all of 16 recordings.
 const SEARCHED: usize = 2;
 
-/// Cost up to which a start is worth an evolution: it closes enough of the excess, and of what `best` closes.
+/// Returns the highest cost at which an evolution from a start begins. The start must close enough of the excess, and a `share` of the gain
+/// of `best`.
 fn worth(field: &ScreeningSet<'_>, best: &Fit, share: f64) -> f64 {
     let known = field.cost_of(field.known);
     let closed = known - field.cost_of(best);
     known - (LEAST_SCAN_GAIN * (known - WHITE)).max(share * closed)
 }
 
-/// The `kept` starts that cost least without a fit.
+/// Returns the `kept` starts of lowest cost without a fit.
 fn near(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<Term> {
     let costs = starts.par_iter().map(|start| (field.cost(start), start));
     lowest(costs.collect(), kept)
 }
 
-/// Some starts, each after a short fit.
+/// Returns the starts, each after a short fit.
 fn followed(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
     let fits = starts.par_iter().map(|s| field.fit(s, MANY_ITERATIONS));
     fits.filter_map(|fit| fit.last_term()).collect()
 }
 
-/// The best starts around the lowest points of two scans: of these windows, and of the same data restarted four times as often. Far from
-/// the right numbers the lowest point of the first may be a wrong one.
+/// Returns the starts of lowest cost around the lowest points of two scans: one on the windows of `field`, and one on `soon`, which has the
+/// same data with restarts four times as often. Far from the right parameters the lowest point of the first scan may be a wrong one.
 pub(super) fn scanned(
     field: &ScreeningSet<'_>,
     soon: Option<&ScreeningSet<'_>>,
     starts: &[Term],
 ) -> Vec<Term> {
     let mut low = minima(starts, |start| field.cost(start));
-    // A model of another frequency gets out of phase over the horizon, and less so over a quarter of it.
+    // If the frequency of a model is wrong, its phase error increases over the horizon. It is smaller over a quarter of the horizon.
     if let Some(soon) = soon {
         let early = minima(starts, |start| soon.cost(start));
         low.extend(followed(soon, &early));
@@ -58,8 +61,8 @@ pub(super) fn scanned(
     near(field, &around.collect::<Vec<_>>(), SCANNED_FITTED)
 }
 
-/// The best starts of an effect whose impacts give the cost many optima: evolved from the lowest points of a scan over a quarter of the
-/// horizon, where the cost has fewer of them.
+/// Returns the starts of lowest cost of an effect whose impacts cause many local optima. The evolution begins at the lowest points of a
+/// scan over a quarter of the horizon, where there are fewer optima.
 pub(super) fn searched(
     field: &ScreeningSet<'_>,
     soon: Option<&ScreeningSet<'_>>,
@@ -83,7 +86,7 @@ pub(super) fn searched(
     near(field, &descended(field, &early), SCANNED_FITTED)
 }
 
-/// Some starts, each after an evolution.
+/// Returns the starts, each after an evolution.
 fn descended(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
     let found = starts.par_iter().map(|start| {
         let x = vec![0.0; start.free.len()];
@@ -93,8 +96,8 @@ fn descended(field: &ScreeningSet<'_>, starts: &[Term]) -> Vec<Term> {
     found.collect()
 }
 
-/// The lowest local minima of a scan. Starts are in the order of the scan, on one side of the sensor after the other; of those with the
-/// same size the lowest counts.
+/// Returns the lowest local minima of a scan. `starts` are in the order of the scan, first for one side of the sensor and then for the
+/// other. Of starts with the same first parameter, the one of lowest cost counts.
 fn minima(starts: &[Term], cost: impl Fn(&Term) -> f64 + Sync) -> Vec<Term> {
     let costs: Vec<f64> = starts.par_iter().map(&cost).collect();
     let costs: Vec<(f64, &Term)> = costs.into_iter().zip(starts).collect();

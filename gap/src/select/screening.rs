@@ -1,4 +1,4 @@
-//! Screening: every effect is fitted shortly to a few windows, to find those that are worth a fit to all.
+//! Screening fits every effect with few iterations to a few windows. It selects the effects that are worth a fit to all windows.
 
 use super::excess::{ADEQUATE_EXCESS, level};
 use super::ranking::join_all;
@@ -15,35 +15,43 @@ use crate::term::Term;
 use rayon::prelude::*;
 use std::cell::LazyCell;
 
-/// Starts of an effect that are fitted, those that promise most; and of each variant of an effect that shows in few windows.
+/// Number of starts of an effect that are fitted: those with the lowest estimated cost.
 pub(super) const STARTS: usize = 2;
+/// Number of starts that are fitted of each variant of an effect that acts in few windows.
 const VARIANT_STARTS: usize = 3;
-/// Starts whose fit goes on.
+/// Number of starts of an effect whose fits are continued.
 const STARTS_KEPT: usize = 1;
-/// Starts whose fit goes on of an effect whose cost has many optima, and of a variant.
+/// Number of starts whose fits are continued if the cost of the effect has many local optima.
 const MANY_KEPT: usize = 3;
+/// Number of starts whose fits are continued of each variant of an effect that acts in few windows.
 const VARIANT_KEPT: usize = 2;
-/// Effects whose fit goes on; fewer beside a model of two masses, which takes ten times as long.
+/// Largest number of effects whose fits are continued.
 const PROMISING: usize = 14;
+/// Largest number of effects whose fits are continued if the model has two masses. Such a fit takes ten times as long.
 const PROMISING_BESIDE_MASSES: usize = 6;
+/// Number of iterations of the continued fit of an effect if one of its starts is continued.
 const SCREENING_ITERATIONS: usize = 4;
-/// Share of the best gain that such an effect must have by then, and effects that need not. Of 257 effects that were named on outside sets
-/// none had gained less.
+/// Least gain of an effect after its first fits, as a share of the best gain, for its fits to be continued. Of 257 effects that were named
+/// on outside sets none had gained less.
 const LEAST_PROMISE: f64 = 0.2;
+/// Number of best effects whose fits are continued whatever they gain.
 const FEWEST_PROMISING: usize = 3;
-/// Further iterations of the best effect before others are scanned.
+/// Number of further iterations of the best effect before other effects are scanned.
 const LAST_ITERATIONS: usize = 10;
-/// Samples on which effects are screened, and fewest windows.
+/// Number of samples on which effects are screened.
 const SCREENING_SAMPLES: f64 = 3000.0;
+/// Least number of windows on which effects are screened.
 const SCREENING_WINDOWS: f64 = 12.0;
-/// Share of the best other gain that a scanned effect must reach for its fit to go on.
+/// Least gain of a scanned effect after its first fits, as a share of the best gain of the other effects, for its fits to be continued.
 const LEAST_SCANNED_GAIN: f64 = 0.5;
-/// Samples of a block of windows, its fewest and most windows, and fewest blocks.
+/// Number of samples in a block of windows.
 const BLOCK_SAMPLES: usize = 1000;
+/// Smallest and largest number of windows in a block.
 const BLOCK_WINDOWS: [usize; 2] = [2, 8];
+/// Least number of blocks on which effects are screened.
 const FEWEST_BLOCKS: f64 = 3.0;
 
-/// The starts in groups of one variant: they differ only in numbers that a fit moves.
+/// Returns the starts in groups of one variant. The starts of a group differ only in free parameters.
 fn variants(starts: &[Term]) -> Vec<Vec<Term>> {
     let mut all: Vec<Vec<Term>> = Vec::new();
     for start in starts {
@@ -55,7 +63,7 @@ fn variants(starts: &[Term]) -> Vec<Vec<Term>> {
     all
 }
 
-/// Every effect on top of `known`, fitted shortly to the chosen windows.
+/// Returns every effect on top of `known`, fitted with few iterations to the `chosen` windows.
 pub(super) fn screened(
     search: &Search<'_>,
     known: &Fit,
@@ -65,14 +73,15 @@ pub(super) fn screened(
     (search.progress)(Stage::Screening);
     let problem = search.problem;
     let as_fitted = ScreeningSet::new(problem, known, chosen);
-    // Numbers of the model may have moved in place of an effect: without any other effect the search begins where they are stated.
+    // The model parameters may have moved to compensate a missing effect. If `known` has no effect or its parameters are strained, the fits
+    // begin at the stated values.
     let have_gone = known.hypothesis.terms.is_empty() || known.is_strained();
     let given = have_gone.then(|| known.as_stated());
     let as_given = given
         .as_ref()
         .map(|given| ScreeningSet::new(problem, given, chosen));
     let field = as_given.as_ref().unwrap_or(&as_fitted);
-    // An effect with one start has a hint.
+    // A scanned effect with a single start has a hint, and is not scanned.
     let is_scan = |c: &Candidate| match c.effect.landscape() {
         Landscape::Rugged => true,
         landscape => landscape.is_scanned() && c.starts.len() > 1,
@@ -86,10 +95,11 @@ pub(super) fn screened(
     let fitted = fitted_on(search, known, chosen, &few, f64::INFINITY, |candidate| {
         let effect = candidate.effect;
         let (field, most_starts, kept) = if effect.is_local() {
-            // An effect that shows in few windows does not move those numbers. Hard contacts have many poor optima.
+            // An effect that acts in few windows keeps the model parameters. Hard contacts have many poor local optima.
             (&as_fitted, VARIANT_STARTS, VARIANT_KEPT)
         } else if effect.landscape() == Landscape::Hysteretic && !has_two_masses {
-            // The promise of a start says little about where its fit ends. Beside two masses trying all takes too long.
+            // The estimated cost of such a start says little about its cost after the fit, so all starts are fitted. With two masses that
+            // would take too long.
             (field, candidate.starts.len(), STARTS_KEPT)
         } else {
             (field, STARTS, STARTS_KEPT)
@@ -113,7 +123,7 @@ pub(super) fn screened(
         );
         join_all(&mut rivals, weighed(search, fitted, chosen));
     }
-    // Scanned effects have more numbers, and take most of the time.
+    // Scanned effects have more parameters, and their fits take most of the time.
     if !scans.is_empty() && !suffices(search, &mut rivals, chosen) {
         let soon = soon(search, field.known);
         let whole = &*whole;
@@ -135,7 +145,7 @@ pub(super) fn screened(
     rivals
 }
 
-/// True if the best rival is adequate after further iterations.
+/// Returns true if the best rival is adequate, if necessary after further iterations.
 fn suffices(search: &Search<'_>, rivals: &mut [Rival], chosen: &[bool]) -> bool {
     let best = rivals
         .iter_mut()
@@ -152,8 +162,8 @@ fn suffices(search: &Search<'_>, rivals: &mut [Rival], chosen: &[bool]) -> bool 
     level(fit) <= enough
 }
 
-/// Rivals with their costs on the chosen windows, whatever windows they were fitted to. Blocks of windows are long enough for a hidden
-/// state to settle, single windows are not.
+/// Returns the rivals with their costs on the `chosen` windows, whatever windows they were fitted to. All windows are predicted for that,
+/// because a hidden state needs a block of windows to settle.
 pub(super) fn weighed(search: &Search<'_>, rivals: Vec<Rival>, chosen: &[bool]) -> Vec<Rival> {
     let weighed = rivals.into_par_iter().map(|mut rival| {
         let Fit { hypothesis, x, .. } = &rival.fit;
@@ -164,14 +174,14 @@ pub(super) fn weighed(search: &Search<'_>, rivals: Vec<Rival>, chosen: &[bool]) 
     weighed.collect()
 }
 
-/// Some of the same data, restarted four times as often.
+/// Returns a screening set of the same data with restarts four times as often. Returns `None` if there is no such problem.
 pub(super) fn soon<'a>(search: &'a Search<'_>, known: &'a Fit) -> Option<ScreeningSet<'a>> {
     let quarter = search.problem.quarter.as_deref()?;
     Some(ScreeningSet::new(quarter, known, blocks(quarter)))
 }
 
-/// Rivals of the effects `tried` on top of `known`. `short_fits` returns the first fits of an effect. The fits of the most promising
-/// effects are continued if they cost no more than `enough`.
+/// Returns a rival for each effect in `tried` on top of `known`. `short_fits` returns the first fits of an effect. The fits of the effects
+/// of lowest cost are continued if they cost no more than `enough`.
 fn fitted_on(
     search: &Search<'_>,
     known: &Fit,
@@ -205,7 +215,7 @@ fn fitted_on(
                 1 => SCREENING_ITERATIONS,
                 _ => MANY_ITERATIONS,
             };
-            // Here the numbers of the model move as well.
+            // Here the model parameters are fitted as well.
             fits.into_par_iter().map(move |fit| {
                 let fit = search.problem.fit(&fit.hypothesis, fit.x, part, iterations);
                 Rival { name, fit }
@@ -214,8 +224,8 @@ fn fitted_on(
         .collect()
 }
 
-/// The windows on which effects are screened: half of them those of the highest cost, half spread evenly. They are blocks of windows where
-/// the state of two masses has to settle.
+/// Returns true for the windows on which effects are screened. Half of them are those of the highest cost, and half are spread evenly. If
+/// the state of two masses must settle, they are chosen in blocks.
 pub(super) fn screening_windows(search: &Search<'_>, known: &Fit) -> Vec<bool> {
     let problem = search.problem;
     let costs = window_costs(problem, known);
@@ -244,8 +254,8 @@ pub(super) fn screening_windows(search: &Search<'_>, known: &Fit) -> Vec<bool> {
     (0..costs.len()).map(|w| chosen[w / length]).collect()
 }
 
-/// Blocks of windows with as many samples as screening takes. Half of them begin with a run, where no hidden state is carried over yet;
-/// half are spread evenly, and a hidden state settles in the first window of each.
+/// Returns true for the windows of blocks with as many samples as screening uses. Half of them begin with a run, where no hidden state is
+/// carried over yet. Half are spread evenly, and a hidden state settles in the first window of each block.
 fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     let length = block_length(problem);
     let half = 0.5 * screening_share(problem, FEWEST_BLOCKS * length as f64);
@@ -258,16 +268,16 @@ fn blocks(problem: &Problem<'_>) -> Vec<bool> {
     chosen.collect()
 }
 
-/// Windows in a block.
+/// Returns the number of windows in a block.
 fn block_length(problem: &Problem<'_>) -> usize {
-    // As long for windows that are a quarter as long.
+    // The windows of the problem with more restarts are a quarter as long, so its blocks have four times as many windows.
     let quarters = if problem.quarter.is_some() { 1 } else { 4 };
     let [fewest, most] = BLOCK_WINDOWS.map(|windows| windows * quarters);
     let windows = BLOCK_SAMPLES * problem.window_count() / samples(problem).max(1);
     windows.clamp(fewest, most)
 }
 
-/// Share of the windows on which effects are screened, `fewest` of them at least.
+/// Returns the share of all windows on which effects are screened. It corresponds to at least `fewest` windows.
 fn screening_share(problem: &Problem<'_>, fewest: f64) -> f64 {
     (SCREENING_SAMPLES / samples(problem) as f64).max(fewest / problem.window_count() as f64)
 }
@@ -286,7 +296,7 @@ mod tests {
     use crate::term::{Coordinate, Scale};
     use recording::Recording;
 
-    /// A dead band of a width that is fitted, and of a form that is not.
+    /// A dead band with a free width and a fixed jump.
     fn deadband(width: f64, jump: f64) -> Term {
         let free = Coordinate {
             parameter: 0,

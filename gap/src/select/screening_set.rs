@@ -1,4 +1,4 @@
-//! Starts compared on a few windows, on top of the model so far.
+//! Compares starts on a few windows, on top of the model so far.
 
 use super::excess::level;
 use super::rival::extended;
@@ -10,9 +10,9 @@ use crate::term::Term;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// Iterations of the first fit of a start.
+/// Number of iterations of the first fit of a start.
 pub(super) const FIRST_ITERATIONS: usize = 2;
-/// Iterations of the fits that go on where the cost has many optima.
+/// Number of iterations of a continued fit of a pair, or of an effect of which several starts are continued.
 pub(super) const MANY_ITERATIONS: usize = 6;
 
 /// The windows on which starts are compared, and the model so far with its linearization there.
@@ -38,7 +38,7 @@ impl<'a> ScreeningSet<'a> {
         }
     }
 
-    /// A fit from a start.
+    /// Returns the fit of the model so far with one more effect, from a start.
     pub(super) fn fit(&self, start: &Term, iterations: usize) -> Fit {
         let (hypothesis, x) = extended(self.known, [start]);
         let linearization = Some(&self.linearization);
@@ -47,18 +47,18 @@ impl<'a> ScreeningSet<'a> {
             .fit_on(linearization, &hypothesis, x, part, iterations)
     }
 
-    /// Robust cost of a start without a fit.
+    /// Returns the cost per window at a start, without a fit.
     pub(super) fn cost(&self, start: &Term) -> f64 {
         level(&self.fit(start, 0))
     }
 
-    /// Robust cost of a fit on these windows.
+    /// Returns the cost per window of a fit on the chosen windows.
     pub(super) fn cost_of(&self, fit: &Fit) -> f64 {
         let part = Part::Chosen(&self.chosen);
         self.problem.costs(&fit.hypothesis, &fit.x, part).level()
     }
 
-    /// The `kept` starts that promise most by a linear estimate.
+    /// Returns the `kept` starts with the lowest estimated cost. The estimate is linear.
     pub(super) fn promising(&self, starts: &[Term], kept: usize) -> Vec<Term> {
         if starts.len() <= kept {
             return starts.to_vec();
@@ -72,7 +72,7 @@ impl<'a> ScreeningSet<'a> {
         lowest(starts.par_iter().map(|s| (promise(s), s)).collect(), kept)
     }
 
-    /// The `kept` best of short fits from some starts.
+    /// Returns the `kept` fits of lowest cost among short fits from `starts`.
     pub(super) fn short_fits(&self, starts: &[Term], kept: usize) -> Vec<Fit> {
         let short_fit = |start: &Term| self.fit(start, FIRST_ITERATIONS);
         let mut fits = sorted(starts.par_iter().map(short_fit).collect());
@@ -81,13 +81,13 @@ impl<'a> ScreeningSet<'a> {
     }
 }
 
-/// The fits of the lowest cost first.
+/// Returns the fits in the order of increasing cost.
 pub(super) fn sorted(mut fits: Vec<Fit>) -> Vec<Fit> {
     fits.sort_by(|a, b| level(a).total_cmp(&level(b)));
     fits
 }
 
-/// The `kept` of the lowest cost.
+/// Returns the `kept` starts of lowest cost.
 pub(super) fn lowest(mut costs: Vec<(f64, &Term)>, kept: usize) -> Vec<Term> {
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     costs.truncate(kept);

@@ -1,4 +1,4 @@
-//! Finalists: the effects that are fitted to all windows after screening.
+//! Selects the finalists, which are the effects that are fitted to all windows after screening.
 
 use super::degenerate::is_degenerate;
 use super::excess::level;
@@ -12,20 +12,23 @@ use crate::fit::part::Part;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-/// Most finalists, and those that are taken whatever they gain. The others must gain this share of the best gain in screening: of 409
-/// winners on blind and other sets all but one did.
+/// Largest number of finalists, except for effects that act in few windows.
 const FINALISTS: usize = 7;
+/// Number of best effects of screening that are finalists whatever they gain.
 const FEWEST_FINALISTS: usize = 3;
+/// Largest difference to the best cost of screening, as a share of the best gain, for any other finalist. Of 409 winners on blind and other
+/// sets all but one were within it.
 const IN_REACH: f64 = 0.5;
-/// Finalists beyond those that show in few windows.
+/// Number of effects that act in few windows and may be finalists at any rank: the best ones.
 const MOST_LOCAL: usize = 3;
-/// Share of the best gain within which a finalist is fitted further, and how many are in any case.
+/// Largest difference to the best cost, as a share of the best gain, at which the fit of a finalist is continued.
 const NEAR: f64 = 0.3;
+/// Number of best finalists whose fits are continued in any case.
 const ALWAYS_NEAR: usize = 2;
-/// Sizes from which a special case is fitted, over the size that it had alone.
+/// Magnitudes from which a related effect with one free parameter may be fitted, relative to its start.
 const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
 
-/// The finalists, an effect that was `found` in another way, and what is related to the best of them, all fitted to all windows.
+/// Returns the finalists, an effect `found` in another way, and the effects related to the best of them. All are fitted to all windows.
 pub(super) fn refit_shortlist(
     search: &Search<'_>,
     mut screened: Vec<Rival>,
@@ -46,7 +49,7 @@ pub(super) fn refit_shortlist(
     let mut local = 0;
     let all = screened.clone();
     let short_of = |best: f64, share: f64, none: f64| best + share * (none - best).max(0.0);
-    // On the windows of screening an effect that explains nothing leaves what is known to leave there.
+    // The worst cost in screening approximates the cost of `known` on these windows, because the worst effect closes nothing.
     let [best, worst] = [screened.first(), screened.last()]
         .map(|rival| rival.map_or(0.0, |rival| level(&rival.fit)));
     let limit = short_of(best, IN_REACH, worst);
@@ -80,8 +83,8 @@ pub(super) fn refit_shortlist(
     rivals
 }
 
-/// The special cases and near-equivalents of a rival among those that were `screened`, fitted from where it stands in the size that suits
-/// best there.
+/// Returns the special cases and near-equivalents of a rival among the `screened` rivals. Each is fitted from the parameters of the rival.
+/// If the magnitude is its only free parameter, the fit begins at the magnitude of lowest cost.
 pub(super) fn related(search: &Search<'_>, to: &Rival, screened: &[Rival]) -> Vec<Rival> {
     let fit = |rival: &Rival, iterations| {
         let Fit { hypothesis, x, .. } = &rival.fit;

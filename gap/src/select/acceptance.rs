@@ -1,4 +1,4 @@
-//! Whether an effect is accepted: whether its gain is more than chance.
+//! Decides whether an effect is accepted. Its gain must be larger than chance.
 
 use super::excess::is_adequate;
 use super::rival::Rival;
@@ -9,31 +9,32 @@ use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::{ExpectedLoss, mean_and_error};
 
-/// Standard errors from zero that a gain on held-out windows must have. With thirty rivals the best of them has as much by chance in
-/// about 1 % of the searches.
+/// Least gain on held-out windows, in its standard errors. With thirty rivals the best of them exceeds it by chance in about 1 % of the
+/// searches.
 const LEAST_SIGNIFICANCE: f64 = 3.3;
-/// Share of the excess above which a gain is hardly chance, however few the windows are, and the standard errors that such a gain must
-/// have.
+/// Share of the excess of the model without the effect above which a gain is large. A large gain is hardly chance, however few the windows
+/// are.
 const LARGE_SHARE: f64 = 0.2;
+/// Least gain on held-out windows, in its standard errors, if the gain is large.
 const LARGE_SIGNIFICANCE: f64 = 2.0;
-/// Share of the excess that every gain must be.
+/// Least gain as a share of the excess of the model without the effect.
 const LEAST_SHARE: f64 = 0.1;
-/// Least gain in robust cost per window. The uncertainty of the noise of the sensor is as large.
+/// Least gain in robust cost per window. The uncertainty of the sensor noise has an effect of the same size.
 const LEAST_GAIN: f64 = 0.015;
 
-/// Whether an effect is accepted, and by which windows.
+/// Whether an effect is accepted, and which windows decided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Acceptance {
-    /// Gain on windows that the fit has not seen over its standard error.
+    /// Gain on held-out windows divided by its standard error.
     pub significance: f64,
-    /// True if the effect is better than what was known.
+    /// True if the model with the effect is better than the model without it.
     pub accepted: bool,
-    /// True if it is so in a few windows only, which cannot be held out.
+    /// True if the effect is accepted by its gain in a few windows only. Such windows cannot be held out.
     pub by_few: bool,
 }
 
 impl Acceptance {
-    /// Of what is known to be there, in few windows or not.
+    /// Returns the acceptance of an effect that is known to be present. `by_few` is true if the effect acts in a few windows only.
     pub(crate) fn given(by_few: bool) -> Self {
         Self {
             significance: f64::INFINITY,
@@ -43,7 +44,8 @@ impl Acceptance {
     }
 }
 
-/// Whether `winner` is better than what was known on windows that neither fit has seen, or where it shows in few.
+/// Decides whether `winner` is better than `known`, the fit without the last effect of `winner`. The decision uses held-out windows. For an
+/// effect that may act in few windows it also uses the windows of the fit.
 pub(super) fn assessed(
     problem: &Problem<'_>,
     expected: &ExpectedLoss,
@@ -53,7 +55,7 @@ pub(super) fn assessed(
     let [without, with] = [known, &winner.fit].map(|fit| HeldOut::of(problem, fit));
     let gains = with.gains(&without);
     let (mean, error) = mean_and_error(&gains);
-    // The cost that numbers of the model save by moving less is known without an error.
+    // The prior cost that the effect saves is known exactly. The model parameters then deviate less from their stated values.
     let gain = mean + (known.costs.prior - winner.fit.costs.prior) / gains.len() as f64;
     let significance = gain / error.max(f64::MIN_POSITIVE);
     let excess = (without.unseen.level() - expected.level).max(0.0);
@@ -66,7 +68,7 @@ pub(super) fn assessed(
         && gain > LEAST_GAIN.max(LEAST_SHARE * excess)
         && no_worse_at_a_quarter(problem, known, &winner.fit);
     let seen = winner.fit.costs.gains(&known.costs);
-    // On top of an adequate model only an effect that shows in a few windows is accepted.
+    // If the model without the effect is adequate, only an effect that shows in a few windows is accepted.
     let is_missing = known.is_strained() || !is_adequate(known, expected);
     let by_unseen = by_unseen && !winner.is_event() && is_missing;
     let may_be_few = winner.is_event() || effects::of(winner.name).may_show_in_few_windows();
@@ -78,29 +80,31 @@ pub(super) fn assessed(
     }
 }
 
-/// True if an effect that shows in few windows, which cannot be held out, gains more there than a search of many places gains by
-/// chance, and costs nothing in the others. The worst window of an exact model counts as chance.
+/// Returns true if the gains of an effect that shows in few windows are larger than chance. Such windows cannot be held out. The sum of the
+/// gains must exceed the gain that a search of many places has by chance, plus the excess of the worst window of an exact model. The other
+/// windows must lose little.
 pub(super) fn stands_out(gains: &[f64], expected: &ExpectedLoss) -> bool {
     gains.iter().sum::<f64>() > EVENT_GAIN + expected.worst && harmless(gains)
 }
 
-/// True if the windows that get worse are few beside those that get better: chance makes as many of either. It accepts an effect that
-/// shows in few windows, such as a stop.
+/// Returns true if the windows with a higher cost lose little compared with the gain of the other windows. By chance, losses and gains are
+/// equally large. This condition accepts an effect that shows in few windows, such as an end stop.
 fn harmless(gains: &[f64]) -> bool {
     let better: f64 = gains.iter().filter(|g| **g > 0.0).sum();
     let worse: f64 = gains.iter().filter(|g| **g < 0.0).sum();
     better > HARMLESS_GAIN && -worse < HARMLESS_SHARE * better
 }
 
+/// Largest sum of the losses, as a share of the sum of the gains, at which an effect is harmless.
 const HARMLESS_SHARE: f64 = 0.25;
-/// Noise alone changes the robust cost of a window by some hundredths.
+/// Least sum of robust costs over the windows that counts as a gain. Noise alone changes the robust cost of a window by some hundredths.
 const HARMLESS_GAIN: f64 = 1.5;
 
-/// Sum of robust costs that an effect with an instant of its own must gain: the logarithm of the number of places, instants and sizes
-/// that were searched, with a margin.
+/// Sum of robust costs over all windows that an effect bound to an instant must gain. It is the logarithm of the number of searched places,
+/// instants and sizes, with a margin.
 const EVENT_GAIN: f64 = 4.0;
 
-/// Fits to two halves of the windows, and what each costs on the windows of the other.
+/// The fits of one hypothesis to two halves of the windows, and the cost of each fit on the windows of the other half.
 struct HeldOut {
     halves: [Fit; 2],
     unseen: Costs,
@@ -119,8 +123,9 @@ impl HeldOut {
         }
     }
 
-    /// By how much less each window costs here than there. A gain counts where the half that it was held out from gained as well: numbers
-    /// of which that half shows nothing stay as they were fitted to all windows.
+    /// Returns the gain of each held-out window: its cost in `there` less its cost here. A positive gain counts only if the half of the
+    /// windows that was fitted gained as well. Otherwise a parameter that does not affect that half would keep its value from the fit to
+    /// all windows.
     fn gains(&self, there: &Self) -> Vec<f64> {
         let saved = |half: usize| {
             let [own, other] = [self, there].map(|held| held.halves[half].costs.sum());
@@ -135,8 +140,8 @@ impl HeldOut {
     }
 }
 
-/// True if a fit is no worse with restarts four times as often. A model in which nothing moves can look good on slow motion, and is
-/// worse then.
+/// Returns true if a fit is no worse with restarts four times as often. A model without motion can have a low cost on slow motion over the
+/// whole horizon. Its cost is higher with more restarts.
 fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool {
     problem.quarter.as_ref().is_none_or(|quarter| {
         let costs = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All);
@@ -144,7 +149,7 @@ fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool 
     })
 }
 
-/// True if the loss is more than chance and than the uncertainty of the noise.
+/// Returns true if the loss is larger than chance and than the effect of the uncertainty of the noise.
 fn is_surely_worse(gains: &[f64]) -> bool {
     let (mean, error) = mean_and_error(gains);
     mean < -LEAST_GAIN.max(LARGE_SIGNIFICANCE * error)

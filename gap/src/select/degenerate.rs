@@ -1,4 +1,4 @@
-//! Fitted effects that do not act as their names say.
+//! Detects fitted effects that do not act as their names say.
 
 use super::episode_search;
 use super::excess::level;
@@ -9,8 +9,8 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 
-/// True if the last effect of a fit does not act as its name says. An episode on a model that is not adequate must end, and the data must
-/// tell its strength.
+/// Returns true if the last effect of a fit does not act as its name says. If the model is not adequate, a temporary effect must end, and
+/// its strength must be significant.
 pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
     let Some(last) = fit.last_term() else {
         return false;
@@ -29,7 +29,7 @@ pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
     })
 }
 
-/// True if a special case of the last effect explains as much, and is excluded from the search.
+/// Returns true if a special case of the last effect is excluded from the search and explains nearly as much.
 pub(super) fn is_excluded(search: &Search<'_>, known: &Fit, fit: &Fit) -> bool {
     let Some(last) = fit.last_term() else {
         return false;
@@ -49,7 +49,7 @@ pub(super) fn is_excluded(search: &Search<'_>, known: &Fit, fit: &Fit) -> bool {
     })
 }
 
-/// False if the last effect of a fit is a ripple of which less than a wave was travelled: a spring may explain as much.
+/// Returns false if the last effect of a fit is a ripple of which less than one period was travelled. A spring may explain as much.
 pub(super) fn repeats(problem: &Problem<'_>, fit: &Fit) -> bool {
     fit.last_term().is_none_or(|last| {
         let effect = effects::of(last.kind.name);
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!([0.02, 0.2, 0.98].map(is_degenerate), [true, false, true]);
     }
 
-    /// Whether play is taken for a twist that is not to be named.
+    /// Whether a backlash is rejected because a compliance, which is excluded from the search, explains as much.
     fn is_twist(hidden: &str) -> bool {
         let log = |parameter, start| Coordinate {
             parameter,

@@ -1,4 +1,4 @@
-//! An effect that consists of several parts, such as a ripple of several orders.
+//! Adds parts to an effect that may have several, such as a ripple of several orders.
 
 use super::acceptance::stands_out;
 use super::excess::level;
@@ -8,7 +8,7 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use rayon::prelude::*;
 
-/// A fit with as many parts of its last effect as each gain more than chance.
+/// Returns a fit with as many parts of its last effect as each have a gain above chance.
 pub(super) fn with_parts(search: &Search<'_>, mut fit: Fit) -> Fit {
     while let Some(more) = with_another_part(search, &fit) {
         if !stands_out(&more.costs.gains(&fit.costs), &search.expected) {
@@ -19,7 +19,7 @@ pub(super) fn with_parts(search: &Search<'_>, mut fit: Fit) -> Fit {
     fit
 }
 
-/// The best fit with one more part.
+/// Returns the fit of lowest cost with one more part of its last effect. Returns `None` if there is no start for another part.
 fn with_another_part(search: &Search<'_>, fit: &Fit) -> Option<Fit> {
     let last = fit.last_term()?;
     let effect = effects::of(last.kind.name);

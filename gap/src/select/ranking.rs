@@ -1,4 +1,4 @@
-//! Ranks the fitted rivals, and says which of them this recording cannot tell from the winner.
+//! Ranks the fitted rivals, and finds those that this recording cannot distinguish from the winner.
 
 use super::excess::{ADEQUATE_EXCESS, level};
 use super::rival::Rival;
@@ -7,37 +7,39 @@ use crate::effects;
 use crate::fit::Fit;
 use crate::fit::problem::PRIOR_WEIGHT;
 
-/// Share of the gain within which the rival with fewer parameters wins.
+/// Largest difference in cost, as a share of the gain of the best rival, at which the rival with fewer parameters wins.
 const PARSIMONY: f64 = 0.04;
-/// Share of the gain within which a special case wins over the form that contains it.
+/// Largest difference in cost, as a share of the gain of the best rival, at which a special case wins over the form that contains it.
 const SPECIAL_PARSIMONY: f64 = 0.08;
-/// Share of the winner's gain within which another name is not separable from it. Of 413 single effects on nine outside sets 99.3 %
-/// were then named or not separable, with 1.28 names on average; with half this share 98.8 %, with 1.23 names.
+/// Largest difference in cost, as a share of the gain of the winner, at which another effect is not separable from the winner. Of 413
+/// single effects on nine outside sets 99.3 % were then named or not separable, with 1.28 names on average. With half this share these were
+/// 98.8 % and 1.23 names.
 const TIE_SHARE: f64 = 0.08;
 
-/// Cost of a squared standard deviation as the logarithm of a probability, over its cost in a fit.
+/// Ratio of two costs of a squared deviation in standard deviations: the negative logarithm of its probability, and its prior cost in a
+/// fit.
 const PRIOR_SHARE: f64 = 0.5 / PRIOR_WEIGHT;
 
-/// Logarithm of the odds by which a rival must beat one with fewer parameters, beyond the penalty of those parameters, where both are
-/// adequate: the square of very strong evidence (Kass and Raftery, JASA 90, 1995).
+/// Least logarithm of the odds at which a rival wins over one with fewer parameters if both are adequate. The penalty of the additional
+/// parameters is added to it. It corresponds to the square of the odds of very strong evidence (Kass and Raftery, JASA 90, 1995).
 const FAR_LIKELIER: f64 = 10.0;
 
-/// Robust cost, summed over all windows, that a parameter must save in an adequate model: half the logarithm of the number of windows
+/// Penalty of a parameter in an adequate model, as robust cost summed over all windows: half the logarithm of the number of windows
 /// (Schwarz, Annals of Statistics 6, 1978).
 fn penalty(windows: usize) -> f64 {
     0.5 * (windows.max(1) as f64).ln()
 }
 
-/// The rivals, the best first. Among those that gain nearly as much as the best one, the one with fewest parameters comes first. Where
-/// the best one costs no more than an `adequate` model, the difference must be within chance, too, or within the excess that the best
-/// one leaves: a model error of that size is there in any case.
+/// Returns the rivals with the best one first. Among the rivals whose gain is close to that of the lowest cost, the one with the fewest
+/// parameters is the best. If the lowest cost is at most that of an `adequate` model, the difference must also be within chance, or within
+/// the excess of the rival of lowest cost. A model error of that size is present in any case.
 pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Option<Vec<Rival>> {
     rivals.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
     let first = &rivals.first()?.fit;
     let (best, close, likely) = (level(first), enough(known, first), first.is_likely());
-    // If both rivals cost no more than an exact model, the one of lower cost is no better.
+    // If both rivals cost no more than an exact model, the lower cost is not evidence.
     let leaves_nothing = |fit: &Fit| level(fit) <= adequate - ADEQUATE_EXCESS;
-    // A rival saves no parameters if it moves the numbers of the model instead.
+    // If a rival moves the model parameters far from their stated values instead, its smaller number of parameters does not count.
     let bends = |fit: &Fit| likely && !fit.is_likely();
     let model_error = best - (adequate - ADEQUATE_EXCESS);
     let is_chance = |rival: &Rival| {
@@ -54,7 +56,7 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Opti
     let winner = (0..rivals.len())
         .filter(|&i| is_as_good(i, close))
         .min_by_key(|&i| (rivals[i].parameters(), i))?;
-    // A special case is preferred to the form that contains it within a larger share.
+    // A special case is preferred to the form that contains it up to a larger difference in cost.
     let gain = (level(known) - best).max(0.0);
     let near = best + SPECIAL_PARSIMONY * gain;
     let special = (0..rivals.len()).filter(|&i| {
@@ -66,31 +68,32 @@ pub(super) fn ranked(mut rivals: Vec<Rival>, known: &Fit, adequate: f64) -> Opti
     Some(rivals)
 }
 
-/// Robust cost, summed over all windows, that another rival saves, as the logarithm of a probability.
+/// Returns the cost that `other` saves compared with `one`, as the logarithm of a probability. It is summed over all windows.
 fn saved(one: &Rival, other: &Rival) -> f64 {
     let windows = one.fit.costs.per_sample.len() as f64;
     let prior = (PRIOR_SHARE - 1.0) * (one.fit.costs.prior - other.fit.costs.prior);
     (level(&one.fit) - level(&other.fit)) * windows + prior
 }
 
-/// Price of the parameters that one rival has less than another, as robust cost summed over all windows.
+/// Returns the penalty of the parameters that `other` has in addition to those of `one`, as robust cost summed over all windows.
 fn worth(one: &Rival, other: &Rival) -> f64 {
     let saved = other.parameters().saturating_sub(one.parameters());
     saved as f64 * penalty(one.fit.costs.per_sample.len())
 }
 
-/// True if one rival is as likely as another that has more parameters and costs less.
+/// Returns true if one rival is as likely as another rival that has more parameters and a lower cost.
 pub(super) fn is_as_likely(one: &Rival, other: &Rival) -> bool {
     !strains_more(one, other) && !is_far_likelier(other, one)
 }
 
-/// True if one rival moves the numbers of the model so much farther than another that this outweighs the parameters that it saves.
+/// Returns true if `one` moves the model parameters so much farther than `other` that the additional prior cost exceeds the penalty of the
+/// parameters that it saves.
 fn strains_more(one: &Rival, other: &Rival) -> bool {
     PRIOR_SHARE * (one.fit.costs.prior - other.fit.costs.prior) > worth(one, other)
 }
 
-/// True if `one` fits so much better than `other` that this is far beyond the penalty of its additional parameters. The residuals
-/// themselves are compared here, by the logarithm of their squares.
+/// Returns true if the fit of `one` is better than that of `other` by far more than the penalty of its additional parameters. The
+/// comparison uses the logarithm of the mean squared residual, not the robust cost.
 pub(super) fn is_far_likelier(one: &Rival, other: &Rival) -> bool {
     let [own, its] = [one, other].map(|rival| rival.fit.costs.mean().max(f64::MIN_POSITIVE));
     let windows = one.fit.costs.per_sample.len() as f64;
@@ -98,18 +101,19 @@ pub(super) fn is_far_likelier(one: &Rival, other: &Rival) -> bool {
     0.5 * windows * (its / own).ln() + prior > worth(other, one) + FAR_LIKELIER
 }
 
-/// Robust cost up to which a rival with fewer parameters than `best` wins.
+/// Returns the highest cost at which a rival with fewer parameters than `best` wins.
 pub(super) fn enough(known: &Fit, best: &Fit) -> f64 {
     level(best) + PARSIMONY * (level(known) - level(best)).max(0.0)
 }
 
-/// Difference in the robust cost of two fits with as many parameters that may be chance: the penalty of one parameter.
+/// Returns the difference in robust cost per window that may be chance between two fits with equally many parameters. It is the penalty of
+/// one parameter.
 pub(crate) fn chance_gain(fit: &Fit) -> f64 {
     let windows = fit.costs.per_sample.len();
     penalty(windows) / windows.max(1) as f64
 }
 
-/// Names in a round that this recording cannot tell from the winner.
+/// Returns the names in a round that this recording cannot distinguish from the winner.
 pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     if let Some(measured) = &round.measured {
         return measured.ties.clone();
@@ -119,7 +123,7 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     let close = level(&winner.fit) + chance_gain(&winner.fit).max(TIE_SHARE * gain);
     let tied = round.rivals[1..].iter().filter(|rival| {
         if effects::of(rival.name).contains(winner.name) {
-            // It lost for the number of its parameters alone, although it saves more than their penalty.
+            // Such a rival lost only because of the number of its parameters. It is tied if its gain over the winner exceeds their penalty.
             saved(winner, rival) > worth(winner, rival)
         } else {
             level(&rival.fit) <= close
@@ -128,8 +132,8 @@ pub(crate) fn ties(round: &Round) -> Vec<&'static str> {
     tied.map(|rival| rival.name).collect()
 }
 
-/// Names in a round that may be right in place of the winner: those that this recording cannot tell from it, and those that no
-/// recording can.
+/// Returns the names in a round that may be right in place of the winner: those that this recording cannot distinguish from it, and those
+/// that no recording can.
 pub(crate) fn inseparable(round: &Round) -> Vec<&'static str> {
     let mut names = ties(round);
     let winner = &round.rivals[0];
@@ -145,7 +149,7 @@ pub(crate) fn inseparable(round: &Round) -> Vec<&'static str> {
     names
 }
 
-/// The rivals of the winner of a round that do not contain it.
+/// Returns the rivals of the winner of a round that do not contain it as a special case.
 pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
     let winner = round.rivals[0].name;
     round.rivals[1..]
@@ -153,14 +157,14 @@ pub(crate) fn others(round: &Round) -> impl Iterator<Item = &Rival> {
         .filter(move |rival| !effects::of(rival.name).contains(winner))
 }
 
-/// Adds some rivals, each as [`join`] does.
+/// Adds several rivals. Each is added as [`join`] does.
 pub(super) fn join_all(rivals: &mut Vec<Rival>, others: Vec<Rival>) {
     for rival in others {
         join(rivals, rival);
     }
 }
 
-/// Adds a rival, or replaces one of the same name that costs more once the parameters of both are priced.
+/// Adds a rival. It replaces a rival of the same name whose cost, including the penalty of its parameters, is higher.
 pub(super) fn join(rivals: &mut Vec<Rival>, rival: Rival) {
     let leaves = |r: &Rival| level(&r.fit) + r.parameters() as f64 * chance_gain(&r.fit);
     match rivals.iter_mut().find(|other| other.name == rival.name) {
@@ -182,7 +186,7 @@ mod tests {
     const KNOWN: f64 = 2.0;
     const BEST: f64 = 0.7;
 
-    /// A fit that leaves `level` in each of 200 windows, with so many free parameters of an effect.
+    /// A fit with the robust cost `level` in each of 200 windows, and an effect with `free` free parameters.
     fn fit(name: &str, free: usize, level: f64) -> Fit {
         let coordinate = |parameter| Coordinate {
             parameter,
@@ -207,7 +211,8 @@ mod tests {
         Rival { name, fit }
     }
 
-    /// Which is first of a spring, which leaves least, and a gain with a parameter less that leaves so much more.
+    /// Name of the first of two rivals: a spring with the lowest cost, and a gain with one parameter less and a cost that is higher by
+    /// `more`.
     fn first(more: f64, adequate: f64) -> &'static str {
         let rivals = vec![
             rival("torque_gain", 1, BEST + more),
@@ -220,11 +225,11 @@ mod tests {
     fn fewer_parameters_win_if_the_difference_is_chance() {
         let penalty = penalty(200) / 200.0;
         assert!(1.2 * penalty < PARSIMONY * (KNOWN - BEST));
-        // The best rival leaves no excess.
+        // The best rival has no excess.
         let [less, adequate] = [0.9 * BEST, BEST + ADEQUATE_EXCESS];
         assert_eq!(first(0.8 * penalty, adequate), "torque_gain");
         assert_eq!(first(1.2 * penalty, adequate), "spring");
-        // Neither is adequate: the penalty of a parameter is not what decides.
+        // Neither rival is adequate, so the penalty of a parameter does not decide.
         assert_eq!(first(1.2 * penalty, less), "torque_gain");
         assert_eq!(first(1.2 * PARSIMONY * (KNOWN - BEST), less), "spring");
     }

@@ -1,4 +1,4 @@
-//! Which numbers of the last effect of a fit are free.
+//! Decides which parameters of the last effect of a fit are free.
 
 use super::excess::{is_at_floor, level};
 use super::ranking::enough;
@@ -9,7 +9,8 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::term::Term;
 
-/// A fit with the shape of its last effect freed, if the gap is not at its floor and the fit gains more than the penalty of the additional parameters.
+/// Returns a fit with the shape parameters of its last effect free. Returns `None` if the gap is at its floor, if there are no further
+/// shape parameters, or if the gain is too small for them.
 pub(super) fn loosened(search: &Search<'_>, known: &Fit, given: &Fit) -> Option<Fit> {
     if is_at_floor(search.problem, given) {
         return None;
@@ -19,7 +20,7 @@ pub(super) fn loosened(search: &Search<'_>, known: &Fit, given: &Fit) -> Option<
         .then(|| search.problem.polished(&fit, POLISHING_ITERATIONS))
 }
 
-/// A fit with the shape of its last effect freed; none if it has no further shape.
+/// Returns a fit with the shape parameters of its last effect free. Returns `None` if it has no further shape parameters.
 pub(super) fn with_more_free(search: &Search<'_>, given: &Fit) -> Option<Fit> {
     let [low, high] = search.problem.extremes();
     let half_span = 0.5 * (high - low);
@@ -32,7 +33,7 @@ pub(super) fn with_more_free(search: &Search<'_>, given: &Fit) -> Option<Fit> {
     )
 }
 
-/// A fit with its last effect in a form of fewer free parameters, if that explains nearly as much.
+/// Returns a fit with its last effect in a form of fewer free parameters. Returns `None` if no such form explains nearly as much.
 pub(super) fn reduced(search: &Search<'_>, known: &Fit, full: &Fit) -> Option<Fit> {
     let (last, others) = full.hypothesis.terms.split_last()?;
     let (before, own) = full.x.split_at(full.x.len() - last.free.len());
@@ -52,7 +53,8 @@ pub(super) fn reduced(search: &Search<'_>, known: &Fit, full: &Fit) -> Option<Fi
     fits.min_by(|a, b| level(a).total_cmp(&level(b)))
 }
 
-/// An effect with its further shape free, for motion of ± `half_span`; none if it has no further shape.
+/// Returns an effect with its further shape parameters free, for a motion of ± `half_span`. Returns `None` if it has no further shape
+/// parameters.
 fn with_shape_free(given: &Term, half_span: f64) -> Option<Term> {
     let shape = effects::of(given.kind.name).further_shape(given, half_span);
     let starts: Vec<(usize, f64)> = shape.iter().map(|c| (c.parameter, c.start)).collect();
@@ -69,8 +71,8 @@ mod tests {
     use crate::made;
     use crate::term::{Coordinate, Scale};
 
-    /// How suddenly static friction falls, and how slowly the last of it, once that is freed, where it was given to fall with
-    /// an exponent of 1 and no tail.
+    /// Fitted exponent and tail of the decrease of static friction with speed. The fit begins with both fixed, the exponent at 1 and the
+    /// tail at 0.
     fn freed([exponent, tail]: [f64; 2]) -> Option<[f64; 2]> {
         let hidden =
             format!("stribeck:static_ratio=2.5,velocity=1.0,exponent={exponent},tail={tail}");
@@ -114,7 +116,7 @@ mod tests {
     #[test]
     fn the_middle_of_a_sensor_curve_is_freed_if_it_is_not_zero() {
         const BENT: &str = "sensor_nonlinearity:quadratic=0.3,cubic=1.5,middle=0.08";
-        // Two places make one curve: its slope at zero tells of either.
+        // Several sets of parameters describe the same sensor curve, so its slope at zero is compared.
         let steeper =
             |[square, cube, middle]: [f64; 3]| middle * (3.0 * cube * middle - 2.0 * square);
         let free = [0, 1].map(|parameter| Coordinate {

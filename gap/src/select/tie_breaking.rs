@@ -1,4 +1,4 @@
-//! Simpler rivals that come before others that explain a little more.
+//! Prefers simpler rivals to others whose cost is slightly lower.
 
 use super::degenerate::repeats;
 use super::excess::{MOST_LEFT_EXPLAINED, is_adequate, level};
@@ -10,7 +10,7 @@ use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::floor::ExpectedLoss;
 
-/// The rivals, each with a parameter that the model states held at the stated value, if that explains as much.
+/// Returns the rivals with the stated parameter of each effect fixed at its stated value if the fit is then nearly as good.
 pub(super) fn held_as_stated(
     search: &Search<'_>,
     known: &Fit,
@@ -34,13 +34,15 @@ pub(super) fn held_as_stated(
     rivals
 }
 
-/// The rivals, the best first; a special case before the form that contains it where the data do not need the latter.
+/// Returns the rivals with the best one first. A special case precedes the form that contains it if the data do not require that form.
+/// Returns `None` if there is no rival.
 pub(super) fn ordered(search: &Search<'_>, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
     let mut rivals = ranked(rivals, known, search.adequate_level())?;
     let best = level(&rivals[0].fit);
     let short_by = |share: f64| best + share * (level(known) - best);
     let halfway = short_by(0.5);
-    // A ripple of which less than a wave was travelled may be a spring. Where the ripple explains all, the spring must explain nearly all.
+    // A ripple of which less than one period was travelled may be a spring. If the fit with the ripple is adequate, the spring must gain
+    // nearly as much. Otherwise it must gain half as much.
     let pulls = (!repeats(search.problem, &rivals[0].fit)).then(|| {
         if best > search.adequate_level() {
             halfway
@@ -49,7 +51,7 @@ pub(super) fn ordered(search: &Search<'_>, known: &Fit, rivals: Vec<Rival>) -> O
         }
     });
     let special = rivals.iter().position(|rival| {
-        // An effect with an instant of its own is none where the same effect at all times explains all.
+        // If an effect that always acts explains everything, the same effect at certain instants only is not needed.
         let leaves_nothing = || {
             level(&rival.fit) <= halfway
                 && is_as_likely(rival, &rivals[0])
@@ -100,7 +102,7 @@ mod tests {
             })
         };
         assert_eq!(first(0.25, 0.12), "spring");
-        // What bends so much is no pull, whatever else it may be.
+        // The torque bends too much for a spring.
         assert_eq!(first(0.2, 0.15), "cogging");
         assert_eq!(first(0.02, 20.0), "cogging");
     }

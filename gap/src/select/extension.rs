@@ -1,4 +1,4 @@
-//! Further effects on top of those that were found.
+//! Adds further effects to those that were found.
 
 use super::excess::is_at_floor;
 use super::next_effect::{LEAST_PROMISED, LEAST_PROMISED_AT_FLOOR, next_effect};
@@ -6,8 +6,8 @@ use super::rival::Rival;
 use super::search::Search;
 use super::selection::Selection;
 
-/// Adds one effect after the other to a selection until none is accepted. An effect that would be scanned begins only where its `hint`
-/// stands.
+/// Adds one effect after the other to a selection until none is accepted. An effect that would be scanned begins at its start in `hints`
+/// only.
 pub(super) fn extended(
     search: &Search<'_>,
     mut selection: Selection,

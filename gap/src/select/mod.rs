@@ -1,5 +1,5 @@
-//! The search with the numbers of the model as they are stated: the effect, or the pair, that explains most, then what is left beside
-//! them.
+//! Searches effects with the model parameters near their stated values. The first result is the effect, or the pair of effects, that closes
+//! the largest share of the excess. Further effects are then added to it.
 
 mod acceptance;
 mod degenerate;
@@ -45,23 +45,25 @@ pub(crate) use round::{Measured, Round};
 pub(crate) use search::{Given, Search};
 pub(crate) use selection::Selection;
 
-/// Excess per window beyond which something is missing although the gap is near its floor: a window or two may make floor and gap alike,
-/// and the others not. Of 86 recordings with nothing wrong but a dry friction of another form it was 1.3 at most.
+/// Excess per window beyond which an effect is missing although the gap is near its floor. One or two windows can dominate both gap and
+/// floor. The largest excess of 86 recordings whose only deviation was another form of dry friction was 1.3.
 const PLAIN_EXCESS: f64 = 2.0;
-/// Gap over floor of a single run beyond which something is missing. Of 92 recordings with nothing wrong but a dry friction of another
-/// form two had 2.9, and two had more, which such a friction explains.
+/// Gap over floor of a single run beyond which an effect is missing. Of 92 recordings whose only deviation was another form of dry friction
+/// two had 2.9. Two others had more, and a dry friction of another form explains that.
 const PLAIN_RUN: f64 = 5.0;
+/// Number of iterations of the fit of the null.
 const NULL_ITERATIONS: usize = 10;
-/// Share of the excess that an effect must close alone for others to be looked for on top of it; or robust cost that it must save, which
-/// is that of 18 % of the gap: far above the floor even one of two right effects closes only a small share.
+/// Least share of the excess that the first effect must close alone for further effects to be searched on top of it.
 const LEAST_GAIN_ALONE: f64 = 0.1;
+/// Gain in robust cost per window that suffices instead. It corresponds to a decrease of the gap by 18 %. Far above the floor even one of
+/// two right effects closes only a small share of the excess.
 const LEAST_SAVED_ALONE: f64 = 0.4;
 
-/// Effects that may stand in place of a ripple of which less than a wave was travelled.
+/// Largest number of effects that may replace a ripple of which less than one period was travelled.
 const MOST_IN_PLACE: usize = 2;
 
-/// Finds the effect, or the pair of effects, that explains most, then further ones. All are fitted jointly, with the terms of `base`,
-/// which are the numbers of the model that are not stated.
+/// Finds the effect, or the pair of effects, that closes the largest share of the excess, and then further effects. All are fitted jointly
+/// with the terms of `base`, which are the model parameters that are not stated.
 pub(crate) fn select(
     problem: &Problem<'_>,
     base: Option<Fit>,
@@ -83,7 +85,8 @@ pub(crate) fn select(
     without_ripple(&found, ripple, null, problem, given, progress).unwrap_or(found)
 }
 
-/// The effects that are found if a ripple of which less than a wave was travelled is excluded, if they explain as much.
+/// Returns the effects that are found if a ripple of which less than one period was travelled is excluded. Returns `None` if they are more
+/// than two, if they do not explain everything, or if the ripple is far likelier.
 fn without_ripple(
     found: &Selection,
     ripple: &'static str,
@@ -101,7 +104,7 @@ fn without_ripple(
     (suffice && explain_as_much).then_some(others)
 }
 
-/// The effects that are found on top of a null.
+/// Returns the effects that are found on top of a null.
 fn select_beyond(
     null: Fit,
     problem: &Problem<'_>,
@@ -120,7 +123,8 @@ fn select_beyond(
         rounds: Vec::new(),
         last: None,
     };
-    // An effect that two columns show is present, even if the tolerances of the model could explain the gap.
+    // An effect that a comparison of two position columns shows is present, even if the tolerances of the model parameters could explain
+    // the gap.
     let is_hidden = || !given.certain && selection.null_leaves_at_most(FLOOR_DOUBT, problem);
     selection.has_no_gap |= !selection.is_unambiguous && (!given.is_gap || is_hidden());
     if selection.has_no_gap {
@@ -147,7 +151,7 @@ fn select_beyond(
         return selection;
     }
     let hints = first.screened.clone();
-    // Where the gap is at its floor, a further effect stands beside the first one, not in its place.
+    // If the gap is at its floor, a further effect is added to the first one and does not replace it.
     let leaves_little =
         selection.leaves_little(&first.so_far) || is_at_floor(problem, &first.so_far);
     let settled = selection.given || first.acceptance.accepted && leaves_little;
@@ -157,13 +161,13 @@ fn select_beyond(
     let promises = || {
         selection.left(&first.so_far) < 1.0 - LEAST_GAIN_ALONE
             || saves(&level)
-            // A gap that is in few windows hardly shows in the mean over all of them.
+            // A gap in few windows hardly changes the mean cost over all windows.
             || saves(&|fit| 2.0 * problem.gap_over_floor(fit).ln())
     };
-    // Where no effect closes much alone, pairs are proposed together, and not on top of a first one.
+    // If no single effect closes much, pairs are proposed together instead of on top of a first effect.
     let pair = |lead: bool| pair::pair(&search, &first, lead, |both| !selection.is_hopeless(both));
     let rounds = (!settled).then(|| pair(promises())).flatten();
-    // The pair may come down to one effect that explains as much.
+    // The pair may be reduced to one effect that explains as much.
     let is_pair = rounds.is_some();
     let found = selection.with(rounds.unwrap_or_else(|| vec![first.clone()]));
     let is_alone = is_pair && found.rounds.len() == 1;

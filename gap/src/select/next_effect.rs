@@ -1,4 +1,5 @@
-//! The next effect on top of the model so far, which is called `known` here: screened, fitted, ranked and judged.
+//! Finds the next effect on top of the model so far, which is called `known` here. The effects are screened, fitted and ranked, and the
+//! best one is accepted or rejected.
 
 use super::acceptance::{Acceptance, assessed};
 use super::degenerate::{is_degenerate, is_excluded};
@@ -19,12 +20,12 @@ use crate::fit::part::Part;
 use crate::stage::Stage;
 use crate::term::Term;
 
-/// Share of the excess that a further effect must close in screening to be fitted to all windows. Where the gap is at its floor already,
-/// it must close much more.
+/// Least share of the excess that a further effect must close in screening. Otherwise no effect is fitted to all windows.
 pub(super) const LEAST_PROMISED: f64 = 0.1;
+/// Least share of the excess that a further effect must close in screening if the gap is at its floor already.
 pub(super) const LEAST_PROMISED_AT_FLOOR: f64 = 0.5;
-/// Tries every effect on top of `known`. An effect that would be scanned begins only where its `hint` stands, if it has one. None if no
-/// effect closes a `promised` share of the excess in screening.
+/// Tries every effect on top of `known`. An effect that would be scanned begins at its start in `hints` only, if it has one. Returns `None`
+/// if no effect closes the share `promised` of the excess in screening.
 pub(crate) fn next_effect(
     search: &Search<'_>,
     known: &Fit,
@@ -42,7 +43,7 @@ pub(crate) fn next_effect(
     round_of(search, known, screened, None)
 }
 
-/// The round of an effect that is known to be present, at a known size.
+/// Returns the round of an effect that is known to be present, with known parameters.
 pub(super) fn given_effect(search: &Search<'_>, null: &Fit, term: &Term) -> Round {
     let (hypothesis, x) = extended(null, [term]);
     let fit = search
@@ -61,7 +62,7 @@ pub(super) fn given_effect(search: &Search<'_>, null: &Fit, term: &Term) -> Roun
     }
 }
 
-/// The round of the effects that passed screening on top of `known`, and of one that was `found` in another way.
+/// Returns the round of the effects that passed screening on top of `known`, and of an effect that was `found` in another way.
 pub(super) fn round_of(
     search: &Search<'_>,
     known: &Fit,
@@ -72,7 +73,7 @@ pub(super) fn round_of(
     judged(search, known, screened, rivals)
 }
 
-/// The rivals, the best first, and whether the best one is accepted.
+/// Ranks the rivals, improves the best one, and decides whether it is accepted. Returns `None` if no rival remains.
 pub(super) fn judged(
     search: &Search<'_>,
     known: &Fit,

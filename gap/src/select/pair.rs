@@ -1,4 +1,4 @@
-//! Two effects that explain together what neither does alone.
+//! Finds two effects that together explain what neither of them explains alone.
 
 use super::excess::{is_at_floor, level};
 use super::next_effect::{given_effect, judged, round_of};
@@ -13,20 +13,23 @@ use crate::effects::{self, Landscape};
 use crate::fit::Fit;
 use crate::fit::part::Part;
 
-/// Share of the excess that a pair may leave in screening for the search to end there, if its gap is at the floor as well.
+/// Largest share of the excess that may remain with a pair in screening for the search of pairs to end. The gap must be at its floor as
+/// well.
 const LITTLE: f64 = 0.03;
-/// Leaders: effects on top of which a second one is looked for. Of 160 pairs on outside and blind sets a fourth leader found none more.
+/// Largest number of leaders. A leader is an effect on top of which a second effect is searched. For 160 pairs on outside and blind sets a
+/// fourth leader found no further pair.
 const LEADERS: usize = 3;
-/// Difference of the costs of two effects, as the mean over the windows and over the gain of one, below which they explain the same. On
-/// outside sets it was 0.06 at most for inertia and gain, and 0.2 or more for effects of different kinds.
+/// Largest difference in cost between two effects that explain the same. It is the mean absolute difference over the windows, as a share of
+/// the gain of one effect. On outside sets it was 0.06 at most for inertia and gain, and at least 0.2 for effects of different kinds.
 const LEAST_DIFFERENCE: f64 = 0.1;
-/// Share of the winner's gain that a leader must gain alone. On blind sets the first leader of the right pair gained 0.79 or more in 93
-/// of 94 recordings. With 0.3 one more of 300 pairs was named, and slow cases took a quarter longer.
+/// Least gain of a leader alone, as a share of the gain of the winner. On blind sets the first leader of the right pair had 0.79 or more in
+/// 93 of 94 recordings. With 0.3 one more of 300 pairs was named, and slow cases took a quarter longer.
 const LEAST_LEAD: f64 = 0.7;
 
-/// The rounds of the two effects that explain most together, if each is accepted beside the other; or the round of one of them that
-/// explains as much alone. Pairs come from the best effects of `first` with what is found on top of them, if `lead` is true, and from
-/// those that promise most together. None if the fit of the best pair is not `worth` more.
+/// Returns the rounds of the two effects that together have the lowest cost, if each is accepted beside the other. Otherwise it returns the
+/// round of one of them if that explains as much alone. If `lead` is true, some pairs consist of one of the best effects of `first` and an
+/// effect found on top of it. The other pairs have the lowest estimated cost together. Returns `None` if the fit of the best pair is not
+/// `worth` more.
 pub(super) fn pair(
     search: &Search<'_>,
     first: &Round,
@@ -34,7 +37,7 @@ pub(super) fn pair(
     worth: impl Fn(&Fit) -> bool,
 ) -> Option<Vec<Round>> {
     let null = &first.known;
-    // Effects with a rugged cost are searched anew beside each leader.
+    // Effects whose cost has many optima and no useful slopes are searched again beside each leader.
     let mut hints = first.screened.clone();
     hints.retain(|rival| effects::of(rival.name).landscape() != Landscape::Rugged);
     let chosen = screening_windows(search, null);
@@ -53,8 +56,8 @@ pub(super) fn pair(
     each_anew(search, first, &both, &looked, &hints)
 }
 
-/// The `most` effects that gain most alone, one of those that explain the same; and the effect that two columns show, which may close
-/// next to nothing beside a larger one.
+/// Returns up to `most` effects with the largest gains alone. Of effects that explain the same it contains one. It also contains the effect
+/// that a comparison of two position columns shows, because that effect may close very little beside a larger one.
 fn leaders(search: &Search<'_>, first: &Round, most: usize) -> Vec<Rival> {
     let null = &first.known;
     let gain = |rival: &Rival| level(null) - level(&rival.fit);
@@ -76,7 +79,8 @@ fn leaders(search: &Search<'_>, first: &Round, most: usize) -> Vec<Rival> {
     leaders
 }
 
-/// Each leader with the effects that pass screening on top of it, until a pair explains everything; and whether one does.
+/// Returns each leader with the effects that pass screening on top of it. It ends at the first pair that explains everything, and also
+/// returns whether there is one.
 fn led(
     search: &Search<'_>,
     null: &Fit,
@@ -109,8 +113,8 @@ fn led(
     (looked, false)
 }
 
-/// The rounds of two effects, each searched anew beside the other. If one of them is not accepted, the round of the other alone, followed
-/// by the round that was not accepted if that was searched on top of this one.
+/// Returns the rounds of two effects, each searched again beside the other. If one of them is not accepted, it returns the round of the
+/// other effect alone. The round that was not accepted follows if its effect was searched on top of that effect.
 fn each_anew(
     search: &Search<'_>,
     first: &Round,
@@ -135,7 +139,7 @@ fn each_anew(
     Some(vec![beside_second, beside_first])
 }
 
-/// The round of an effect alone, and the round beside it that was not accepted.
+/// Returns the round of an effect alone, and the round of a second effect that was not accepted beside it.
 fn alone_beside(search: &Search<'_>, first: &Round, fit: Fit, beside: Round) -> Option<Vec<Round>> {
     let names = |fit: &Fit| fit.hypothesis.terms.first().map(|term| term.kind.name);
     let alone = alone(search, first, fit)?;
@@ -144,7 +148,8 @@ fn alone_beside(search: &Search<'_>, first: &Round, fit: Fit, beside: Round) -> 
     Some(core::iter::once(alone).chain(beside).collect())
 }
 
-/// The round of an effect alone that was fitted from where it stood in a pair, if it explains more than the first effect did.
+/// Returns the round of an effect alone, fitted from its parameters in a pair. Returns `None` if its cost is not lower than that of the
+/// first effect, or if it is not accepted.
 fn alone(search: &Search<'_>, first: &Round, fit: Fit) -> Option<Round> {
     let name = fit.hypothesis.terms.first()?.kind.name;
     if !first.leaves_more_than(&fit) {
@@ -156,7 +161,8 @@ fn alone(search: &Search<'_>, first: &Round, fit: Fit) -> Option<Round> {
     round.acceptance.accepted.then_some(round)
 }
 
-/// The first of two effects alone on top of `null`, and the effects that pass screening beside it, taken from `looked` if they are known.
+/// Returns the fit of the first of two effects alone on top of `null`, and the effects that pass screening beside it. These are taken from
+/// `looked` if it contains them.
 fn beside(
     search: &Search<'_>,
     both: &Rival,
@@ -171,7 +177,7 @@ fn beside(
         let screened = screened(search, &alone, &chosen, hints);
         return (alone, screened);
     };
-    // The fit that began beside the other effect may be the better one.
+    // The fit that began beside the other effect may have the lower cost.
     let alone = if level(&leader.fit) <= level(&alone) {
         leader.fit.clone()
     } else {
@@ -180,7 +186,8 @@ fn beside(
     (alone, screened.clone())
 }
 
-/// A pair without its second effect, fitted anew twice: with the numbers of the model from the pair, and from `null`. The better fit.
+/// Returns the fit of a pair without its second effect. It is fitted twice: with the model parameters of the pair, and with those of
+/// `null`. The fit of lower cost is returned.
 fn without_last(search: &Search<'_>, rival: &Rival, null: &Fit) -> Fit {
     let last = rival.fit.hypothesis.terms.len().saturating_sub(1);
     let (hypothesis, own) = rival.fit.without(last);
@@ -209,7 +216,7 @@ mod tests {
     use crate::select::search;
     use crate::term::{Coordinate, Scale, Term};
 
-    /// An effect of which the first number is free.
+    /// An effect whose first parameter is free.
     fn term(name: &str, start: f64) -> Term {
         let first = Coordinate {
             parameter: 0,

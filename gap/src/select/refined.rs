@@ -1,4 +1,4 @@
-//! A second effect that is so small that it shows only if the model may be off by nothing beyond noise.
+//! Finds a second effect that is so small that it shows only without an allowed model error.
 
 use super::excess::PLAIN_GAP;
 use super::next_effect::{LEAST_PROMISED, LEAST_PROMISED_AT_FLOOR, next_effect};
@@ -13,8 +13,9 @@ use crate::floor::ExpectedLoss;
 use crate::stage::Stage;
 use rayon::prelude::*;
 
-/// The problem of a model that may be off by nothing, and there the only effect of a selection with a second one that explains most of
-/// what the first leaves. None if the first explains everything, or if no second effect is accepted.
+/// Returns the problem without an allowed model error, and the selection there: the only effect of `selection` with a second effect that
+/// closes the largest share of the remaining excess. Returns `None` if the first effect explains everything, or if no second effect is
+/// accepted.
 pub(crate) fn refined<'a>(
     selection: &Selection,
     problem: &Problem<'a>,
@@ -52,7 +53,7 @@ pub(crate) fn refined<'a>(
         progress,
         expected: refined.expected,
     };
-    // Far above the floor something is missing, even if no effect closes much of it in screening.
+    // Far above the floor an effect is missing, even if no effect closes much of the excess in screening.
     let promised = if exact.gap_over_floor(&so_far) > PLAIN_GAP {
         LEAST_PROMISED
     } else {
@@ -85,7 +86,7 @@ mod tests {
     use crate::made;
     use crate::select::select;
 
-    /// Names that are found where a model may be off by a share of the gap, and then where it may not.
+    /// Names of the effects found with an allowed model error, which is a share of the gap, and then without it.
     fn found(effects: &[&str]) -> [Vec<&'static str>; 2] {
         let recording = made::recording(effects);
         let mut problem = made::problem(&recording);

@@ -1,4 +1,4 @@
-//! A hypothesis with one more effect than the model so far.
+//! A rival is a hypothesis with one more effect than the model so far.
 
 use super::excess::level;
 use crate::fit::Fit;
@@ -13,7 +13,7 @@ pub(crate) struct Rival {
 }
 
 impl Rival {
-    /// True if its last effect is an event of one recording.
+    /// Returns true if its last effect is bound to instants of one recording.
     pub(crate) fn is_event(&self) -> bool {
         self.fit.hypothesis.terms.last().is_some_and(Term::is_event)
     }
@@ -22,13 +22,14 @@ impl Rival {
         self.fit.hypothesis.free()
     }
 
-    /// Number of coordinates before those of its last effect.
+    /// Returns the number of coordinates before those of its last effect.
     pub(super) fn held(&self) -> Option<usize> {
         let last = self.fit.hypothesis.terms.last()?;
         self.fit.x.len().checked_sub(last.free.len())
     }
 
-    /// The rival with its last effect starting at what `made` returns for its own last effect and that of another rival.
+    /// Returns the rival with another start of its last effect. The function `made` makes that start from the last effects of this and the
+    /// other rival.
     pub(super) fn starting_like(
         &self,
         other: &Self,
@@ -38,7 +39,8 @@ impl Rival {
         self.starting_with(term)
     }
 
-    /// The rival with its last effect starting at a multiple of its size. Returns `None` unless the size is its only free parameter.
+    /// Returns the rival with its last effect starting at `by` times its magnitude. Returns `None` unless the magnitude is its only free
+    /// parameter.
     pub(super) fn sized(&self, by: f64) -> Option<Self> {
         let term = self.fit.last_term()?;
         let [size] = term.free[..] else {
@@ -47,7 +49,7 @@ impl Rival {
         self.starting_with(term.starting_at(&[(size.parameter, by * size.start)]))
     }
 
-    /// The rival with one parameter of its last effect fixed at a value. Returns `None` if that parameter is not free.
+    /// Returns the rival with one parameter of its last effect fixed at a value. Returns `None` if that parameter is not free.
     pub(super) fn with_held(&self, parameter: usize, value: f64) -> Option<Self> {
         let last = self.fit.last_term()?;
         let place = last.free.iter().position(|c| c.parameter == parameter)?;
@@ -56,7 +58,7 @@ impl Rival {
         Some(held)
     }
 
-    /// The rival with another start of its last effect.
+    /// Returns the rival with another start of its last effect.
     fn starting_with(&self, term: Term) -> Option<Self> {
         let held = self.held()?;
         let mut started = self.clone();
@@ -66,7 +68,7 @@ impl Rival {
     }
 }
 
-/// The hypothesis of `known` with additional terms, and its coordinates with all new ones at their starts.
+/// Returns the hypothesis of `known` with additional terms, and its coordinates. The new terms are at their starts.
 pub(super) fn extended<'a>(
     known: &Fit,
     terms: impl IntoIterator<Item = &'a Term>,
@@ -80,7 +82,7 @@ pub(super) fn extended<'a>(
     (hypothesis, x)
 }
 
-/// A rival of two effects, with their order exchanged.
+/// Returns a rival of two effects with their order exchanged.
 pub(super) fn turned(both: &Rival) -> Option<Rival> {
     let mut fit = both.fit.clone();
     let priors = fit.x.len().checked_sub(fit.hypothesis.free())?;
@@ -95,7 +97,7 @@ pub(super) fn turned(both: &Rival) -> Option<Rival> {
     Some(Rival { name, fit })
 }
 
-/// The rival of the lowest cost.
+/// Returns the rival of lowest cost.
 pub(super) fn best_of(rivals: &[Rival]) -> Option<&Rival> {
     rivals
         .iter()
@@ -109,7 +111,7 @@ mod tests {
     use crate::made;
     use crate::term::{Coordinate, Scale};
 
-    /// A rival of one effect at a point off its start.
+    /// A rival of one effect at the coordinates `x`.
     fn rival(name: &str, free: &[Coordinate], x: &[f64]) -> Rival {
         let term = made::term(name, free);
         let name = term.kind.name;
@@ -125,7 +127,7 @@ mod tests {
         Rival { name, fit }
     }
 
-    /// The first value of the last effect of a rival.
+    /// First parameter of the last effect of a rival.
     fn value(rival: &Rival) -> f64 {
         rival.fit.last_term().unwrap().values[0]
     }

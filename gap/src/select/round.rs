@@ -1,4 +1,4 @@
-//! One round of the search: an effect on top of the model so far, with its rivals.
+//! A round of the search adds one effect to the model so far, and compares it with its rivals.
 
 use super::acceptance::Acceptance;
 use super::excess::level;
@@ -11,9 +11,9 @@ use crate::fit::problem::Problem;
 /// One effect on top of the model so far, with its rivals.
 #[derive(Clone, Debug)]
 pub(crate) struct Round {
-    /// The model so far, without it.
+    /// The model so far, without the effect of this round.
     pub known: Fit,
-    /// All finalists, the winner first, the others by their cost.
+    /// All finalists. The winner is the first, and the others follow by their cost.
     pub rivals: Vec<Rival>,
     /// Every effect as fitted in screening.
     pub screened: Vec<Rival>,
@@ -21,26 +21,26 @@ pub(crate) struct Round {
     pub acceptance: Acceptance,
     /// The model with all effects up to this one.
     pub so_far: Fit,
-    /// Confidence and ties of the winner, if it was compared in sets of effects.
+    /// Confidence and ties of the winner. They are present if sets of effects were compared.
     pub measured: Option<Measured>,
 }
 
-/// The result of comparing sets with and without an effect.
+/// The result of a comparison of sets of effects with and without an effect.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured {
-    /// Probability that it is right.
+    /// Probability that the effect is right.
     pub confidence: f64,
-    /// Effects that explain as much in its place, within the error.
+    /// Effects that explain as much in its place, within the standard error.
     pub ties: Vec<&'static str>,
 }
 
 impl Round {
-    /// True if a fit costs less than the winner.
+    /// Returns true if a fit has a lower cost than the winner.
     pub(super) fn leaves_more_than(&self, fit: &Fit) -> bool {
         level(fit) < level(&self.rivals[0].fit)
     }
 
-    /// The round fitted again on top of `known`, after the effect at `place` was withdrawn.
+    /// Returns the round fitted again on top of `known` after the effect at `place` was withdrawn.
     pub(super) fn without(&self, problem: &Problem<'_>, place: usize, known: Fit) -> Self {
         let (hypothesis, x) = self.so_far.without(place);
         let fit = problem.fit(&hypothesis, x, Part::All, FITTING_ITERATIONS);

@@ -1,4 +1,4 @@
-//! What all steps of a search share: the data, what is known before it, and the expected cost of an exact model.
+//! Holds what all steps of a search use: the data, the results that are known before it, and the expected cost of an exact model.
 
 use super::excess::ADEQUATE_EXCESS;
 use super::rival::Rival;
@@ -12,27 +12,29 @@ use crate::term::Term;
 use crate::windows::motion::{Motion, Scales};
 use rayon::prelude::*;
 
-/// Iterations of a fit: of all finalists, of those that are then near the best, and of the one that is named.
+/// Number of iterations of the fits of all finalists.
 pub(super) const SHORT_ITERATIONS: usize = 3;
+/// Number of iterations of the continued fits of finalists near the best one.
 pub(super) const FITTING_ITERATIONS: usize = 8;
+/// Number of iterations of the last fits of the winner.
 pub(super) const POLISHING_ITERATIONS: usize = 15;
 
-/// What is known before the search.
+/// Results that are known before the search.
 #[derive(Clone)]
 pub(crate) struct Given<'a> {
     /// True if the gap of the nominal model exceeds its floor.
     pub is_gap: bool,
-    /// Names of effects that are known to be absent, or that the user does not want tried.
+    /// Names of effects that are known to be absent or that the user excludes.
     pub excluded: Vec<&'a str>,
-    /// An effect whose size two position columns show: it is tried at this size alone.
+    /// An effect whose parameters follow from a comparison of two position columns. It is tried from these parameters only.
     pub measured: Option<Term>,
-    /// True if that effect is present beyond doubt.
+    /// True if that effect is certainly present.
     pub certain: bool,
 }
 
 #[cfg(test)]
 impl Given<'_> {
-    /// That there is a gap.
+    /// The nominal model has a gap, and nothing else is known.
     pub(crate) const A_GAP: Self = Self {
         is_gap: true,
         excluded: Vec::new(),
@@ -41,17 +43,17 @@ impl Given<'_> {
     };
 }
 
-/// What all rounds of a search share.
+/// The data and functions that all rounds of a search use.
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
     pub given: &'a Given<'a>,
-    /// Told of each stage.
+    /// Called at the beginning of each stage.
     pub progress: fn(Stage),
     pub expected: ExpectedLoss,
 }
 
 impl Search<'_> {
-    /// Robust cost up to which a model is adequate.
+    /// Returns the highest cost per window of an adequate model.
     pub(super) fn adequate_level(&self) -> f64 {
         self.expected.level + ADEQUATE_EXCESS
     }
@@ -61,7 +63,7 @@ impl Search<'_> {
         predictor.device().mechanics.link.is_some()
     }
 
-    /// Calls `told` with what the data show beyond the model `known`.
+    /// Calls `told` with the evidence in the data beyond the model `known`.
     pub(crate) fn evidence<T>(&self, known: &Fit, told: impl FnOnce(&Evidence<'_>) -> T) -> T {
         let Problem {
             recording, series, ..
@@ -85,8 +87,8 @@ impl Search<'_> {
         })
     }
 
-    /// The effects that the model `known` does not have, with the places from which to fit them. A `hint` is the only start of an effect
-    /// that would otherwise be scanned.
+    /// Returns the effects that the model `known` does not have, with the starts of their fits. For an effect that would be scanned, the
+    /// fit in `hints` is the only start.
     pub(crate) fn tried(&self, known: &Fit, hints: &[Rival]) -> Vec<Candidate> {
         let mut tried = self.evidence(known, candidates);
         let terms = &known.hypothesis.terms;
@@ -107,14 +109,14 @@ impl Search<'_> {
     }
 }
 
-/// Robust cost of each window.
+/// Returns the robust cost of each window.
 pub(super) fn window_costs(problem: &Problem<'_>, fit: &Fit) -> Vec<f64> {
     (0..problem.window_count())
         .map(|w| fit.costs.log(w))
         .collect()
 }
 
-/// What a search for one more effect on top of a bare nominal model comes to.
+/// Returns the value of `look` for a search of one more effect on top of the nominal model.
 #[cfg(test)]
 pub(super) fn on<T>(
     recording: &recording::Recording,

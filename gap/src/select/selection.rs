@@ -1,4 +1,4 @@
-//! The result of a search: the effects that were found, and the share of the excess that they leave.
+//! The result of a search is a selection: the effects that were found, and the share of the excess that remains with them.
 
 use super::degenerate::repeats;
 use super::excess::{
@@ -12,63 +12,65 @@ use crate::fit::problem::Problem;
 use crate::floor::{ExpectedLoss, FLOOR_DOUBT};
 use crate::term::Term;
 
-/// Most effects of a selection.
+/// Largest number of effects in a selection.
 const MOST_EFFECTS: usize = 3;
-/// Share of the excess that effects may leave for a further one to be searched.
+/// Largest share of the excess of the null that may remain with the effects if a further effect is searched.
 const HOPELESS: f64 = 0.75;
 
-/// The null, which is the model without effects, and a round for each effect.
+/// The null, which is the fit of the model without effects, and a round for each effect.
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
     pub null: Fit,
-    /// True if the null costs no more than an exact model, or its gap is at its floor.
+    /// True if no effect is searched. The null is then adequate, or the tolerances of the model parameters bring its gap to its floor, or
+    /// the nominal model has no gap.
     pub has_no_gap: bool,
-    /// True if something is missing although the gap is near its floor: the cost is higher in every window, or the gap of one run is large.
+    /// True if an effect is missing although the gap may be near its floor. The mean cost of the windows is then far above that of an exact
+    /// model, or the gap of one run is large.
     pub is_unambiguous: bool,
     /// True if the effect of the first round was known before the search.
     pub given: bool,
-    /// Expected cost if the null were exact.
+    /// Expected cost of the null if it were exact.
     pub expected: ExpectedLoss,
     pub rounds: Vec<Round>,
-    /// The round whose effect was not accepted.
+    /// The round whose effect was not accepted or was withdrawn.
     pub last: Option<Round>,
 }
 
 impl Selection {
-    /// The fit with all effects.
+    /// Returns the fit with all effects.
     pub(crate) fn fit(&self) -> &Fit {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
     }
 
-    /// Name of a ripple among the effects of which less than a wave was travelled, if there is one.
+    /// Returns the name of a ripple among the effects of which less than one period was travelled, if there is one.
     pub(super) fn unrepeated(&self, problem: &Problem<'_>) -> Option<&'static str> {
         let mut winners = self.rounds.iter().map(|round| &round.rivals[0]);
         let unrepeated = winners.find(|winner| !repeats(problem, &winner.fit));
         unrepeated.map(|winner| winner.name)
     }
 
-    /// True if its effects were compared in sets at an error scale of their own. The cost at that scale does not say whether there is a
-    /// gap.
+    /// Returns true if its sets of effects were compared at an error scale that was estimated for them. The cost at that scale does not
+    /// show whether there is a gap.
     pub(crate) fn is_measured(&self) -> bool {
         self.rounds.iter().any(|round| round.measured.is_some())
     }
 
-    /// True if all its effects show in so few windows that none could be held out.
+    /// Returns true if all its effects were accepted by so few windows that none could be held out.
     pub(crate) fn shows_in_few(&self) -> bool {
         self.rounds.iter().all(|round| round.acceptance.by_few)
     }
 
-    /// Number of terms of the null: they are numbers of the model that are not stated, and estimated in every fit.
+    /// Returns the number of terms of the null. They are model parameters that are not stated, and every fit estimates them.
     pub(crate) fn base(&self) -> usize {
         self.null.hypothesis.terms.len()
     }
 
-    /// Number of effects that are kept whatever they close: those known before the search.
+    /// Returns the number of effects that are kept whatever they close: those known before the search.
     pub(crate) fn kept(&self) -> usize {
         usize::from(self.given)
     }
 
-    /// Adds a round whose effect was accepted; another one ends the search.
+    /// Adds a round if its effect was accepted. Otherwise the round ends the search.
     pub(super) fn add(&mut self, round: Round) {
         if round.acceptance.accepted {
             self.rounds.push(round);
@@ -77,7 +79,7 @@ impl Selection {
         }
     }
 
-    /// This selection with further rounds.
+    /// Returns this selection with further rounds.
     pub(super) fn with(&self, rounds: Vec<Round>) -> Self {
         let mut more = self.clone();
         for round in rounds {
@@ -86,14 +88,14 @@ impl Selection {
         more
     }
 
-    /// True if a further effect is to be searched.
+    /// Returns true if a further effect is to be searched.
     pub(super) fn goes_on(&self, problem: &Problem<'_>) -> bool {
         let fit = self.fit();
         let hopeless = !self.given && self.is_hopeless(fit);
         let possible = self.last.is_none() && !hopeless;
         possible
             && match self.rounds.len() {
-                // The second of two may be small beside the first.
+                // The second of two effects may be small beside the first.
                 1 => true,
                 2..MOST_EFFECTS => {
                     !self.leaves_little(fit) || problem.gap_over_floor(fit) > PLAIN_GAP
@@ -102,12 +104,12 @@ impl Selection {
             }
     }
 
-    /// Withdraws the rounds from one on; the first of them ends the search.
+    /// Withdraws the rounds from the index `from`. The first of them becomes the round that was not accepted.
     pub(crate) fn withdraw(&mut self, from: usize) {
         self.last = self.rounds.drain(from..).next();
     }
 
-    /// Withdraws the last effect; the `others` are the fit without it.
+    /// Withdraws the last effect. `others` is the fit without it.
     pub(crate) fn withdraw_last(&mut self, others: Fit) {
         self.last = self.rounds.pop();
         if let Some(round) = self.rounds.last_mut() {
@@ -115,7 +117,7 @@ impl Selection {
         }
     }
 
-    /// Withdraws one effect; those after it are fitted anew without it.
+    /// Withdraws one effect. The rounds after it are fitted again without it.
     pub(crate) fn withdraw_one(&mut self, problem: &Problem<'_>, place: usize) {
         let base = self.base();
         let mut later = self.rounds.split_off(place).into_iter();
@@ -131,7 +133,7 @@ impl Selection {
         }
     }
 
-    /// Share of the excess of the null that a fit leaves; 0 where the null has hardly any excess.
+    /// Returns the share of the excess of the null that remains with a fit. It is 0 if the null is within the excess of an adequate model.
     pub(crate) fn left(&self, fit: &Fit) -> f64 {
         let excess = level(&self.null) - self.expected.level;
         if excess <= ADEQUATE_EXCESS {
@@ -140,8 +142,8 @@ impl Selection {
         ((level(fit) - self.expected.level) / excess).max(0.0)
     }
 
-    /// Share of the excess of the null that a fit leaves, where the excess is that over the expected cost of the fit if it were exact. As
-    /// [`left`](Self::left) says where the fit costs less than that.
+    /// Returns the share of the excess of the null that remains with a fit. Here the excess is measured from the expected cost of that fit
+    /// if it were exact. If the cost of the fit is lower than that, the result is that of [`left`](Self::left).
     pub(crate) fn missing(&self, problem: &Problem<'_>, fit: &Fit) -> f64 {
         let own = ExpectedLoss::of(problem, fit).level;
         let excess = level(&self.null) - own;
@@ -151,31 +153,33 @@ impl Selection {
         (level(fit) - own) / excess
     }
 
-    /// True if the effects leave as much of excess and gap as wrong names do, and do not save the numbers of the model an unlikely move.
+    /// Returns true if as much of the excess remains as with wrong effects and the gap is not at its floor. It returns false if the effects
+    /// make an implausible deviation of the model parameters unnecessary.
     pub(crate) fn leaves_most(&self, problem: &Problem<'_>) -> bool {
         let fit = self.fit();
         let spares = fit.is_likely() && !self.null.is_likely();
         self.left(fit) > MOST_LEFT && !spares && !is_at_floor(problem, fit)
     }
 
-    /// True if the numbers of the model, moved within their tolerances, bring the gap down to so many times its floor.
+    /// Returns true if plausible deviations of the model parameters reduce the gap to at most `floors` times its floor.
     pub(crate) fn null_leaves_at_most(&self, floors: f64, problem: &Problem<'_>) -> bool {
         self.null.is_likely() && problem.gap_over_floor(&self.null) <= floors
     }
 
-    /// True if a fit leaves so much that a further effect cannot make it explain the gap.
+    /// Returns true if so much of the excess remains with a fit that a further effect cannot explain the gap.
     pub(super) fn is_hopeless(&self, fit: &Fit) -> bool {
         self.left(fit) > HOPELESS
     }
 
-    /// True if a fit leaves less than a further effect must close, without an unlikely move of the numbers of the model.
+    /// Returns true if less of the excess remains with a fit than a further effect must close, and the deviations of the model parameters
+    /// are plausible.
     pub(super) fn leaves_little(&self, fit: &Fit) -> bool {
         fit.is_likely() && self.left(fit) <= MOST_LEFT_EXPLAINED
     }
 
-    /// True if a fit explains everything: it leaves little of the excess, and its gap is at the floor; or it costs no more than it would
-    /// if it were exact, and leaves little of the excess or as much of the gap as its floor says. Near stick and slip even a right model
-    /// may leave more than little.
+    /// Returns true if a fit explains everything. One condition is that little of the excess remains and the gap is at its floor. The other
+    /// is that the fit is adequate and either little of the excess remains or the gap is within a factor of two of its floor. Near stick
+    /// and slip more excess may remain even with a right model.
     pub(crate) fn suffices(&self, problem: &Problem<'_>, fit: &Fit) -> bool {
         if fit.is_strained() {
             return false;

@@ -1,14 +1,15 @@
-//! How sure a name is: how often it is chosen when the windows are resampled.
+//! Estimates how certain the name of an effect is: how often it is chosen when the windows are resampled.
 
 use super::scored::Scored;
 use crate::shrink::Picks;
 
-/// Resamplings of the windows.
+/// Number of resamplings of the windows.
 const RESAMPLINGS: usize = 200;
-/// Windows of a block that is drawn as a whole: neighbours share the error of the model.
+/// Number of windows in a block that is drawn as a whole. Adjacent windows have correlated model errors.
 const BLOCK: usize = 3;
 
-/// Share of resamplings of the windows, in blocks, in which the simplest set within one standard error of the best has the name.
+/// Returns the share of resamplings in which the chosen set contains the name. The chosen set is the simplest one within one standard error
+/// of the lowest cost. Windows are resampled in blocks.
 pub(super) fn share(sets: &[Scored], name: &str) -> f64 {
     let sets: Vec<&Scored> = sets.iter().filter(|set| set.is_plausible).collect();
     let names: Vec<bool> = sets.iter().map(|set| set.names().contains(&name)).collect();
@@ -31,7 +32,7 @@ pub(super) fn share(sets: &[Scored], name: &str) -> f64 {
     hits as f64 / RESAMPLINGS as f64
 }
 
-/// Which set is the simplest within one standard error of the best on some windows.
+/// Returns the index of the simplest set within one standard error of the lowest cost on some windows.
 fn chosen(sets: &[&Scored], windows: &[usize]) -> usize {
     let count = windows.len() as f64;
     let cost = |set: &&Scored| {

@@ -1,4 +1,4 @@
-//! Effects that may be present in place of the one that was found.
+//! Finds effects that may be present in place of the one that was found.
 
 use super::pool::SHORT_ITERATIONS;
 use super::start::Start;
@@ -10,11 +10,11 @@ use crate::select::Search;
 use crate::term::Term;
 use rayon::prelude::*;
 
-/// Starts of each effect that are fitted shortly, those of the lowest cost.
+/// Number of starts of each effect that are fitted with few iterations: those of the lowest cost.
 const MOST_STARTS: usize = 3;
 
-/// A set of effects with one of those beyond the first `kept` exchanged: for each effect that changes small motion in nearly the same way,
-/// that contains it, or that it contains.
+/// Returns copies of a set of effects in which one effect beyond the first `kept` is exchanged for another one. The other effect changes
+/// small motion in nearly the same way, contains the exchanged one as a special case, or is a special case of it.
 pub(super) fn of(search: &Search<'_>, set: &Fit, kept: usize) -> Vec<Start> {
     let names = set.hypothesis.names();
     let places = kept..set.hypothesis.terms.len();
@@ -57,7 +57,8 @@ pub(super) fn of(search: &Search<'_>, set: &Fit, kept: usize) -> Vec<Start> {
     starts.collect()
 }
 
-/// The effects that the one at a place may be exchanged for, each as starts of its fit beside the others, which are `known`.
+/// Returns the effects for which the one at a place may be exchanged. Each is a list of starts of its fit beside the other effects, which
+/// are `known`.
 fn exchanged(search: &Search<'_>, set: &Fit, place: usize, known: &Fit) -> Vec<Vec<Term>> {
     let model = &search.problem.recording.model;
     let Some((term, x)) = set.hypothesis.parts(&set.x).nth(place) else {

@@ -1,9 +1,11 @@
-//! One measure for all sets of effects, for devices of which no single effect explains everything.
+//! Compares all sets of effects by the same measure, for devices of which no single effect explains everything.
 //!
-//! Every set is fitted jointly, with the numbers of the model free, and costed on held-out windows, at one error scale that is estimated
-//! from what the best set leaves. The simplest set within one standard error of the best is taken. Its effects are ordered by what each
-//! closes. Sets come from the search with the numbers as stated, from the missing torque, and from a search that begins with all main
-//! numbers estimated anew.
+//! Every set is fitted jointly with free model parameters. Its cost is the robust cost on held-out windows. All sets have the same error
+//! scale, which is estimated from the residual of the best set. The simplest set within one standard error of the lowest cost is chosen.
+//! Its effects are ordered by the share of the gap that each closes.
+//!
+//! There are three sources of sets. One is the search with the model parameters near their stated values. Another is the missing torque.
+//! The third is a search that begins with all main parameters estimated again.
 
 mod agreement;
 mod confounders;
@@ -26,7 +28,8 @@ use crate::select::{self, Given, Search, Selection};
 use crate::stage::Stage;
 use pool::Pool;
 
-/// Compares what a search `found` with all sets that it met and with further ones. None if what was found explains everything.
+/// Compares the effects that a search `found` with all sets that it fitted and with further sets. Returns `None` if the found effects
+/// explain everything, if one of them was known before the search, or if there is no gap.
 pub(crate) fn measured<'a>(
     problem: &Problem<'a>,
     found: &Selection,
@@ -57,8 +60,9 @@ pub(crate) fn measured<'a>(
     Some((free, selection))
 }
 
-/// Adds to the pool what the missing torque proposes, the set of all main numbers, and effects on top of that set. Returns the error scale
-/// at which the main numbers alone fit best, in units of position.
+/// Adds three kinds of sets to the pool: those that the missing torque proposes, the set of all main parameters, and effects on top of that
+/// set. Returns the error scale at which the main parameters alone fit best, in position units. Returns the allowed model error if they
+/// cannot be estimated.
 fn on_all_numbers(
     stated: &Problem<'_>,
     free: &Problem<'_>,
@@ -85,7 +89,7 @@ fn on_all_numbers(
         return free.modelling;
     };
     pool.add(&numbers);
-    // Where the effects that were found leave less than all main numbers do, wrong numbers are not the main cause.
+    // If the residual with the found effects is smaller than with all main parameters, wrong parameters are not the main cause.
     let left = |problem: &Problem<'_>, fit| problem.rms(&problem.window_squares(fit, Part::All));
     if left(free, &numbers) >= left(stated, found.fit()) {
         return scale;
@@ -100,7 +104,7 @@ fn on_all_numbers(
     scale
 }
 
-/// The model with its numbers that are not stated estimated, each as a term. None if all are stated.
+/// Returns the fit of the model with each parameter that is not stated estimated as a term. Returns `None` if all are stated.
 pub(crate) fn with_unstated(
     problem: &Problem<'_>,
     given: &Given<'_>,
@@ -123,7 +127,8 @@ pub(crate) fn with_unstated(
     Some(problem.fit(&fit.hypothesis, fit.x, Part::All, scale::ITERATIONS))
 }
 
-/// A fit with some numbers of the model estimated anew, each as the term of an effect, and the error scale at which it fits best.
+/// Returns a fit with some model parameters estimated again, each as the term of an effect. It also returns the error scale at which that
+/// fit is best.
 fn with_numbers_estimated(
     search: &Search<'_>,
     null: &Fit,

@@ -1,4 +1,4 @@
-//! The model's main numbers, freed.
+//! Frees the main parameters of the model.
 
 use crate::effects::{self, Identification};
 use crate::fit::Fit;
@@ -10,8 +10,8 @@ use crate::term::Term;
 use host_sim::effects::Quantity;
 use recording::Recording;
 
-/// The numbers that may move within their stated tolerances, and main numbers without one that may move as far as such numbers are
-/// usually off.
+/// Returns the model parameters that may deviate from their stated values: those with a stated tolerance, and main parameters without one.
+/// The latter have the typical error of such a parameter as their standard deviation.
 pub(super) fn freed(problem: &Problem<'_>) -> Vec<PriorParameter> {
     let mut all = problem.priors.clone();
     for number in effects::all().filter_map(Identification::main_number) {
@@ -32,8 +32,8 @@ pub(super) fn freed(problem: &Problem<'_>) -> Vec<PriorParameter> {
     all
 }
 
-/// The effects that say the main numbers anew: of the two that set how much a torque accelerates, the inertia, or the gain where the
-/// ratio is not stated.
+/// Returns the effects that estimate the main parameters again. Inertia and gain both scale the acceleration by a torque, so only one of
+/// them is estimated. It is the gain if the ratio of torque to input is not stated, and the inertia otherwise.
 pub(super) fn restating(recording: &Recording) -> Vec<&'static dyn Identification> {
     let is_gain_free = is_gain_free(recording);
     let is_wanted = |effect: &&dyn Identification| {
@@ -48,7 +48,7 @@ pub(super) fn restating(recording: &Recording) -> Vec<&'static dyn Identificatio
     effects::all().filter(is_wanted).collect()
 }
 
-/// Those of them whose numbers are not stated.
+/// Returns the effects of [`restating`] whose parameters are not stated.
 pub(super) fn unstated(recording: &Recording) -> Vec<&'static dyn Identification> {
     let mut all = restating(recording);
     all.retain(|effect| {
@@ -58,13 +58,14 @@ pub(super) fn unstated(recording: &Recording) -> Vec<&'static dyn Identification
     all
 }
 
-/// True where the ratio of torque to input is not stated.
+/// Returns true if the ratio of torque to input is not stated.
 fn is_gain_free(recording: &Recording) -> bool {
     let mut gains = effects::all().filter_map(Identification::main_number);
     gains.any(|number| number.usual_error.is_none() && recording.unstated.contains(&number.name))
 }
 
-/// Some of these effects as terms, from two starts: where the nominal model has them, and where the balance of torques puts them.
+/// Returns the effects `restating` as terms, from two starts. One has the values of the nominal model, and the other has those of the
+/// balance of torques.
 pub(super) fn starts(
     search: &Search<'_>,
     null: &Fit,

@@ -1,4 +1,4 @@
-//! The order of the effects of a set: by what each closes.
+//! Orders the effects of a set by the share of the gap that each closes.
 
 use super::scored::Scored;
 use crate::fit::Fit;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 const ITERATIONS: usize = 5;
 
-/// Places of the effects of a set beyond the first `kept`, the one that accounts for most of what the set closes first.
+/// Returns the places of the effects of a set beyond the first `kept`. The effect that closes the largest share of the gap is the first.
 pub(super) fn order(problem: &Problem<'_>, set: &Scored, kept: usize) -> Vec<usize> {
     let count = set.fit.hypothesis.terms.len() - kept;
     let mut places: Vec<usize> = (0..count).collect();
@@ -28,7 +28,7 @@ pub(super) fn order(problem: &Problem<'_>, set: &Scored, kept: usize) -> Vec<usi
     places
 }
 
-/// The set with its first `kept` effects and those others that are `taken`, refitted.
+/// Returns the set with its first `kept` effects and the others that are `taken`, fitted again.
 pub(super) fn subset_fit(
     problem: &Problem<'_>,
     set: &Fit,

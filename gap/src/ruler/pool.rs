@@ -1,4 +1,4 @@
-//! The sets of effects that are compared.
+//! Holds the sets of effects that are compared.
 
 use super::scored::{Scored, simplest};
 use super::start::Start;
@@ -9,24 +9,25 @@ use crate::plausible::Implausible;
 use crate::select::Selection;
 use rayon::prelude::*;
 
-/// Sets that are scored on held-out data, those that cost least after a short fit; and sets that are scored again once the error scale is
-/// known from the best of them.
+/// Number of sets that are scored on held-out windows: those of the lowest cost after a short fit.
 const MOST_SCORED: usize = 8;
+/// Number of iterations of a short fit.
 pub(super) const SHORT_ITERATIONS: usize = 3;
+/// Number of sets that are scored again once the error scale is known from the best of them.
 const MOST_SCORED_AGAIN: usize = 5;
-/// Sets beside these with a number that no device has: they are reported as tried, and never chosen.
+/// Number of further sets that contain an implausible parameter value. They are reported as tried, and never chosen.
 const MOST_IMPLAUSIBLE: usize = 2;
-/// Factor by which the scale must fall to score again.
+/// Largest ratio of the new error scale to the previous one at which sets are scored again.
 const OTHER_SCALE: f64 = 0.7;
 
-/// Sets of effects, as places to fit from.
+/// Sets of effects, as starts of fits.
 pub(super) struct Pool {
     starts: Vec<Start>,
 }
 
 impl Pool {
-    /// The sets that a search met: its null, and every rival of each round. The fits of the search have `stated` coordinates for numbers of
-    /// the model, those of the pool have `freed`.
+    /// Returns the sets that a search fitted: its null, and every rival of each round. The fits of the search have `stated` coordinates for
+    /// model parameters. Those of the pool have `freed` coordinates.
     pub(super) fn of_search(found: &Selection, stated: usize, freed: usize) -> Self {
         let widened = |fit: &Fit| {
             let mut x = fit.x[..stated].to_vec();
@@ -48,7 +49,7 @@ impl Pool {
         }
     }
 
-    /// The set without effects; its terms are the numbers that are not stated.
+    /// Returns the set without effects. Its terms are the model parameters that are not stated.
     pub(super) fn null(&self) -> Start {
         self.starts[0].clone()
     }
@@ -64,8 +65,8 @@ impl Pool {
         });
     }
 
-    /// All sets, fitted and costed at the error scale of `problem`, and those that cost least again at the scale that the best one leaves;
-    /// with the problem at that scale.
+    /// Fits all sets and computes their costs at the error scale of `problem`. If the residual of the best set is much smaller, the sets of
+    /// lowest cost are scored again at that scale. Returns the problem at the final scale, and the sets.
     pub(super) fn scored_at_own_scale<'a>(self, problem: Problem<'a>) -> (Problem<'a>, ScoredPool) {
         let mut pool = ScoredPool::of(&problem, shortlist(&problem, self.starts));
         let left = pool.least_left(&problem);
@@ -84,7 +85,7 @@ impl Pool {
     }
 }
 
-/// The null, and the sets that cost least after a short fit, one for each set of names.
+/// Returns the null, and the sets of lowest cost after a short fit. There is one for each set of names.
 fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     let mut starts = starts.into_iter();
     let null = starts.next();
@@ -110,7 +111,7 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     null.into_iter().chain(kept).collect()
 }
 
-/// How many more sets there is room for: of those that are plausible, and of others.
+/// Number of further sets that may be taken, plausible ones and others.
 struct Room {
     plausible: usize,
     implausible: usize,
@@ -124,7 +125,7 @@ impl Room {
         }
     }
 
-    /// Takes one more, if there is room.
+    /// Takes one more set if there is room. Returns true if it was taken.
     fn takes(&mut self, is_plausible: bool) -> bool {
         let left = if is_plausible {
             &mut self.plausible
@@ -137,10 +138,11 @@ impl Room {
     }
 }
 
-/// Sets of effects, fitted and costed on data that their fits have not seen.
+/// Sets of effects, fitted and scored on held-out windows.
 pub(super) struct ScoredPool {
     pub null: Scored,
-    /// By cost, the null among them; one for each set of names.
+    /// The sets, with the null among them and one for each set of names. They are in the order of increasing cost until further ones are
+    /// added.
     pub sets: Vec<Scored>,
     /// Names of the sets from which each effect was left out in turn.
     reduced: Vec<Vec<&'static str>>,
@@ -167,13 +169,13 @@ impl ScoredPool {
         }
     }
 
-    /// Keeps so many of those that are plausible, and a few others.
+    /// Keeps the first `most` plausible sets and a few others.
     fn keep_plausible(&mut self, most: usize) {
         let mut room = Room::of(most);
         self.sets.retain(|set| room.takes(set.is_plausible));
     }
 
-    /// The least rms residual of a plausible set on held-out data, beyond its floor, in units of position.
+    /// Returns the least rms residual of a plausible set on held-out windows, beyond its floor, in position units.
     fn least_left(&self, problem: &Problem<'_>) -> f64 {
         let left = |set: &Scored| problem.rms(&set.squares);
         let plausible = self.sets.iter().filter(|set| set.is_plausible);
@@ -184,7 +186,8 @@ impl ScoredPool {
         (left(least).powi(2) - floor.powi(2)).max(0.0).sqrt()
     }
 
-    /// The simplest set within one standard error of the best. Each of its effects beyond the first `kept` was left out in turn.
+    /// Returns the simplest set within one standard error of the lowest cost, and the pool. Each effect of that set beyond the first `kept`
+    /// was left out in turn.
     pub(super) fn without_needless(mut self, problem: &Problem<'_>, kept: usize) -> (Scored, Self) {
         loop {
             let Some(set) = simplest(&self.sets).cloned() else {
@@ -206,7 +209,7 @@ impl ScoredPool {
         }
     }
 
-    /// With further sets, each fitted and costed.
+    /// Returns the pool with further sets, each fitted and scored.
     pub(super) fn with(mut self, problem: &Problem<'_>, starts: Vec<Start>) -> Self {
         let scored = starts
             .into_par_iter()
@@ -217,7 +220,7 @@ impl ScoredPool {
         self
     }
 
-    /// Adds a set, or puts it in the place of one of the same names that costs more.
+    /// Adds a set. It replaces a set of the same names with a higher cost.
     fn add(&mut self, one: Scored) {
         match self.sets.iter_mut().find(|set| set.names() == one.names()) {
             Some(same) if same.cost() <= one.cost() => {}

@@ -1,4 +1,4 @@
-//! Sets of effects that the missing torque proposes.
+//! Finds sets of effects that explain the missing torque.
 
 use super::start::Start;
 use crate::effects::{self, Candidate};
@@ -8,12 +8,13 @@ use crate::select::Search;
 use crate::term::Term;
 use host_sim::device::Device;
 
-/// Sets that are asked for, and those of them that are measured: each costs a short fit.
+/// Number of sets that are requested from the missing torque.
 const ASKED: usize = 8;
+/// Largest number of these sets that are compared. Each costs a short fit.
 const MEASURED: usize = 4;
 
-/// Places to fit the proposed sets from, on top of a `null` whose numbers are free: effects that only say one of these anew are left
-/// out.
+/// Returns starts of the proposed sets on top of a `null` with free model parameters. An effect that only replaces one of these parameters
+/// is left out.
 pub(super) fn proposed(search: &Search<'_>, null: &Fit) -> Vec<Start> {
     let recording = search.problem.recording;
     let missing = MissingTorque::of(recording, &Device::nominal(&recording.model));
@@ -49,7 +50,7 @@ pub(super) fn proposed(search: &Search<'_>, null: &Fit) -> Vec<Start> {
     all
 }
 
-/// A start of an effect at the given values, in the form whose free parameters are those that differ from their defaults.
+/// Returns a start of an effect at the given values. Its form is the one whose free parameters are those that differ from their defaults.
 fn starting_at(candidate: &Candidate, values: &[f64]) -> Option<Term> {
     let kind = candidate.effect.kind();
     let is_set = |place: usize| values[place] != kind.parameter(place).default;

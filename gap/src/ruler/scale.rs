@@ -1,19 +1,20 @@
-//! The error scale: by how much a model may be off beyond noise, estimated from what its best fit leaves.
+//! Estimates the error scale: the rms deviation of a model beyond noise, estimated from the residual of its best fit.
 
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 
-/// Fits between two looks at the scale, and looks at most.
+/// Number of iterations of the fit between two estimates of the scale.
 pub(super) const ITERATIONS: usize = 6;
+/// Largest number of estimates of the scale.
 const MOST_LOOKS: usize = 6;
-/// A scale that falls by less than this factor has settled.
+/// Ratio of two successive scales above which the scale has converged.
 const SETTLED: f64 = 0.7;
 
-/// A fit whose error scale was estimated with it: it begins at the size of the residual, where every window counts alike, and
-/// falls to what the fit leaves beyond the noise. A model that is exact ends at the noise alone. The scale is rms, in units of
-/// position, and never below that of `problem`.
+/// Returns a fit and its error scale, estimated together. The scale begins at the rms residual, where all windows have similar weights. It
+/// decreases to the rms residual of the fit beyond the noise. The scale is in position units, and at least the allowed model error of
+/// `problem`.
 pub(super) fn annealed(problem: &Problem<'_>, hypothesis: &Hypothesis, x: Vec<f64>) -> (Fit, f64) {
     let start = problem.fit(hypothesis, x, Part::All, 0);
     let mut scale = rms(problem, &start).max(problem.modelling);
@@ -32,12 +33,12 @@ pub(super) fn annealed(problem: &Problem<'_>, hypothesis: &Hypothesis, x: Vec<f6
     (scaled.fit(hypothesis, fit.x, Part::All, ITERATIONS), scale)
 }
 
-/// Root mean square of the residual of a fit, in units of position.
+/// Returns the rms residual of a fit, in position units.
 fn rms(problem: &Problem<'_>, fit: &Fit) -> f64 {
     problem.rms(&problem.window_squares(fit, Part::All))
 }
 
-/// The same beyond the noise of the sensor.
+/// Returns the rms residual of a fit beyond the sensor noise, in position units.
 fn excess(problem: &Problem<'_>, fit: &Fit) -> f64 {
     let noise = problem.series.iter().flat_map(|series| {
         let windows = series.windows.iter();

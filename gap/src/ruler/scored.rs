@@ -1,4 +1,4 @@
-//! A set of effects and its cost on held-out windows.
+//! Scores a set of effects by its cost on held-out windows.
 
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
@@ -8,21 +8,22 @@ use crate::floor::mean_and_error;
 use crate::plausible::Implausible;
 
 const ITERATIONS: usize = 5;
-/// Usual errors by which a number that is stated as exact may move without counting as an effect.
+/// Deviation from its stated value up to which a model parameter without a stated tolerance does not count as an effect, in standard
+/// deviations.
 const USUAL: f64 = 1.0;
 
 /// A set of effects, fitted jointly.
 #[derive(Clone, Debug)]
 pub(super) struct Scored {
-    /// To all windows.
+    /// The fit to all windows.
     pub fit: Fit,
-    /// Robust cost of each window under the fit to the half of the windows that it is not in.
+    /// Robust cost of each window under the fit to the half of the windows that does not contain it.
     pub unseen: Vec<f64>,
-    /// Squared residual of each window, likewise, in units of position squared.
+    /// Sum of squared residuals of each window under the same fit, in position units squared.
     pub squares: Vec<f64>,
-    /// Numbers of the model that are stated as exact, and moved farther than such numbers usually are off.
+    /// Number of model parameters without a stated tolerance that deviate more than the typical error of such a parameter.
     pub moved: usize,
-    /// True if no number of its effects is one that no device has.
+    /// True if no effect has an implausible parameter value.
     pub is_plausible: bool,
 }
 
@@ -31,7 +32,7 @@ impl Scored {
         Self::of_fit(problem, problem.fit(hypothesis, x, Part::All, ITERATIONS))
     }
 
-    /// Of a fit to all windows.
+    /// Scores a fit to all windows.
     pub(super) fn of_fit(problem: &Problem<'_>, fit: Fit) -> Self {
         let halves = problem.halves(&fit);
         let unseen = Problem::held_out_by(&halves, |fit, half| {
@@ -49,24 +50,24 @@ impl Scored {
         }
     }
 
-    /// Names of its effects, sorted.
+    /// Returns the names of its effects, sorted.
     pub(super) fn names(&self) -> Vec<&'static str> {
         self.fit.hypothesis.names()
     }
 
-    /// Effects and numbers that moved as such, then free numbers of effects.
+    /// Returns the number of effects, with the model parameters that count as effects, and the number of free parameters of the effects.
     pub(super) fn complexity(&self) -> (usize, usize) {
         let hypothesis = &self.fit.hypothesis;
         (hypothesis.terms.len() + self.moved, hypothesis.free())
     }
 
-    /// Mean cost of a window, with the cost of moving the numbers of the model.
+    /// Returns the mean robust cost of a held-out window plus the prior cost per window.
     pub(super) fn cost(&self) -> f64 {
         let sum: f64 = self.unseen.iter().sum();
         (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64
     }
 
-    /// By how much more a window costs than with `other` on average, and the standard error of that.
+    /// Returns the mean difference of the cost per window from that of `other`, and its standard error.
     pub(super) fn excess_over(&self, other: &Self) -> [f64; 2] {
         let pairs = self.unseen.iter().zip(&other.unseen);
         let differences: Vec<f64> = pairs.map(|(own, its)| own - its).collect();
@@ -75,8 +76,8 @@ impl Scored {
     }
 }
 
-/// The simplest of those that are plausible and whose cost is within one standard error of the least: fewest effects, then fewest
-/// free numbers, then the lowest cost.
+/// Returns the simplest of the plausible sets whose cost is within one standard error of the lowest cost. It has the fewest effects, then
+/// the fewest free parameters, then the lowest cost. Returns `None` if no set is plausible.
 pub(super) fn simplest(all: &[Scored]) -> Option<&Scored> {
     let plausible = || all.iter().filter(|scored| scored.is_plausible);
     let best = plausible().min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
@@ -87,7 +88,7 @@ pub(super) fn simplest(all: &[Scored]) -> Option<&Scored> {
     })
 }
 
-/// True if a set of effects costs no more than one standard error beyond another.
+/// Returns true if the cost of one set exceeds that of another by at most one standard error.
 pub(super) fn is_within_error(one: &Scored, other: &Scored) -> bool {
     let [excess, error] = one.excess_over(other);
     excess <= error

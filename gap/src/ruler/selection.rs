@@ -1,4 +1,4 @@
-//! The set that was chosen, as a round for each of its effects.
+//! Converts the chosen set to a selection with a round for each of its effects.
 
 use super::agreement;
 use super::order::{order, subset_fit};
@@ -10,8 +10,8 @@ use crate::fit::problem::Problem;
 use crate::floor::{ExpectedLoss, mean_and_error};
 use crate::select::{Acceptance, Measured, Rival, Round, Selection};
 
-/// The selection with the effects of `set` in the order of what each closes, each beside all others of the set, with the sets of
-/// `pool` that have another effect in its place as its rivals.
+/// Returns the selection with the effects of `set`, ordered by the share of the gap that each closes. Each effect has a round beside all
+/// others of the set. Its rivals are the sets of `pool` that have another effect in its place.
 pub(super) fn of(
     problem: &Problem<'_>,
     found: &Selection,
@@ -42,21 +42,21 @@ pub(super) fn of(
     }
 }
 
-/// The rank of the effect at a place of a fit among those of the whole set.
+/// Returns the rank, within the whole set, of the effect at a place of a fit.
 fn rank_of(fit: &Fit, at: usize, set: &Fit, order: &[usize], kept: usize) -> usize {
     let name = fit.hypothesis.terms[at].kind.name;
     let of_place = |place: &usize| set.hypothesis.terms[kept + place].kind.name == name;
     order.iter().position(of_place).unwrap_or(order.len())
 }
 
-/// A fit with its effects beyond the first `kept` sorted by `rank`.
+/// Returns a fit with its effects beyond the first `kept` sorted by `rank`.
 fn in_order(fit: &Fit, kept: usize, rank: impl Fn(&Fit, usize) -> usize) -> Fit {
     let mut places: Vec<usize> = (0..fit.hypothesis.terms.len()).collect();
     places[kept..].sort_by_key(|&at| rank(fit, at));
     permuted(fit, &places)
 }
 
-/// A fit with its effects at other places, each with its coordinates.
+/// Returns a fit with its effects and their coordinates in the order of `places`.
 fn permuted(fit: &Fit, places: &[usize]) -> Fit {
     let numbers = fit.x.len() - fit.hypothesis.free();
     let parts: Vec<_> = fit.hypothesis.parts(&fit.x).collect();
@@ -74,13 +74,13 @@ fn permuted(fit: &Fit, places: &[usize]) -> Fit {
     moved
 }
 
-/// The same with the effect at a place behind all others.
+/// Returns a fit with the effect at a place moved behind all others.
 fn with_last(fit: &Fit, place: usize) -> Fit {
     let others = (0..fit.hypothesis.terms.len()).filter(|p| *p != place);
     permuted(fit, &others.chain([place]).collect::<Vec<_>>())
 }
 
-/// The round of the effect at a place of the set, beside all others of it.
+/// Returns the round of the effect at a place of the set, beside all others of the set.
 fn round(
     problem: &Problem<'_>,
     set: &Scored,
@@ -146,15 +146,15 @@ fn round(
     }
 }
 
-/// Share of the gap that a set closes, on data that its fit has not seen.
+/// Returns the share of the gap that a set closes on held-out windows.
 fn closed(problem: &Problem<'_>, set: &Scored, pool: &ScoredPool) -> f64 {
     let [left, before] = [set, &pool.null].map(|scored| problem.rms(&scored.squares));
     (1.0 - left / before.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0)
 }
 
-/// Probability that a name is right. It grows with the share of resampled windows that choose it, and with what its set closes. It is
-/// agreed if the search with the numbers as stated named it as well, and nothing explains as much in its place. An effect with an instant
-/// of its own was not held out, and fits whatever is missing there.
+/// Returns the probability that a name is right. It increases with the share of resamplings that choose the name, and with the share of the
+/// gap that its set closes. A name is agreed if the search with the model parameters near their stated values found it as well, and no
+/// other effect in its place explains as much. An effect bound to an instant was not held out, and can fit any residual there.
 fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
     let (least, most) = if is_agreed { (0.4, 0.95) } else { (0.3, 0.65) };
     let sure = least + (most - least) * share * closed;
@@ -165,10 +165,11 @@ fn confidence(share: f64, is_agreed: bool, closed: f64, is_event: bool) -> f64 {
     }
 }
 
-/// The highest probability of a name that was found in few windows of a device that no single effect explains.
+/// Highest probability of a name that was found in few windows, if no single effect explains the device.
 const SURE_OF_EVENT: f64 = 0.45;
 
-/// What else was tried beside the whole set.
+/// Returns a round that was not accepted, on top of the whole set. Its rivals are the sets of `pool` with exactly one effect that `set`
+/// does not have. Returns `None` if there is no such set.
 fn beyond(set: &Scored, pool: &ScoredPool) -> Option<Round> {
     let names = set.names();
     let mut rivals: Vec<Rival> = Vec::new();

@@ -1,8 +1,8 @@
-//! A place to fit from.
+//! A start of a fit.
 
 use crate::fit::hypothesis::Hypothesis;
 
-/// Effects, and the coordinates of all that is free.
+/// A hypothesis, and the coordinates of its free parameters and of the free model parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Start {
     pub hypothesis: Hypothesis,

@@ -13,8 +13,9 @@ use crate::Failure;
 
 /// Folder of the results in the repository.
 const FOLDER: &str = "docs/figures";
-/// Prefix of the names of the result files.
+/// Prefixes of the names of the result files.
 const PREFIX: &str = "blind-";
+const BOARD_PREFIX: &str = "blind-board-";
 /// Names of the result rows in the summary.
 const CONFIDENT: &str = "names given 0.9 or more that are right";
 const TIME: &str = "time of a diagnosis, 95th percentile, s";
@@ -27,6 +28,9 @@ struct Set {
     cases: u64,
     /// Whether each device has several causes.
     is_messy: bool,
+    /// Whether the recordings come from experiments on virtual boards.
+    #[serde(default)]
+    is_board: bool,
     origin: Origin,
     rows: Vec<Measured>,
 }
@@ -54,12 +58,14 @@ struct Drawn {
     seed: u64,
     cases: u64,
     messy: bool,
+    #[serde(default)]
+    board: bool,
 }
 
 #[derive(Debug, Deserialize)]
 struct Summary {
     rows: Vec<Measured>,
-    calibration: Calibration,
+    calibration: Option<Calibration>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -99,16 +105,18 @@ pub fn keep(path: &Path) -> Result<PathBuf, Failure> {
         seeds: answer.sets.iter().map(|set| set.seed).collect(),
         cases: answer.sets.iter().map(|set| set.cases).sum(),
         is_messy: answer.sets.iter().any(|set| set.messy),
+        is_board: answer.sets.iter().any(|set| set.board),
         origin: Origin::now(&answer.commit)?,
         rows: rows
             .into_iter()
-            .chain([calibration.confident.into()])
+            .chain(calibration.map(|calibration| calibration.confident.into()))
             .collect(),
     };
     let seeds: Vec<String> = set.seeds.iter().map(u64::to_string).collect();
     // A clean set and a messy set can have the same seed.
     let kind = if set.is_messy { "messy" } else { "clean" };
-    let name = format!("{PREFIX}{kind}-{}.json", seeds.join("-"));
+    let prefix = if set.is_board { BOARD_PREFIX } else { PREFIX };
+    let name = format!("{prefix}{kind}-{}.json", seeds.join("-"));
     let kept = firmware_build::root().join(FOLDER).join(name);
     let text = serde_json::to_string_pretty(&set).map_err(json)?;
     if let Some(folder) = kept.parent() {
@@ -152,8 +160,7 @@ impl Sets {
 
     fn of(&self, kind: Kind) -> Vec<&Set> {
         let sets = self.0.iter();
-        sets.filter(|set| set.is_messy == (kind == Kind::Messy))
-            .collect()
+        sets.filter(|set| set.kind() == kind).collect()
     }
 
     /// The summary over all sets of both kinds. Returns `None` if there is no set of one of the kinds.
@@ -188,7 +195,7 @@ impl Sets {
     pub fn times(&self) -> Option<String> {
         let mut text = row(&["what", "goal", "measured", "command"]);
         text.push_str("|---|---|---|---|\n");
-        for set in &self.0 {
+        for set in self.0.iter().filter(|set| !set.is_board) {
             let time = set.rows.iter().find(|row| row.what == TIME)?;
             let (kind, option) = match set.is_messy {
                 true => ("device with several causes", " --messy"),
@@ -224,6 +231,21 @@ pub enum Kind {
     Clean,
     /// Several causes, and errors in the numbers of the model.
     Messy,
+    /// Experiments on virtual boards whose paddles have one cause.
+    Board,
+    /// Experiments on virtual boards whose paddles have several causes, and errors in the numbers of the model.
+    MessyBoard,
+}
+
+impl Set {
+    fn kind(&self) -> Kind {
+        match (self.is_board, self.is_messy) {
+            (false, false) => Kind::Clean,
+            (false, true) => Kind::Messy,
+            (true, false) => Kind::Board,
+            (true, true) => Kind::MessyBoard,
+        }
+    }
 }
 
 /// Questions of the summary, with the result rows for clean and for messy sets.
@@ -367,6 +389,7 @@ mod tests {
             seeds: vec![cases],
             cases,
             is_messy,
+            is_board: false,
             origin: serde_json::from_str(
                 r#"{"date":"2026-01-02","machine":"m","commit":"0123456789abcdef"}"#,
             )

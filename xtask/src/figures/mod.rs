@@ -89,6 +89,8 @@ fn changed_pages(program: &Path, compiled: Compiled) -> Result<Vec<Page>, Failur
         let text = marked::replaced(&before, |name, present| match name {
             "accuracy clean" => Ok(sets.table(Kind::Clean)),
             "accuracy messy" => Ok(sets.table(Kind::Messy)),
+            "accuracy board" => Ok(sets.table(Kind::Board)),
+            "accuracy messy board" => Ok(sets.table(Kind::MessyBoard)),
             "accuracy summary" => Ok(sets.summary()),
             "accuracy time" => Ok(sets.times()),
             "performance" => Ok(kept.as_ref().map(Performance::table)),

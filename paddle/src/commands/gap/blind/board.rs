@@ -38,6 +38,16 @@ pub struct BoardCheck<'a> {
     pub folder: &'a Path,
 }
 
+/// What is counted over the paddles, and the least share that is a goal: 18 and 16 of 20 paddles with one effect, and 15 of 20
+/// with small effects beside it.
+const FINDINGS: [&str; 3] = [
+    "first name is the hidden (dominant) effect",
+    "it is named, or listed as not separable",
+    "it is the only answer",
+];
+const GOALS: [Option<f64>; 3] = [Some(0.9), None, Some(0.8)];
+const MESSY_GOALS: [Option<f64>; 3] = [Some(0.75), None, None];
+
 /// Result for one paddle.
 struct Case {
     outcome: Outcome,
@@ -106,11 +116,7 @@ impl BoardCheck<'_> {
         let longest_s = cases.iter().map(|case| case.paddle_s).fold(0.0, f64::max);
         let all = cases.len() + failed;
         let mut text = String::new();
-        for (what, count) in [
-            ("first name is the hidden (dominant) effect", right),
-            ("it is named, or listed as not separable", in_class),
-            ("it is the only answer", unique),
-        ] {
+        for (what, count) in FINDINGS.iter().zip([right, in_class, unique]) {
             let _ = writeln!(text, "{what:<44} {count} of {all}");
         }
         let _ = writeln!(
@@ -121,12 +127,27 @@ impl BoardCheck<'_> {
         Ok(Answer {
             text,
             json: json!({
+                "sets": [{ "seed": self.seed, "cases": all, "messy": self.messy, "board": true }],
+                "summary": { "rows": self.rows([right, in_class, unique], all) },
+                "commit": env!("PADDLE_COMMIT"),
                 "seed": self.seed, "messy": self.messy, "cases": all, "right": right, "in_class": in_class,
                 "unique": unique, "failed": failed, "longest_s": longest_s,
                 "each": cases.iter().map(Case::json).collect::<Vec<_>>(),
             }),
             problems,
         })
+    }
+
+    /// The counted cases as rows with their goals, in the form of the summary of a blind check.
+    fn rows(&self, [right, in_class, unique]: [usize; 3], all: usize) -> Vec<Value> {
+        let goals = if self.messy { MESSY_GOALS } else { GOALS };
+        let rows = FINDINGS.iter().zip([right, in_class, unique]).zip(goals);
+        let rows = rows.map(|((what, count), goal)| {
+            let goal = goal.map_or(json!("none"), |least| json!({ "at_least": least }));
+            let share = (all > 0).then(|| count as f64 / all as f64);
+            json!({ "what": what, "goal": goal, "measured": share, "cases": all, "percent": true })
+        });
+        rows.collect()
     }
 
     fn case(

@@ -143,6 +143,11 @@ pub enum Failure {
     /// The diagnosis stopped because of a defect of the program.
     #[error("the diagnosis broke off on a fault of the program; report it with the recording")]
     Fault,
+    /// No experiment left a run that can be used.
+    #[error(
+        "no experiment could be recorded: the paddle leaves its travel or does not come to rest; hold it in the middle, or ask for smaller ones"
+    )]
+    NothingRecorded,
     /// The unit of the model's positions is not one of the units of simulators.
     #[error("{}: its positions are neither in rad nor in m, as simulators take them; diagnose a recording in these", .0.display())]
     NotSi(PathBuf),

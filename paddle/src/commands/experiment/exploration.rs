@@ -102,7 +102,7 @@ impl<W: Wire> Exploration<'_, W> {
             }
             let runs = self.recorder.recording().runs.len();
             if runs == 0 {
-                return Err(problems.pop().unwrap_or(Failure::Fault));
+                return Err(problems.pop().unwrap_or(Failure::NothingRecorded));
             }
             // The result of the previous diagnosis stays valid.
             if let Some(found) = last.take_if(|found| found.recording.runs.len() == runs) {

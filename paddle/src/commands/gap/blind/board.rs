@@ -100,7 +100,6 @@ impl BoardCheck<'_> {
                     progress::note(&format!(
                         "case {number:<3} FAILED  {failure}; hidden {hidden}"
                     ));
-                    problems.push(failure);
                     failed += 1;
                 }
             }
@@ -118,6 +117,9 @@ impl BoardCheck<'_> {
         let mut text = String::new();
         for (what, count) in FINDINGS.iter().zip([right, in_class, unique]) {
             let _ = writeln!(text, "{what:<44} {count} of {all}");
+        }
+        if failed > 0 {
+            let _ = writeln!(text, "{:<44} {failed} of {all}", "experiments failed");
         }
         let _ = writeln!(
             text,

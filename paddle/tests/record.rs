@@ -164,7 +164,11 @@ fn experiments_on_a_paddle_that_equals_its_model_name_nothing_confidently() {
     assert!(output.status.success(), "{}", said(&output));
     let diagnosis = std::fs::read_to_string(out.join("diagnosis.json")).unwrap();
     let diagnosis: serde_json::Value = serde_json::from_str(&diagnosis).unwrap();
-    // The board's recording depends on the instants at which its commands arrive. Near its floor a doubtful name is possible.
+    // The recording depends on the instants at which the commands arrive. The gap of a model that is exact is near its floor, where
+    // a name with a low confidence is possible.
+    let [before, floor] =
+        ["before", "nominal_floor"].map(|key| diagnosis["gap"][key].as_f64().unwrap());
+    assert!(before < 2.0 * floor, "{before} {floor}: {}", said(&output));
     let effects = diagnosis["effects"].as_array().unwrap();
     let is_doubtful = |effect: &serde_json::Value| effect["confidence"].as_f64() < Some(0.7);
     assert!(effects.iter().all(is_doubtful), "{}", said(&output));

@@ -46,7 +46,7 @@ impl Row {
     }
 
     /// A row with the share of `values` that are true.
-    fn share(what: &'static str, goal: Goal, values: impl Iterator<Item = bool>) -> Self {
+    pub fn share(what: &'static str, goal: Goal, values: impl Iterator<Item = bool>) -> Self {
         let (mut cases, mut right) = (0, 0.0);
         for value in values {
             cases += 1;

@@ -3,6 +3,7 @@
 use crate::columns::lowest;
 use crate::measure::Residual;
 use crate::windows::excerpt::excerpt;
+use crate::windows::series::median_period;
 use crate::windows::unbroken::Unbroken;
 use core::f64::consts::PI;
 use host_sim::device::Device;
@@ -12,11 +13,8 @@ use recording::{Model, Oddity, Recording};
 const MOST_OF_RECORDED: f64 = 0.5;
 const MOST_WITHOUT_INPUT: f64 = 0.7;
 
-/// Shortest delay of the input that is compared with the hypotheses, as a share of the horizon. A shorter one does not change a sign.
-const SHORTEST_DELAY: f64 = 0.01;
-
-/// Number of rows that suffices to detect signs and units. The model is simulated seven times, and some fifty times more before a
-/// column is called wrong.
+/// Number of rows that suffices to detect signs and units. The model is simulated seven times, and some fifty times more if a
+/// hypothesis is confirmed.
 const MOST_ROWS: usize = 200_000;
 
 /// A column in another unit than the model assumes.
@@ -122,16 +120,22 @@ pub(super) fn sign_or_unit(recording: &Recording) -> Option<SignOrUnit> {
     if !is_confirmed {
         return None;
     }
-    // An input that is late by half a period of the motion looks like one of the other sign.
-    let late_rms = |delay_s: f64| {
+    let delayed = best_delayed_rms(unbroken).unwrap_or(f64::INFINITY);
+    (best.rms < delayed).then_some(best.hypothesis)
+}
+
+/// Lowest rms residual of the model with an additional delay of the input, in recorded position units. An input that is late by half a
+/// period of the motion looks like one of the opposite sign. A delay is tried up to the horizon. It has at least one row, because half
+/// a period of a motion that the rows show is no shorter. Returns `None` if a row is longer than the horizon.
+fn best_delayed_rms(recording: &Recording) -> Option<f64> {
+    let model = recording.model;
+    let rms = |delay_s: f64| {
         let delay = model.delay + delay_s;
-        residual(&Model { delay, ..model }).rms
+        Residual::of(recording, &Device::nominal(&Model { delay, ..model })).rms
     };
-    let delay_s = lowest(
-        [SHORTEST_DELAY, 1.0].map(|part| part * recording.horizon),
-        late_rms,
-    );
-    (best.rms < late_rms(delay_s)).then_some(best.hypothesis)
+    let rows_s = recording.runs.iter().map(|run| median_period(&run.time));
+    let row_s = rows_s.reduce(f64::min)?;
+    (row_s < recording.horizon).then(|| rms(lowest([row_s, recording.horizon], rms)))
 }
 
 /// Unit hypotheses: the column, the factor by which its values would be too large, and the unit mistake in words.

@@ -76,8 +76,8 @@ fn fit_both(
     field.problem.fit(hypothesis, x, part, iterations)
 }
 
-/// Returns the `kept` pairs with the lowest estimated cost. The estimate is linear at the starts of the effects. The number of pairs with
-/// the same effect is limited.
+/// Returns the `kept` pairs of effects with the lowest estimated cost. The estimate is linear at the starts of the effects. An effect that
+/// has a low cost with any other effect takes part in a limited number of these pairs.
 fn promising_pairs(field: &ScreeningSet<'_>, starts: &[Term], kept: usize) -> Vec<[Term; 2]> {
     let part = Part::Chosen(&field.chosen);
     let effect_model = |start: &Term| {

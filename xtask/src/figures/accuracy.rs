@@ -13,8 +13,9 @@ use crate::Failure;
 
 /// Folder of the results in the repository.
 const FOLDER: &str = "docs/figures";
-/// Prefixes of the names of the result files.
+/// Prefix of the names of the result files.
 const PREFIX: &str = "blind-";
+/// Prefix of the results on virtual boards.
 const BOARD_PREFIX: &str = "blind-board-";
 /// Names of the result rows in the summary.
 const CONFIDENT: &str = "names given 0.9 or more that are right";
@@ -417,6 +418,22 @@ mod tests {
         assert_eq!(sets.longest_s(Kind::Clean), Some(20.0));
         let times = sets.times().unwrap();
         assert!(times.contains("--messy --cases 4 --seed 4"), "{times}");
+    }
+
+    #[test]
+    fn a_board_set_is_in_its_own_table_only() {
+        let clean = set(false, "first name is the true one", [9, 10]);
+        let board = Set {
+            is_board: true,
+            ..set(false, "first name is the hidden effect", [17, 20])
+        };
+        let sets = Sets(vec![clean, board]);
+        let table = sets.table(Kind::Board).unwrap();
+        assert!(table.contains("| 17 of 20 |"), "{table}");
+        let [clean, times] = [sets.table(Kind::Clean), sets.times()].map(Option::unwrap);
+        assert!(!clean.contains("seed 20"), "{clean}");
+        assert!(!times.contains("--seed 20"), "{times}");
+        assert_eq!(sets.table(Kind::MessyBoard), None);
     }
 
     #[test]

@@ -10,6 +10,8 @@ use crate::{Failure, output};
 
 /// Number of digits of a printed commit.
 const SHORT: usize = 12;
+/// Ending of the commit of a program that was built with uncommitted changes.
+const DIRTY: &str = "-dirty";
 
 /// Date, machine and commit of a measurement.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,7 +43,16 @@ impl Origin {
 impl fmt::Display for Origin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let commit = self.commit.get(..SHORT).unwrap_or(&self.commit);
-        write!(f, "{}, commit {commit}, {}", self.date, self.machine)
+        let changes = if self.commit.ends_with(DIRTY) {
+            " with uncommitted changes"
+        } else {
+            ""
+        };
+        write!(
+            f,
+            "{}, commit {commit}{changes}, {}",
+            self.date, self.machine
+        )
     }
 }
 

@@ -8,14 +8,15 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::progress;
 use crate::rig::Rig;
-use blind::score::{Gaps, Outcome, judge};
+use blind::score::{Gaps, Goal, Outcome, Row, judge};
 use blind::{Diagnosis, Kind, Reference, Truth};
 use haptic_paddle::settings::Settings;
 use host_sim::closed_loop::LoopSetup;
 use host_sim::presets;
-use remote::VirtualWire;
+use remote::{DeviceError, VirtualWire};
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::iter::repeat_n;
 use std::path::Path;
 use std::time::Instant;
 use virtual_board::board::Board;
@@ -38,15 +39,37 @@ pub struct BoardCheck<'a> {
     pub folder: &'a Path,
 }
 
-/// What is counted over the paddles, and the least share that is a goal: 18 and 16 of 20 paddles with one effect, and 15 of 20
-/// with small effects beside it.
-const FINDINGS: [&str; 3] = [
-    "first name is the hidden (dominant) effect",
-    "it is named, or listed as not separable",
-    "it is the only answer",
+/// A property of a result that is counted over the paddles.
+struct Finding {
+    what: &'static str,
+    /// Goal for paddles with one effect, and for paddles with small effects beside the dominant one.
+    goal: Goal,
+    messy_goal: Goal,
+    holds: fn(&Case) -> bool,
+}
+
+/// The first name should be right for 18 of 20 paddles with one effect, and for 15 of 20 with small effects beside it. The
+/// answer should be the only one for 16 of 20 paddles with one effect.
+const FINDINGS: [Finding; 3] = [
+    Finding {
+        what: "first name is the hidden (dominant) effect",
+        goal: Goal::AtLeast(0.9),
+        messy_goal: Goal::AtLeast(0.75),
+        holds: |case| case.outcome.first,
+    },
+    Finding {
+        what: "it is named, or listed as not separable",
+        goal: Goal::None,
+        messy_goal: Goal::None,
+        holds: |case| case.outcome.in_class,
+    },
+    Finding {
+        what: "it is the only answer",
+        goal: Goal::AtLeast(0.8),
+        messy_goal: Goal::None,
+        holds: Case::is_unique,
+    },
 ];
-const GOALS: [Option<f64>; 3] = [Some(0.9), None, Some(0.8)];
-const MESSY_GOALS: [Option<f64>; 3] = [Some(0.75), None, None];
 
 /// Result for one paddle.
 struct Case {
@@ -85,8 +108,8 @@ impl BoardCheck<'_> {
                     continue;
                 }
             };
-            let board = board(&image, &paddle, number).map_err(unusable);
-            match board.and_then(|board| self.case(number, &paddle, board, &interrupt)) {
+            let board = board(&image, &paddle, number).map_err(unusable)?;
+            match self.case(number, &paddle, board, &interrupt) {
                 Ok((case, lacking)) => {
                     progress::note(&case.line(number));
                     cases.push(case);
@@ -95,28 +118,30 @@ impl BoardCheck<'_> {
                         problems.push(failure);
                     }
                 }
+                Err(Failure::Device(DeviceError::Ended)) => {}
                 Err(failure) => {
-                    let hidden = paddle.written();
+                    let hidden = paddle.written().join(" ");
                     progress::note(&format!(
                         "case {number:<3} FAILED  {failure}; hidden {hidden}"
                     ));
                     failed += 1;
+                    // A paddle that cannot be recorded is a result of the check.
+                    if !matches!(failure, Failure::Device(_) | Failure::NothingRecorded) {
+                        problems.push(failure);
+                    }
                 }
             }
             if interrupt.is_requested() {
                 break;
             }
         }
-        let (right, unique) = (
-            cases.iter().filter(|case| case.outcome.first).count(),
-            cases.iter().filter(|case| case.is_unique()).count(),
-        );
-        let in_class = cases.iter().filter(|case| case.outcome.in_class).count();
         let longest_s = cases.iter().map(|case| case.paddle_s).fold(0.0, f64::max);
         let all = cases.len() + failed;
+        let [right, in_class, unique] =
+            FINDINGS.map(|finding| cases.iter().filter(|case| (finding.holds)(case)).count());
         let mut text = String::new();
-        for (what, count) in FINDINGS.iter().zip([right, in_class, unique]) {
-            let _ = writeln!(text, "{what:<44} {count} of {all}");
+        for (finding, count) in FINDINGS.iter().zip([right, in_class, unique]) {
+            let _ = writeln!(text, "{:<44} {count} of {all}", finding.what);
         }
         if failed > 0 {
             let _ = writeln!(text, "{:<44} {failed} of {all}", "experiments failed");
@@ -130,7 +155,7 @@ impl BoardCheck<'_> {
             text,
             json: json!({
                 "sets": [{ "seed": self.seed, "cases": all, "messy": self.messy, "board": true }],
-                "summary": { "rows": self.rows([right, in_class, unique], all) },
+                "summary": { "rows": self.rows(&cases, failed) },
                 "commit": env!("PADDLE_COMMIT"),
                 "seed": self.seed, "messy": self.messy, "cases": all, "right": right, "in_class": in_class,
                 "unique": unique, "failed": failed, "longest_s": longest_s,
@@ -140,16 +165,17 @@ impl BoardCheck<'_> {
         })
     }
 
-    /// The counted cases as rows with their goals, in the form of the summary of a blind check.
-    fn rows(&self, [right, in_class, unique]: [usize; 3], all: usize) -> Vec<Value> {
-        let goals = if self.messy { MESSY_GOALS } else { GOALS };
-        let rows = FINDINGS.iter().zip([right, in_class, unique]).zip(goals);
-        let rows = rows.map(|((what, count), goal)| {
-            let goal = goal.map_or(json!("none"), |least| json!({ "at_least": least }));
-            let share = (all > 0).then(|| count as f64 / all as f64);
-            json!({ "what": what, "goal": goal, "measured": share, "cases": all, "percent": true })
-        });
-        rows.collect()
+    /// The findings as rows of the summary of a blind check. No finding holds for a paddle whose experiments `failed`.
+    fn rows(&self, cases: &[Case], failed: usize) -> [Row; 3] {
+        FINDINGS.map(|finding| {
+            let goal = if self.messy {
+                finding.messy_goal
+            } else {
+                finding.goal
+            };
+            let holds = cases.iter().map(finding.holds);
+            Row::share(finding.what, goal, holds.chain(repeat_n(false, failed)))
+        })
     }
 
     fn case(
@@ -168,8 +194,9 @@ impl BoardCheck<'_> {
         let unique = is_unique(&found.outcome.diagnosis);
         let outcome = self.judged(number, paddle, &found)?;
         let answer = how.answer(found)?;
+        let hidden = paddle.written();
         let truth = json!({
-            "seed": self.seed, "case": number, "effects": paddle.effects.iter().map(written).collect::<Vec<_>>(),
+            "seed": self.seed, "case": number, "effects": hidden,
             "off": paddle.off.iter().map(|(name, factor)| json!({ "number": name, "true_over_stated": factor })).collect::<Vec<_>>(),
         });
         let path = how.out.join("truth.json");
@@ -178,7 +205,7 @@ impl BoardCheck<'_> {
         std::fs::write(&path, answer.text).map_err(Failure::write(&path))?;
         let case = Case {
             outcome,
-            hidden: paddle.written(),
+            hidden: hidden.join(" "),
             unique,
             runs,
             paddle_s,

@@ -167,9 +167,8 @@ impl HiddenPaddle {
     }
 
     /// The effects as arguments of `--with`.
-    pub fn written(&self) -> String {
-        let effects: Vec<String> = self.effects.iter().map(written).collect();
-        effects.join(" ")
+    pub fn written(&self) -> Vec<String> {
+        self.effects.iter().map(written).collect()
     }
 }
 

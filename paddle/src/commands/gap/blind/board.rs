@@ -16,7 +16,6 @@ use host_sim::presets;
 use remote::{DeviceError, VirtualWire};
 use serde_json::{Value, json};
 use std::fmt::Write;
-use std::iter::repeat_n;
 use std::path::Path;
 use std::time::Instant;
 use virtual_board::board::Board;
@@ -71,6 +70,23 @@ const FINDINGS: [Finding; 3] = [
     },
 ];
 
+/// Whether each of the [`FINDINGS`] holds for a paddle. None holds if its experiments failed.
+pub type Findings = [bool; FINDINGS.len()];
+
+/// The findings of all paddles as rows of the summary of a blind check.
+pub fn rows(findings: &[Findings], messy: bool) -> Vec<Row> {
+    let rows = FINDINGS.iter().enumerate().map(|(which, finding)| {
+        let goal = if messy {
+            finding.messy_goal
+        } else {
+            finding.goal
+        };
+        let holds = findings.iter().map(|holds| holds[which]);
+        Row::share(finding.what, goal, holds)
+    });
+    rows.collect()
+}
+
 /// Result for one paddle.
 struct Case {
     outcome: Outcome,
@@ -83,12 +99,13 @@ struct Case {
 }
 
 impl BoardCheck<'_> {
-    /// Draws the paddles, runs the experiments and scores them. Each finished case prints a line on standard error.
+    /// Draws the paddles, runs the experiments and scores them. Each finished case prints a line on standard error. Returns the
+    /// findings of each paddle as well.
     ///
     /// # Errors
     /// Returns a [`Failure`] if there is no firmware. A paddle that cannot be drawn is reported and left out. A paddle whose
     /// experiments fail is reported and counts as wrong.
-    pub fn run(&self) -> Result<Answer, Failure> {
+    pub fn run(&self) -> Result<(Answer, Vec<Findings>), Failure> {
         let path = firmware::build()?;
         let unusable = |source| Failure::Image {
             path: path.clone(),
@@ -97,7 +114,7 @@ impl BoardCheck<'_> {
         let image = Image::read(&path).map_err(unusable)?;
         let interrupt = Interrupt::watched()?;
         let mut cases: Vec<Case> = Vec::new();
-        let mut failed = 0;
+        let mut findings: Vec<Findings> = Vec::new();
         let mut problems = Vec::new();
         for number in 1..=self.cases {
             let paddle = match HiddenPaddle::draw(self.seed, number, self.only, self.messy) {
@@ -112,6 +129,7 @@ impl BoardCheck<'_> {
             match self.case(number, &paddle, board, &interrupt) {
                 Ok((case, lacking)) => {
                     progress::note(&case.line(number));
+                    findings.push(FINDINGS.map(|finding| (finding.holds)(&case)));
                     cases.push(case);
                     for failure in lacking {
                         progress::note(&format!("case {number}: {failure}"));
@@ -124,7 +142,7 @@ impl BoardCheck<'_> {
                     progress::note(&format!(
                         "case {number:<3} FAILED  {failure}; hidden {hidden}"
                     ));
-                    failed += 1;
+                    findings.push([false; FINDINGS.len()]);
                     // A paddle that cannot be recorded is a result of the check.
                     if !matches!(failure, Failure::Device(_) | Failure::NothingRecorded) {
                         problems.push(failure);
@@ -136,9 +154,10 @@ impl BoardCheck<'_> {
             }
         }
         let longest_s = cases.iter().map(|case| case.paddle_s).fold(0.0, f64::max);
-        let all = cases.len() + failed;
-        let [right, in_class, unique] =
-            FINDINGS.map(|finding| cases.iter().filter(|case| (finding.holds)(case)).count());
+        let all = findings.len();
+        let failed = all - cases.len();
+        let count = |which: usize| findings.iter().filter(|holds| holds[which]).count();
+        let [right, in_class, unique] = [0, 1, 2].map(count);
         let mut text = String::new();
         for (finding, count) in FINDINGS.iter().zip([right, in_class, unique]) {
             let _ = writeln!(text, "{:<44} {count} of {all}", finding.what);
@@ -151,31 +170,16 @@ impl BoardCheck<'_> {
             "most time of a paddle's                      {longest_s:.0} s\neverything in {}",
             self.folder.display()
         );
-        Ok(Answer {
+        let answer = Answer {
             text,
             json: json!({
-                "sets": [{ "seed": self.seed, "cases": all, "messy": self.messy, "board": true }],
-                "summary": { "rows": self.rows(&cases, failed) },
-                "commit": env!("PADDLE_COMMIT"),
-                "seed": self.seed, "messy": self.messy, "cases": all, "right": right, "in_class": in_class,
+                "board": true, "seed": self.seed, "messy": self.messy, "cases": all, "right": right, "in_class": in_class,
                 "unique": unique, "failed": failed, "longest_s": longest_s,
                 "each": cases.iter().map(Case::json).collect::<Vec<_>>(),
             }),
             problems,
-        })
-    }
-
-    /// The findings as rows of the summary of a blind check. No finding holds for a paddle whose experiments `failed`.
-    fn rows(&self, cases: &[Case], failed: usize) -> [Row; 3] {
-        FINDINGS.map(|finding| {
-            let goal = if self.messy {
-                finding.messy_goal
-            } else {
-                finding.goal
-            };
-            let holds = cases.iter().map(finding.holds);
-            Row::share(finding.what, goal, holds.chain(repeat_n(false, failed)))
-        })
+        };
+        Ok((answer, findings))
     }
 
     fn case(

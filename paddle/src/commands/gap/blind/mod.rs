@@ -148,7 +148,7 @@ impl Arguments {
     /// Runs the experiments on virtual boards for every set.
     fn boards(&self) -> Result<Answer, Failure> {
         let mut all = Answer::default();
-        let mut sets = Vec::new();
+        let (mut sets, mut findings) = (Vec::new(), Vec::new());
         for &seed in &self.seed {
             let folder = self.folder(seed);
             let check = BoardCheck {
@@ -159,16 +159,20 @@ impl Arguments {
                 seconds: self.seconds,
                 folder: &folder,
             };
+            let (answer, of_set) = check.run()?;
             let Answer {
                 text,
                 json,
                 problems,
-            } = check.run()?;
+            } = answer;
+            findings.extend(of_set);
             all.text += &format!("seed {seed}\n{text}");
             sets.push(json);
             all.problems.extend(problems);
         }
-        all.json = json!({ "sets": sets });
+        let rows = board::rows(&findings, self.messy);
+        all.json =
+            json!({ "sets": sets, "summary": { "rows": rows }, "commit": env!("PADDLE_COMMIT") });
         Ok(all)
     }
 

@@ -158,7 +158,10 @@ pub fn parts(device: &Device) -> Vec<Part> {
         || !friction.position_spot.is_none();
     part(Part::PositionDependentCoulomb, varies);
     part(Part::Stribeck, !friction.stribeck.is_none());
-    part(Part::LoadDependentFriction, friction.load_share != 0.0);
+    part(
+        Part::LoadDependentFriction,
+        friction.load_share != 0.0 || friction.load_backdriven_extra != 0.0,
+    );
     part(Part::FrictionDrift, friction.drift.is_some());
     part(Part::Viscous, mechanics.viscous != 0.0);
     part(Part::QuadraticDrag, mechanics.drag != 0.0);

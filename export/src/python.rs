@@ -97,6 +97,7 @@ pub(crate) fn numbers(model: &Model) -> Vec<(&'static str, f64)> {
         ("spot_width", friction.position_spot.width),
         ("spot_exponent", friction.position_spot.exponent),
         ("load_share", friction.load_share),
+        ("load_backdriven_extra", friction.load_backdriven_extra),
         ("load_passive", friction.load_passive),
         ("lower_stop", of(&lower, |stop| stop.at, f64::NEG_INFINITY)),
         ("lower_stiffness", of(&lower, |stop| stop.stiffness, 0.0)),

@@ -92,5 +92,9 @@ if p.static_ratio ~= 1
         fall = fall + (p.static_ratio - 1) * exp(-q);
     end
 end
-y = y * max(0, at) * fall + p.load_share * abs(transmitted);
+share = p.load_share;
+if direction * transmitted < 0
+    share = max(0, share + p.load_backdriven_extra);
+end
+y = y * max(0, at) * fall + share * abs(transmitted);
 end

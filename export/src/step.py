@@ -66,7 +66,10 @@ class Device:
             p = abs(speed / self.stribeck_velocity) ** self.stribeck_exponent
             t = self.stribeck_tail
             fall += (self.static_ratio - 1.0) * ((1.0 + t * p) ** (-1.0 / t) if t > 0.0 else math.exp(-p))
-        return level * max(0.0, at) * fall + self.load_share * abs(transmitted)
+        share = self.load_share
+        if direction * transmitted < 0.0:
+            share = max(0.0, share + self.load_backdriven_extra)
+        return level * max(0.0, at) * fall + share * abs(transmitted)
 
     def step(self, u, dt):
         """Goes on by `dt` s under the input `u`; returns the reading."""

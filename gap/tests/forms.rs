@@ -33,8 +33,8 @@ fn a_drive_that_adds_torque_with_speed_is_viscous_friction_below_zero() {
 #[test]
 fn what_rubs_more_where_the_load_drives_is_found() {
     assert_found(
-        "load_dependent_friction:share=0.05,backdriven=4",
-        &[("share", 0.05), ("backdriven", 4.0)],
+        "load_dependent_friction:share=0.05,backdriven_extra=0.15",
+        &[("share", 0.05), ("backdriven_extra", 0.15)],
     );
 }
 

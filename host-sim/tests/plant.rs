@@ -590,7 +590,7 @@ proptest! {
         slope in -2.0..2.0f64,
         load_share in 0.0..0.3f64,
         load_passive in -1.0..1.0f64,
-        load_backdriven in 0.2..5.0f64,
+        load_backdriven_extra in -0.1..0.5f64,
         from_s in 0.0..0.2f64,
         side in prop_oneof![Just(1.0), Just(0.0)],
     ) {
@@ -602,7 +602,7 @@ proptest! {
         friction.position_slope = slope;
         friction.load_share = load_share;
         friction.load_passive = load_passive;
-        friction.load_backdriven = load_backdriven;
+        friction.load_backdriven_extra = load_backdriven_extra;
         friction.drift = Some(Drift { rate_per_s: 0.5, settling_s: None, settled: false, step: -0.3, step_s: 0.11, start_s: 0.0, anew: false });
         paddle.barriers[0] = Some(Barrier {
             at: 0.01,

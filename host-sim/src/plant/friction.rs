@@ -27,8 +27,8 @@ pub struct Friction {
     pub position_spot: Spot,
     /// Share µ of the transmitted torque that is added to the level, where the motor drives.
     pub load_share: f64,
-    /// The share µ where the load drives, over that where the motor drives.
-    pub load_backdriven: f64,
+    /// Change of the share µ where the load drives the motor. The sum of both is never below zero.
+    pub load_backdriven_extra: f64,
     /// Part of the torque of gravity and springs that is transmitted in addition to the driving torque.
     pub load_passive: f64,
     /// Dependence on time, if any: `d = max(0, 1 + growth(t))`.
@@ -46,7 +46,7 @@ impl Friction {
             position_ripple: Ripple::NONE,
             position_spot: Spot::NONE,
             load_share: 0.0,
-            load_backdriven: 1.0,
+            load_backdriven_extra: 0.0,
             load_passive: 0.0,
             drift: None,
         }
@@ -71,7 +71,7 @@ impl Friction {
 
     /// True if there is no dry friction.
     pub fn is_none(&self) -> bool {
-        self.level_nm == [0.0; 2] && self.load_share == 0.0
+        self.level_nm == [0.0; 2] && self.is_without_load_share()
     }
 
     /// True if the level depends on direction and time alone.
@@ -81,7 +81,12 @@ impl Friction {
             && self.position_curve == 0.0
             && self.position_ripple.is_none()
             && self.position_spot.is_none()
-            && self.load_share == 0.0
+            && self.is_without_load_share()
+    }
+
+    /// True if no transmitted torque adds friction.
+    pub(super) fn is_without_load_share(&self) -> bool {
+        self.load_share == 0.0 && self.load_backdriven_extra == 0.0
     }
 
     /// Sliding level against motion in `direction` (±1), N m.
@@ -108,12 +113,12 @@ impl Friction {
     /// Friction that the transmitted torque adds against motion in `direction` (±1), N m.
     #[inline]
     fn by_load(&self, direction: f64, transmitted_nm: f64) -> f64 {
-        let added_nm = self.load_share * transmitted_nm.abs();
-        if direction * transmitted_nm < 0.0 {
-            self.load_backdriven * added_nm
+        let share = if direction * transmitted_nm < 0.0 {
+            (self.load_share + self.load_backdriven_extra).max(0.0)
         } else {
-            added_nm
-        }
+            self.load_share
+        };
+        share * transmitted_nm.abs()
     }
 
     #[inline]
@@ -139,7 +144,7 @@ mod tests {
     fn the_friction_of_a_gear_differs_when_the_load_drives_it() {
         let gear = Friction {
             load_share: 0.1,
-            load_backdriven: 3.0,
+            load_backdriven_extra: 0.2,
             ..Friction::coulomb(2.0)
         };
         let level =

@@ -357,7 +357,7 @@ impl Plant {
             is_timed,
             rest_is_steady: dry && mechanics.link.is_none() && mechanics.presliding.is_none(),
             holds_steadily: mechanics.friction.drift.is_none()
-                && mechanics.friction.load_share == 0.0,
+                && mechanics.friction.is_without_load_share(),
             inverse_inertia,
             slopes: (!stribeck.is_none()).then(|| [0, 1].map(slope)),
             link_modes: mechanics.link.as_ref().map(link_modes).unwrap_or_default(),

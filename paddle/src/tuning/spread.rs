@@ -39,6 +39,7 @@ impl Variant {
             *level_nm *= self.friction;
         }
         mechanics.friction.load_share *= self.friction;
+        mechanics.friction.load_backdriven_extra *= self.friction;
     }
 }
 

@@ -1,5 +1,6 @@
 //! Holds the sets of effects that are compared.
 
+use super::scale;
 use super::scored::{Scored, simplest};
 use super::start::Start;
 use crate::fit::Fit;
@@ -175,15 +176,14 @@ impl ScoredPool {
         self.sets.retain(|set| room.takes(set.is_plausible));
     }
 
-    /// Returns the least rms residual of a plausible set on held-out windows, beyond its floor, in position units.
+    /// Returns the error scale of the plausible set with the least residual on held-out windows, in position units.
     fn least_left(&self, problem: &Problem<'_>) -> f64 {
         let left = |set: &Scored| problem.rms(&set.squares);
         let plausible = self.sets.iter().filter(|set| set.is_plausible);
         let least = plausible
             .min_by(|a, b| left(a).total_cmp(&left(b)))
             .unwrap_or(&self.null);
-        let floor = problem.rms(&problem.floor_squares(&least.fit));
-        (left(least).powi(2) - floor.powi(2)).max(0.0).sqrt()
+        scale::beyond_noise_and_restart(problem, &least.fit)
     }
 
     /// Returns the simplest set within one standard error of the lowest cost, and the pool. Each effect of that set beyond the first `kept`

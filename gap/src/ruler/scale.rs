@@ -48,3 +48,14 @@ fn excess(problem: &Problem<'_>, fit: &Fit) -> f64 {
     let left = rms(problem, fit);
     (left * left - noise * noise).max(0.0).sqrt()
 }
+
+/// Returns the rms residual of a fit beyond what sensor noise and restarts explain, in position units. It is zero for an exact model.
+pub(super) fn beyond_noise_and_restart(problem: &Problem<'_>, fit: &Fit) -> f64 {
+    let exact = problem.exact();
+    let costs = exact.costs(&fit.hypothesis, &fit.x, Part::All).per_sample;
+    let windows = exact.series.iter().flat_map(|series| &series.windows);
+    let squares = windows.zip(costs).map(|(window, cost)| {
+        window.samples.len() as f64 * window.noise.powi(2) * (cost - 1.0).max(0.0)
+    });
+    exact.rms(&squares.collect::<Vec<f64>>())
+}

@@ -1,5 +1,6 @@
 //! Runs the whole check: makes a case, has another process diagnose it, opens the truth, and scores the answer.
 
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -24,6 +25,8 @@ pub struct Check {
     pub seed: u64,
     /// Which cases are drawn.
     pub mixture: Mixture,
+    /// The file of the effect of the user that is hidden, for the library of the diagnosis.
+    pub own_effect: Option<PathBuf>,
     /// An effect to remove from the library of the diagnosis.
     pub withheld: Option<String>,
     /// Number of cases processed in parallel.
@@ -189,6 +192,7 @@ impl Check {
         ];
         words.extend(["--json".into(), json.as_os_str().to_owned()]);
         words.extend(["--save-model".into(), model.as_os_str().to_owned()]);
+        words.extend(self.own_effect_words());
         if let Some(withheld) = &self.withheld {
             words.extend(["--without".into(), withheld.into()]);
         }
@@ -226,6 +230,13 @@ impl Check {
             .and_then(|text| serde_json::from_slice(&text).ok()))
     }
 
+    /// The option that adds the effect of the user to the library.
+    fn own_effect_words(&self) -> Vec<OsString> {
+        let own = self.own_effect.as_ref();
+        let words = own.map(|path| ["--effect".into(), path.as_os_str().to_owned()]);
+        words.into_iter().flatten().collect()
+    }
+
     fn measure_on(&self, other: &Path, model: &Path) -> Result<Option<FreshGaps>, CheckError> {
         let base = [
             "gap".into(),
@@ -238,6 +249,7 @@ impl Check {
         let with_model: Vec<_> = base
             .into_iter()
             .chain(["--model".into(), model.as_os_str().to_owned()])
+            .chain(self.own_effect_words())
             .collect();
         let corrected = self.measured(&with_model)?;
         Ok(nominal
@@ -248,7 +260,7 @@ impl Check {
             }))
     }
 
-    fn measured(&self, words: &[std::ffi::OsString]) -> Result<Option<Gap>, CheckError> {
+    fn measured(&self, words: &[OsString]) -> Result<Option<Gap>, CheckError> {
         #[derive(serde::Deserialize)]
         struct Measured {
             gap: Gap,
@@ -259,7 +271,7 @@ impl Check {
             .map(|measured: Measured| measured.gap))
     }
 
-    fn program(&self, words: &[std::ffi::OsString]) -> Result<std::process::Output, CheckError> {
+    fn program(&self, words: &[OsString]) -> Result<std::process::Output, CheckError> {
         Command::new(&self.program)
             .args(words)
             .stdin(Stdio::null())

@@ -19,5 +19,5 @@ pub use case::{Case, CaseError, GAP_OVER_FLOOR, Mixture, SMALL_SHARE, Transfer, 
 pub use check::{Check, CheckError};
 pub use diagnosis::{Diagnosis, Found, Gap, Region, Verdict};
 pub use draw::Draw;
-pub use scenario::VOCABULARY;
+pub use scenario::{OwnEffect, OwnEffectError, VOCABULARY};
 pub use truth::{Effect, Kind, Place, Reference, Timing, Truth};

@@ -1,6 +1,6 @@
 //! Properties that every case has, whatever is hidden in it.
 
-use blind::{Case, GAP_OVER_FLOOR, Kind, Mixture, SMALL_SHARE, VOCABULARY};
+use blind::{Case, GAP_OVER_FLOOR, Kind, Mixture, OwnEffect, SMALL_SHARE, VOCABULARY};
 use recording::Recording;
 use std::sync::LazyLock;
 
@@ -37,6 +37,43 @@ fn a_recording_with_each_effect_can_be_read_back_and_its_gap_is_in_range() {
             assert_eq!(read.runs, recording.runs, "{name}");
             std::fs::remove_dir_all(&folder).unwrap();
         }
+    }
+}
+
+#[test]
+fn an_effect_of_the_user_is_hidden_within_its_typical_values() {
+    let text = "name = \"eddy_brake\"\nabout = \"a brake\"\ntorque = \"-k * v / (1 + (v / v0)^2)\"\n\
+                [parameters.k]\ntypical = [1e-5, 1e-2]\n[parameters.v0]\ntypical = [1.0, 50.0]\n";
+    for (messy, kind) in [(false, Kind::Single), (true, Kind::Messy)] {
+        let mixture = Mixture {
+            own: Some(OwnEffect::read(text).unwrap()),
+            messy,
+            ..Mixture::default()
+        };
+        let case = Case::make(5, 1, &mixture).unwrap();
+        let dominant = &case.truth.effects[0];
+        assert_eq!(
+            (dominant.name.as_str(), case.truth.kind),
+            ("eddy_brake", kind)
+        );
+        assert!(
+            (1e-5..=1e-2).contains(&dominant.strength),
+            "{}",
+            dominant.strength
+        );
+    }
+}
+
+#[test]
+fn an_effect_of_the_user_needs_a_formula_and_typical_values() {
+    for (torque, typical) in [("-k *", "[1, 2]"), ("-k * v", "[2, 1]")] {
+        let text =
+            format!("name = \"own\"\ntorque = \"{torque}\"\n[parameters.k]\ntypical = {typical}\n");
+        let error = OwnEffect::read(&text).unwrap_err().to_string();
+        assert!(
+            error.contains("formula") || error.contains("typical"),
+            "{error}"
+        );
     }
 }
 

@@ -27,6 +27,7 @@ fn check(folder: &std::path::Path, script: &str) -> Check {
             only: Some("torque_offset".into()),
             ..Mixture::default()
         },
+        own_effect: None,
         withheld: None,
         jobs: 1,
         patience: Duration::from_secs(600),

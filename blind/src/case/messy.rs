@@ -14,7 +14,9 @@ use super::{BOUND_TO_A_MOMENT, Case, GAP_OVER_FLOOR, SENSING, alike, restart, tw
 use crate::draw::Draw;
 use crate::prediction::{self, HiddenStates};
 use crate::reality::Reality;
-use crate::scenario::{Cause, Family, Hidden, Plan, Plant, Scale, VOCABULARY};
+use crate::scenario::{
+    Cause, Family, Hidden, HiddenOwn, OwnEffect, Plan, Plant, Scale, VOCABULARY,
+};
 use crate::session::Log;
 use crate::truth::{Effect, Kind, Timing, Truth};
 
@@ -37,16 +39,18 @@ const TICKS_S: [f64; 2] = [5e-3, 5e-5];
 
 /// Class of the dominant cause of a case.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Dominant {
+pub(super) enum Dominant<'a> {
     /// An effect of the vocabulary.
     Known(&'static str),
+    /// An effect of the user.
+    Own(&'a OwnEffect),
     /// A cause that the vocabulary does not contain.
     Outside,
     /// A wrong stated number of the model.
     Number,
 }
 
-impl Dominant {
+impl Dominant<'_> {
     pub fn draw(draw: &mut Draw) -> Self {
         match draw.uniform(0.0, 1.0) {
             x if x < NUMBER_DOMINATES => Self::Number,
@@ -113,10 +117,10 @@ fn rate(draw: &mut Draw, motion_hz: f64) -> (f64, usize) {
 }
 
 /// Draws one device with all its causes. Returns `None` if the causes cannot reach their target sizes on it.
-pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> Option<Case> {
+pub(super) fn attempt(draw: &mut Draw, dominant: Dominant<'_>, transfers: bool) -> Option<Case> {
     let dominant_name = match dominant {
         Dominant::Known(name) => Some(name),
-        Dominant::Outside | Dominant::Number => None,
+        Dominant::Own(_) | Dominant::Outside | Dominant::Number => None,
     };
     let (small, from_outside) = small_causes(draw, dominant_name);
     let names: Vec<&str> = dominant_name
@@ -129,6 +133,7 @@ pub(super) fn attempt(draw: &mut Draw, dominant: Dominant, transfers: bool) -> O
 
     let mut secrets: Vec<Secret> = match dominant {
         Dominant::Known(name) => vec![Secret::Known(Hidden::draw(draw, name))],
+        Dominant::Own(own) => vec![Secret::Own(HiddenOwn::draw(draw, own))],
         Dominant::Outside => vec![Secret::Foreign(Cause::draw(draw, &plant))],
         Dominant::Number => Vec::new(),
     };

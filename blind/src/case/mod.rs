@@ -16,7 +16,7 @@ use recording::Recording;
 
 use crate::draw::Draw;
 use crate::prediction::Restart;
-use crate::scenario::{Cause, Family, Hidden, Plan, Plant, VOCABULARY};
+use crate::scenario::{Cause, Family, Hidden, HiddenOwn, OwnEffect, Plan, Plant, VOCABULARY};
 use crate::session::{self, Logging};
 use crate::truth::{Kind, Truth};
 use amplitude::set_amplitudes;
@@ -57,6 +57,8 @@ pub struct Case {
 pub struct Mixture {
     /// The only effect to draw. In messy cases it is the dominant cause. `None` draws all effects.
     pub only: Option<String>,
+    /// An effect of the user to hide in every case instead. In messy cases it is the dominant cause.
+    pub own: Option<OwnEffect>,
     /// If true, cases have one dominant cause, several small causes, wrong stated numbers and timing errors.
     pub messy: bool,
     /// If true, each case has a third recording with another excitation, amplitude and load.
@@ -101,25 +103,29 @@ impl Case {
             ),
         };
         if mixture.messy {
-            let dominant = match only {
-                Some(name) => Dominant::Known(name),
-                None => Dominant::draw(&mut draw),
+            let dominant = match (&mixture.own, only) {
+                (Some(own), _) => Dominant::Own(own),
+                (None, Some(name)) => Dominant::Known(name),
+                (None, None) => Dominant::draw(&mut draw),
             };
             return search(&mut draw, seed, case, |draw| {
                 messy::attempt(draw, dominant, mixture.transfer)
             });
         }
-        let kind = match only {
-            Some(_) => Kind::Single,
-            None => draw_kind(&mut draw),
+        let own = mixture.own.as_ref();
+        let kind = if own.is_some() || only.is_some() {
+            Kind::Single
+        } else {
+            draw_kind(&mut draw)
         };
         let names = match kind {
+            Kind::Single if own.is_some() => Vec::new(),
             Kind::Single => vec![only.unwrap_or_else(|| draw.pick(&VOCABULARY))],
             Kind::Pair => pair(&mut draw),
             Kind::Nothing | Kind::Outside | Kind::Messy => Vec::new(),
         };
         search(&mut draw, seed, case, |draw| {
-            attempt(draw, kind, &names, mixture.transfer)
+            attempt(draw, kind, &names, own, mixture.transfer)
         })
     }
 }
@@ -216,11 +222,18 @@ fn restart(plant: &Plant, logging: &Logging, wide: bool) -> Restart {
     }
 }
 
-fn attempt(draw: &mut Draw, kind: Kind, names: &[&'static str], transfers: bool) -> Option<Case> {
+fn attempt(
+    draw: &mut Draw,
+    kind: Kind,
+    names: &[&'static str],
+    own: Option<&OwnEffect>,
+    transfers: bool,
+) -> Option<Case> {
     let has = |wanted: &[&str]| names.iter().any(|name| wanted.contains(name));
     let mut plant = Plant::draw(draw, names);
-    let mut secrets: Vec<Secret> = match kind {
-        Kind::Outside => vec![Secret::Foreign(Cause::draw(draw, &plant))],
+    let mut secrets: Vec<Secret> = match (kind, own) {
+        (_, Some(own)) => vec![Secret::Own(HiddenOwn::draw(draw, own))],
+        (Kind::Outside, None) => vec![Secret::Foreign(Cause::draw(draw, &plant))],
         _ => names
             .iter()
             .map(|name| Secret::Known(Hidden::draw(draw, name)))

@@ -49,7 +49,7 @@ pub(super) enum Role {
 
 impl Part {
     /// The name of the effect. A wrong number has the name of the effect that its error equals.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> &str {
         match &self.cause {
             Source::Hidden(secret) => secret.name(),
             Source::Number(off) => off.effect,

@@ -47,7 +47,7 @@ fn overstated(secrets: &[Secret]) -> impl Iterator<Item = &'static str> {
 fn known(secrets: &[Secret]) -> impl Iterator<Item = &Hidden> {
     secrets.iter().filter_map(|secret| match secret {
         Secret::Known(hidden) => Some(hidden),
-        Secret::Foreign(_) => None,
+        Secret::Foreign(_) | Secret::Own(_) => None,
     })
 }
 

@@ -9,6 +9,7 @@ mod actuation;
 mod foreign;
 mod friction;
 mod mechanics;
+mod own;
 mod sensing;
 mod surroundings;
 
@@ -16,6 +17,7 @@ pub(crate) use actuation::{Actuator, Cogging, Deadband, InputCurve, InputSeries,
 pub(crate) use foreign::{Creep, Disturbance, Foreign, Window};
 pub(crate) use friction::{Bristle, Friction, Profile, WarmUp};
 pub(crate) use mechanics::{Coupling, Mechanics, Side, Stop};
+pub(crate) use own::OwnTorque;
 pub(crate) use sensing::{Curve, Jump, Play, Sensing, Slip};
 pub(crate) use surroundings::{Contact, Push};
 
@@ -34,6 +36,7 @@ pub(crate) struct Reality {
     pub contact: Option<Contact>,
     pub pushes: Vec<Push>,
     pub foreign: Foreign,
+    pub own: Option<OwnTorque>,
 }
 
 /// Position and velocity of one inertia.
@@ -76,6 +79,7 @@ impl Reality {
             contact: None,
             pushes: Vec::new(),
             foreign: Foreign::default(),
+            own: None,
         }
     }
 
@@ -174,6 +178,9 @@ impl Reality {
         };
         if let Some(contact) = &self.contact {
             on_load += contact.torque(load, run, time_s);
+        }
+        if let Some(own) = &self.own {
+            on_load += own.torque(load, drive / self.actuator.ratio, time_s);
         }
         let pushes = self.pushes.iter().map(|push| push.torque(run, time_s));
         on_load += pushes.sum::<f64>();

@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use clap::Args;
 use gap::effects::add_own;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Files that define effects.
 #[derive(Args)]
@@ -20,16 +20,19 @@ impl OwnEffects {
     /// # Errors
     /// Returns a [`Failure`] for a file that cannot be read or defines no effect.
     pub fn add(&self) -> Result<(), Failure> {
-        for path in &self.files {
-            let text = std::fs::read_to_string(path).map_err(|source| Failure::Read {
-                path: path.clone(),
-                source,
-            })?;
-            add_own(&text).map_err(|cause| Failure::OwnEffect {
-                path: path.clone(),
-                cause,
-            })?;
-        }
-        Ok(())
+        self.files.iter().try_for_each(|path| add(path).map(drop))
     }
+}
+
+/// Adds the effect that a file defines to the library of this process, and returns the text of the file.
+///
+/// # Errors
+/// Returns a [`Failure`] if the file cannot be read or defines no effect.
+pub fn add(path: &Path) -> Result<String, Failure> {
+    let text = std::fs::read_to_string(path).map_err(Failure::read(path))?;
+    add_own(&text).map_err(|cause| Failure::OwnEffect {
+        path: path.to_owned(),
+        cause,
+    })?;
+    Ok(text)
 }

@@ -3,17 +3,18 @@
 mod board;
 mod hidden;
 
+use super::own_effects;
 use crate::answer::Answer;
 use crate::failure::Failure;
 use crate::numbers;
 use crate::targets::{Target, Use};
 use blind::score::Summary;
-use blind::{Check, Mixture};
+use blind::{Check, Mixture, OwnEffect};
 use board::BoardCheck;
 use clap::Args;
 use host_sim::effects::{self, EffectError};
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Options of the check.
@@ -22,6 +23,7 @@ use std::time::Duration;
   paddle gap blind --cases 200 --seed 1
   paddle gap blind --cases 100 --seed 2,3,4
   paddle gap blind --cases 20 --seed 7 --effect stribeck --withhold stribeck
+  paddle gap blind --cases 20 --seed 7 --effect eddy-brake.toml
   paddle gap blind --cases 40 --seed 11 --messy --transfer
   paddle gap blind --cases 40 --seed 3 --generate-only --out recordings
   paddle gap blind --board --cases 20 --seed 5 --messy
@@ -47,8 +49,9 @@ pub struct Arguments {
     /// Evaluate the saved model on a second recording of the device, with another excitation, amplitude and load.
     #[arg(long)]
     transfer: bool,
-    /// Hide only this effect in every case; with --messy, as the dominant effect.
-    #[arg(long, value_name = "NAME")]
+    /// Hide only this effect in every case; with --messy, as the dominant effect. A file ending in .toml defines an effect of
+    /// your own, see docs/own-effects.md, which is also added to the library of the diagnosis.
+    #[arg(long, value_name = "NAME|FILE.toml")]
     effect: Option<String>,
     /// Remove this effect from the library of the diagnosis.
     #[arg(long, value_name = "NAME")]
@@ -87,7 +90,11 @@ pub fn run(arguments: &Arguments) -> Result<Answer, Failure> {
     let mut sets = Vec::new();
     let mut kept = String::new();
     let mut problems = Vec::new();
-    let checks = arguments.seed.iter().map(|&seed| arguments.check(seed));
+    let own = arguments.own_effect()?;
+    let checks = arguments
+        .seed
+        .iter()
+        .map(|&seed| arguments.check(seed, own.as_ref()));
     let checks: Vec<Check> = checks.collect::<Result<_, _>>()?;
     for check in &checks {
         check.ready()?;
@@ -133,8 +140,13 @@ impl Arguments {
 
     /// Checks the names of effects, and that no seed is given twice.
     fn check_names(&self) -> Result<(), Failure> {
-        for name in self.withhold.iter().chain(&self.effect) {
-            effects::kind(name).ok_or_else(|| EffectError::Kind(name.clone()))?;
+        for name in self
+            .withhold
+            .as_deref()
+            .into_iter()
+            .chain(self.hidden_name())
+        {
+            effects::kind(name).ok_or_else(|| EffectError::Kind(name.to_owned()))?;
         }
         let mut seeds = self.seed.iter().enumerate();
         match seeds.find(|(at, seed)| self.seed[..*at].contains(seed)) {
@@ -145,8 +157,37 @@ impl Arguments {
         }
     }
 
+    /// The name of the only effect to hide, if it is one of the library.
+    fn hidden_name(&self) -> Option<&str> {
+        let name = self.effect.as_deref();
+        name.filter(|_| self.own_effect_file().is_none())
+    }
+
+    /// The file of the only effect to hide, if it is one of the user.
+    fn own_effect_file(&self) -> Option<&Path> {
+        let path = self.effect.as_deref().map(Path::new);
+        path.filter(|path| path.extension().is_some_and(|end| end == "toml"))
+    }
+
+    /// The effect of the user to hide in every case.
+    fn own_effect(&self) -> Result<Option<OwnEffect>, Failure> {
+        let Some(path) = self.own_effect_file() else {
+            return Ok(None);
+        };
+        let text = own_effects::add(path)?;
+        match OwnEffect::read(&text) {
+            Ok(own) => Ok(Some(own)),
+            Err(cause) => Err(Failure::Setting(format!("{}: {cause}", path.display()))),
+        }
+    }
+
     /// Runs the experiments on virtual boards for every set.
     fn boards(&self) -> Result<Answer, Failure> {
+        if self.own_effect_file().is_some() {
+            return Err(Failure::Setting(
+                "--board hides effects of the library only; leave --board out, or give the name of an effect".into(),
+            ));
+        }
         let mut all = Answer::default();
         let (mut sets, mut findings) = (Vec::new(), Vec::new());
         for &seed in &self.seed {
@@ -186,17 +227,19 @@ impl Arguments {
     }
 
     /// The check of the set `seed`.
-    fn check(&self, seed: u64) -> Result<Check, Failure> {
+    fn check(&self, seed: u64, own: Option<&OwnEffect>) -> Result<Check, Failure> {
         Ok(Check {
             program: std::env::current_exe().map_err(Failure::read("this program"))?,
             folder: self.folder(seed),
             cases: self.cases,
             seed,
             mixture: Mixture {
-                only: self.effect.clone(),
+                only: self.hidden_name().map(str::to_owned),
+                own: own.cloned(),
                 messy: self.messy,
                 transfer: self.transfer,
             },
+            own_effect: self.own_effect_file().map(Path::to_owned),
             withheld: self.withhold.clone(),
             jobs: usize::try_from(self.jobs).unwrap_or(usize::MAX),
             patience: Duration::from_secs(self.patience),

@@ -1,5 +1,7 @@
 //! A torque that a user's formula gives.
 
+use std::sync::Arc;
+
 use formula::Formula;
 
 use super::Motion;
@@ -7,7 +9,7 @@ use super::Motion;
 /// A torque on the load as a formula of its motion, the input and the time.
 #[derive(Clone, Debug)]
 pub(crate) struct OwnTorque {
-    formula: Formula,
+    formula: Arc<Formula>,
     /// The quantities of the formula, in the order in which it takes them.
     arguments: Vec<Argument>,
 }
@@ -23,7 +25,7 @@ enum Argument {
 
 impl OwnTorque {
     /// The torque of `formula` with `parameters` by name. A name that is no parameter and no quantity makes it undefined.
-    pub fn new(formula: Formula, parameters: &[(&str, f64)]) -> Self {
+    pub fn new(formula: Arc<Formula>, parameters: &[(&str, f64)]) -> Self {
         let arguments = formula.names().iter().map(|name| match name.as_str() {
             "x" => Argument::Position,
             "v" => Argument::Velocity,
@@ -61,7 +63,7 @@ mod tests {
     #[test]
     fn a_formula_takes_motion_input_time_and_parameters_by_name() {
         let formula = Formula::parse("k * u * x + v - t").unwrap();
-        let torque = OwnTorque::new(formula, &[("k", 2.0)]);
+        let torque = OwnTorque::new(Arc::new(formula), &[("k", 2.0)]);
         let value = torque.torque(Motion { x: 3.0, v: 5.0 }, 7.0, 11.0);
         assert!((value - 36.0).abs() < 1e-12, "{value}");
     }

@@ -1,6 +1,7 @@
 //! An effect that a user wrote down, to be hidden like those of the vocabulary.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use formula::Formula;
 use serde::Deserialize;
@@ -12,7 +13,7 @@ use crate::reality::{OwnTorque, Reality};
 #[derive(Clone, Debug)]
 pub struct OwnEffect {
     name: String,
-    torque: Formula,
+    torque: Arc<Formula>,
     parameters: Vec<OwnParameter>,
 }
 
@@ -61,9 +62,10 @@ impl OwnEffect {
         if parameters.is_empty() || parameters.iter().any(|p| p.typical[0] >= p.typical[1]) {
             return Err(OwnEffectError::Parameters);
         }
+        let formula = Formula::parse(&definition.torque).map_err(OwnEffectError::Formula)?;
         Ok(Self {
             name: definition.name,
-            torque: Formula::parse(&definition.torque).map_err(OwnEffectError::Formula)?,
+            torque: Arc::new(formula),
             parameters,
         })
     }

@@ -179,12 +179,12 @@ struct BristleSpring {
 }
 
 impl Plant {
-    /// Damping of motor side and load side at their present velocities, N m s/rad.
+    /// Slope of the viscous friction and of the drag of motor side and load side at their present velocities, N m s/rad.
     #[inline]
     fn damping(&self, state: &State) -> [f64; 2] {
         let m = &self.mechanics;
         let speeds = [state.velocity, state.load_velocity].map(f64::abs);
-        core::array::from_fn(|side| self.friction_share[side] * (m.viscous + m.drag * speeds[side]))
+        core::array::from_fn(|side| self.friction_share[side] * (m.viscous + 2.0 * m.drag * speeds[side]))
     }
 
     fn bristle_spring(&self, state: &State) -> BristleSpring {
@@ -206,10 +206,30 @@ impl Plant {
 
     /// Rate at which quadratic drag slows a side, 1/s, at its present speed or at the speed to which it is pulled.
     pub(super) fn drag_rate(&self, state: &State, drive_nm: f64) -> f64 {
-        let drag = self.mechanics.drag;
         let pull_nm = self.pull(state, drive_nm, self.through(state)).abs();
         let speed = state.velocity.abs().max(state.load_velocity.abs());
-        2.0 * (drag * speed).max((drag * pull_nm).sqrt()) * self.highest_mobility()
+        let rate = |side: usize| {
+            let drag = self.friction_share[side] * self.mechanics.drag;
+            2.0 * (drag * speed).max((drag * pull_nm).sqrt()) * self.inverse_inertia[side]
+        };
+        if self.parts.has_link { rate(0).max(rate(1)) } else { rate(0) }
+    }
+
+    /// Change of the rate at which quadratic drag slows a side until its torques balance, 1/s. The linear part of a step contains the rate at
+    /// the present speed.
+    fn drag_bend_rate(&self, state: &State, drive_nm: f64) -> f64 {
+        let through = self.through(state);
+        let of_side = |side: usize, speed: f64, pull_nm: f64| {
+            let drag = self.friction_share[side] * self.mechanics.drag;
+            (pull_nm / speed).min(2.0 * (drag * pull_nm).sqrt()) * self.inverse_inertia[side]
+        };
+        let pull_nm = self.pull(state, drive_nm, through).abs();
+        let motor = of_side(0, state.velocity.abs(), pull_nm);
+        if !self.parts.has_link {
+            return motor;
+        }
+        let pull_nm = self.load_pull(state, through).abs();
+        motor.max(of_side(1, state.load_velocity.abs(), pull_nm))
     }
 
     /// The longest step of a stiff regime, s.
@@ -219,7 +239,7 @@ impl Plant {
         let bent = (m.bent_stiffness() * mobility).sqrt();
         let mut longest = BENT_RATE_STEP / bent;
         if m.drag != 0.0 {
-            longest = longest.min(BENT_RATE_STEP / self.drag_rate(state, torque.at(0.0)));
+            longest = longest.min(BENT_RATE_STEP / self.drag_bend_rate(state, torque.at(0.0)));
         }
         if self.dry || !self.parts.barriers.is_empty() || self.parts.has_link {
             let linear_load = LinearLoad::of(self, state);

@@ -39,6 +39,14 @@ fn what_rubs_more_where_the_load_drives_is_found() {
 }
 
 #[test]
+fn a_gain_that_falls_beyond_a_knee_of_the_input_is_found() {
+    assert_found(
+        "input_nonlinearity:slope_beyond=0.2,knee=0.0015",
+        &[("slope_beyond", 0.2), ("knee", 1.5e-3)],
+    );
+}
+
+#[test]
 fn what_settles_at_the_level_of_the_model_is_no_other_level() {
     assert_found(
         "friction_drift:rate=-0.5,settling=1.5,settled=1",

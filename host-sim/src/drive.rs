@@ -59,7 +59,7 @@ impl Saturation {
     }
 }
 
-/// Static nonlinearity of the input: a dead zone followed by a power law.
+/// Static nonlinearity of the input: a dead zone followed by a power law, with another slope beyond a knee.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputCurve {
     /// Effective over actual input at the reference input.
@@ -70,6 +70,10 @@ pub struct InputCurve {
     pub dead_zone: f64,
     /// Magnitude of the reference input, in units of input.
     pub reference: f64,
+    /// Magnitude of the input at which the slope changes, in units of input.
+    pub knee: f64,
+    /// Slope beyond the knee over that of the straight line to it. 1 for no knee.
+    pub slope_beyond: f64,
 }
 
 impl InputCurve {
@@ -77,8 +81,12 @@ impl InputCurve {
     #[inline]
     fn of(self, input: f64) -> f64 {
         let span = (self.reference - self.dead_zone).max(1e-3 * self.reference);
-        let beyond = ((input.abs() - self.dead_zone) / span).max(0.0);
-        (self.gain * self.reference * beyond.powf(self.power)).copysign(input)
+        let part = |magnitude: f64| ((magnitude - self.dead_zone) / span).max(0.0);
+        let knee = part(self.knee);
+        let bent = |part: f64| (self.slope_beyond - 1.0) * (part - knee).max(0.0);
+        let part = part(input.abs());
+        let share = (part.powf(self.power) + bent(part)) / (1.0 + bent(1.0));
+        (self.gain * self.reference * share).copysign(input)
     }
 }
 
@@ -508,6 +516,8 @@ mod tests {
                 power: 0.5,
                 dead_zone: 0.1,
                 reference: 0.9,
+                knee: 0.5,
+                slope_beyond: 1.0,
             }),
             ..Drive::ideal(2.0)
         };
@@ -519,6 +529,28 @@ mod tests {
             );
         }
         assert!(!drive.is_linear(0.01));
+    }
+
+    #[test]
+    fn a_curve_of_the_input_has_another_slope_beyond_its_knee() {
+        let drive = Drive {
+            curve: Some(InputCurve {
+                gain: 1.0,
+                power: 1.0,
+                dead_zone: 0.0,
+                reference: 1.0,
+                knee: 0.5,
+                slope_beyond: 0.25,
+            }),
+            ..Drive::ideal(1.0)
+        };
+        for (input, torque) in [(0.25, 0.4), (0.5, 0.8), (-1.0, -1.0), (2.0, 1.4)] {
+            let settled = drive.settled(input);
+            assert!(
+                (settled - torque).abs() < 1e-12,
+                "{input}: {settled} for {torque}"
+            );
+        }
     }
 
     #[test]

@@ -100,10 +100,6 @@ pub(super) fn findings(
             base_on_comparison(finding, like, selection.given);
         }
     }
-    if selection.given {
-        // Findings from the comparison of two columns come before findings from the prediction.
-        all.sort_by_key(|finding| finding.basis != SENSOR_COMPARISON);
-    }
     all
 }
 

@@ -22,8 +22,15 @@ const GAIN: usize = 0;
 const POWER: usize = 1;
 const DEAD_ZONE: usize = 2;
 const REFERENCE: usize = 3;
+const KNEE: usize = 4;
+const SLOPE_BEYOND: usize = 5;
 /// Starts of the power and of the dead zone, the latter over the reference input.
 const STARTS: [(f64, f64); 4] = [(0.6, 0.0), (1.6, 0.0), (0.6, 0.1), (1.2, 0.1)];
+/// Starts of the slope beyond a knee in the middle of the inputs.
+const SLOPES: [f64; 2] = [0.4, 2.5];
+/// Start of the knee over the reference input, and one unit of its coordinate.
+const MIDDLE: f64 = 0.5;
+const KNEE_UNIT: f64 = 0.15;
 /// Quantile of the inputs that is the reference. The few largest inputs then do not set the gain of all others.
 const LARGE: f64 = 0.9;
 /// Powers that are screened for the missing torque, and reference inputs over the largest input.
@@ -54,7 +61,12 @@ impl Identification for InputNonlinearity {
             }
             term(&KIND, free, &[(REFERENCE, reference)])
         });
-        starts.to_vec()
+        let bent = SLOPES.map(|slope| {
+            let knee = linear(KNEE, MIDDLE * reference, KNEE_UNIT * reference);
+            let free = vec![log(GAIN, 1.0), knee, log(SLOPE_BEYOND, slope)];
+            term(&KIND, free, &[(REFERENCE, reference)])
+        });
+        starts.into_iter().chain(bent).collect()
     }
 
     fn further_shape(&self, fitted: &Term, _half_span: f64) -> Vec<Coordinate> {
@@ -71,15 +83,25 @@ impl Identification for InputNonlinearity {
     }
 
     fn torque_forms(&self, path: &Path<'_>, target: &Target<'_>) -> Vec<Form> {
-        let forms = POWERS_SCREENED.iter().flat_map(|&power| {
-            REFERENCES_SCREENED.map(|part| {
-                let reference = part * path.scale.input;
-                let set = [(GAIN, 1.0), (POWER, power), (REFERENCE, reference)];
-                let values = with_defaults(&KIND, &set);
-                Form::whole(path, &KIND, values, None).positive()
+        let form = |set: &[(usize, f64)]| {
+            Form::whole(path, &KIND, with_defaults(&KIND, set), None).positive()
+        };
+        let references = REFERENCES_SCREENED.map(|part| part * path.scale.input);
+        let powers = POWERS_SCREENED.iter().flat_map(|&power| {
+            references.map(|reference| form(&[(GAIN, 1.0), (POWER, power), (REFERENCE, reference)]))
+        });
+        let bent = SLOPES.iter().flat_map(|&slope| {
+            references.map(|reference| {
+                let knee = MIDDLE * reference;
+                form(&[
+                    (GAIN, 1.0),
+                    (REFERENCE, reference),
+                    (KNEE, knee),
+                    (SLOPE_BEYOND, slope),
+                ])
             })
         });
-        target.screened(forms.collect(), 2)
+        target.screened(powers.chain(bent).collect(), 2)
     }
 
     fn noun(&self) -> &'static str {
@@ -98,11 +120,14 @@ impl Identification for InputNonlinearity {
     }
 
     fn template(&self, found: &Found<'_>) -> &'static str {
-        match found.fitted("dead_zone") {
-            Some(_) => {
+        match (found.fitted("slope_beyond"), found.fitted("dead_zone")) {
+            (Some(_), _) => {
+                "a torque whose slope over the input is {slope_beyond} times as steep beyond {knee}"
+            }
+            (None, Some(_)) => {
                 "a torque that goes with the power {power} of the input beyond a dead zone of {dead_zone}"
             }
-            None => "a torque that goes with the power {power} of the input",
+            (None, None) => "a torque that goes with the power {power} of the input",
         }
     }
 }

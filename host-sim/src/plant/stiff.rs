@@ -184,7 +184,9 @@ impl Plant {
     fn damping(&self, state: &State) -> [f64; 2] {
         let m = &self.mechanics;
         let speeds = [state.velocity, state.load_velocity].map(f64::abs);
-        core::array::from_fn(|side| self.friction_share[side] * (m.viscous + 2.0 * m.drag * speeds[side]))
+        core::array::from_fn(|side| {
+            self.friction_share[side] * (m.viscous + 2.0 * m.drag * speeds[side])
+        })
     }
 
     fn bristle_spring(&self, state: &State) -> BristleSpring {
@@ -212,7 +214,11 @@ impl Plant {
             let drag = self.friction_share[side] * self.mechanics.drag;
             2.0 * (drag * speed).max((drag * pull_nm).sqrt()) * self.inverse_inertia[side]
         };
-        if self.parts.has_link { rate(0).max(rate(1)) } else { rate(0) }
+        if self.parts.has_link {
+            rate(0).max(rate(1))
+        } else {
+            rate(0)
+        }
     }
 
     /// Change of the rate at which quadratic drag slows a side until its torques balance, 1/s. The linear part of a step contains the rate at

@@ -110,6 +110,8 @@ struct SearchResult<'a> {
     timing: Option<TimingDoubt>,
     /// The fit with the effects that were found, even if they were rejected.
     found: Fit,
+    /// The fit with the effects of the search before all sets were compared.
+    searched: Fit,
     /// Allowed model error, rms in position units.
     model_error: f64,
 }
@@ -133,6 +135,7 @@ impl<'a> SearchResult<'a> {
         };
         let model_error = problem.modelling;
         let found = select::select(&problem, base, &given, progress);
+        let searched = found.fit().clone();
         let (problem, mut selection, closed) = chosen(problem, found, &given, progress);
         let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
         let (closed, implausible) = without_implausible(&problem, &mut selection, closed);
@@ -166,11 +169,13 @@ impl<'a> SearchResult<'a> {
             verdict,
             timing,
             found,
+            searched,
             model_error,
         }
     }
 
-    /// Another input timing that predicts significantly better together with the effects that were found, if the gap is not explained.
+    /// Another input timing that predicts significantly better together with the effects that were found, if the gap is not explained. Effects
+    /// that only compensate the timing may be missing among them, so the effects of the search are tried as well.
     fn preferred_timing(&self) -> Option<TimingDoubt> {
         let is_open = matches!(
             self.verdict,
@@ -186,6 +191,7 @@ impl<'a> SearchResult<'a> {
         // At the error scale of a joint fit no timing is significantly better, so the allowed model error is used.
         let problem = self.problem.off_by(self.model_error);
         timing::preferred(&problem, &self.found)
+            .or_else(|| timing::preferred(&problem, &self.searched))
     }
 
     /// The diagnosis. `retimed` is the preferred timing if the delay was estimated for it. `of_run` converts the index of a run in the

@@ -1,7 +1,7 @@
 //! Holds the sets of effects that are compared.
 
 use super::scale;
-use super::scored::{Scored, simplest};
+use super::scored::{Scored, log_rms, simplest};
 use super::start::Start;
 use crate::fit::Fit;
 use crate::fit::part::Part;
@@ -92,14 +92,16 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     let null = starts.next();
     let fits = starts.collect::<Vec<_>>().into_par_iter().map(|start| {
         let iterations = SHORT_ITERATIONS;
-        problem.fit(&start.hypothesis, start.x, Part::All, iterations)
+        let fit = problem.fit(&start.hypothesis, start.x, Part::All, iterations);
+        let cost = fit.costs.level() + log_rms(&problem.window_squares(&fit, Part::All));
+        (cost, fit)
     });
-    let mut fits: Vec<Fit> = fits.collect();
-    fits.sort_by(|a, b| a.costs.level().total_cmp(&b.costs.level()));
+    let mut fits: Vec<(f64, Fit)> = fits.collect();
+    fits.sort_by(|a, b| a.0.total_cmp(&b.0));
     let names = |fit: &Fit| fit.hypothesis.names();
     let mut kept: Vec<Fit> = Vec::new();
     let mut room = Room::of(MOST_SCORED);
-    for fit in fits {
+    for (_, fit) in fits {
         let is_new = kept.iter().all(|other| names(other) != names(&fit));
         if is_new && room.takes(Implausible::has_none(problem, &fit)) {
             kept.push(fit);

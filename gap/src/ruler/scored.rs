@@ -61,19 +61,39 @@ impl Scored {
         (hypothesis.terms.len() + self.moved, hypothesis.free())
     }
 
-    /// Returns the mean robust cost of a held-out window plus the prior cost per window.
+    /// Returns the mean robust cost of a held-out window, plus the prior cost per window, plus the logarithm of the rms residual. The robust
+    /// cost alone says little about the gap where the residual is far above the noise, because it barely counts a window that is predicted
+    /// badly. The rms residual alone follows a few such windows.
     pub(super) fn cost(&self) -> f64 {
         let sum: f64 = self.unseen.iter().sum();
-        (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64
+        (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64 + self.log_rms()
     }
 
-    /// Returns the mean difference of the cost per window from that of `other`, and its standard error.
+    /// Returns the logarithm of the root of the sum of squared residuals.
+    fn log_rms(&self) -> f64 {
+        log_rms(&self.squares)
+    }
+
+    /// Returns the change of the cost with the weight of each window, times the number of windows.
+    fn influences(&self) -> impl Iterator<Item = f64> {
+        let half = 0.5 * self.squares.len() as f64;
+        let sum = self.squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let pairs = self.unseen.iter().zip(&self.squares);
+        pairs.map(move |(robust, square)| robust + half * square / sum)
+    }
+
+    /// Returns the difference of the cost from that of `other`, and its standard error over the windows.
     pub(super) fn excess_over(&self, other: &Self) -> [f64; 2] {
-        let pairs = self.unseen.iter().zip(&other.unseen);
+        let pairs = self.influences().zip(other.influences());
         let differences: Vec<f64> = pairs.map(|(own, its)| own - its).collect();
         let (_, error) = mean_and_error(&differences);
         [self.cost() - other.cost(), error]
     }
+}
+
+/// Returns the logarithm of the root of the sum of `squares`.
+pub(super) fn log_rms(squares: &[f64]) -> f64 {
+    0.5 * squares.iter().sum::<f64>().max(f64::MIN_POSITIVE).ln()
 }
 
 /// Returns the simplest of the plausible sets whose cost is within one standard error of the lowest cost. It has the fewest effects, then

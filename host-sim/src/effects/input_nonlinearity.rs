@@ -59,7 +59,8 @@ pub const KIND: Kind = Kind {
             quantity: Quantity::Ratio,
             range: NOT_NEGATIVE,
             default: 1.0,
-            typical: [0.0, 5.0],
+            // A flat slope is a saturation.
+            typical: [0.2, 5.0],
             about: "slope beyond the knee over that of the line to it, 1 for no knee",
         },
     ],

@@ -59,3 +59,28 @@ pub(super) fn beyond_noise_and_restart(problem: &Problem<'_>, fit: &Fit) -> f64 
     });
     exact.rms(&squares.collect::<Vec<f64>>())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made;
+
+    #[test]
+    fn a_wrong_model_has_an_error_and_an_exact_one_has_none() {
+        let error_and_gap = |hidden: &[&str]| {
+            let recording = made::recording(hidden);
+            let problem = made::problem(&recording);
+            let bare = Hypothesis { terms: Vec::new() };
+            let fit = problem.fit(&bare, Vec::new(), Part::All, 0);
+            (
+                beyond_noise_and_restart(&problem, &fit),
+                rms(&problem, &fit),
+            )
+        };
+        let (exact, _) = error_and_gap(&[]);
+        let (wrong, gap) = error_and_gap(&["torque_offset:torque=0.003"]);
+        // The restarts take up a part of the residual of a wrong model.
+        assert!(wrong > 0.1 * gap && wrong <= gap, "{wrong} of {gap}");
+        assert!(exact < 0.05 * wrong, "{exact} and {wrong}");
+    }
+}

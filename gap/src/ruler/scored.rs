@@ -113,3 +113,39 @@ pub(super) fn is_within_error(one: &Scored, other: &Scored) -> bool {
     let [excess, error] = one.excess_over(other);
     excess <= error
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::costs::Costs;
+
+    fn scored(unseen: [f64; 4], squares: [f64; 4]) -> Scored {
+        let costs = Costs {
+            per_sample: vec![1.0; 4],
+            prior: 0.0,
+        };
+        Scored {
+            fit: Fit {
+                hypothesis: Hypothesis { terms: Vec::new() },
+                x: Vec::new(),
+                std: Vec::new(),
+                costs,
+            },
+            unseen: unseen.to_vec(),
+            squares: squares.to_vec(),
+            moved: 0,
+            is_plausible: true,
+        }
+    }
+
+    #[test]
+    fn of_two_sets_with_equal_robust_cost_the_one_with_the_smaller_gap_costs_less() {
+        let even = scored([1.0; 4], [1.0; 4]);
+        let with_bad_window = scored([0.9, 0.9, 0.9, 1.3], [1.0, 1.0, 1.0, 9.0]);
+        let [excess, error] = with_bad_window.excess_over(&even);
+        let expected = 0.5 * 3f64.ln();
+        assert!((excess - expected).abs() < 1e-12, "{excess}");
+        // One window causes the whole difference.
+        assert!(error > 0.5 * excess, "{error} of {excess}");
+    }
+}

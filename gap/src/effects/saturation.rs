@@ -20,10 +20,9 @@ const KNEE: f64 = 0.5;
 const NO_LOAD_SPEED: usize = 2;
 const NO_LOAD: [f64; 2] = [1.2, 3.0];
 const FASTEST: f64 = 0.99;
-/// Starts of a limit above that of the model: shares of the distance from the limit of the model to the largest input, and a multiple of
-/// the largest input that is never reached.
-const RAISED_SHARES: [f64; 2] = [0.3, 0.9];
-const OUT_OF_REACH: f64 = 10.0;
+/// Starts of a limit above that of the model: shares of the distance from the limit of the model to the largest input. The first one limits
+/// no recorded input. A higher limit would predict the same, and claim more than the recording shows.
+const RAISED_SHARES: [f64; 3] = [1.0, 0.3, 0.9];
 /// Limits that are screened for the missing torque, over the largest input, and over the limit of the model if that one may be too low.
 const LOWER_SCREENED: [f64; 8] = [0.92, 0.84, 0.76, 0.67, 0.58, 0.49, 0.4, 0.3];
 const HIGHER_SCREENED: [f64; 3] = [1.15, 1.5, 2.2];
@@ -124,8 +123,8 @@ fn raised_limits(e: &Evidence<'_>) -> Vec<Term> {
     let largest = e.largest_input();
     let limit = e.device.drive.taken(largest);
     let raised_limits = RAISED_SHARES.map(|share| limit + share * (largest - limit));
-    let raised_limits = [OUT_OF_REACH * largest].into_iter().chain(raised_limits);
     raised_limits
+        .into_iter()
         .filter(|_| e.clips_input())
         .map(|limit| term(&KIND, vec![log(0, limit)], &[(1, 0.0)]))
         .collect()

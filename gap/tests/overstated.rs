@@ -40,13 +40,19 @@ fn a_delay_or_lag_that_is_not_there_is_taken_away() {
 }
 
 #[test]
-fn a_limit_that_is_not_there_is_put_beyond_what_was_told() {
+fn a_limit_that_is_not_there_is_put_at_the_largest_input() {
+    let inputs = recording(&device(), device(), NOISE, 0.0, 11);
+    let inputs = inputs.runs.iter().flat_map(|run| &run.input);
+    let largest = inputs.fold(0.0f64, |largest, u| largest.max(u.abs()));
     let limited = Model {
         input_limit: Some(0.0015),
         ..device()
     };
     let limit = found(limited, "saturation", "limit");
-    assert!(limit > 0.0027, "{limit}");
+    assert!(
+        (limit / largest - 1.0).abs() < 1e-3,
+        "{limit} for {largest}"
+    );
 }
 
 #[test]

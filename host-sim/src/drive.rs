@@ -508,6 +508,17 @@ mod tests {
         pieces
     }
 
+    /// Asserts the settled torque, N m, for each input.
+    fn assert_settled(drive: &Drive, expected: &[(f64, f64)]) {
+        for &(input, torque) in expected {
+            let settled = drive.settled(input);
+            assert!(
+                (settled - torque).abs() < 1e-12,
+                "{input}: {settled} for {torque}"
+            );
+        }
+    }
+
     #[test]
     fn a_curve_of_the_input_passes_its_reference_and_has_a_dead_zone() {
         let drive = Drive {
@@ -521,13 +532,10 @@ mod tests {
             }),
             ..Drive::ideal(2.0)
         };
-        for (input, torque) in [(0.05, 0.0), (0.9, 2.16), (-0.9, -2.16), (0.3, 1.08)] {
-            let settled = drive.settled(input);
-            assert!(
-                (settled - torque).abs() < 1e-12,
-                "{input}: {settled} for {torque}"
-            );
-        }
+        assert_settled(
+            &drive,
+            &[(0.05, 0.0), (0.9, 2.16), (-0.9, -2.16), (0.3, 1.08)],
+        );
         assert!(!drive.is_linear(0.01));
     }
 
@@ -544,13 +552,7 @@ mod tests {
             }),
             ..Drive::ideal(1.0)
         };
-        for (input, torque) in [(0.25, 0.4), (0.5, 0.8), (-1.0, -1.0), (2.0, 1.4)] {
-            let settled = drive.settled(input);
-            assert!(
-                (settled - torque).abs() < 1e-12,
-                "{input}: {settled} for {torque}"
-            );
-        }
+        assert_settled(&drive, &[(0.25, 0.4), (0.5, 0.8), (-1.0, -1.0), (2.0, 1.4)]);
     }
 
     #[test]

@@ -71,7 +71,7 @@ impl OwnEffect {
     }
 }
 
-/// An own effect with its parameters. Its strength is the first parameter by name.
+/// An effect of the user with its parameters. Its strength is the first parameter in the order of the alphabet.
 #[derive(Clone, Debug)]
 pub(crate) struct HiddenOwn {
     effect: OwnEffect,

@@ -66,12 +66,7 @@ impl Scored {
     /// badly. The rms residual alone follows a few such windows.
     pub(super) fn cost(&self) -> f64 {
         let sum: f64 = self.unseen.iter().sum();
-        (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64 + self.log_rms()
-    }
-
-    /// Returns the logarithm of the root of the sum of squared residuals.
-    fn log_rms(&self) -> f64 {
-        log_rms(&self.squares)
+        (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64 + log_rms(&self.squares)
     }
 
     /// Returns the change of the cost with the weight of each window, times the number of windows.

@@ -100,3 +100,26 @@ fn a_servo_whose_speed_limit_is_stated_leaves_no_gap() {
     assert!(stated < 1.1 * exact, "{stated} {exact}");
     assert!(left_out > 1.5 * stated, "{left_out} {stated}");
 }
+
+#[test]
+fn a_servo_whose_dead_band_is_stated_leaves_no_gap() {
+    let servo = Model {
+        ratio: 0.5,
+        stiffness: 0.5,
+        error_deadband: Some(0.004),
+        ..paddle()
+    };
+    let without = Model {
+        error_deadband: None,
+        ..servo
+    };
+    let gap = |device: &Model, nominal: Model| {
+        let recording = recording(device, nominal, 5e-5, 0.0, 11);
+        gap::measure(&recording, &Device::nominal(&nominal)).0
+    };
+    let exact = gap(&without, without).before;
+    let stated = gap(&servo, servo).before;
+    let left_out = gap(&servo, without).before;
+    assert!(stated < 1.2 * exact, "{stated} {exact}");
+    assert!(left_out > 2.0 * stated, "{left_out} {stated}");
+}

@@ -1,7 +1,7 @@
 //! A complete device: drive, mechanics and position sensing.
 
 use crate::drive::Drive;
-use crate::plant::{Barrier, Friction, Mechanics};
+use crate::plant::{Barrier, Friction, Mechanics, error_deadband};
 use crate::sensing::Sensing;
 use recording::Model;
 
@@ -47,6 +47,7 @@ impl Device {
                 stiffness_zero: model.stiffness_zero,
                 offset_nm: model.offset,
                 friction: Friction::coulomb(model.coulomb),
+                laws: error_deadband(model).into_iter().collect(),
                 ..Mechanics::inertia(model.inertia)
             },
             sensing: Sensing::ideal(),
@@ -86,10 +87,15 @@ impl Device {
         friction.level_nm = friction
             .level_nm
             .map(|level| (level + own.coulomb - stated.coulomb).max(0.0));
+        let stated_deadband = error_deadband(stated);
+        mechanics
+            .laws
+            .retain(|law| stated_deadband.as_ref() != Some(law));
         mechanics
             .laws
             .iter_mut()
             .for_each(|law| law.scale_ratio(ratio));
+        mechanics.laws.extend(error_deadband(own));
         for stop in mechanics.barriers[..CONTACT].iter_mut().flatten() {
             stop.stiffness += own.stop_stiffness - stated.stop_stiffness;
             stop.damping += own.stop_damping - stated.stop_damping;
@@ -136,6 +142,8 @@ mod tests {
             coulomb: 0.004,
             delay: 1e-3,
             input_limit: Some(3.0),
+            stiffness: 0.5,
+            error_deadband: Some(0.01),
             ..paddle()
         };
         let device = Device::nominal(&paddle()).with_load(&paddle(), &loaded);

@@ -31,6 +31,10 @@ const MEANINGS: [(&str, &str); 14] = [
     ("lag", "s, first order, from input to torque"),
     ("input_limit", "|input| is clipped here"),
     ("input_rate_limit", "input acts no faster, per s"),
+    (
+        "error_deadband",
+        "of a servo: no torque where |input - position| is smaller",
+    ),
     ("travel", "hard stops, [lower, upper]"),
 ];
 

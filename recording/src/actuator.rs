@@ -38,7 +38,8 @@ pub struct Motor {
 
 /// A position servo whose input is a target in units of position: `servo` in `[model]`.
 ///
-/// Its torque at the joint is `stiffness * (target - position) - damping * velocity`.
+/// Its torque at the joint is `stiffness * error - damping * velocity`. The error is `target - position`, with its magnitude
+/// reduced by `deadband`; it is 0 within the dead band.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Servo {
@@ -53,13 +54,6 @@ pub struct Servo {
     /// Half width of the dead band of the position error, rad.
     #[serde(default)]
     pub deadband: f64,
-}
-
-impl Servo {
-    /// True if it has a dead band, which no number of the model describes.
-    pub fn is_beyond_model(&self) -> bool {
-        self.deadband > 0.0
-    }
 }
 
 /// Why a motor's data sheet gives no ratio. The message names the cause and, after the semicolon, the remedy.
@@ -194,7 +188,7 @@ impl Actuator {
     pub(crate) fn stands_for(&self) -> &'static [&'static str] {
         match self {
             Self::Motor(_) => &["ratio"],
-            Self::Servo(_) => &["ratio", "stiffness", "input_rate_limit"],
+            Self::Servo(_) => &["ratio", "stiffness", "input_rate_limit", "error_deadband"],
         }
     }
 
@@ -212,17 +206,21 @@ impl Actuator {
     ///
     /// [`NoRatio`] if the data sheet does not define the effect of the input.
     pub(crate) fn added_to(&self, joint: &Model, units: &Units) -> Result<Model, NoRatio> {
-        let (ratio, stiffness, input_rate_limit) = match self {
-            Self::Motor(motor) => (motor.ratio(units)?, joint.stiffness, joint.input_rate_limit),
-            Self::Servo(servo) => (servo.stiffness, servo.stiffness, servo.speed_limit),
-        };
         let viscous = joint.viscous + self.viscous(units)?;
-        Ok(Model {
-            ratio,
-            stiffness,
-            input_rate_limit,
-            viscous,
-            ..*joint
+        Ok(match self {
+            Self::Motor(motor) => Model {
+                ratio: motor.ratio(units)?,
+                viscous,
+                ..*joint
+            },
+            Self::Servo(servo) => Model {
+                ratio: servo.stiffness,
+                stiffness: servo.stiffness,
+                input_rate_limit: servo.speed_limit,
+                error_deadband: (servo.deadband > 0.0).then_some(servo.deadband),
+                viscous,
+                ..*joint
+            },
         })
     }
 
@@ -233,7 +231,8 @@ impl Actuator {
         let again = self.added_to(&joint, units).ok()?;
         let is_same = again.ratio == model.ratio
             && again.stiffness == model.stiffness
-            && again.input_rate_limit == model.input_rate_limit;
+            && again.input_rate_limit == model.input_rate_limit
+            && again.error_deadband == model.error_deadband;
         is_same.then_some(joint)
     }
 

@@ -50,6 +50,10 @@ pub struct Model {
     /// Largest rate of the acting input, per s, before delay and lag. `None` is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_rate_limit: Option<f64>,
+    /// Half width of the dead band of `input - position` of a position servo, rad. Within it `ratio * input - stiffness *
+    /// position` is 0, and beyond it the magnitude is smaller by `ratio * error_deadband`. `None` is no dead band.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_deadband: Option<f64>,
     /// Positions of the lower and the upper hard stop, rad. `None` is no stops.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub travel: Option<[f64; 2]>,
@@ -95,8 +99,9 @@ fn default_stop_damping() -> f64 {
 }
 
 impl Model {
-    /// Every key of the table. `travel` is a pair, input limits may be absent, and all others are numbers.
-    pub const NAMES: [&str; 16] = [
+    /// Every key of the table. `travel` is a pair, the input limits and `error_deadband` may be absent, and all others are
+    /// numbers.
+    pub const NAMES: [&str; 17] = [
         "inertia",
         "viscous",
         "coulomb",
@@ -110,6 +115,7 @@ impl Model {
         "lag",
         "input_limit",
         "input_rate_limit",
+        "error_deadband",
         "travel",
         "stop_stiffness",
         "stop_damping",
@@ -135,6 +141,7 @@ impl Model {
             lag: 0.0,
             input_limit: None,
             input_rate_limit: None,
+            error_deadband: None,
             travel: None,
             stop_stiffness: default_stop_stiffness(),
             stop_damping: default_stop_damping(),
@@ -155,7 +162,7 @@ impl Model {
             let (holds, wanted) = match name {
                 "inertia" | "input_limit" | "input_rate_limit" => (value > 0.0, POSITIVE),
                 "ratio" => (value != 0.0, OTHER_THAN_0),
-                "coulomb" | "lag" | "stop_stiffness" | "stop_damping" => {
+                "coulomb" | "lag" | "error_deadband" | "stop_stiffness" | "stop_damping" => {
                     (value >= 0.0, NOT_NEGATIVE)
                 }
                 _ => (true, FINITE),
@@ -201,7 +208,7 @@ impl Model {
         }
     }
 
-    /// The number called `name`. `None` for an absent limit, for the pair `travel` and for unknown names.
+    /// The number called `name`. `None` for an absent limit or dead band, for the pair `travel` and for unknown names.
     pub fn get(&self, name: &str) -> Option<f64> {
         let mut copy = *self;
         copy.number_mut(name).map(|number| *number)
@@ -215,12 +222,13 @@ impl Model {
             .is_some()
     }
 
-    /// Sets a number like [`set`](Self::set), and also an input limit that was absent.
+    /// Sets a number like [`set`](Self::set), and also a limit or a dead band that was absent.
     #[must_use]
     pub fn state(&mut self, name: &str, value: f64) -> bool {
         match name {
             "input_limit" => self.input_limit = Some(value),
             "input_rate_limit" => self.input_rate_limit = Some(value),
+            "error_deadband" => self.error_deadband = Some(value),
             name => return self.set(name, value),
         }
         true
@@ -241,6 +249,7 @@ impl Model {
             "lag" => &mut self.lag,
             "input_limit" => return self.input_limit.as_mut(),
             "input_rate_limit" => return self.input_rate_limit.as_mut(),
+            "error_deadband" => return self.error_deadband.as_mut(),
             "stop_stiffness" => &mut self.stop_stiffness,
             "stop_damping" => &mut self.stop_damping,
             _ => return None,
@@ -288,6 +297,7 @@ mod tests {
         let mut model = Model {
             input_limit: Some(0.0),
             input_rate_limit: Some(0.0),
+            error_deadband: Some(0.0),
             ..Model::new(0.0)
         };
         let scalars: Vec<_> = Model::NAMES

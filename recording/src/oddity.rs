@@ -193,11 +193,6 @@ pub enum Oddity {
         /// Standard deviation stated in the manifest, including quantisation.
         stated: f64,
     },
-    /// A servo is simulated without its dead band.
-    #[error(
-        "`deadband` of `servo` is not simulated in the nominal model; what it does counts as part of the gap"
-    )]
-    ServoDeadband,
     /// The quantum of the supply reading is so large that its steps are not events.
     #[error("{file}: `supply` is read in steps of {step}, {} % of it; a change of one step is no event", short(*percent), step = short(*step))]
     CoarseSupply {
@@ -229,7 +224,6 @@ impl Oddity {
             | Self::Noisy { file, .. }
             | Self::CoarseSupply { file, .. } => Some(file),
             Self::UnknownKey { .. }
-            | Self::ServoDeadband
             | Self::UnknownUnit { .. }
             | Self::SensorAssumed { .. }
             | Self::OppositeSign { .. }

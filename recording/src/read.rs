@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::manifest::{self, Controller, Parsed, RunEntry};
 use crate::text;
 use crate::validate;
-use crate::{Actuator, Model, Oddity, Recording, Run};
+use crate::{Model, Oddity, Recording, Run};
 
 impl Recording {
     /// Reads and validates the recording in `folder`.
@@ -40,13 +40,8 @@ impl Recording {
             tolerance,
             unstated,
             lines,
-            mut oddities,
+            oddities,
         } = parsed;
-        if let Some(Actuator::Servo(servo)) = &actuator
-            && servo.is_beyond_model()
-        {
-            oddities.push(Oddity::ServoDeadband);
-        }
 
         let mut recording = Self {
             folder: folder.to_owned(),

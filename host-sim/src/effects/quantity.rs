@@ -46,7 +46,7 @@ impl Quantity {
             "delay" | "lag" => Self::Time,
             "input_limit" => Self::Input,
             "input_rate_limit" => Self::InputRate,
-            "gravity_zero" | "stiffness_zero" | "travel" => Self::Position,
+            "gravity_zero" | "stiffness_zero" | "error_deadband" | "travel" => Self::Position,
             _ => return None,
         })
     }

@@ -88,11 +88,10 @@ fn a_servo_gives_ratio_stiffness_and_damping() {
     let limited = "servo = { stiffness = 0.5, speed_limit = 5.0 }";
     let read = folder("", "", limited).read().expect("read");
     assert_eq!(read.model.input_rate_limit, Some(5.0));
-    let said = read.warnings().join("");
-    assert!(!said.contains("deadband"), "{said}");
+    assert_eq!(read.model.error_deadband, None);
     let dead = "servo = { stiffness = 0.5, deadband = 0.01 }";
-    let said = folder("", "", dead).read().expect("read").warnings();
-    assert!(said.join("").contains("deadband"), "{said:?}");
+    let read = folder("", "", dead).read().expect("read");
+    assert_eq!(read.model.error_deadband, Some(0.01));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::fmt::Write;
 const ESTIMATED: f64 = 0.3;
 
 /// Meaning of each number of `[model]`, as comments.
-const MEANINGS: [(&str, &str); 14] = [
+const MEANINGS: [(&str, &str); 15] = [
     ("inertia", "at the joint, the motor's rotor included"),
     ("viscous", "torque = -viscous * velocity"),
     ("coulomb", "dry friction level at the joint"),
